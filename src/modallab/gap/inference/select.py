@@ -18,9 +18,8 @@ from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, seen
-from modallab.gap.model.minimise import narrow
 from modallab.gap.search.clock import clock_shows
-from modallab.gap.search.fitting import Bench, completed, left_out, ordinary, within_tolerances
+from modallab.gap.search.fitting import Bench, completed, left_out, ordinary
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import model_of, search_of
 
@@ -77,8 +76,9 @@ class StepwiseSelection:
         found = [f for f in _best_of_each(found) if f.key != self._here.key][: self.settings.rivals]
         self._progress(0.7, "explanations fitted to the records")
         fitted = [(f, self._fit(f.problem.candidates, f.u)) for f in found]
-        fitted += self._by_records({f.key for f in found})
-        if fitted:
+        if not self._explained(fitted):
+            fitted += self._by_records({f.key for f in found})
+        if fitted and not self._explained(fitted):
             fitted += self._exchanged(min(fitted, key=_score), {f.key for f, _ in fitted})
         fitted.sort(key=_score)
         if not fitted or _score(fitted[0]) > _score((self._here, self.best)) - self.settings.effect_price:
@@ -87,6 +87,10 @@ class StepwiseSelection:
         self.levels.append(Level(self.best, tuple(fit for _, fit in fitted)))
         self._here, self.best = fitted[0]
         self.ended = self.best.gap <= self.bench.flat and self._sound(self.best)
+
+    def _explained(self, fitted: list[tuple[Posterior, Fit]]) -> bool:
+        """Whether one of these leaves nothing but noise: no other can explain more."""
+        return any(fit.gap <= self.bench.watched and self._sound(fit) for _, fit in fitted)
 
     def _sound(self, fit: Fit) -> bool:
         """Whether beam and assembly are within their tolerances, and the generator's lines show no clock but its own."""
@@ -102,16 +106,14 @@ class StepwiseSelection:
 
     def _by_records(self, there: set[Key]) -> list[tuple[Posterior, Fit]]:
         """The explanation that the records speak for most to first order, of those that are not there already."""
-        if not narrow(self.best):
-            return []
         test = ScoreTest(self.bench, self.best)
         present = self.best.problem.candidates
         listed = [c for c in candidates(self.bench, present) if key_of((*present, c)) not in there]
         begun = test.best(listed)
         if begun is None:
             return []
-        fit = self._fit(begun.problem.candidates, begun.u)
-        return [(descended(self._view, self._problem(begun.problem.candidates), fit.u, 2), fit)]
+        found = descended(self._view, self._problem(begun.problem.candidates), self._rested(begun.u), 10)
+        return [(found, self._fit(begun.problem.candidates, found.u))]
 
     def _exchanged(self, best: tuple[Posterior, Fit], there: set[Key]) -> list[tuple[Posterior, Fit]]:
         """The best explanation with another effect in the place of each that came in an earlier round."""
@@ -125,11 +127,7 @@ class StepwiseSelection:
 
     def _added(self, here: Posterior) -> list[Posterior]:
         """The best explanations with one effect more, best first."""
-        begin = here.u.copy()
-        if not within_tolerances(self.bench.free, here.u):
-            # Such an assembly has taken an effect's work over.
-            begin[: self.bench.free.size] = 0.0
-        screen = Screen(self._coarse, here.problem, begin)
+        screen = Screen(self._coarse, here.problem, self._rested(here.u))
         listed = [
             s for c in candidates(self.bench, here.problem.candidates) for s in screen.starts(c, self.settings.starts)
         ]
@@ -142,6 +140,11 @@ class StepwiseSelection:
             self._progress(0.5 + 0.15 * stage, "explanations compared")
             found = _distinct(descended(self._view, f.problem, f.u, steps) for f in found)[:keep]
         return found
+
+    def _rested(self, u: Array) -> Array:
+        """The numbers of the effects, the nuisances at rest: what they took over of another effect is forgotten."""
+        free = self.bench.free.size
+        return np.concatenate([np.zeros(free), u[free:]])
 
     def _progress(self, share: float, what: str) -> None:
         at = len(self.levels)

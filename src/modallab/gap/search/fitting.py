@@ -38,7 +38,7 @@ NEAR = 3.0
 """Times the floor up to which a fit is worth its last digits."""
 SHORT, LONG = 8, 30
 """Slopes that are evaluated at most: far from the floor, and along a narrow valley near it."""
-END = 2e-3
+END = 5e-3
 """Fall of what is above the noise, between two slopes, at which a fit has ended: probabilities differ by less."""
 STRAIGHT = 3.0
 """Deviations of its priors up to which a beam is one to begin from."""
