@@ -7,6 +7,7 @@ from scipy.signal import lfilter
 import modallab as ml
 from modallab.cli import main
 from modallab.core.errors import DataError, IdentificationError
+from modallab.identification.response_only.known_poles import shapes_at
 from modallab.identification.setups.join_responses import ResponseSetUp, join_responses
 from modallab.pipelines.model_file import read_models
 
@@ -49,6 +50,51 @@ def test_modes_that_a_set_up_has_not_found_are_left_out_and_frequencies_are_weig
     found = join_responses([setup("one", [0, 1, 2], [0, 1, 2], 1.0), setup("two", [0, 1, 5], [0, 2], 1.0, 1e-5)])
     np.testing.assert_array_equal(found.places, [[0, 2], [0, 1]])
     np.testing.assert_allclose(found.frequency[0], F[[0, 2]] * (1 + 0.5e-5), rtol=1e-9)
+
+
+def test_a_mode_that_most_set_ups_have_is_joined_and_the_others_are_looked_at() -> None:
+    """Two of three found it; the third set-up's records say what it does at the sensors that only stood there."""
+    three = [setup("one", [0, 1, 2], [0, 1, 2], 1.0), setup("two", [0, 1, 3], [0, 2], 2.0),
+             setup("three", [0, 1, 4], [0, 1, 2], 1j)]  # fmt: skip
+
+    def look(n: int, frequency_hz: np.ndarray, damping_ratio: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        assert n == 1
+        np.testing.assert_allclose(frequency_hz, F)
+        np.testing.assert_allclose(damping_ratio, ZETA)
+        return (3j * SHAPES[:, [0, 1, 3]]), np.full((3, 3), 1e-3)
+
+    found = join_responses(three, look)
+    np.testing.assert_array_equal(found.places, [[0, 1, 2], [0, -1, 1], [0, 1, 2]])
+    whole = SHAPES[:, [p for p, _ in found.freedoms]]
+    largest = np.take_along_axis(whole, np.argmax(np.abs(whole), axis=1)[:, None], axis=1)
+    np.testing.assert_allclose(found.shapes, whole / largest, atol=1e-9)
+    unknown = join_responses(three)
+    assert np.isnan(unknown.shape_sigma[1, [p for p, _ in unknown.freedoms].index(3)])
+    assert np.isfinite(unknown.shape_sigma[0]).all()
+
+
+def test_a_mode_of_few_set_ups_is_left_out() -> None:
+    three = [setup("one", [0, 1, 2], [0, 1, 2], 1.0), setup("two", [0, 1, 3], [0, 2], 2.0),
+             setup("three", [0, 1, 4], [0, 2], 1j)]  # fmt: skip
+    np.testing.assert_array_equal(join_responses(three).places, [[0, 2], [0, 1], [0, 1]])
+
+
+def test_shapes_at_known_poles_are_those_of_the_records() -> None:
+    y = records(5, [0, 1, 2, 3])
+    values, sigma = shapes_at([y], RATE_HZ, (4.0, 25.0), np.array([7.0, 11.0]), np.array([0.02, 0.02]))
+    for value, s, shape in zip(values, sigma, SHAPE, strict=True):
+        factor = np.vdot(shape, value) / (shape @ shape)
+        assert np.all(np.abs(value - factor * shape) < 5 * s)
+        assert np.all(s < 0.1 * np.abs(factor))
+
+
+def test_a_set_up_that_is_off_is_named() -> None:
+    """Five set-ups; in one the structure is 3 % stiffer."""
+    measured = [ml.responses(records(n, p), RATE_HZ * (1.02 if n == 3 else 1), points=[k + 1 for k in p])
+                for n, p in enumerate(([0, 1, 2], [0, 1, 3], [0, 1, 2], [0, 1, 3], [0, 1, 2]))]  # fmt: skip
+    found = ml.identify(measured, band=(4.0, 25.0), progress=False).modal
+    assert any(note.startswith("set-up 4 is off") for note in found.notes)
+    assert np.all(found.frequency_sigma_hz > 2e-3 * found.frequency_hz)
 
 
 def test_what_nothing_joins_is_named() -> None:

@@ -13,7 +13,8 @@ from modallab.core.rig import Channel, Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.identification.response_only.covariances import bands
 from modallab.identification.response_only.half_spectra import HalfSpectra
-from modallab.identification.response_only.modes import PLSCF, response_modes
+from modallab.identification.response_only.looks import PLSCF
+from modallab.identification.response_only.modes import response_modes
 from modallab.identification.response_only.subspace import Subspace
 from modallab.pipelines.model_file import read_models
 from modallab.pipelines.response_only import identify_responses

@@ -13,10 +13,15 @@ from modallab.core.units import Test
 from modallab.frf.joined import contiguous
 from modallab.identification.options import Options
 from modallab.identification.response_only.covariances import TooShortError
-from modallab.identification.response_only.modes import PLSCF, SSI_COV, Method, ResponseModes, response_modes
+from modallab.identification.response_only.looks import PLSCF, SSI_COV, Method
+from modallab.identification.response_only.modes import ResponseModes, response_modes
+from modallab.identification.response_only.periodic import words
 from modallab.pipelines.identify import Identified, Result, identify_campaign
 from modallab.pipelines.sound import sound
 from modallab.signals.signals import to_signals_of
+from modallab.verification.assessment import assessed
+
+Real = NDArray[np.float64]
 
 ResponseMethod = Literal["ssi_cov", "plscf_spectra"]
 USUAL_RESPONSE: ResponseMethod = "ssi_cov"
@@ -81,6 +86,20 @@ def identify_responses(
         DataError: no records, records of several tests, too short or damaged ones.
         IdentificationError: no mode.
     """
+    records, rate, name, left_out = response_records(campaign, test)
+    seconds = sum(r.shape[1] for r in records) / rate
+    band, found = _found(records, rate, band_hz, seconds, method)
+    periodic = (words(found.harmonics_hz),) if found.harmonics_hz.size else ()
+    model = _model(found, campaign, name, band, (NO_FORCE, *periodic, *left_out), method)
+    return Result((Identified(name, model, None, assessed(model, (), (), found.confidence)),), ())
+
+
+def response_records(campaign: Campaign, test: Test | None) -> tuple[list[Real], float, Test, tuple[str, ...]]:
+    """Responses (outputs, samples) in SI, each as long as blocks follow each other, their rate, the test, and notes.
+
+    Raises:
+        DataError: no records, records of several tests, or damaged ones.
+    """
     blocks = campaign.blocks if test is None else campaign.of(test)
     tests = sorted({b.test for b in blocks})
     if len(tests) != 1:
@@ -91,17 +110,12 @@ def identify_responses(
         )
     clean, left_out = sound(campaign, blocks, None)
     signals = to_signals_of(clean, campaign.rig)
-    rate = signals[0].rate_hz
     records = [np.concatenate([s.responses for s in run], axis=1) for run in contiguous(signals)]
-    seconds = sum(r.shape[1] for r in records) / rate
-    band, found = _found(records, rate, band_hz, seconds, method)
-    notes = (NO_FORCE, *left_out)
-    model = _model(found, campaign, blocks[0].test, band, notes, method)
-    return Result((Identified(blocks[0].test, model, None),), ())
+    return records, signals[0].rate_hz, blocks[0].test, left_out
 
 
 def _found(
-    records: list[NDArray[np.float64]],
+    records: list[Real],
     rate_hz: float,
     band_hz: tuple[float, float] | None,
     seconds: float,

@@ -1,6 +1,6 @@
 """Identifies several set-ups of responses alone, and joins them by the sensors that stay."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,12 +12,17 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test
 from modallab.identification.options import Options
+from modallab.identification.response_only.known_poles import shapes_at
 from modallab.identification.setups.found import joined_name
 from modallab.identification.setups.join_responses import Freedom, JoinedResponses, ResponseSetUp, join_responses
 from modallab.identification.setups.readings import SetUpReading
 from modallab.pipelines.identify import Identified, Result
-from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_responses
+from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_responses, response_records
 from modallab.pipelines.setups import common_provenance, require_distinct, setup_names
+from modallab.verification.assessment import assessed
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 FAR = 4.0
 """Sigmas by which a set-up's frequency is off the joined one."""
@@ -56,7 +61,7 @@ def identify_response_setups(
 
     Raises:
         DataError: fewer than two set-ups, one of them twice, a sensor without a point, or nothing that joins them.
-        IdentificationError: a set-up has no mode, no mode is in all of them, or options that have no place here.
+        IdentificationError: a set-up has no mode, no mode is in most of them, or options that have no place here.
     """
     if len(campaigns) < 2:
         raise DataError(f"{len(campaigns)} set-up is nothing to join", remedy="name at least two")
@@ -67,16 +72,26 @@ def identify_response_setups(
         )
     require_distinct(campaigns)
     names = setup_names(campaigns)
-    models = tuple(
-        identify_responses(campaign, test, options.band_hz, method).identified[0].model for campaign in campaigns
-    )
+    found = [identify_responses(campaign, test, options.band_hz, method).identified[0] for campaign in campaigns]
+    models = tuple(item.model for item in found)
     setups = [_setup(n, m, c.rig) for n, m, c in zip(names, models, campaigns, strict=True)]
-    joined = join_responses(setups)
+
+    def look(n: int, frequency_hz: Real, damping_ratio: Real) -> tuple[Complex, Real]:
+        records, rate, *_ = response_records(campaigns[n], test)
+        rows, sense = _rows(campaigns[n].rig)
+        values, sigma = shapes_at(records, rate, models[n].band_hz, frequency_hz, damping_ratio)
+        return (values * sense)[:, rows], sigma[:, rows]
+
+    joined = join_responses(setups, look)
+    read = _readings(setups, joined)
     rig = _joined_rig([c.rig for c in campaigns], joined.freedoms)
-    model = _model(models, names, joined, rig)
+    model = _model(models, read, joined, rig)
     campaign = Campaign(rig, (), (), common_provenance(campaigns), campaigns[0].source)
-    result = Result((Identified(model.test or "random", model, None),), ())
-    return JoinedAlone(result, campaign, models, _readings(setups, joined))
+    each = [of_modes(item.assessment.confidence if item.assessment else np.full(item.model.n_modes, np.nan), at)
+            for item, at in zip(found, joined.places, strict=True)]  # fmt: skip
+    sure = np.nan_to_num(np.array(each)).mean(axis=0)
+    result = Result((Identified(model.test or "random", model, None, assessed(model, (), (), sure)),), ())
+    return JoinedAlone(result, campaign, models, read)
 
 
 def _freedom(channel: Channel, rig: Rig) -> Freedom:
@@ -95,17 +110,20 @@ def _sense(channel: Channel, rig: Rig) -> float:
     return -1.0 if across and channel.direction[0] == "-" else 1.0
 
 
+def _rows(rig: Rig) -> tuple[list[int], Real]:
+    """The outputs that stand for their freedoms, the first of those at one, and the sense of every output."""
+    freedoms = [_freedom(c, rig) for c in rig.responses]
+    return [freedoms.index(f) for f in dict.fromkeys(freedoms)], np.array([_sense(c, rig) for c in rig.responses])
+
+
 def _setup(name: str, model: ModalModel, rig: Rig) -> ResponseSetUp:
     shapes, sigma = model.operating_shapes, model.operating_shape_sigma
     assert shapes is not None
-    freedoms = [_freedom(c, rig) for c in rig.responses]
-    # Of two sensors at one freedom the first stands for it.
-    first = [freedoms.index(f) for f in dict.fromkeys(freedoms)]
-    sense = np.array([_sense(c, rig) for c in rig.responses])
-    unknown: NDArray[np.float64] = np.full(shapes.shape, np.nan)
+    first, sense = _rows(rig)
+    unknown: Real = np.full(shapes.shape, np.nan)
     return ResponseSetUp(
         name,
-        tuple(freedoms[k] for k in first),
+        tuple(_freedom(rig.responses[k], rig) for k in first),
         model.frequency_hz,
         model.frequency_sigma_hz,
         model.damping_ratio,
@@ -137,10 +155,9 @@ def _joined_rig(rigs: Sequence[Rig], freedoms: Sequence[Freedom]) -> Rig:
     return Rig.model_validate(rigs[0].model_copy(update=update).model_dump())
 
 
-def _model(models: Sequence[ModalModel], names: Sequence[str], joined: JoinedResponses, rig: Rig) -> ModalModel:
+def _model(models: Sequence[ModalModel], read: Sequence[SetUpReading], joined: JoinedResponses, rig: Rig) -> ModalModel:
     modes, outputs = joined.shapes.shape
     nothing = np.zeros((modes, outputs, 0))
-    unshared = {name: m.n_modes - modes for name, m in zip(names, models, strict=True) if m.n_modes > modes}
     return models[0].model_copy(
         update={
             "band_hz": (max(m.band_hz[0] for m in models), min(m.band_hz[1] for m in models)),
@@ -159,26 +176,57 @@ def _model(models: Sequence[ModalModel], names: Sequence[str], joined: JoinedRes
             "operating_shape_sigma": joined.shape_sigma,
             "notes": (
                 *dict.fromkeys(note for m in models for note in m.notes),
-                f"Joined from the set-ups {', '.join(names)} by the sensors that stay.",
-                *(
-                    f"set-up {name}: {count} of its modes are not in every set-up, and not in the joined model"
-                    for name, count in unshared.items()
-                ),
+                f"Joined from the set-ups {', '.join(item.name for item in read)} by the sensors that stay.",
+                *_lacking(joined, read),
+                *_left_out(models, joined, read),
+                *_off(joined, read),
             ),
         }
     )
 
 
+def _lacking(joined: JoinedResponses, read: Sequence[SetUpReading]) -> Iterator[str]:
+    for r, places in enumerate(joined.places.T):
+        lacking = [item.name for item, at in zip(read, places, strict=True) if at < 0]
+        if lacking:
+            yield (
+                f"mode {r + 1} ({joined.frequency[0, r]:.4g} Hz) was not found in set-up {', '.join(lacking)} by "
+                "itself; its shape there is what the records hold at that frequency and damping"
+            )
+
+
+def _left_out(models: Sequence[ModalModel], joined: JoinedResponses, read: Sequence[SetUpReading]) -> Iterator[str]:
+    for model, places, item in zip(models, joined.places, read, strict=True):
+        alone = np.delete(model.frequency_hz, places[places >= 0])
+        if alone.size:
+            listed = ", ".join(f"{f:.4g}" for f in alone)
+            yield f"set-up {item.name}: {listed} Hz is in few set-ups, and not in the joined model"
+
+
+def _off(joined: JoinedResponses, read: Sequence[SetUpReading]) -> Iterator[str]:
+    for item in read:
+        if item.off.any():
+            away = np.where(item.off, np.abs(item.frequency_hz / joined.frequency[0] - 1), 0.0)
+            r = int(np.argmax(away))
+            side = "higher" if item.frequency_hz[r] > joined.frequency[0, r] else "lower"
+            yield (
+                f"set-up {item.name} is off: mode {r + 1} is {100 * away[r]:.2g} % {side} than in the middle of the "
+                "set-ups, by more than its sigma explains. The scatter between set-ups is in the sigmas."
+            )
+
+
 def _readings(setups: Sequence[ResponseSetUp], joined: JoinedResponses) -> tuple[SetUpReading, ...]:
+    read = [
+        [of_modes(v, at) for v in (s.frequency_hz, s.frequency_sigma_hz, s.damping_ratio, s.damping_sigma)]
+        for s, at in zip(setups, joined.places, strict=True)
+    ]
+    middle = np.nanmedian([f for f, *_ in read], axis=0)
     return tuple(
-        SetUpReading(
-            item.name,
-            item.frequency_hz[at],
-            item.frequency_sigma_hz[at],
-            item.damping_ratio[at],
-            item.damping_sigma[at],
-            np.abs(item.frequency_hz[at] - joined.frequency[0]) > FAR * item.frequency_sigma_hz[at],
-            setups[0].name,
-        )
-        for item, at in zip(setups, joined.places, strict=True)
+        SetUpReading(item.name, f, sigma, zeta, zeta_sigma, np.abs(f - middle) > FAR * sigma, setups[0].name)
+        for item, (f, sigma, zeta, zeta_sigma) in zip(setups, read, strict=True)
     )
+
+
+def of_modes(values: Real, places: NDArray[np.int64]) -> Real:
+    """(modes,) what stands at these places; NaN where a set-up has none."""
+    return np.where(places >= 0, values[places], np.nan)

@@ -37,9 +37,11 @@ class Assessment:
 def assessed(
     model: ModalModel, verdicts: tuple[Verdict, ...], unjudged: tuple[tuple[str, str], ...], confidence: Real
 ) -> Assessment:
-    """Verdicts and confidence, with the indices of the shapes from each mode's loudest input."""
-    size = np.sum(np.abs(model.modal_constants), axis=1)
-    shapes = np.stack([model.modal_constants[r, :, k] for r, k in enumerate(np.argmax(size, axis=1))])
+    """Verdicts and confidence, with the indices of the shapes: operating ones, or from each mode's loudest input."""
+    shapes = model.operating_shapes
+    if shapes is None:
+        size = np.sum(np.abs(model.modal_constants), axis=1)
+        shapes = np.stack([model.modal_constants[r, :, k] for r, k in enumerate(np.argmax(size, axis=1))])
     try:
         return Assessment(verdicts, unjudged, confidence, mpc(shapes), mpd(shapes), auto_mac(shapes))
     except DataError as error:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from modallab.core.frf import Frf
 from modallab.identification.estimators.plscf import plscf
 from modallab.identification.response_only.subspace import Poles, unit_at_largest
-from modallab.identification.start.stabilisation import OrderPoles
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -46,10 +45,10 @@ class HalfSpectra:
         self._without = self._mean - (covariances @ chosen - self._mean) / (len(covariances) - 1)
         self._order = min(2 * highest // self._references, covariances.shape[1] // 4 - 1)
 
-    def orders(self) -> list[OrderPoles]:
-        """Poles at every order of the polynomial, named by how many there are."""
-        found = plscf(self._spectra(self._mean), self._order)
-        return [OrderPoles(one.order * self._references, one.poles) for one in found]
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """Orders of the polynomial, named by how many poles there are."""
+        return tuple(range(self._references, (self._order + 1) * self._references, self._references))
 
     def at(self, order: int) -> Poles:
         """Poles of one order with what moves them."""

@@ -15,8 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.start.stabilisation import OrderPoles
-
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
@@ -58,9 +56,10 @@ class Subspace:
         self._moved = np.stack([_hankel(c - mean) @ v / self._s for c in covariances])
         self._along = self._u.T @ self._moved
 
-    def orders(self) -> list[OrderPoles]:
-        """Poles at every second order."""
-        return [OrderPoles(n, _upper(self._system(n)[1], self._rate_hz)[1]) for n in range(2, self.highest + 1, 2)]
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """Every second one."""
+        return tuple(range(2, self.highest + 1, 2))
 
     def at(self, order: int) -> Poles:
         """Poles of one order with what moves them."""

@@ -86,14 +86,14 @@ def _listed(points: Sequence[int | None]) -> str:
 
 
 def averaged(values: Real, sigmas: Real) -> tuple[Real, Real]:
-    """The mean of (set-ups, modes), and its sigma.
+    """The mean of (set-ups, modes), and its sigma; a set-up of infinite sigma says nothing.
 
     That is the sigma of the best set-up, since what is common to all, such as errors of the model, does not average
     out, and the scatter between set-ups, which is 0 where they agree.
     """
     weight = 1 / sigmas**2
     mean = np.sum(weight * values, axis=0) / weight.sum(axis=0)
-    excess = np.sum(weight * (values - mean) ** 2, axis=0) - (len(values) - 1)
+    excess = np.sum(weight * (values - mean) ** 2, axis=0) - (np.isfinite(sigmas).sum(axis=0) - 1)
     between = np.maximum(excess, 0) / (weight.sum(axis=0) - np.sum(weight**2, axis=0) / weight.sum(axis=0))
     weight = 1 / (sigmas**2 + between)
     return np.sum(weight * values, axis=0) / weight.sum(axis=0), np.sqrt(sigmas.min(axis=0) ** 2 + between)

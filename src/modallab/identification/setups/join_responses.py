@@ -7,7 +7,7 @@ operational modal analysis", IMAC XXVII, 2009; Doehler, Reynders, Magalhaes, Mev
 2010). Frequencies and damping ratios are averaged as those of set-ups with a force are.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,12 @@ Complex = NDArray[np.complex128]
 Freedom = tuple[int, str]
 """Point and axis of a sensor."""
 
+Look = Callable[[int, Real, Real], tuple[Complex, Real]]
+"""What the records of a set-up hold at all modes' frequencies in Hz and damping ratios: shapes (modes, outputs) of any
+scale, and their sigmas."""
+
+MOST = 0.5
+"""A mode found in more than this share of the set-ups is one of the structure."""
 ALIKE = 0.8
 """Modes of two set-ups are one if the sensors that stay see shapes of at least this MAC."""
 
@@ -53,15 +59,16 @@ class ResponseSetUp:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class JoinedResponses:
-    """The modes that all set-ups have.
+    """The modes that most set-ups have, by rising frequency.
 
     Attributes:
-        places: (set-ups, modes) where each mode stands in each set-up, in the order of the set-ups.
+        places: (set-ups, modes) where each mode stands in each set-up, in the order of the set-ups; -1 where it was not
+            found.
         freedoms: (outputs,) of all set-ups.
         frequency: (2, modes) Hz, and its sigma.
         damping: (2, modes) ratio, and its sigma.
-        shapes: (modes, outputs) 1 at the largest.
-        shape_sigma: (modes, outputs) of the complex number.
+        shapes: (modes, outputs) 1 at the largest; 0 where nothing is known.
+        shape_sigma: (modes, outputs) of the complex number; NaN where nothing is known.
     """
 
     places: NDArray[np.int64]
@@ -74,6 +81,8 @@ class JoinedResponses:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Shapes:
+    """Shapes (modes, outputs) of which some components are not known: their sigma is infinite."""
+
     freedoms: tuple[Freedom, ...]
     values: Complex
     sigma: Real
@@ -82,23 +91,32 @@ class _Shapes:
         at = [self.freedoms.index(f) for f in freedoms]
         return self.values[:, at], self.sigma[:, at]
 
-    def rows(self, modes: Sequence[int]) -> "_Shapes":
-        return _Shapes(self.freedoms, self.values[list(modes)], self.sigma[list(modes)])
+    def rows(self, modes: NDArray[np.int64]) -> "_Shapes":
+        """Those of these modes; of -1 nothing is known."""
+        known = modes[:, None] >= 0
+        return _Shapes(
+            self.freedoms, np.where(known, self.values[modes], 0), np.where(known, self.sigma[modes], np.inf)
+        )
 
 
-def join_responses(found: Sequence[ResponseSetUp]) -> JoinedResponses:
+def join_responses(found: Sequence[ResponseSetUp], look: Look | None = None) -> JoinedResponses:
     """Join set-ups that share sensors.
+
+    A set-up by itself finds a mode of few periods or misses it by chance. What most of them found is a mode, and the
+    records of the others are asked again, at its frequency and damping.
 
     Args:
         found: at least two; each shares a sensor's point and axis with one of those before it, or with a later one
             that does.
+        look: what a set-up's records hold of all modes; None to leave unknown what a set-up did not find.
 
     Raises:
         DataError: nothing joins a set-up to the others.
-        IdentificationError: no mode is in all set-ups.
+        IdentificationError: a set-up has no mode of the others, or no mode is in most of them.
     """
-    joined = _Shapes(found[0].freedoms, found[0].shapes, found[0].shape_sigma)
-    places = {0: list(range(found[0].frequency_hz.size))}
+    joined = _of_set_up(found[0])
+    places = np.full((len(found), found[0].frequency_hz.size), -1, np.int64)
+    places[0] = np.arange(places.shape[1])
     waiting = list(range(1, len(found)))
     while waiting:
         n = next((k for k in waiting if set(found[k].freedoms) & set(joined.freedoms)), None)
@@ -107,38 +125,81 @@ def join_responses(found: Sequence[ResponseSetUp]) -> JoinedResponses:
                 f"nothing joins set-up {found[waiting[0]].name} to the others: no sensor stands where theirs do",
                 remedy="leave one sensor or more at the same points in every set-up",
             )
-        pairs = _partners(found[0].frequency_hz[places[0]], joined, found[n])
-        if not pairs:
-            raise IdentificationError(
-                f"no mode of set-up {found[n].name} is in those before it",
-                remedy="identify each by itself, and look at what differs",
-            )
-        places = {k: [of[i] for i, _ in pairs] for k, of in places.items()} | {n: [j for _, j in pairs]}
-        own = _Shapes(found[n].freedoms, found[n].shapes, found[n].shape_sigma).rows([j for _, j in pairs])
-        joined = _merged(joined.rows([i for i, _ in pairs]), own)
+        places = _placed(places, _partners(_middle(found, places), joined, found[n]), n, found[n])
+        joined = _merged(joined.rows(_grown(joined, places)), _of_set_up(found[n]).rows(places[n]))
         waiting.remove(n)
-    at = np.array([places[k] for k in range(len(found))], dtype=np.int64)
+    most = np.flatnonzero(np.count_nonzero(places >= 0, axis=0) > MOST * len(found))
+    if not most.size:
+        raise IdentificationError(
+            f"no mode is in most of the set-ups {', '.join(item.name for item in found)}",
+            remedy="identify each by itself, and look at what differs",
+        )
+    most = most[np.argsort(_middle(found, places)[most])]
+    return _joined(found, joined.rows(most), places[:, most], look)
+
+
+def _joined(
+    found: Sequence[ResponseSetUp], joined: _Shapes, places: NDArray[np.int64], look: Look | None
+) -> JoinedResponses:
+    frequency = _mean([s.frequency_hz for s in found], [s.frequency_sigma_hz for s in found], places)
+    damping = _mean([s.damping_ratio for s in found], [s.damping_sigma for s in found], places)
+    for n in np.flatnonzero((places < 0).any(axis=1)).tolist() if look else []:
+        assert look is not None
+        lacking = places[n] < 0
+        values, sigma = look(n, frequency[0], damping[0])
+        asked = np.where(lacking, np.arange(lacking.size), -1)
+        joined = _merged(joined, _Shapes(found[n].freedoms, values, sigma).rows(asked))
     shapes, sigma = _largest_one(joined)
     return JoinedResponses(
-        at,
-        joined.freedoms,
-        _mean([s.frequency_hz for s in found], [s.frequency_sigma_hz for s in found], at),
-        _mean([s.damping_ratio for s in found], [s.damping_sigma for s in found], at),
-        shapes,
-        sigma,
+        places, joined.freedoms, frequency, damping, shapes, np.where(np.isinf(sigma), np.nan, sigma)
     )
+
+
+def _of_set_up(item: ResponseSetUp) -> _Shapes:
+    return _Shapes(item.freedoms, item.shapes, _known(item.shapes, item.shape_sigma))
+
+
+def _middle(found: Sequence[ResponseSetUp], places: NDArray[np.int64]) -> Real:
+    """(modes,) Hz, the median over the set-ups that have each."""
+    hz = np.array([np.where(at >= 0, item.frequency_hz[at], np.nan) for item, at in zip(found, places, strict=True)])
+    return np.asarray(np.nanmedian(hz, axis=0), np.float64)
+
+
+def _placed(
+    places: NDArray[np.int64], pairs: Sequence[tuple[int, int]], n: int, item: ResponseSetUp
+) -> NDArray[np.int64]:
+    """Places with those of set-up n, and with the modes that it alone has so far behind the others."""
+    if not pairs:
+        raise IdentificationError(
+            f"no mode of set-up {item.name} is in those before it",
+            remedy="identify each by itself, and look at what differs",
+        )
+    taken = {j for _, j in pairs}
+    new = [j for j in range(item.frequency_hz.size) if j not in taken]
+    places = np.concatenate([places, np.full((len(places), len(new)), -1)], axis=1)
+    for i, j in (*pairs, *zip(range(places.shape[1] - len(new), places.shape[1]), new, strict=True)):
+        places[n, i] = j
+    return places
+
+
+def _grown(joined: _Shapes, places: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(modes,) rows of what was joined before, -1 for the modes that are new."""
+    rows = np.arange(places.shape[1])
+    return np.where(rows < len(joined.values), rows, -1)
 
 
 def _partners(frequency_hz: Real, joined: _Shapes, item: ResponseSetUp) -> list[tuple[int, int]]:
     """Pairs of modes, the nearest in frequency first served; by rising frequency."""
     shared = [f for f in item.freedoms if f in joined.freedoms]
-    here, _ = joined.of(shared)
+    here, sigma = joined.of(shared)
     there = item.shapes[:, [item.freedoms.index(f) for f in shared]]
+    known = np.isfinite(sigma)
     gap = np.abs(frequency_hz[:, None] - item.frequency_hz) / frequency_hz[:, None]
-    inner = np.abs(here.conj() @ there.T) ** 2
-    mac = inner / np.maximum(np.outer(_power(here), _power(there)), np.finfo(float).tiny)
+    inner = np.abs((here * known).conj() @ there.T) ** 2
+    powers = _power(here * known)[:, None] * (known @ (np.abs(there) ** 2).T)
+    mac = inner / np.maximum(powers, np.finfo(float).tiny)
     # One sensor alone sees every shape alike: then the frequency decides.
-    fits = (gap <= SAME_MODE) & ((mac >= ALIKE) | (len(shared) == 1))
+    fits = (gap <= SAME_MODE) & ((mac >= ALIKE) | (np.count_nonzero(known, axis=1) < 2)[:, None])
     free_here, free_there, found = set(range(len(here))), set(range(len(there))), list[tuple[int, int]]()
     for flat in np.argsort(gap, axis=None):
         i, j = divmod(int(flat), len(there))
@@ -157,27 +218,41 @@ def _merged(joined: _Shapes, own: _Shapes) -> _Shapes:
     """Both on the scale of the first; what both know is averaged by its sigmas."""
     shared = [f for f in own.freedoms if f in joined.freedoms]
     (here, here_sigma), (there, there_sigma) = joined.of(shared), own.of(shared)
-    weight = 1 / _known(here, here_sigma) ** 2
-    power = np.sum(weight * np.abs(there) ** 2, axis=1)
-    factor = np.sum(weight * there.conj() * here, axis=1) / power
+    factor, factor_sigma = _factor(here, there, here_sigma)
     # Twice: how uncertain the other side is counts by the factor as well.
-    weight = 1 / (_known(here, here_sigma) ** 2 + (np.abs(factor)[:, None] * _known(there, there_sigma)) ** 2)
-    power = np.sum(weight * np.abs(there) ** 2, axis=1)
-    factor = np.sum(weight * there.conj() * here, axis=1) / power
-    factor_sigma = 1 / np.sqrt(power)
+    factor, factor_sigma = _factor(here, there, np.hypot(here_sigma, _times(there_sigma, factor)))
+    alone = np.isinf(joined.sigma).all(axis=1)
+    factor, factor_sigma = np.where(alone, 1.0, factor), np.where(alone, 0.0, factor_sigma)
     values = factor[:, None] * own.values
-    sigma = np.hypot(np.abs(factor)[:, None] * own.sigma, factor_sigma[:, None] * np.abs(own.values))
+    of_factor = np.where(np.isinf(factor_sigma)[:, None], np.inf, _times(np.abs(own.values), factor_sigma))
+    sigma = np.hypot(_times(own.sigma, factor), of_factor)
     new = [k for k, f in enumerate(own.freedoms) if f not in joined.freedoms]
     total, total_sigma = joined.values.copy(), joined.sigma.copy()
     at, of = [joined.freedoms.index(f) for f in shared], [own.freedoms.index(f) for f in shared]
-    a, b = 1 / _known(total, total_sigma)[:, at] ** 2, 1 / _known(values, sigma)[:, of] ** 2
-    total[:, at] = (a * total[:, at] + b * values[:, of]) / (a + b)
-    total_sigma[:, at] = 1 / np.sqrt(a + b)
+    a, b = 1 / total_sigma[:, at] ** 2, 1 / sigma[:, of] ** 2
+    weight = np.maximum(a + b, np.finfo(float).tiny)
+    total[:, at] = (a * total[:, at] + b * values[:, of]) / weight
+    total_sigma[:, at] = np.where(a + b > 0, 1 / np.sqrt(weight), np.inf)
     return _Shapes(
         (*joined.freedoms, *(own.freedoms[k] for k in new)),
         np.concatenate([total, values[:, new]], axis=1),
         np.concatenate([total_sigma, sigma[:, new]], axis=1),
     )
+
+
+def _factor(here: Complex, there: Complex, sigma: Real) -> tuple[Complex, Real]:
+    """(modes,) by which the one is the other, by least squares, and its sigma: 0 and infinite if unknown."""
+    weight = 1 / sigma**2
+    power = np.sum(weight * np.abs(there) ** 2, axis=1)
+    safe = np.where(power > 0, power, 1.0)
+    factor = np.sum(weight * there.conj() * here, axis=1) / safe
+    return factor, np.where(power > 0, 1 / np.sqrt(safe), np.inf)
+
+
+def _times(sigma: Real, factor: Complex | Real) -> Real:
+    """Sigmas (modes, outputs) times a factor of each mode; what is not known stays so."""
+    known, times = np.isfinite(sigma), np.where(np.isfinite(factor), np.abs(factor), 0.0)
+    return np.where(known, np.where(known, sigma, 0.0) * times[:, None], np.inf)
 
 
 def _known(values: Complex, sigma: Real) -> Real:
@@ -195,4 +270,5 @@ def _largest_one(joined: _Shapes) -> tuple[Complex, Real]:
 def _mean(values: Sequence[Real], sigmas: Sequence[Real], places: NDArray[np.int64]) -> Real:
     v = np.array([value[at] for value, at in zip(values, places, strict=True)])
     s = np.array([sigma[at] for sigma, at in zip(sigmas, places, strict=True)])
-    return np.array(averaged(v, np.where(np.isfinite(s) & (s > 0), s, 1e-9 * np.abs(v))))
+    s = np.where(np.isfinite(s) & (s > 0), s, 1e-9 * np.abs(v))
+    return np.array(averaged(v, np.where(places >= 0, s, np.inf)))

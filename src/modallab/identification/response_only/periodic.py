@@ -1,0 +1,159 @@
+"""Periodic excitation in responses alone: a machine's speed and its orders, mains.
+
+What a mode answers to a random force is Gaussian: over stretches longer than its decay its phase jumps at
+will, and its squared amplitude is distributed exponentially. A line's phase goes on, or, where the speed
+wanders, its amplitude stays.
+Both are tested at the line, stretch by stretch. A mode that rings as long as the whole record
+cannot be distinguished from a line.
+Sources: for the phase, the coherent share of N complex Gaussian numbers exceeds c by chance (1 - c)^(N - 1); for the
+amplitude, Moran, "The random division of an interval", J. R. Stat. Soc. B 9 (1947), with Bartlett's correction.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtr
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+STRETCHES = 16
+"""Of a record, at whose lines a steady phase is looked for."""
+LEAST_STRETCHES, MOST_STRETCHES = 6, 256
+DECAYS = 2.0
+"""Time constants of a mode's decay in a stretch, after which it has forgotten its phase."""
+UNDAMPED = 1e-4
+"""No structure's damping ratio is less: a pole of less is a line where the record is too short to ask."""
+CHANCE = 1e-4
+"""Of a line by chance, in one record."""
+FINER = 8
+"""Of the frequency, as a part of a line."""
+LOBE, TAPER = 4, 12.0
+"""Lines to either side that a line leaks into, and the parameter of the Kaiser window that keeps it there."""
+AT_ONCE = 2_000_000
+
+
+def steady_lines(record: Real, rate_hz: float, band_hz: tuple[float, float]) -> Real:
+    """(lines,) Hz where the phase goes on over the whole record.
+
+    Args:
+        record: (outputs, samples)
+        rate_hz: its rate.
+        band_hz: where to look.
+    """
+    spectra = _stretches(record, STRETCHES)
+    spacing = rate_hz / (record.shape[1] // STRETCHES)
+    first, last = (int(np.clip(round(f / spacing), 1, spectra.shape[-1] - 1)) for f in band_hz)
+    share, offset = np.zeros(spectra.shape[-1]), np.zeros(spectra.shape[-1])
+    step = max(1, AT_ONCE // (STRETCHES * FINER * len(record)))
+    for k in range(first, last + 1, step):
+        lines = slice(k, min(k + step, last + 1))
+        share[lines], offset[lines] = _coherent(spectra[..., lines])
+    chance = (last + 1 - first) * STRETCHES * (1 - share) ** (STRETCHES - 1)
+    found: list[int] = []
+    for k in np.argsort(chance):
+        if chance[k] > CHANCE:
+            break
+        if share[k] and all(abs(k - other) > LOBE for other in found):
+            found.append(int(k))
+    return np.array([_refined(spectra[..., k], k, float(offset[k])) * spacing for k in sorted(found)])
+
+
+def line_at(record: Real, rate_hz: float, frequency_hz: float, damping_ratio: float) -> float | None:
+    """The frequency of the line that a pole stands for; None if it may be a mode.
+
+    Args:
+        record: (outputs, samples)
+        rate_hz: its rate.
+        frequency_hz: of the pole.
+        damping_ratio: of the pole: stretches are so long that a mode of it would forget its phase.
+    """
+    seconds = record.shape[1] / rate_hz
+    count = int(seconds * 2 * np.pi * frequency_hz * damping_ratio / DECAYS)
+    if count < LEAST_STRETCHES:
+        return frequency_hz if damping_ratio < UNDAMPED else None
+    count = min(count, MOST_STRETCHES)
+    at = _demodulated(record, rate_hz, frequency_hz, count)
+    share, _ = _coherent(at[..., None])
+    steady = count * (1 - share[0]) ** (count - 1) < CHANCE
+    return _peak(record, rate_hz, frequency_hz, count / seconds) if steady or _even(at) < CHANCE else None
+
+
+def without(record: Real, rate_hz: float, frequency_hz: float) -> Real:
+    """The record less a line whose amplitude and phase may wander from stretch to stretch."""
+    length, samples = record.shape[1] // STRETCHES // 2 * 2, record.shape[1]
+    window = np.hanning(length + 1)[:-1]
+    turn = np.exp(-2j * np.pi * frequency_hz / rate_hz * np.arange(samples))
+    left = record.copy()
+    for first in range(-length // 2, samples, length // 2):
+        # At the ends a stretch is cut, and so is what it is divided by.
+        inside = slice(max(first, 0), min(first + length, samples))
+        weight = window[inside.start - first : inside.stop - first]
+        if weight.sum() == 0:
+            continue
+        amplitude = record[:, inside] @ (weight * turn[inside]) / weight.sum()
+        left[:, inside] -= 2 * weight * (amplitude[:, None] * turn[inside].conj()).real
+    return left
+
+
+def words(lines_hz: Sequence[float] | Real) -> str:
+    """What is said of lines that were found."""
+    listed = ", ".join(f"{f:.5g}" for f in lines_hz)
+    base = float(min(lines_hz))
+    orders = [round(f / base) for f in lines_hz]
+    whole = len(lines_hz) > 1 and all(abs(f / base - k) < 2e-3 * k for f, k in zip(lines_hz, orders, strict=True))
+    said = f" (orders {', '.join(map(str, orders))} of {base:.5g} Hz)" if whole else ""
+    return (
+        f"Periodic excitation, not modes: harmonics at {listed} Hz{said}. Their phase or amplitude is steadier than "
+        "that of any response to a random force. They were taken out of the records before the modes were identified."
+    )
+
+
+def _peak(record: Real, rate_hz: float, frequency_hz: float, reach_hz: float) -> float:
+    """Where a spectrum is highest, so far about a frequency."""
+    power = np.sum(np.abs(_stretches(record, STRETCHES)) ** 2, axis=(0, 1))
+    line = np.arange(power.size) * rate_hz / (record.shape[1] // STRETCHES)
+    near = np.abs(line - frequency_hz) <= max(reach_hz, line[1])
+    return float(line[near][np.argmax(power[near])])
+
+
+def _stretches(record: Real, count: int) -> Complex:
+    """(count, outputs, lines) spectra of stretches that follow each other."""
+    length = record.shape[1] // count
+    parts = record[:, : count * length].reshape(len(record), count, length).transpose(1, 0, 2)
+    return np.fft.rfft(parts * np.kaiser(length, TAPER), axis=-1)
+
+
+def _demodulated(record: Real, rate_hz: float, frequency_hz: float, count: int) -> Complex:
+    """(count, outputs) of stretches that follow each other, at one frequency, phases against its own course."""
+    length = record.shape[1] // count
+    turn = np.exp(-2j * np.pi * frequency_hz / rate_hz * np.arange(count * length))
+    return np.einsum("ocl,cl->co", record[:, : count * length].reshape(len(record), count, length),
+                     turn.reshape(count, length) * np.hanning(length + 1)[:-1])  # fmt: skip
+
+
+def _coherent(parts: Complex) -> tuple[Real, Real]:
+    """(lines,) share of the power of (stretches, outputs, lines) that goes on steadily, and at which part of a line."""
+    count = len(parts)
+    power = count * np.sum(np.abs(parts) ** 2, axis=(0, 1))
+    together = np.sum(np.abs(np.fft.fft(parts, count * FINER, axis=0)) ** 2, axis=1)
+    best = np.argmax(together, axis=0)
+    share = np.max(together, axis=0) / np.where(power > 0, power, 1.0)
+    cycles = best / (count * FINER)
+    return np.minimum(share, 1.0), np.where(cycles > 0.5, cycles - 1, cycles)
+
+
+def _refined(parts: Complex, line: int, offset: float) -> float:
+    """The line (with its decimals) by what is left of the phase's course over (stretches, outputs)."""
+    turned = parts * np.exp(-2j * np.pi * offset * np.arange(len(parts)))[:, None]
+    return line + offset + float(np.angle(np.vdot(turned[:-1], turned[1:]))) / (2 * np.pi)
+
+
+def _even(parts: Complex) -> float:
+    """How likely amplitudes of (stretches, outputs) are as even as that by chance."""
+    along = np.linalg.svd(parts, full_matrices=False)[2][0]
+    power = np.abs(parts @ along.conj()) ** 2
+    count = len(power)
+    spread = float(np.log(power.mean()) - np.log(np.maximum(power, 1e-300)).mean())
+    return float(chdtr(count - 1, 2 * count * spread / (1 + (count + 1) / (6 * count))))
