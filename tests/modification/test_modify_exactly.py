@@ -9,6 +9,7 @@ from scipy import linalg
 
 from modallab.core.errors import DataError
 from modallab.modification.attachments import Addition, Coupled, Element, RigidLink, TunedAbsorber
+from modallab.modification.inverse import By, best_absorber, tuned
 from modallab.modification.known import Known
 from modallab.modification.structure import structure_of
 
@@ -155,3 +156,31 @@ def test_a_point_that_the_model_does_not_know_is_named_with_those_it_knows() -> 
 def test_a_change_that_is_none_is_rejected(kind: Callable[..., Addition], numbers: dict[str, float]) -> None:
     with pytest.raises(DataError):
         kind(**numbers)
+
+
+@pytest.mark.parametrize(("by", "to_hz"), [("mass", 10.5), ("spring", 14.0)])
+def test_the_size_that_brings_a_mode_to_a_frequency_does_so(by: By, to_hz: float) -> None:
+    known = Known(BARE.model())
+    for answer in tuned(known, 1, to_hz, by, [1, 2, 3]):
+        assert answer.feasible
+        after = known.with_changes([Element(answer.at, **{by: answer.size})]).modes
+        np.testing.assert_allclose(after.frequency_hz[0], to_hz, rtol=1e-8)
+
+
+def test_a_frequency_out_of_reach_has_no_answer_and_says_what_is_in_reach() -> None:
+    """No spring to ground brings a mode beyond the next one of the structure held there."""
+    held = np.delete(np.delete(BARE.stiffness, 1, 0), 1, 1), np.delete(np.delete(BARE.mass, 1, 0), 1, 1)
+    limit = float(np.sqrt(linalg.eigh(*held, eigvals_only=True)[0]) / (2 * np.pi))
+    (answer,) = tuned(Known(BARE.model()), 1, 1.05 * limit, "spring", [2])
+    assert not answer.feasible
+    assert 0.9 * limit < answer.highest_hz < limit
+
+
+def test_the_best_absorber_of_a_structure_of_one_mode_is_den_hartogs() -> None:
+    one = Known(Chain.of([2.0], [1e4, 0.0], damping=1e-9).model())
+    absorber, before, after = best_absorber(one, 1, 1, 0.1)
+    ratio, own = 0.05, float(np.sqrt(1e4 / 2) / (2 * np.pi))
+    # Of the mobility the best tuning lies between those of receptance and inertance, 1 / (1 + mu) and 1 / sqrt(1 + mu).
+    assert 1 / (1 + ratio) < absorber.frequency_hz / own < 1 / np.sqrt(1 + ratio)
+    np.testing.assert_allclose(absorber.damping_ratio, np.sqrt(3 * ratio / (8 * (1 + ratio))), rtol=0.05)
+    assert after < 0.01 * before

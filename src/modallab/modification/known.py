@@ -18,6 +18,7 @@ from modallab.modification.modified import ModesAfter, modify, residues_of
 from modallab.modification.poles import Attached
 from modallab.modification.response import Between, Modes, modal_states, respond
 from modallab.modification.samples import places_of, samples_of
+from modallab.modification.state_space import ModalStateSpace, state_space_of
 from modallab.modification.structure import At, Structure, structure_of
 
 Real = NDArray[np.float64]
@@ -71,6 +72,11 @@ class Known:
     def modes(self) -> ModesAfter:
         """The modes with what hangs on it."""
         return modify(self.structure, self.changes, self.samples)
+
+    @property
+    def alone(self) -> "Known":
+        """Without what hangs on it."""
+        return Known(self.model, self.rig, self.hits)
 
     def with_changes(self, changes: Sequence[Addition]) -> "Known":
         """With more hung on it.
@@ -151,6 +157,15 @@ class Known:
         poles, psi = self._poles_and_shapes
         left, right = structure.columns(of), structure.columns(at)
         return Modes(poles, psi @ left, psi @ right, self._now, left, right, self.model.band_hz)
+
+    def state_space(self, at: Sequence[At], of: Sequence[At], quantity: Quantity) -> ModalStateSpace:
+        """From forces at points to motions of points, without what lies outside the band.
+
+        Raises:
+            DataError: a point that the model does not know.
+        """
+        modes = self._modes_at(of, at)
+        return state_space_of(modes.poles, modes.out, modes.into, quantity, of, at)
 
     @cached_property
     def _poles_and_shapes(self) -> tuple[Complex, Complex]:

@@ -62,18 +62,18 @@ def modify(structure: Structure, changes: Sequence[Addition], samples: Structure
     every = poles_of(attached)
     inside = (np.abs(every) <= 2 * np.pi * structure.band_hz[1]) & (every.imag > 0)
     poles = every[inside]
-    modes_only = refined(attached.with_structure(replace(structure, residual=0 * structure.residual)), every)[inside]
+    modes_only = refined(attached.with_structure(replace(structure, residual=0 * structure.residual)), poles)
     psi = residues_of(attached, poles)
     like, mac = _resembled(structure.psi, psi)
     hz = np.abs(poles) / (2 * np.pi)
-    sigma = np.full((2, every.size), np.nan)
+    sigma = np.full((2, poles.size), np.nan)
     if samples is not None:
-        sigma = _spread(attached.with_structure(samples), every)
+        sigma = _spread(attached.with_structure(samples), poles)
     return ModesAfter(
         frequency_hz=hz,
         damping_ratio=-poles.real / np.abs(poles),
-        frequency_sigma_hz=sigma[0][inside] * hz,
-        damping_sigma=sigma[1][inside],
+        frequency_sigma_hz=sigma[0] * hz,
+        damping_sigma=sigma[1],
         psi=psi,
         like=like,
         mac=mac,

@@ -182,15 +182,26 @@ def _step(s: Complex, flexibility: Callable[[Complex], Complex], own: Complex) -
     """(..., roots) Newton's step, with the other roots and all conjugates divided out."""
     h = DIFFERENCE * np.abs(s)
     slope = (flexibility(s + h) - flexibility(s - h)) / (2 * h)[..., None, None]
-    # At a root the matrix may be singular to the last digit: it is then kept as far away as rounding is.
-    rounding = np.finfo(float).eps * np.abs(h[..., None, None] * slope)
-    rate = np.trace(np.linalg.solve(flexibility(s) + rounding * np.eye(slope.shape[-1]), slope), axis1=-2, axis2=-1)
+    rate = _logarithmic(flexibility(s), slope)
     rate = rate + np.sum(_inverse(s[..., :, None] - own[..., None, :]), axis=-1)
     apart = s[..., :, None] - s[..., None, :]
     rate = rate - np.sum(np.where(np.eye(s.shape[-1], dtype=bool), 0.0, _inverse(apart)), axis=-1)
     rate = rate - np.sum(_inverse(s[..., :, None] - s.conj()[..., None, :]), axis=-1)
     step = 1 / np.where(rate == 0, np.inf, rate)
     return np.where(np.isfinite(step), step, 0.0)
+
+
+def _logarithmic(matrix: Complex, slope: Complex) -> Complex:
+    """(...,) derivative of the logarithm of the determinants of (..., n, n); 0 where a root has gone astray."""
+    sound = (np.isfinite(matrix) & np.isfinite(slope)).all(axis=(-2, -1), keepdims=True)
+    kept = np.where(sound, matrix, np.eye(matrix.shape[-1]))
+    slope = np.where(sound, slope, 0.0)
+    try:
+        rates = np.linalg.solve(kept, slope)
+    except np.linalg.LinAlgError:
+        # At a root the matrix is singular, now and then to the last digit.
+        rates = np.linalg.pinv(kept, rcond=0.0) @ slope
+    return np.trace(rates, axis1=-2, axis2=-1)
 
 
 def _inverse(distance: Complex) -> Complex:

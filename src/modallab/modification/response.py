@@ -16,19 +16,13 @@ from numpy.typing import NDArray
 from scipy import fft, signal
 
 from modallab.core.errors import DataError
-from modallab.core.frf import DERIVATIVES
-from modallab.core.units import Quantity
+from modallab.core.units import DERIVATIVE, Quantity
 from modallab.modification.frfs import Receptances
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 Between = Literal["band-limited", "linear"]
 
-MOTION: dict[Quantity, int] = {
-    "displacement": DERIVATIVES["receptance"],
-    "velocity": DERIVATIVES["mobility"],
-    "acceleration": DERIVATIVES["inertance"],
-}
 RETURN = 0.05
 """Of a record: how long a force takes beyond its end to return to where it began."""
 
@@ -83,11 +77,11 @@ def respond(
             f"a force of shape {force.shape} with a step of {dt:g} s cannot be applied",
             remedy="give (samples,) or (inputs, samples) finite numbers in N, at least two, and dt above 0 s",
         )
-    if quantity not in MOTION:
-        raise DataError(f"no motion is called {quantity!r}", remedy=f"use one of {', '.join(MOTION)}")
+    if quantity not in DERIVATIVE:
+        raise DataError(f"no motion is called {quantity!r}", remedy=f"use one of {', '.join(DERIVATIVE)}")
     begin = np.zeros(len(modes.poles), np.complex128) if start is None else start
     move = _band_limited if between == "band-limited" else _linear
-    return move(modes, force, dt, MOTION[quantity], begin)
+    return move(modes, force, dt, DERIVATIVE[quantity], begin)
 
 
 def _band_limited(modes: Modes, force: Real, dt: float, order: int, start: Complex) -> Real:
@@ -148,7 +142,7 @@ def _rates(modes: Modes, force: Real, dt: float, order: int, start: Complex) -> 
         driven = into @ force
         state = ramp_states(pole, driven, dt, x) * pole**order
         # An acceleration follows the force at once; in displacement and velocity the modes' shares of it cancel.
-        yield state + driven * pole if order == MOTION["acceleration"] else state
+        yield state + driven * pole if order == DERIVATIVE["acceleration"] else state
 
 
 def _summed(out: Complex, states: Iterable[Complex], n: int) -> Real:
@@ -188,7 +182,7 @@ def modal_states(modes_at: Mapping[str, Complex], poles: Complex, given: Mapping
     """
     rows, wanted = [], []
     for quantity, psi in modes_at.items():
-        order = MOTION[quantity]  # pyright: ignore[reportArgumentType]
+        order = DERIVATIVE[quantity]  # pyright: ignore[reportArgumentType]
         shape = (psi * poles[:, None] ** order).T
         rows.append(np.concatenate([2 * shape.real, -2 * shape.imag], axis=1))
         wanted.append(given[quantity])

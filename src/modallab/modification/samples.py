@@ -48,6 +48,9 @@ def samples_of(
     nominal, rng = structure_of(model, rig), np.random.default_rng(seed)
     noise = rng.standard_normal
     hz = model.frequency_hz + np.nan_to_num(model.frequency_sigma_hz) * noise((count, model.n_modes))
+    if rig is not None:
+        # What is predicted is built at another time: until then stiffness may drift as it does within a test.
+        hz = hz * (1 + rig.tolerance.stiffness_drift / 2 * noise((count, 1)))
     zeta = model.damping_ratio + np.nan_to_num(model.damping_sigma) * noise((count, model.n_modes))
     constants = model.modal_constants + _noise(model, noise, count)
     constants = constants * _gains(model, rig, noise, count)
