@@ -28,9 +28,9 @@ from modallab.core.rig import Channel, Point, Rig, Tolerance
 from modallab.formats.fem.fem_file import FemModel
 from modallab.formats.fem.node_modes import NodeModes
 from modallab.gap.modal.diagnosis import diagnose_by_model
-from modallab.gap.modal.mesh import Mesh
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
+from modallab.modification.mesh import Mesh
 from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
 
 Real = NDArray[np.float64]

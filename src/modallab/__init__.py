@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING
 from modallab.core.lazy import lazily
 
 if TYPE_CHECKING:
+    from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
     from modallab.notebook.driven import driven
     from modallab.notebook.gap import GapFound, diagnose, diagnose_by_model
     from modallab.notebook.measured import MeasuredFrf, frf
     from modallab.notebook.model import Model, identify
+    from modallab.notebook.predicted_motion import PredictedMotion
+    from modallab.notebook.put_to_use import ChangedModel, PutToUse
     from modallab.notebook.recording import Recording, load
     from modallab.notebook.response_records import responses
     from modallab.notebook.simulate import simulate
@@ -20,11 +23,18 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "ChangedModel",
+    "Coupled",
     "DiagnosedTwin",
+    "Element",
     "GapFound",
     "MeasuredFrf",
     "Model",
+    "PredictedMotion",
+    "PutToUse",
     "Recording",
+    "RigidLink",
+    "TunedAbsorber",
     "__version__",
     "diagnose",
     "diagnose_by_model",
@@ -39,6 +49,9 @@ __all__ = [
 __getattr__ = lazily(
     __name__,
     {
+        "modification.attachments": ("Coupled", "Element", "RigidLink", "TunedAbsorber"),
+        "notebook.predicted_motion": ("PredictedMotion",),
+        "notebook.put_to_use": ("ChangedModel", "PutToUse"),
         "notebook.gap": ("GapFound", "diagnose", "diagnose_by_model"),
         "notebook.measured": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model", "identify"),

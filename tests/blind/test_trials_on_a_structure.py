@@ -10,7 +10,7 @@ from modallab.blind.measured.draw import MeasuredRequest
 from modallab.blind.measured.run import blind_on
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
-from modallab.gap.modal.synthesis import synthesised
+from modallab.modification.synthesis import synthesised
 
 
 def measured(degrees: float) -> Frf:

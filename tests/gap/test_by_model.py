@@ -8,9 +8,9 @@ from scipy.linalg import eigh
 from modallab.gap.modal.compared import compared
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.free import Free
-from modallab.gap.modal.mesh import MOST, Mesh, on_surface
-from modallab.gap.modal.shapes import shapes_of
 from modallab.gap.modal.weights import Weights
+from modallab.modification.mesh import MOST, Mesh, on_surface
+from modallab.modification.shapes import shapes_of
 
 
 def test_constants_hold_the_shapes_of_every_struck_point_and_what_lies_between() -> None:

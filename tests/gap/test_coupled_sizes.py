@@ -7,9 +7,9 @@ from phased_line import model, rig
 from modallab.blind.measured.put import Put, with_effect
 from modallab.core.frf import Frf
 from modallab.gap.modal.diagnosis import diagnose_by_model
-from modallab.gap.modal.synthesis import synthesised
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
+from modallab.modification.synthesis import synthesised
 
 
 def bent(seed: int = 0) -> Frf:

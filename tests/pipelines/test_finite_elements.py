@@ -12,9 +12,9 @@ from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
 from modallab.formats.fem.matrices import modes_of
 from modallab.gap.modal.same_form import in_form_of
-from modallab.gap.modal.synthesis import synthesised
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
+from modallab.modification.synthesis import synthesised
 from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
 
 EI, PER_M, LENGTH, BAND = 70.0, 0.8, 0.9, (3.0, 250.0)

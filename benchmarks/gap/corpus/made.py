@@ -23,9 +23,9 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig, Tolerance
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
-from modallab.gap.modal.mesh import Mesh
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
+from modallab.modification.mesh import Mesh
 
 ROOT = Path(__file__).parents[3]
 

@@ -2,15 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.io import savemat
 
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, UNIT, Frf, FrfQuantity
 from modallab.core.rig import Channel, Point, Rig
+from modallab.formats.atomic import replacing
+from modallab.formats.exporter import write_export
+from modallab.notebook.asked import path_for
 from modallab.notebook.shown import Shown
 
 OUTPUT_UNIT: dict[FrfQuantity, tuple[str, str]] = {
@@ -36,6 +41,33 @@ class MeasuredFrf:
     def campaign(self) -> Campaign:
         """As a campaign without records."""
         return Campaign(self.rig, (), (self.frf,), source="arrays")
+
+    @classmethod
+    def of(cls, frf: Frf) -> "MeasuredFrf":
+        """FRFs between points, whose places are not known."""
+        to, of = ([p for p in points if p is not None] for points in (frf.output_points, frf.input_points))
+        return cls(frf, _bare_rig(frf.outputs, to, of, frf.quantity))
+
+    def save(self, path: str | Path) -> Path:
+        """Write the FRFs: a universal file (.uff), MATLAB's (.mat) or a campaign file (.h5); returns the path.
+
+        Raises:
+            StorageError: the file cannot be written, or its name ends otherwise.
+        """
+        path = path_for(path, (".uff", ".mat", ".h5"))
+        if path.suffix == ".mat":
+            with replacing(path) as draft:
+                savemat(str(draft), self._content(), appendmat=False)
+        else:
+            write_export(self.campaign, path, "uff" if path.suffix == ".uff" else "hdf5")
+        return path
+
+    def _content(self) -> dict[str, object]:
+        frf = self.frf
+        sigma = {} if frf.variance is None else {"sigma": np.sqrt(frf.variance)}
+        points = {"outputs": list(frf.output_points), "inputs": list(frf.input_points)}
+        about = {"quantity": frf.quantity, "unit": UNIT[frf.quantity], **points}
+        return {"f": frf.frequency_hz, "H": frf.values, **sigma, **about}
 
     def plot(self) -> Any:
         """Amplitude of every output over frequency, as a matplotlib figure."""

@@ -17,12 +17,15 @@ from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL
 from modallab.identification.options import Options
 from modallab.identification.selection.criteria import mac
+from modallab.modification.known import Known
 from modallab.notebook.asked import band_of, frequencies_of, path_for
 from modallab.notebook.measured import MeasuredFrf, phase_rises
+from modallab.notebook.put_to_use import PutToUse
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
 from modallab.pipelines.identify import Identified, Result
 from modallab.pipelines.model_file import write_models
+from modallab.pipelines.model_use import known_of
 from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
 from modallab.pipelines.response_setups import identify_response_setups
 from modallab.pipelines.setups import identify_setups
@@ -39,7 +42,7 @@ Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class Model:
+class Model(PutToUse):
     """A modal model with its uncertainty; of several tests, that of the first. `model["sine"]` is that of another.
 
     Attributes:
@@ -61,6 +64,15 @@ class Model:
     def modal(self) -> ModalModel:
         """Every array of the model, as every stage of modallab takes it."""
         return self.found.model
+
+    @property
+    def known(self) -> Known:
+        """The structure that the model describes, ready for use.
+
+        Raises:
+            DataError: no sensor stands at a driven point, or an output or input has no point.
+        """
+        return known_of(self.campaign, self.modal)
 
     @property
     def tests(self) -> tuple[str, ...]:

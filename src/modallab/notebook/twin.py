@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, FrfQuantity
 from modallab.core.rig import Rig
+from modallab.modification.state_space import Stepped
 from modallab.notebook.measured import MeasuredFrf, frf
 from modallab.twin.bench import Twin
 from modallab.twin.modes import Modes, solve
@@ -43,7 +44,7 @@ class DiagnosedTwin:
 
     twin: Twin
     rig: Rig
-    _state: NDArray[np.complex128] | None = field(default=None, init=False)
+    _steps: Stepped = field(default_factory=Stepped, init=False)
     _driven: int = field(default=0, init=False)
 
     @property
@@ -96,7 +97,9 @@ class DiagnosedTwin:
         )
 
     def step(self, force: ArrayLike, dt: float, drive: int | None = None) -> Real:
-        """Accelerations in m/s^2 at every sensor while a force acts, held over each step; goes on where it ended last.
+        """Accelerations in m/s^2 at every sensor while a force acts; goes on where it ended last.
+
+        Between two samples the force runs straight, and each mode is exact for it.
 
         Args:
             force: in N: one number, or (n,) samples.
@@ -104,7 +107,7 @@ class DiagnosedTwin:
             drive: point of the force; None for the shaker's. Another point begins again from rest.
 
         Returns:
-            (outputs,) for one number, else (outputs, n), at the beginning of each step.
+            (outputs,) for one number, else (outputs, n), at the samples of the force.
 
         Raises:
             DataError: a step that is not above 0, or a force that is not finite.
@@ -117,19 +120,15 @@ class DiagnosedTwin:
         modes, point = self._modes(), self._drive(drive)
         b = self._input(point)
         c, d = self._output(modes, b, "inertance")
-        state = self._state if self._state is not None and point == self._driven else np.zeros(len(b), np.complex128)
-        grows = np.exp(modes.poles * dt)
-        gains = (grows - 1) / modes.poles * b
-        answer = np.empty((len(c), samples.size))
-        for k, newton in enumerate(samples):
-            answer[:, k] = 2 * np.real(c @ state) + d * newton
-            state = grows * state + gains * newton
-        self._state, self._driven = state, point
+        if point != self._driven:
+            self._steps, self._driven = Stepped(), point
+        states = self._steps.step(modes.poles, b, samples, dt)
+        answer = 2 * np.real(c @ states) + d[:, None] * samples
         return answer[:, 0] if np.ndim(force) == 0 else answer
 
     def reset(self) -> None:
         """Bring it to rest: the next step begins there."""
-        self._state = None
+        self._steps = Stepped()
 
     def _modes(self) -> Modes:
         return solve(self.twin.structure)

@@ -7,7 +7,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
-from modallab.gap.modal.mesh import Mesh
+from modallab.modification.mesh import Mesh
 
 Real = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.fem.fem_file import is_fem, read_fem
 from modallab.gap.modal.diagnosis import Explained, explained_by_model
-from modallab.gap.modal.mesh import Mesh
 from modallab.identification.options import Options
+from modallab.modification.mesh import Mesh
 from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
 from modallab.pipelines.identify import Identified, Result, identify_campaign
 from modallab.pipelines.model_file import read_models

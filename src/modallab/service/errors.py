@@ -27,14 +27,14 @@ class ConflictError(ServiceError):
 
 
 class LeaseHeldError(ConflictError):
-    """Someone else holds the rig."""
+    """The rig is held, by someone else or by another program of the same operator."""
 
     code = "lease-held"
     http = Http(
         409,
-        "Someone else holds the rig",
-        "Ask the holder to give it back, or wait until it is over; if the holder is gone and no run is on, ask with "
-        "`take_over`. An emergency stop needs no lease.",
+        "The rig is held",
+        "Ask the holder to give it back, or wait. If the holder is gone and no run is on, ask with `take_over`; "
+        "if you hold it yourself, with `recover`. An emergency stop needs no lease.",
     )
 
 

@@ -1,7 +1,10 @@
 """Models, comparisons and diagnoses as resources: the same as the jobs gave, and whether they are still current."""
 
 from collections.abc import Iterator
+from copy import deepcopy
+from io import BytesIO
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ from scipy import io
 from modallab.core.documents.models import ComparisonView, ModelsView
 from modallab.core.rig import Rig
 from modallab.formats.importer import import_sources
+from modallab.jobs.leases import Leases
 
 API = "/api/v1"
 
@@ -70,7 +74,58 @@ def test_what_is_not_there_yet_says_how_to_get_it(lab: Lab, campaign: str) -> No
         empty = next(c.id for c in lab.service.repository.campaigns(None, 10) if not c.runs)
         model = client.get(f"{API}/campaigns/{empty}/model")
     assert gap.status_code == model.status_code == 404
-    assert "order one" in gap.json()["remedy"]
+    assert f"POST to {API}/campaigns/{campaign}/diagnoses" in gap.json()["remedy"]
+
+
+def test_the_newest_model_of_every_test_is_there_whichever_job_computed_it(lab: Lab, campaign: str, run: str) -> None:
+    impact = lab.service.jobs.list(kind="identify").jobs[0]
+    before = lab.service.jobs.get(impact.id).result
+    assert isinstance(before, dict)
+    after = deepcopy(before)
+    after["document"]["models"][0]["test"] = "sine"
+    job = lab.service.jobs.submit("identify", {"test": "sine"}, (run,), lab.service.store.revision((run,)))
+    lab.service.repository.add_job(campaign, job, "Ada")
+    leases = Leases(lab.service.engine, "tester")
+    taken = next(one for one in leases.take({"identify", "report"}, 10) if one.job.id == job.id)
+    assert leases.done(taken, after)
+    with lab.client() as client:
+        found = ModelsView.model_validate(client.get(f"{API}/campaigns/{campaign}/model").json())
+        curves = client.get(f"{API}/campaigns/{campaign}/curves").json()
+    assert [(one.model.test, one.job) for one in found.models] == [("impact", impact.id), ("sine", job.id)]
+    assert found.job == job.id
+    assert len(curves["tests"]) == 2
+
+
+def test_a_parameter_that_an_address_does_not_know_is_rejected_with_those_it_knows(lab: Lab, campaign: str) -> None:
+    with lab.client() as client:
+        wrong = client.get(f"{API}/campaigns/{campaign}/export", params={"format": "uff"})
+        none = client.get(f"{API}/campaigns/{campaign}/model", params={"test": "sine"})
+        right = client.get(f"{API}/campaigns", params={"limit": 1, "text": "model"})
+    assert (wrong.status_code, none.status_code, right.status_code) == (422, 422, 200)
+    (error,) = wrong.json()["errors"]
+    assert error["where"] == "query.format"
+    assert "it takes to" in error["what"]
+
+
+def test_a_campaign_as_a_folder_of_tables_comes_as_a_zip(lab: Lab, campaign: str, run: str) -> None:
+    with lab.client() as client:
+        answer = client.get(f"{API}/campaigns/{campaign}/export", params={"to": "csv"}).raise_for_status()
+    assert f'filename="{campaign}.csv.zip"' in answer.headers["content-disposition"]
+    with ZipFile(BytesIO(answer.content)) as packed:
+        assert len([name for name in packed.namelist() if name.endswith(".csv")]) == len(lab.store.blocks(run))
+    assert not list(lab.store.folder.glob("modallab-export-*"))
+
+
+def test_who_asks_again_for_a_lease_learns_that_it_is_his(lab: Lab) -> None:
+    with lab.client() as client:
+        take, named = f"{API}/rigs/{RIG}/lease", {"operator": "Emmy"}
+        lease = client.post(take, json=named).raise_for_status().json()["id"]
+        again = client.post(take, json=named).json()
+        other = client.post(take, json={"operator": "Otto"}).json()
+        client.delete(take, headers={"Modallab-Lease": lease}).raise_for_status()
+    assert "the lease is yours" in again["detail"]
+    assert "recover" in again["remedy"]
+    assert "Emmy holds" in other["detail"]
 
 
 def test_a_model_is_not_current_once_another_block_counts(lab: Lab, run: str) -> None:
@@ -202,3 +257,13 @@ def test_what_cannot_be_imported_says_why_and_leaves_nothing(lab: Lab) -> None:
     ]  # fmt: skip
     assert before == (len(lab.service.repository.campaigns(None, 100)), len(lab.store.catalogue.runs()))
     assert not list(lab.store.folder.glob("modallab-import-*"))
+
+
+def test_an_answer_to_a_change_without_an_operator_says_so(lab: Lab) -> None:
+    with lab.client() as client:
+        unnamed = client.post(f"{API}/campaigns", json={"name": "whose", "rig": RIG})
+        named = client.post(
+            f"{API}/campaigns", json={"name": "hers", "rig": RIG}, headers={"Modallab-Operator": "Emmy"}
+        )
+    assert "Modallab-Operator" in unnamed.headers["Modallab-Notes"]
+    assert "Modallab-Notes" not in named.headers

@@ -12,7 +12,7 @@ from modallab.blind.measured.put import Put
 from modallab.core.frozen import Frozen
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.gap.modal.freedoms import freedoms_of
+from modallab.modification.freedoms import freedoms_of
 
 Real = NDArray[np.float64]
 

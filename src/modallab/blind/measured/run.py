@@ -17,9 +17,9 @@ from modallab.core.model import ModalModel
 from modallab.core.progress import part, report
 from modallab.core.rig import Rig
 from modallab.gap.modal.diagnosis import diagnose_by_model
-from modallab.gap.modal.freedoms import with_points
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
+from modallab.modification.freedoms import with_points
 
 ANSWERS = "answers"
 

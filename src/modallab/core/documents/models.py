@@ -65,10 +65,16 @@ class TestModel(Frozen):
         model: modes, modal constants, residual terms, shapes.
         frac: (outputs, inputs) FRAC of measured and regenerated FRFs; None where it could not be formed.
         assessment: None where there is none.
+        job: that computed it.
+        runs: it is of.
+        current: whether the blocks that count now are still those it was computed from.
     """
 
     __test__ = False
 
+    job: str
+    runs: tuple[str, ...]
+    current: bool
     model: ModalModel
     frac: RealArray | None
     assessment: AssessmentView | None
@@ -87,14 +93,14 @@ class Missing(Frozen):
 
 
 class ModelsView(Frozen):
-    """The newest models of a campaign or of a run.
+    """The newest model of every test of a campaign or of a run.
 
     Attributes:
-        job: that computed them.
+        job: the newest of those that computed them.
         runs: they are of.
-        current: whether the blocks that count now are still those they were computed from.
-        code_version: of the modallab that computed them.
-        models: one for each test.
+        current: whether all of them are.
+        code_version: of the modallab that computed the newest.
+        models: the newest of each test.
         without_model: tests that gave none, and why.
     """
 

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.free import Change
-from modallab.gap.modal.freedoms import Freedom, freedoms_of
-from modallab.gap.modal.mesh import apart
 from modallab.gap.modal.state import Hung
+from modallab.modification.freedoms import Freedom, freedoms_of
+from modallab.modification.mesh import apart
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -14,13 +14,13 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.errors import ERROR, sizes, weights
-from modallab.gap.modal.freedoms import freedoms_of
 from modallab.gap.modal.matching import in_common
-from modallab.gap.modal.mesh import Mesh
 from modallab.gap.modal.same_form import in_form_of
-from modallab.gap.modal.shapes import Shapes, shapes_of
-from modallab.gap.modal.synthesis import beside, synthesised
 from modallab.gap.modal.weights import Weights
+from modallab.modification.freedoms import freedoms_of
+from modallab.modification.mesh import Mesh
+from modallab.modification.shapes import Shapes, shapes_of
+from modallab.modification.synthesis import beside, synthesised
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -17,7 +17,7 @@ from modallab.gap.modal.errors import ERROR, sizes
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.search import Fitted
 from modallab.gap.modal.state import Hung
-from modallab.gap.modal.synthesis import beside, synthesised
+from modallab.modification.synthesis import beside, synthesised
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

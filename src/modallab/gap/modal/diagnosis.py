@@ -15,12 +15,12 @@ from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
 from modallab.gap.modal.coupled import CoupledPair, pair_of, refined, unlike
 from modallab.gap.modal.free import Free
-from modallab.gap.modal.freedoms import Freedom
 from modallab.gap.modal.judged import Judged, judged, strain
-from modallab.gap.modal.mesh import Mesh
 from modallab.gap.modal.parts import Misses, by_channel, by_mode
 from modallab.gap.modal.search import Fitted, explanations
 from modallab.gap.model.tolerances import with_tolerances
+from modallab.modification.freedoms import Freedom
+from modallab.modification.mesh import Mesh
 
 Real = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.model import ModalModel
-from modallab.gap.modal.synthesis import kernels
 from modallab.gap.modal.weights import Weights
+from modallab.modification.synthesis import kernels
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -9,7 +9,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
-from modallab.gap.modal.freedoms import Freedom, freedoms_of, senses_of, with_points
+from modallab.modification.freedoms import Freedom, freedoms_of, senses_of, with_points
 
 Real = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from modallab.core.frf import DERIVATIVES
 from modallab.core.model import ModalModel
-from modallab.gap.modal.synthesis import kernels
+from modallab.modification.synthesis import kernels
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

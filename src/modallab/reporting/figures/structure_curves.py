@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from modallab.core.frf import Frf
 from modallab.gap.modal.diagnosis import Explained
 from modallab.gap.modal.free import Free
-from modallab.gap.modal.synthesis import outside, synthesised
+from modallab.modification.synthesis import outside, synthesised
 from modallab.reporting.figures import style
 from modallab.reporting.figures.overview import positive
 

@@ -11,6 +11,7 @@ from modallab.core.documents.campaigns import CampaignChange, CampaignNew, Campa
 from modallab.core.documents.pages import Page
 from modallab.service.api.problems import documented
 from modallab.service.api.request_context import (
+    NOTES,
     CallerOf,
     Cursor,
     IfMatch,
@@ -117,10 +118,13 @@ def change_campaign(
 def export(
     campaign: str,
     service: ServiceOf,
-    to: Annotated[str, Query(max_length=16, description="Name of a format: hdf5, uff, tdms, ...")] = "hdf5",
+    to: Annotated[str, Query(max_length=16, description="Name of a format: hdf5, uff, csv, tdms, ...")] = "hdf5",
 ) -> FileResponse:
-    """The valid runs of a campaign as one file; `Modallab-Notes` says what had no place in the format."""
+    """The valid runs of a campaign as one file, a zip where the format is a folder.
+
+    `Modallab-Notes` says what had no place in the format.
+    """
     exported = export_campaign(service, campaign, to)
-    headers = {"Modallab-Notes": "; ".join(exported.notes)} if exported.notes else None
+    headers = {NOTES: "; ".join(exported.notes)} if exported.notes else None
     name, removed = exported.path.name, BackgroundTask(exported.remove)
     return FileResponse(exported.path, media_type=FILE, filename=name, headers=headers, background=removed)

@@ -11,13 +11,13 @@ from modallab.core.documents.pages import Page
 from modallab.core.errors import DataError
 from modallab.service.context import Service
 from modallab.service.errors import ChangedError, PreconditionNeededError
-from modallab.service.records.callers import Caller
+from modallab.service.records.callers import UNKNOWN, Caller
 
 OPERATOR = "Modallab-Operator"
 LEASE = "Modallab-Lease"
+NOTES = "Modallab-Notes"
 CALLER = "modallab.caller"
 """In the scope of a request whose token or cookie counts."""
-UNKNOWN = "unknown"
 _NO_CONTROL = r"^[^\x00-\x1f\x7f]+$"
 Item = TypeVar("Item")
 
@@ -37,6 +37,7 @@ def caller_of(request: Request) -> Caller:
 
 def _operator(
     request: Request,
+    response: Response,
     operator: Annotated[
         str | None,
         Header(
@@ -48,7 +49,10 @@ def _operator(
     ] = None,
 ) -> str:
     name = caller_of(request).name
-    return name or (UNKNOWN if operator is None else _as_sent(operator))
+    if name or operator is not None:
+        return name or _as_sent(operator or "")
+    response.headers[NOTES] = f"no operator is named, and the record says {UNKNOWN}: send {OPERATOR}"
+    return UNKNOWN
 
 
 def _as_sent(text: str) -> str:

@@ -26,14 +26,16 @@ Run = Annotated[str, Query(max_length=64, description="A run with a model.")]
 
 @router.get("/campaigns/{campaign}/model", responses=documented(404))
 def get_campaign_model(campaign: str, service: ServiceOf) -> ModelsView:
-    """The newest models of a campaign; `current` says whether the blocks they were computed from still are those that
-    count."""
+    """The newest model of every test of a campaign, whichever job computed it.
+
+    `current` says whether the blocks they were computed from still are those that count.
+    """
     return models_of_campaign(service, campaign)
 
 
 @router.get("/runs/{run}/model", responses=documented(404))
 def get_run_model(run: str, service: ServiceOf) -> ModelsView:
-    """The newest models of a run."""
+    """The newest model of a run."""
     return models_of_run(service, run)
 
 

@@ -10,11 +10,12 @@ from modallab.core.documents.pages import Page
 from modallab.core.documents.rigs import Lease, LeaseHolder, LeaseNew, RigView, StopReason, Trip
 from modallab.core.rig import Rig
 from modallab.service.api.problems import documented
-from modallab.service.api.request_context import UNKNOWN, CallerOf, LeaseId, Operator, ServiceOf
+from modallab.service.api.request_context import CallerOf, LeaseId, Operator, ServiceOf
 from modallab.service.api.roles import needs
 from modallab.service.api.router import ONCE, make_router
 from modallab.service.context import Service
 from modallab.service.errors import LeaseHeldError, NotFoundError
+from modallab.service.records.callers import UNKNOWN
 from modallab.service.rigs.control import ControllerState
 from modallab.storage import rig_hash
 

@@ -8,6 +8,8 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Header, Request, Response
 from fastapi.concurrency import run_in_threadpool
+from fastapi.dependencies.models import Dependant
+from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
 from sqlalchemy import Engine, delete, insert, select, update
 
@@ -128,11 +130,13 @@ class RoleRoute(APIRoute):
         """The route's handler, with the look-up around it."""
         handler = self.around(super().get_route_handler())
         extra = self.openapi_extra or {}
+        known = _query_names(self.dependant)
 
         async def asked(request: Request) -> Response:
             if require_role(request, extra):
                 await run_in_threadpool(require_own, request, extra)
             _require_address(request)
+            _require_known(request, known)
             return await handler(request)
 
         return asked
@@ -170,6 +174,24 @@ def _require_address(request: Request) -> None:
     query = request.query_params.multi_items()
     if "\0" in request.url.path or any("\0" in part for pair in query for part in pair):
         raise _nul("the address")
+
+
+def _query_names(dependant: Dependant) -> frozenset[str]:
+    own = frozenset(field.alias for field in dependant.query_params)
+    return own.union(*map(_query_names, dependant.dependencies))
+
+
+def _require_known(request: Request, known: frozenset[str]) -> None:
+    """Reject parameters that the route does not know: a misspelt one would be answered as if it had not been sent.
+
+    Raises:
+        RequestValidationError: names each, and those that are known.
+    """
+    there = f"it takes {', '.join(sorted(known))}" if known else "it takes none"
+    foreign = [name for name in request.query_params if name not in known]
+    if foreign:
+        said = f"is no parameter of this address; {there}"
+        raise RequestValidationError([{"type": "extra_forbidden", "loc": ("query", n), "msg": said} for n in foreign])
 
 
 async def _require_body(request: Request) -> None:

@@ -5,7 +5,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from modallab.core.errors import DataError
+from modallab.core.errors import StorageError
 from modallab.formats.format import find_writer
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError
@@ -30,12 +30,12 @@ class Exported:
 
 
 def export_campaign(service: Service, campaign: str, format_: str) -> Exported:
-    """Write the valid runs of a campaign, with the blocks that count, as one file.
+    """Write the valid runs of a campaign, with the blocks that count, as one file; a format that is a folder as a zip.
 
     Raises:
         NotFoundError: there is no such campaign.
         ConflictError: it has no valid run with good blocks that has ended.
-        DataError: no such format, or one that is a folder, or that holds nothing of it.
+        DataError: no such format, or one that holds nothing of it.
         StorageError, DiskFullError: it cannot be read or written.
     """
     # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
@@ -43,19 +43,33 @@ def export_campaign(service: Service, campaign: str, format_: str) -> Exported:
     from modallab.storage.campaigns import campaign_of
 
     used = find_writer(format_)
-    if not used.endings:
-        raise DataError(f"{format_} is a folder, no file", remedy="export it with modallab export")
     runs = tuple(run for run in service.repository.campaign(campaign).runs if _counts(service, run))
     if not runs:
         raise ConflictError("there is no ended, valid run with good blocks", where=campaign, remedy="record one first")
     folder = Path(tempfile.mkdtemp(prefix="modallab-export-", dir=service.folder))
-    exported = Exported(folder / f"{campaign}{used.endings[0]}", ())
+    written = folder / f"{campaign}{used.endings[0]}"
     try:
-        notes = write_export(campaign_of(service.store, runs), exported.path, format_)
+        notes = write_export(campaign_of(service.store, runs), written, format_)
+        return Exported(_one_file(written), notes)
     except BaseException:
-        exported.remove()
+        shutil.rmtree(folder, ignore_errors=True)
         raise
-    return Exported(exported.path, notes)
+
+
+def _one_file(written: Path) -> Path:
+    """What was written, a folder as a zip beside it.
+
+    Raises:
+        StorageError: it cannot be written.
+    """
+    if not written.is_dir():
+        return written
+    try:
+        packed = Path(shutil.make_archive(str(written), "zip", written))
+        shutil.rmtree(written)
+        return packed
+    except OSError as error:
+        raise StorageError(f"cannot be written: {error.strerror}", where=written.name, remedy="make room") from error
 
 
 def _counts(service: Service, run: str) -> bool:

@@ -91,6 +91,7 @@ def _counts(service: Service, run: str) -> bool:
 
 
 _NOUN = {"diagnose": "diagnosis", "identify": "model"}
+_RESOURCE = {"diagnose": "diagnoses", "identify": "models", "report": "reports"}
 
 
 def newest_file(service: Service, campaign: str, kind: str, name: str) -> bytes:
@@ -104,16 +105,16 @@ def newest_file(service: Service, campaign: str, kind: str, name: str) -> bytes:
     for job in jobs:
         if job.state == "done":
             return job_file(service, job, name)
-    raise none_yet(f"campaign {campaign}", kind, next(iter(jobs), None))
+    raise none_yet(f"campaign {campaign}", campaign, kind, next(iter(jobs), None))
 
 
-def none_yet(whose: str, kind: str, newest: Job | None) -> NotFoundError:
+def none_yet(whose: str, campaign: str, kind: str, newest: Job | None) -> NotFoundError:
     """What to raise where no job of a kind is done; `newest` is one that is not."""
-    noun = _NOUN.get(kind, kind)
+    noun, order_at = _NOUN.get(kind, kind), f"POST to /api/v1/campaigns/{campaign}/{_RESOURCE[kind]}"
     if newest is None:
-        return NotFoundError(f"{whose} has no {noun}", where=whose, remedy="order one, and wait")
+        return NotFoundError(f"{whose} has no {noun}", where=whose, remedy=f"order one by a {order_at}, and wait")
     why, known = split_remedy(newest.error or "")
-    remedy = known or ("order it again" if newest.ended else f"wait until job {newest.id} has ended")
+    remedy = known or (f"order it again by a {order_at}" if newest.ended else f"wait until job {newest.id} has ended")
     said = f"the {noun} of {whose} is {newest.state}{': ' if why else ''}{why}"
     return NotFoundError(said, where=whose, remedy=remedy)
 

@@ -1,15 +1,24 @@
 """What the newest jobs gave, as typed resources."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from pydantic import ValidationError
 
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.documents.models import CURVES, ComparisonView, CurvesView, DiagnosisView, ModelsView, TestModel
+from modallab.core.documents.models import (
+    CURVES,
+    ComparisonView,
+    CurvesView,
+    DiagnosisView,
+    Missing,
+    ModelsView,
+    TestModel,
+)
 from modallab.core.errors import DataError, StorageError
 from modallab.core.model import ModalModel
+from modallab.core.units import TESTS, Test
 from modallab.jobs import Job
 from modallab.service.context import Service
 from modallab.service.errors import NotFoundError
@@ -17,36 +26,53 @@ from modallab.service.jobs.campaign_jobs import campaign_jobs, job_file, none_ye
 
 
 def models_of_campaign(service: Service, campaign: str) -> ModelsView:
-    """The newest models of a campaign.
+    """The newest model of every test of a campaign.
 
     Raises:
         NotFoundError: no such campaign, or it has none yet.
+        StorageError: the newest result cannot be read.
     """
-    return _models(service, _newest(f"campaign {campaign}", "identify", campaign_jobs(service, campaign, "identify")))
+    jobs = campaign_jobs(service, campaign, "identify")
+    return _models(service, _by_test(_done(f"campaign {campaign}", campaign, "identify", jobs)))
 
 
 def curves_of_campaign(service: Service, campaign: str) -> CurvesView:
-    """What the newest models of a campaign are looked at by.
+    """What the newest models of a campaign are looked at by, in their order.
 
     Raises:
         NotFoundError: no such campaign, it has no models yet, or they are of a version that left no curves.
+        StorageError: a result cannot be read.
     """
-    job = _newest(f"campaign {campaign}", "identify", campaign_jobs(service, campaign, "identify"))
+    jobs = campaign_jobs(service, campaign, "identify")
+    found = _by_test(_done(f"campaign {campaign}", campaign, "identify", jobs))
+    return CurvesView(tests=tuple(_curves(service, one).tests[one.place] for one in found if one.place is not None))
+
+
+def _curves(service: Service, one: "_Newest") -> CurvesView:
     try:
-        return CurvesView.model_validate_json(job_file(service, job, CURVES))
+        return CurvesView.model_validate_json(job_file(service, one.job, CURVES))
     except ValidationError as error:
-        raise _unreadable(job) from error
+        raise _unreadable(one.job) from error
 
 
 def models_of_run(service: Service, run: str) -> ModelsView:
-    """The newest models in which a run has part, best of it alone.
+    """The newest model of every test in which a run has part, best of it alone.
 
     Raises:
         NotFoundError: no such run in a campaign, or it has none yet.
+        StorageError: the newest result cannot be read.
     """
-    jobs = [job for job in jobs_of_run(service, run) if job.kind == "identify"]
+    campaign, found = _jobs_of_run(service, run)
+    jobs = [job for job in found if job.kind == "identify"]
     alone = [job for job in jobs if set(job.inputs) == {run} and job.state == "done"]
-    return _models(service, _newest(f"run {run}", "identify", alone or jobs))
+    return _models(service, _by_test(_done(f"run {run}", campaign, "identify", alone or jobs)))
+
+
+def _jobs_of_run(service: Service, run: str) -> tuple[str, list[Job]]:
+    entry = service.repository.entry(run)
+    if entry is None:
+        raise NotFoundError(f"there is no run {run!r} in a campaign", remedy="look at the runs of a campaign")
+    return entry.campaign, [job for job in campaign_jobs(service, entry.campaign) if run in job.inputs]
 
 
 def jobs_of_run(service: Service, run: str) -> list[Job]:
@@ -55,10 +81,7 @@ def jobs_of_run(service: Service, run: str) -> list[Job]:
     Raises:
         NotFoundError: no such run in a campaign.
     """
-    entry = service.repository.entry(run)
-    if entry is None:
-        raise NotFoundError(f"there is no run {run!r} in a campaign", remedy="look at the runs of a campaign")
-    return [job for job in campaign_jobs(service, entry.campaign) if run in job.inputs]
+    return _jobs_of_run(service, run)[1]
 
 
 def diagnosis_of_campaign(service: Service, campaign: str) -> DiagnosisView:
@@ -67,7 +90,7 @@ def diagnosis_of_campaign(service: Service, campaign: str) -> DiagnosisView:
     Raises:
         NotFoundError: no such campaign, or it has none yet.
     """
-    job = _newest(f"campaign {campaign}", "diagnose", campaign_jobs(service, campaign, "diagnose"))
+    job = _done(f"campaign {campaign}", campaign, "diagnose", campaign_jobs(service, campaign, "diagnose"))[0]
     try:
         found = Diagnosis.model_validate(_document(job))
     except ValidationError as error:
@@ -120,26 +143,79 @@ def _only(models: ModelsView, run: str) -> ModalModel:
     return models.models[-1].model
 
 
-def _newest(whose: str, kind: str, jobs: Sequence[Job]) -> Job:
+def _done(whose: str, campaign: str, kind: str, jobs: Sequence[Job]) -> list[Job]:
+    found = [job for job in jobs if job.state == "done"]
+    if not found:
+        raise none_yet(whose, campaign, kind, next(iter(jobs), None))
+    return found
+
+
+class _Newest(NamedTuple):
+    """The newest word on a test: a model at its place in a job's document, or no place and why there is none."""
+
+    job: Job
+    test: str | None
+    place: int | None
+    error: str = ""
+
+
+def _by_test(jobs: Sequence[Job]) -> list[_Newest]:
+    """Of done jobs, the newest first, what the newest that speaks of a test says; in the order of the tests.
+
+    Raises:
+        StorageError: the newest one cannot be read.
+    """
+    found: dict[str | None, _Newest] = {}
     for job in jobs:
-        if job.state == "done":
-            return job
-    raise none_yet(whose, kind, next(iter(jobs), None))
+        try:
+            said = _said(job)
+        except StorageError:
+            # One of an older version is no reason to hide what is newer.
+            if not found:
+                raise
+            continue
+        for one in said:
+            found.setdefault(one.test, one)
+    order = {test: n for n, test in enumerate(TESTS)}
+    return sorted(found.values(), key=lambda one: order.get(cast("Test", one.test), len(order)))
 
 
-def _models(service: Service, job: Job) -> ModelsView:
+def _said(job: Job) -> list[_Newest]:
     document = _document(job)
     try:
-        models = [
-            TestModel(
-                model=ModalModel.model_validate({key: value for key, value in model.items() if key != "frac"}),
-                frac=model["frac"],
-                assessment=assessment,
-            )
-            for model, assessment in zip(document["models"], document["assessments"], strict=True)
-        ]
-        return ModelsView(**_about(service, job), models=tuple(models), without_model=tuple(document["without_model"]))
-    except (ValidationError, KeyError, ValueError) as error:
+        models = [_Newest(job, model["test"], n) for n, model in enumerate(document["models"])]
+        return models + [_Newest(job, one["test"], None, one["error"]) for one in document["without_model"]]
+    except (KeyError, TypeError) as error:
+        raise _unreadable(job) from error
+
+
+def _models(service: Service, found: Sequence[_Newest]) -> ModelsView:
+    models = tuple(_model(service, one.job, one.place) for one in found if one.place is not None)
+    without = tuple(Missing(test=str(one.test), error=one.error) for one in found if one.place is None)
+    newest = max((one.job for one in found), key=lambda job: job.created_utc)
+    abouts = [_about(service, one.job) for one in found]
+    return ModelsView(
+        job=newest.id,
+        runs=tuple(dict.fromkeys(run for about in abouts for run in about["runs"])),
+        current=all(about["current"] for about in abouts),
+        code_version=newest.code_version,
+        models=models,
+        without_model=without,
+    )
+
+
+def _model(service: Service, job: Job, place: int) -> TestModel:
+    document = _document(job)
+    try:
+        model = document["models"][place]
+        about = {key: value for key, value in _about(service, job).items() if key != "code_version"}
+        return TestModel(
+            **about,
+            model=ModalModel.model_validate({key: value for key, value in model.items() if key != "frac"}),
+            frac=model["frac"],
+            assessment=document["assessments"][place],
+        )
+    except (ValidationError, KeyError, IndexError) as error:
         raise _unreadable(job) from error
 
 

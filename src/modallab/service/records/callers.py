@@ -14,6 +14,8 @@ from modallab.service.records.users import Users, digest_of
 from modallab.storage.recorder import utc_now
 
 LOG = logging.getLogger(__name__)
+UNKNOWN = "unknown"
+"""Who asks without a name, by the service's own token."""
 LOOK_S = 1.0
 """Another process may revoke a token: for so long it may count yet."""
 

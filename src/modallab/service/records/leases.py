@@ -9,6 +9,7 @@ from sqlalchemy import Connection, Engine, delete, insert, select, update
 from modallab.core.documents.rigs import Lease, LeaseHolder
 from modallab.service.errors import LeaseHeldError, LeaseNeededError, NotFoundError
 from modallab.service.records import audit
+from modallab.service.records.callers import UNKNOWN
 from modallab.storage.engine import reading, writing
 from modallab.storage.service_tables import LEASES
 
@@ -36,7 +37,7 @@ class Leases:
             row = _row(connection, rig)
             holder = row["operator"] if row is not None and self._remaining_s(row) > 0 else None
             if holder is not None and not take_over:
-                raise self._held_by_another(row, rig)
+                raise self._rejected(row, rig, operator)
             fence = 1 if row is None else int(row["fence"]) + 1
             connection.execute(delete(LEASES).where(LEASES.c.rig == rig))
             lease = Lease(id=secrets.token_urlsafe(18), rig=rig, operator=operator, fence=fence, ttl_s=ttl_s)
@@ -96,7 +97,7 @@ class Leases:
         if row is None or self._remaining_s(row) <= 0:
             raise NotFoundError(f"nobody holds {rig}", where=rig, remedy="take the lease")
         if row["operator"] != operator:
-            raise self._held_by_another(row, rig)
+            raise self._rejected(row, rig, operator)
         return self.renew(rig, str(row["id"]))
 
     def holder(self, rig: str) -> LeaseHolder | None:
@@ -107,7 +108,14 @@ class Leases:
             return None
         return LeaseHolder(operator=row["operator"], fence=row["fence"], remaining_s=self._remaining_s(row))
 
-    def _held_by_another(self, row: Any, rig: str) -> LeaseHeldError:
+    def _rejected(self, row: Any, rig: str, operator: str) -> LeaseHeldError:
+        # Who sends no name is one of many, and no other of them is he.
+        if row["operator"] == operator != UNKNOWN:
+            return LeaseHeldError(
+                f"{operator} holds {rig} already, for {self._remaining_s(row):.1f} s more: the lease is yours",
+                where=rig,
+                remedy="ask with recover: true, which gives it to you again; or give it back where you took it",
+            )
         return LeaseHeldError(
             f"{row['operator']} holds {rig} for {self._remaining_s(row):.1f} s more",
             where=rig,

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.gap.modal.between import Between
-from modallab.gap.modal.factors import Factors, factored
-from modallab.gap.modal.freedoms import Freedom, freedoms_of
-from modallab.gap.modal.mesh import Mesh, apart, on_surface
+from modallab.modification.between import Between
+from modallab.modification.factors import Factors, factored
+from modallab.modification.freedoms import Freedom, freedoms_of
+from modallab.modification.mesh import Mesh, apart, on_surface
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -1,0 +1,322 @@
+"""What can be hung on a structure: masses, springs, dampers, absorbers, rigid links, another structure.
+
+Each is known by its compliance Y(s) at the places where it holds the structure, 0 where it is rigid; and, to begin a
+search of poles, by mass, damping and stiffness matrices with constraints.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+from modallab.modification.structure import At, Structure
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+class Matrices(NamedTuple):
+    """Of motions (links + own) along the links and of what the attachment has besides.
+
+    Attributes:
+        mass: (motions, motions).
+        damping: (motions, motions).
+        stiffness: (motions, motions).
+        constraint: (constraints, motions), zero times the motions.
+    """
+
+    mass: NDArray[np.floating[Any]]
+    damping: NDArray[np.floating[Any]]
+    stiffness: NDArray[np.floating[Any]]
+    constraint: NDArray[np.floating[Any]]
+
+
+class Addition(Protocol):
+    """What is hung on a structure."""
+
+    def links(self, structure: Structure) -> Real:
+        """(freedoms, links) along what it holds the structure."""
+        ...
+
+    def compliance(self, s: Complex) -> Complex:
+        """(..., links, links) m/N at complex frequencies."""
+        ...
+
+    @property
+    def poles(self) -> Complex:
+        """Its own poles of the compliance, rad/s, those with a positive imaginary part."""
+        ...
+
+    @property
+    def matrices(self) -> Matrices:
+        """To begin a search of poles."""
+        ...
+
+    @property
+    def words(self) -> str:
+        """What it is, in a few words."""
+        ...
+
+
+NO_POLES: Complex = np.zeros(0, np.complex128)
+NO_CONSTRAINT: Real = np.zeros((0, 1))
+
+
+def _along(structure: Structure, at: At, to: At | None) -> Real:
+    """(freedoms, 1) motion at a place, over that at another one if there is one."""
+    one = structure.columns([at])
+    return one if to is None else one - structure.columns([to])
+
+
+def _number(value: float, name: str, unit: str) -> None:
+    if not isfinite(value) or value == 0:
+        raise DataError(f"{name}={value!r} {unit} is no change", remedy=f"give a number other than 0 in {unit}")
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """A mass, spring or damper, or all three side by side, at a point to ground, or between two points.
+
+    Attributes:
+        at: where.
+        to: the other end of spring and damper; None for ground.
+        mass: kg; below 0 for one that is taken away.
+        spring: N/m.
+        damper: N s/m.
+    """
+
+    at: At
+    to: At | None = None
+    mass: float = 0.0
+    spring: float = 0.0
+    damper: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Reject what changes nothing.
+
+        Raises:
+            DataError: says which number.
+        """
+        given = {"mass": (self.mass, "kg"), "spring": (self.spring, "N/m"), "damper": (self.damper, "N s/m")}
+        for name, (value, unit) in given.items():
+            if not isfinite(value) or (value == 0 and not any(v for v, _ in given.values())):
+                _number(value, name, unit)
+        if self.mass and self.to is not None:
+            raise DataError("a mass hangs at one point", remedy="leave the second point out")
+
+    def links(self, structure: Structure) -> Real:
+        """As of `Addition`."""
+        return _along(structure, self.at, self.to)
+
+    def compliance(self, s: Complex) -> Complex:
+        """As of `Addition`."""
+        return (1 / (self.mass * s**2 + self.damper * s + self.spring))[..., None, None]
+
+    @property
+    def poles(self) -> Complex:
+        """Where mass and spring alone resonate against ground."""
+        roots = np.roots([self.mass, self.damper, self.spring]) if self.mass and self.spring else NO_POLES
+        return np.asarray(roots[np.imag(roots) > 0], np.complex128)
+
+    @property
+    def matrices(self) -> Matrices:
+        """As of `Addition`."""
+        mass, damping, stiffness = (np.array([[v]]) for v in (self.mass, self.damper, self.spring))
+        return Matrices(mass, damping, stiffness, NO_CONSTRAINT)
+
+    @property
+    def words(self) -> str:
+        """As of `Addition`."""
+        parts = [
+            f"{word} {value:.4g} {unit}"
+            for word, value, unit in (
+                ("mass", self.mass, "kg"),
+                ("spring", self.spring, "N/m"),
+                ("damper", self.damper, "N s/m"),
+            )
+            if value
+        ]
+        return f"{', '.join(parts)} at {self.at}" + (f" to {self.to}" if self.to is not None else "")
+
+
+@dataclass(frozen=True, slots=True)
+class TunedAbsorber:
+    """A mass on a spring and a damper (Den Hartog, Mechanical Vibrations, 4th ed. 1956, section 3.3).
+
+    Attributes:
+        at: where.
+        mass: kg.
+        frequency_hz: natural frequency of the absorber alone.
+        damping_ratio: of the absorber alone.
+    """
+
+    at: At
+    mass: float
+    frequency_hz: float
+    damping_ratio: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Reject numbers that are none.
+
+        Raises:
+            DataError: says which.
+        """
+        for name, value, unit in (("mass", self.mass, "kg"), ("frequency_hz", self.frequency_hz, "Hz")):
+            if not (isfinite(value) and value > 0):
+                raise DataError(f"{name}={value!r} of an absorber", remedy=f"give a number above 0 in {unit}")
+        if not (isfinite(self.damping_ratio) and self.damping_ratio >= 0):
+            raise DataError(f"damping_ratio={self.damping_ratio!r}", remedy="give a number from 0 on, 0.1 for 10 %")
+
+    @property
+    def spring(self) -> float:
+        """N/m."""
+        return self.mass * (2 * np.pi * self.frequency_hz) ** 2
+
+    @property
+    def damper(self) -> float:
+        """N s/m."""
+        return 2 * self.damping_ratio * self.mass * 2 * np.pi * self.frequency_hz
+
+    def links(self, structure: Structure) -> Real:
+        """As of `Addition`."""
+        return structure.columns([self.at])
+
+    def compliance(self, s: Complex) -> Complex:
+        """A mass in series with spring and damper."""
+        return (1 / (self.mass * s**2) + 1 / (self.damper * s + self.spring))[..., None, None]
+
+    @property
+    def poles(self) -> Complex:
+        """None: a free mass on a spring moves as one at no frequency above 0."""
+        return NO_POLES
+
+    @property
+    def matrices(self) -> Matrices:
+        """As of `Addition`."""
+        both = np.array([[1.0, -1.0], [-1.0, 1.0]])
+        return Matrices(np.diag([0.0, self.mass]), self.damper * both, self.spring * both, np.zeros((0, 2)))
+
+    @property
+    def words(self) -> str:
+        """As of `Addition`."""
+        own = f"absorber {self.mass:.4g} kg, {self.frequency_hz:.5g} Hz, {100 * self.damping_ratio:.3g} %"
+        return f"{own} at {self.at}"
+
+
+@dataclass(frozen=True, slots=True)
+class RigidLink:
+    """Two points that move as one, or a point that no longer moves.
+
+    Attributes:
+        at: where.
+        to: the other point; None for ground.
+    """
+
+    at: At
+    to: At | None = None
+
+    def links(self, structure: Structure) -> Real:
+        """As of `Addition`."""
+        return _along(structure, self.at, self.to)
+
+    def compliance(self, s: Complex) -> Complex:
+        """None."""
+        return np.zeros((*s.shape, 1, 1), np.complex128)
+
+    @property
+    def poles(self) -> Complex:
+        """None."""
+        return NO_POLES
+
+    @property
+    def matrices(self) -> Matrices:
+        """As of `Addition`."""
+        none = np.zeros((1, 1))
+        return Matrices(none, none, none, np.ones((1, 1)))
+
+    @property
+    def words(self) -> str:
+        """As of `Addition`."""
+        return f"ground at {self.at}" if self.to is None else f"rigid link {self.at} to {self.to}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coupled:
+    """Another structure, held at pairs of points, rigidly or by a joint.
+
+    Attributes:
+        other: the structure.
+        pairs: (point of this one, point of the other).
+        joint_spring: N/m of the joint at each pair; None for rigid ones.
+        sign: -1 where the other is taken away from a measurement of both.
+    """
+
+    other: Structure
+    pairs: Sequence[tuple[At, At]]
+    joint_spring: float | None = None
+    sign: int = 1
+    _own: Real = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Look up the points of the other structure.
+
+        Raises:
+            DataError: no pair, or a point that the other structure does not have.
+        """
+        if not self.pairs:
+            raise DataError("no pair of points is given", remedy="give pairs=[(point of one, point of the other)]")
+        object.__setattr__(self, "_own", self.other.columns([of for _, of in self.pairs]))
+
+    def links(self, structure: Structure) -> Real:
+        """As of `Addition`."""
+        return structure.columns([at for at, _ in self.pairs])
+
+    def compliance(self, s: Complex) -> Complex:
+        """Of the other structure at its points, with the joints'."""
+        joint = 0.0 if self.joint_spring is None else np.eye(len(self.pairs)) / self.joint_spring
+        return (
+            self.sign
+            * (self.other.receptance(s.reshape(-1), self._own, self._own)).reshape(
+                *s.shape, len(self.pairs), len(self.pairs)
+            )
+            + joint
+        )
+
+    @property
+    def poles(self) -> Complex:
+        """Those of the other structure."""
+        return self.other.poles
+
+    @property
+    def matrices(self) -> Matrices:
+        """Modes of the other structure, with their motions held to this one's."""
+        pairs, modes = len(self.pairs), len(self.other.poles)
+        phi = np.real(self.other.psi * np.sqrt(2j * self.other.poles.imag)[:, None]) @ self._own
+        omega = np.abs(self.other.poles)
+        own = [np.ones(modes), -2 * self.other.poles.real, omega**2]
+        mass, damping, stiffness = (np.diag(np.concatenate([np.zeros(pairs), self.sign * v])) for v in own)
+        apart = np.concatenate([np.eye(pairs), -phi.T], axis=1)
+        if self.joint_spring is None:
+            return Matrices(mass, damping, stiffness, apart)
+        return Matrices(mass, damping, stiffness + self.joint_spring * apart.T @ apart, apart[:0])
+
+    @property
+    def words(self) -> str:
+        """As of `Addition`."""
+        how = "taken away" if self.sign < 0 else "coupled"
+        return f"structure {how} at " + ", ".join(f"{a}={b}" for a, b in self.pairs)
+
+
+def together(attachments: Sequence[Addition]) -> tuple[Addition, ...]:
+    """The same with masses, springs and dampers of the same ends added up; what adds up to nothing is left out."""
+    sums: dict[tuple[At, At | None], tuple[float, float, float]] = {}
+    for a in attachments:
+        if isinstance(a, Element):
+            before = sums.get((a.at, a.to), (0.0, 0.0, 0.0))
+            sums[a.at, a.to] = before[0] + a.mass, before[1] + a.spring, before[2] + a.damper
+    elements = [Element(at, to, *values) for (at, to), values in sums.items() if any(values)]
+    return (*elements, *(a for a in attachments if not isinstance(a, Element)))

@@ -1,0 +1,88 @@
+"""FRFs of a model at pairs of points, measured ones or not, with their uncertainty."""
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
+from modallab.modification.structure import At, Structure
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+CHUNK = 64
+"""Lines of all samples that are computed at once."""
+
+
+class Receptances(Protocol):
+    """A structure, with or without attachments."""
+
+    def receptance(self, s: Complex, left: Real | None = None, right: Real | None = None) -> Complex:
+        """(..., lines, left, right) m/N."""
+        ...
+
+    def motion(self, s: Complex, forces: Complex, left: Real, right: Real) -> Complex:
+        """(left, lines) m, of forces (right, lines) N."""
+        ...
+
+
+def frf_between(
+    structure: Structure,
+    now: Receptances,
+    samples: Receptances | None,
+    f: object,
+    outputs: Sequence[At],
+    inputs: Sequence[At],
+    quantity: FrfQuantity,
+) -> Frf:
+    """FRFs between points.
+
+    Args:
+        structure: names the points.
+        now: what they are of: the structure itself, or with attachments.
+        samples: of the same, for the variance; None for none.
+        f: (lines,) Hz, ascending, above 0.
+        outputs: points.
+        inputs: points.
+        quantity: receptance, mobility or inertance.
+
+    Raises:
+        DataError: frequencies that do not ascend from above 0, or a point that the model does not know.
+    """
+    hz = frequencies_of(f)
+    if quantity not in DERIVATIVES:
+        raise DataError(f"no FRF is called {quantity!r}", remedy=f"use one of {', '.join(DERIVATIVES)}")
+    left, right, s = structure.columns(outputs), structure.columns(inputs), np.asarray(2j * np.pi * hz)
+    factor = (s ** DERIVATIVES[quantity])[:, None, None]
+    values = np.moveaxis(now.receptance(s, left, right) * factor, 0, -1)
+    variance = None
+    if samples is not None:
+        parts = np.array_split(s, max(1, -(-hz.size // CHUNK)))
+        spread = np.concatenate([np.var(samples.receptance(part, left, right), axis=0) for part in parts])
+        variance = np.moveaxis(spread * np.abs(factor) ** 2, 0, -1)
+    points = [[structure.freedoms[structure.index(a)] for a in places] for places in (outputs, inputs)]
+    names = tuple(f"{p}{axis}" for p, axis in points[0])
+    return Frf(
+        hz,
+        np.ascontiguousarray(values),
+        quantity,
+        names,
+        tuple(p for p, _ in points[0]),
+        tuple(p for p, _ in points[1]),
+        variance=variance,
+    )
+
+
+def frequencies_of(f: object) -> Real:
+    """(lines,) Hz.
+
+    Raises:
+        DataError: they are no numbers above 0 that ascend.
+    """
+    hz = np.atleast_1d(np.asarray(f, np.float64))
+    if hz.ndim != 1 or not hz.size or not np.isfinite(hz).all() or hz[0] <= 0 or np.any(np.diff(hz) <= 0):
+        raise DataError("the frequencies do not ascend from above 0 Hz", where="f", remedy="sort them, and leave 0 out")
+    return hz

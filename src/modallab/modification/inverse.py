@@ -1,0 +1,166 @@
+"""The change that a wanted property needs: a frequency of a mode, or the least motion at a resonance."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq, minimize
+
+from modallab.core.errors import DataError
+from modallab.modification.attachments import Addition, Element, TunedAbsorber
+from modallab.modification.known import Known
+from modallab.modification.poles import Attached, poles_of
+from modallab.modification.structure import At
+
+Real = NDArray[np.float64]
+By = Literal["mass", "spring"]
+
+TRIED = 60
+"""Sizes at each point, evenly over the logarithm; between two of them a frequency moves one way."""
+ONLY_THE_LIGHT = 1e-3
+"""Of the modal mass or stiffness: the smallest size that is tried."""
+AT_MOST = 30.0
+"""Times the modal mass or stiffness at the point: more hardly moves a mode any further."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """A change at a point that brings a mode to a frequency, or why there is none.
+
+    Attributes:
+        at: the point.
+        size: kg or N/m; NaN where there is none.
+        sigma: of the size, one standard deviation.
+        lowest_hz: of the frequencies that any size reaches there.
+        highest_hz: of them.
+    """
+
+    at: At
+    size: float
+    sigma: float
+    lowest_hz: float
+    highest_hz: float
+
+    @property
+    def feasible(self) -> bool:
+        """Whether there is one."""
+        return bool(np.isfinite(self.size))
+
+
+def tuned(known: Known, mode: int, to_hz: float, by: By, at: Sequence[At]) -> tuple[Answer, ...]:
+    """What brings a mode to a frequency, at each of several points; the smallest first, then the points without one.
+
+    Args:
+        known: the structure.
+        mode: from 1.
+        to_hz: Hz.
+        by: a mass, or a spring to ground.
+        at: points to try.
+
+    Raises:
+        DataError: no such mode, or a frequency beyond the band.
+    """
+    modes = len(known.structure.poles)
+    if not 1 <= mode <= modes:
+        raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {modes}")
+    if not 0 < to_hz < known.model.band_hz[1]:
+        raise DataError(f"{to_hz:g} Hz is outside the band", remedy=f"stay below {known.model.band_hz[1]:.4g} Hz")
+    found = [_at_point(known, mode - 1, to_hz, by, point) for point in at]
+    return tuple(sorted(found, key=lambda a: (not a.feasible, a.size if a.feasible else 0.0)))
+
+
+def _at_point(known: Known, mode: int, to_hz: float, by: By, at: At) -> Answer:
+    whole = known.structure
+    place, pole = whole.index(at), whole.poles[mode]
+    phi2 = float(np.abs(whole.psi[mode, place] ** 2 * 2 * pole.imag))
+    # A point near a node needs more than any point has: the largest shape bounds what is tried there.
+    largest = float(np.max(np.abs(whole.psi[mode] ** 2 * 2 * pole.imag)))
+    modal = (1.0 if by == "mass" else float(np.abs(pole) ** 2)) / max(phi2, 1e-3 * largest)
+    sizes = np.geomspace(ONLY_THE_LIGHT * modal, AT_MOST * modal, TRIED)
+    hz = _followed(known, mode, by, at, sizes)
+    start = float(np.abs(pole)) / (2 * np.pi)
+    reached = float(min(start, hz.min())), float(max(start, hz.max()))
+    between = np.flatnonzero((hz[:-1] - to_hz) * (hz[1:] - to_hz) <= 0)
+    first = (start - to_hz) * (hz[0] - to_hz) <= 0
+    if not between.size and not first:
+        return Answer(at, np.nan, np.nan, *reached)
+    low, high = (1e-3 * sizes[0], sizes[0]) if first else sizes[between[0] : between[0] + 2]
+
+    def off(log_size: float) -> float:
+        path = np.append(sizes[sizes < np.exp(log_size)], np.exp(log_size))
+        return float(_followed(known, mode, by, at, path)[-1]) - to_hz
+
+    size = float(np.exp(brentq(off, np.log(low), np.log(high), xtol=1e-9)))  # pyright: ignore[reportArgumentType]
+    return Answer(at, size, _sigma(known, to_hz, by, at, size), *reached)
+
+
+def _followed(known: Known, mode: int, by: By, at: At, sizes: Real) -> Real:
+    """(sizes,) frequency of a mode as a change grows: its order among the modes stays, as two of them never cross."""
+    return np.array([_sorted_hz(known, [_change(by, at, s)])[mode] for s in sizes])
+
+
+def _sorted_hz(known: Known, changes: Sequence[Addition]) -> Real:
+    found = np.abs(poles_of(Attached.of(known.structure, changes))) / (2 * np.pi)
+    return np.asarray(np.sort(found), np.float64)
+
+
+def _change(by: By, at: At, size: float) -> Element:
+    return Element(at, mass=size) if by == "mass" else Element(at, spring=size)
+
+
+def _sigma(known: Known, to_hz: float, by: By, at: At, size: float) -> float:
+    """Of the size: that of the frequency it gives over how the frequency moves with it."""
+    small = 1e-3 * size
+    here, there = (known.with_changes([_change(by, at, s)]).modes for s in (size, size + small))
+    r = int(np.argmin(np.abs(here.frequency_hz - to_hz)))
+    slope = (there.frequency_hz[r] - here.frequency_hz[r]) / small
+    return float(here.frequency_sigma_hz[r] / abs(slope))
+
+
+def best_absorber(known: Known, mode: int, at: At, mass: float) -> tuple[TunedAbsorber, float, float]:
+    """The absorber that leaves the least peak of the driving-point mobility about a mode.
+
+    Den Hartog's tuning of a structure of one mode begins the search; the others, and its own damping, then move it.
+
+    Args:
+        known: the structure.
+        mode: from 1.
+        at: where the absorber hangs.
+        mass: of it, kg.
+
+    Returns:
+        the absorber, and the peaks before and after in m/(N s).
+
+    Raises:
+        DataError: no such mode, or the mode has a node there.
+    """
+    if not 1 <= mode <= len(known.structure.poles):
+        raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {len(known.structure.poles)}")
+    ratio, omega = _mass_ratio(known, mode - 1, at, mass)
+    f = omega / (2 * np.pi) * np.linspace(0.5, 1.5, 1001)
+    start = np.log([1 / (1 + ratio), np.sqrt(3 * ratio / (8 * (1 + ratio)))])
+
+    def peak(x: Real) -> float:
+        absorber = TunedAbsorber(at, mass, float(omega / (2 * np.pi) * np.exp(x[0])), float(np.exp(x[1])))
+        return _peak(known, [absorber], f, at)
+
+    found: Any = minimize(peak, start, method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-9})
+    best = TunedAbsorber(at, mass, float(omega / (2 * np.pi) * np.exp(found.x[0])), float(np.exp(found.x[1])))
+    return best, _peak(known, [], f, at), _peak(known, [best], f, at)
+
+
+def _mass_ratio(known: Known, mode: int, at: At, mass: float) -> tuple[float, float]:
+    whole = known.structure
+    pole, place = whole.poles[mode], whole.index(at)
+    phi2 = np.abs(whole.psi[mode] ** 2 * 2 * pole.imag)
+    if phi2[place] < 1e-4 * phi2.max():
+        raise DataError(f"mode {mode + 1} has a node at {at}", remedy="hang the absorber where the mode moves")
+    return float(mass * phi2[place]), float(np.abs(pole))
+
+
+def _peak(known: Known, changes: Sequence[Addition], f: Real, at: At) -> float:
+    b = known.structure.columns([at])
+    s = np.asarray(2j * np.pi * f)
+    return float(np.max(np.abs(s * Attached.of(known.structure, changes).receptance(s, b, b)[:, 0, 0])))

@@ -1,0 +1,181 @@
+"""A modal model made ready for use: its structure, samples of it, and its FRFs as they were measured."""
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.frf import Frf, FrfQuantity
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.core.units import Quantity
+from modallab.modification.attachments import Addition
+from modallab.modification.frfs import Receptances, frf_between
+from modallab.modification.measured import MeasuredPairs
+from modallab.modification.modified import ModesAfter, modify, residues_of
+from modallab.modification.poles import Attached
+from modallab.modification.response import Between, Modes, modal_states, respond
+from modallab.modification.samples import places_of, samples_of
+from modallab.modification.state_space import ModalStateSpace, state_space_of
+from modallab.modification.structure import At, Structure, structure_of
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+FRF_SAMPLES = 50
+"""Of FRFs, which have many numbers: enough to know a standard deviation to 10 %."""
+
+
+class Known:
+    """A structure known by its modal model, alone or with attachments.
+
+    Attributes:
+        model: of it.
+        rig: where its points are, and how well everything is known; None where nothing is said.
+        changes: what hangs on it.
+    """
+
+    def __init__(
+        self,
+        model: ModalModel,
+        rig: Rig | None = None,
+        hits: Sequence[int] | None = None,
+        changes: Sequence[Addition] = (),
+    ) -> None:
+        """Look up what the model knows.
+
+        Args:
+            model: with a driving point.
+            rig: of the recordings.
+            hits: (inputs,) over how many hits each input was averaged.
+            changes: what hangs on it.
+
+        Raises:
+            DataError: no driving point, or an output or input without a point.
+        """
+        self.model, self.rig, self.hits, self.changes = model, rig, hits, tuple(changes)
+        self.structure = structure_of(model, rig)
+
+    @cached_property
+    def samples(self) -> Structure:
+        """(samples, ...) structures that the model leaves possible."""
+        return samples_of(self.model, self.rig, self.hits)
+
+    @cached_property
+    def attached(self) -> Attached:
+        """With what hangs on it."""
+        return Attached.of(self.structure, self.changes)
+
+    @cached_property
+    def modes(self) -> ModesAfter:
+        """The modes with what hangs on it."""
+        return modify(self.structure, self.changes, self.samples)
+
+    @property
+    def alone(self) -> "Known":
+        """Without what hangs on it."""
+        return Known(self.model, self.rig, self.hits)
+
+    def with_changes(self, changes: Sequence[Addition]) -> "Known":
+        """With more hung on it.
+
+        Raises:
+            DataError: the model does not know a point.
+        """
+        more = Known(self.model, self.rig, self.hits, (*self.changes, *changes))
+        more.__dict__["samples"] = self.samples
+        _ = more.attached
+        return more
+
+    def frf(
+        self,
+        f: object,
+        outputs: Sequence[At] | None = None,
+        inputs: Sequence[At] | None = None,
+        quantity: FrfQuantity = "mobility",
+        *,
+        sigma: bool = True,
+    ) -> Frf:
+        """FRFs between points, measured pairs or not, with their variance.
+
+        Args:
+            f: (lines,) Hz, above 0, ascending.
+            outputs: points; None for all that have a sensor.
+            inputs: points; None for those that were driven.
+            quantity: receptance, mobility or inertance.
+            sigma: whether to give the variance.
+
+        Raises:
+            DataError: frequencies that do not ascend, or a point that the model does not know.
+        """
+        rows, columns = places_of(self.model, self.structure)
+        freedoms = self.structure.freedoms
+        left = [freedoms[r] for r in rows] if outputs is None else outputs
+        right = [freedoms[c] for c in columns] if inputs is None else inputs
+        varied = None
+        if sigma:
+            few = self.samples.first(FRF_SAMPLES)
+            varied = self.attached.with_structure(few) if self.changes else few
+        return frf_between(self.structure, self._now, varied, f, left, right, quantity)
+
+    @cached_property
+    def _now(self) -> Receptances:
+        return self.attached if self.changes else MeasuredPairs.of(self.model, self.structure)
+
+    def response(
+        self,
+        force: Real,
+        dt: float,
+        at: Sequence[At],
+        of: Sequence[At],
+        quantity: Quantity = "acceleration",
+        between: Between = "band-limited",
+        start: dict[str, dict[At, float]] | None = None,
+    ) -> Real:
+        """(outputs, samples) motion that forces give.
+
+        Args:
+            force: (inputs, samples) N.
+            dt: s between samples.
+            at: (inputs,) points of the forces.
+            of: (outputs,) points of the motion.
+            quantity: displacement, velocity or acceleration, in m, m/s or m/s^2.
+            between: what the force is between its samples.
+            start: displacement and velocity of points at the first sample, as {"displacement": {10: 0.001}}; None
+                for rest.
+
+        Raises:
+            DataError: a force that cannot be, or a point that the model does not know.
+        """
+        modes = self._modes_at(of, at)
+        return respond(modes, force, dt, quantity, between, None if start is None else self._started(start))
+
+    def _modes_at(self, of: Sequence[At], at: Sequence[At]) -> Modes:
+        structure = self.structure
+        poles, psi = self._poles_and_shapes
+        left, right = structure.columns(of), structure.columns(at)
+        return Modes(poles, psi @ left, psi @ right, self._now, left, right, self.model.band_hz)
+
+    def state_space(self, at: Sequence[At], of: Sequence[At], quantity: Quantity) -> ModalStateSpace:
+        """From forces at points to motions of points, without what lies outside the band.
+
+        Raises:
+            DataError: a point that the model does not know.
+        """
+        modes = self._modes_at(of, at)
+        return state_space_of(modes.poles, modes.out, modes.into, quantity, of, at)
+
+    @cached_property
+    def _poles_and_shapes(self) -> tuple[Complex, Complex]:
+        if not self.changes:
+            return self.structure.poles, self.structure.psi
+        m = self.modes
+        poles = 2 * np.pi * m.frequency_hz * (-m.damping_ratio + 1j * np.sqrt(1 - m.damping_ratio**2))
+        return poles, residues_of(self.attached, poles)
+
+    def _started(self, start: dict[str, dict[At, float]]) -> Complex:
+        poles, psi = self._poles_and_shapes
+        at = {name: psi @ self.structure.columns(list(values)) for name, values in start.items()}
+        return modal_states(at, poles, {name: np.array(list(values.values())) for name, values in start.items()})

@@ -1,0 +1,109 @@
+"""A structure after a change: its modes, shapes and FRFs, each with its uncertainty."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.modification.attachments import Addition
+from modallab.modification.poles import Attached, poles_of, refined
+from modallab.modification.structure import Structure
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+CIRCLE = 8
+"""Points about a pole, over which its residue is the mean: exact but for the eighth power of radius over distance."""
+RADIUS = 1e-3
+"""Of that circle, in frequencies of the pole, where no other pole is near."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ModesAfter:
+    """Modes of a structure after a change, within the band of its model.
+
+    Attributes:
+        frequency_hz: (modes,) undamped natural frequency, rising.
+        damping_ratio: (modes,)
+        frequency_sigma_hz: (modes,) one standard deviation.
+        damping_sigma: (modes,)
+        psi: (modes, freedoms) such that psi psi^T is the residue.
+        like: (modes,) the mode before whose shape it resembles most, from 0.
+        mac: (modes,) of the two shapes.
+        outside: (modes,) by which share of the frequency what lies outside the band moves it.
+        hidden: poles beyond the band, which the model cannot tell.
+    """
+
+    frequency_hz: Real
+    damping_ratio: Real
+    frequency_sigma_hz: Real
+    damping_sigma: Real
+    psi: Complex
+    like: NDArray[np.intp]
+    mac: Real
+    outside: Real
+    hidden: int
+
+
+def modify(structure: Structure, changes: Sequence[Addition], samples: Structure | None = None) -> ModesAfter:
+    """The modes of a structure with changes.
+
+    Args:
+        structure: before.
+        changes: what is hung on it.
+        samples: (samples, ...) of the same structure, for the uncertainty; without them it is NaN.
+
+    Raises:
+        DataError: the model does not know a point.
+    """
+    attached = Attached.of(structure, changes)
+    every = poles_of(attached)
+    inside = (np.abs(every) <= 2 * np.pi * structure.band_hz[1]) & (every.imag > 0)
+    poles = every[inside]
+    modes_only = refined(attached.with_structure(replace(structure, residual=0 * structure.residual)), poles)
+    psi = residues_of(attached, poles)
+    like, mac = _resembled(structure.psi, psi)
+    hz = np.abs(poles) / (2 * np.pi)
+    sigma = np.full((2, poles.size), np.nan)
+    if samples is not None:
+        sigma = _spread(attached.with_structure(samples), poles)
+    return ModesAfter(
+        frequency_hz=hz,
+        damping_ratio=-poles.real / np.abs(poles),
+        frequency_sigma_hz=sigma[0] * hz,
+        damping_sigma=sigma[1],
+        psi=psi,
+        like=like,
+        mac=mac,
+        outside=np.abs(np.abs(modes_only) / np.abs(poles) - 1),
+        hidden=int(np.sum(~inside)),
+    )
+
+
+def _spread(attached: Attached, nominal: Complex) -> Real:
+    """(2, poles) relative deviation of frequencies, and that of damping ratios, over samples."""
+    found = refined(attached, np.broadcast_to(nominal, (len(attached.structure.poles), nominal.size)))
+    size = np.abs(found)
+    return np.array([np.std(np.log(size), axis=0), np.std(-found.real / size, axis=0)])
+
+
+def residues_of(attached: Attached, poles: Complex) -> Complex:
+    """(poles, freedoms) psi with psi psi^T the residue at each pole, a mean over a small circle about it."""
+    angles = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
+    apart = np.abs(poles[:, None] - poles) + np.diag(np.full(len(poles), np.inf))
+    radius = np.minimum(RADIUS * np.abs(poles), 0.2 * apart.min(axis=1, initial=np.inf))
+    s = poles[:, None] + radius[:, None] * angles
+    values = attached.receptance(s.ravel()).reshape(len(poles), CIRCLE, len(attached.structure.freedoms), -1)
+    residue = np.einsum("pc,pcoi->poi", radius[:, None] * angles / CIRCLE, values)
+    best = np.argmax(np.abs(np.einsum("poo->po", residue)), axis=1)
+    column = residue[np.arange(len(poles)), :, best]
+    return np.asarray(column / np.sqrt(column[np.arange(len(poles)), best])[:, None])
+
+
+def _resembled(before: Complex, after: Complex) -> tuple[NDArray[np.intp], Real]:
+    power = np.sum(np.abs(after) ** 2, axis=1)[:, None] * np.sum(np.abs(before) ** 2, axis=1)
+    mac = np.abs(after.conj() @ before.T) ** 2 / np.where(power > 0, power, 1.0)
+    like = np.argmax(mac, axis=1)
+    return like, mac[np.arange(len(like)), like]

@@ -1,0 +1,208 @@
+"""Poles of a structure with attachments.
+
+They are the roots of det D(s) det(Y(s) + B^T H(s) B), with D of the structure's own modes. Starting values are those of
+the modes alone, without what lies outside the band; that is then added in steps, and all roots are found at once by the
+iteration of Aberth (Math. Comp. 27 (1973), 339), in which each root keeps away from the others.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from modallab.modification.attachments import Addition, together
+from modallab.modification.structure import Structure
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+STEPS = (0.25, 0.5, 0.75, 1.0)
+"""Shares of what lies outside the band."""
+ITERATIONS = 40
+SETTLED = 1e-11
+"""Of a root: what the last step may be."""
+LONGEST_STEP = 0.1
+"""Of a root."""
+DIFFERENCE = 1e-6
+"""Of a frequency: over it slopes are taken."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Attached:
+    """A structure with attachments.
+
+    Attributes:
+        structure: before.
+        attachments: what is hung on it.
+        b: (freedoms, links) along which they hold it.
+    """
+
+    structure: Structure
+    attachments: tuple[Addition, ...]
+    b: Real
+
+    @classmethod
+    def of(cls, structure: Structure, attachments: Sequence[Addition]) -> "Attached":
+        """With the links looked up.
+
+        Raises:
+            DataError: the model does not know a point.
+        """
+        kept = together(attachments)
+        b = [a.links(structure) for a in kept] or [np.zeros((len(structure.freedoms), 0))]
+        return cls(structure, kept, np.concatenate(b, axis=1))
+
+    def compliance(self, s: Complex) -> Complex:
+        """(..., links, links) of all attachments."""
+        parts = [a.compliance(s) for a in self.attachments]
+        whole = np.zeros((*s.shape, self.b.shape[1], self.b.shape[1]), np.complex128)
+        at = 0
+        for part in parts:
+            size = part.shape[-1]
+            whole[..., at : at + size, at : at + size] = part
+            at += size
+        return whole
+
+    def flexibility(self, s: Complex) -> Complex:
+        """(..., lines, links, links) of structure and attachments together along the links, m/N."""
+        return self.compliance(s) + self.structure.receptance(s, self.b, self.b)
+
+    def receptance(self, s: Complex, left: Real | None = None, right: Real | None = None) -> Complex:
+        """(..., lines, left, right) with the attachments, m/N.
+
+        H - H B (Y + B^T H B)^-1 B^T H: coupling by Lagrange multipliers (de Klerk, Rixen, Voormeeren, AIAA Journal 46
+        (2008), 1169).
+        """
+        to, of = self.structure.receptance(s, left, self.b), self.structure.receptance(s, self.b, right)
+        return self.structure.receptance(s, left, right) - to @ np.linalg.solve(self.flexibility(s), of)
+
+    def motion(self, s: Complex, forces: Complex, left: Real, right: Real) -> Complex:
+        """(left, lines) m, of forces (right, lines) N."""
+        return np.einsum("loi,il->ol", self.receptance(s, left, right), forces, optimize=True)
+
+    def with_structure(self, structure: Structure) -> "Attached":
+        """The same attachments on another structure, such as samples of this one."""
+        return replace(self, structure=structure)
+
+
+def poles_of(attached: Attached) -> Complex:
+    """(poles,) rad/s with a positive imaginary part, by rising frequency."""
+    if not attached.attachments:
+        return attached.structure.poles[np.argsort(attached.structure.poles.imag)]
+    found = _of_modes(attached)
+    whole = attached.structure
+    for share in STEPS if whole.powers else (1.0,):
+        part = attached.with_structure(replace(whole, residual=share * whole.residual))
+        found = refined(part, found)
+    return found[np.argsort(found.imag)]
+
+
+def _of_modes(attached: Attached) -> Complex:
+    """Poles of the modes alone with their attachments, a quadratic eigenproblem with constraints."""
+    own, constraints = _of_structure(attached), [np.zeros((0, _size(attached)))]
+    link, at = 0, len(attached.structure.poles)
+    for attachment in attached.attachments:
+        matrices = attachment.matrices
+        links = attachment.links(attached.structure).shape[1]
+        more = len(matrices.mass) - links
+        motions = np.zeros((links + more, _size(attached)))
+        motions[:links, : len(attached.structure.poles)] = _real_shapes(attached)[:, link : link + links].T
+        motions[range(links, links + more), range(at, at + more)] = 1.0
+        for whole, part in zip(own, matrices[:3], strict=True):
+            whole += motions.T @ part @ motions
+        constraints.append(np.asarray(matrices.constraint @ motions, np.float64))
+        link, at = link + links, at + more
+    free = _null_space(np.concatenate(constraints))
+    return _quadratic(*(free.T @ whole @ free for whole in own))
+
+
+def _size(attached: Attached) -> int:
+    """Number of modes and of what the attachments have besides their links."""
+    motions = sum(len(a.matrices.mass) for a in attached.attachments)
+    return len(attached.structure.poles) + motions - attached.b.shape[1]
+
+
+def _real_shapes(attached: Attached) -> Real:
+    """(modes, links) at unit modal mass, without their phases."""
+    structure = attached.structure
+    return np.real(structure.psi * np.sqrt(2j * structure.poles.imag)[:, None]) @ attached.b
+
+
+def _of_structure(attached: Attached) -> list[Real]:
+    """Mass, damping and stiffness of the structure's modes, with room for the attachments."""
+    poles = attached.structure.poles
+    modal = np.ones(len(poles)), -2 * poles.real, np.abs(poles) ** 2
+    room = np.zeros(_size(attached) - len(poles))
+    return [np.asarray(np.diag(np.concatenate([one, room])), np.float64) for one in modal]
+
+
+def _null_space(constraints: Real) -> Real:
+    rows = constraints[np.abs(constraints).max(axis=1, initial=0.0) > 0]
+    return np.asarray(linalg.null_space(rows), np.float64) if len(rows) else np.eye(constraints.shape[1])
+
+
+def _quadratic(mass: Real, damping: Real, stiffness: Real) -> Complex:
+    """Roots of mass s^2 + damping s + stiffness with a positive imaginary part."""
+    n = len(mass)
+    scale = np.sqrt(np.abs(np.trace(stiffness)) / max(np.abs(np.trace(mass)), np.finfo(float).tiny)) or 1.0
+    a = np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -damping * scale]])
+    e = np.block([[np.eye(n), np.zeros((n, n))], [np.zeros((n, n)), mass * scale**2]])
+    roots = np.asarray(linalg.eigvals(a, e), np.complex128) * scale
+    roots = roots[np.isfinite(roots) & (np.abs(roots) < 1e6 * scale)]
+    return roots[roots.imag > 1e-6 * np.abs(roots)]
+
+
+def refined(attached: Attached, starts: Complex) -> Complex:
+    """(..., poles) the roots nearest to starts (..., poles); leading axes as of the structure."""
+    if not attached.attachments:
+        return attached.structure.poles
+    own = _deflated(attached)
+    s = starts + 0j
+    for _ in range(ITERATIONS):
+        step = _step(s, attached.flexibility, own)
+        size = np.minimum(1.0, LONGEST_STEP * np.abs(s) / np.maximum(np.abs(step), np.finfo(float).tiny))
+        s = s - size * step
+        if np.all(np.abs(step) < SETTLED * np.abs(s)):
+            break
+    return s
+
+
+def _deflated(attached: Attached) -> Complex:
+    """(..., poles) of the structure and of the attachments."""
+    poles = attached.structure.poles
+    more = np.concatenate([a.poles for a in attached.attachments])
+    both = np.concatenate([poles, np.broadcast_to(more, (*poles.shape[:-1], more.size))], axis=-1)
+    return np.concatenate([both, both.conj()], axis=-1)
+
+
+def _step(s: Complex, flexibility: Callable[[Complex], Complex], own: Complex) -> Complex:
+    """(..., roots) Newton's step, with the other roots and all conjugates divided out."""
+    h = DIFFERENCE * np.abs(s)
+    slope = (flexibility(s + h) - flexibility(s - h)) / (2 * h)[..., None, None]
+    rate = _logarithmic(flexibility(s), slope)
+    rate = rate + np.sum(_inverse(s[..., :, None] - own[..., None, :]), axis=-1)
+    apart = s[..., :, None] - s[..., None, :]
+    rate = rate - np.sum(np.where(np.eye(s.shape[-1], dtype=bool), 0.0, _inverse(apart)), axis=-1)
+    rate = rate - np.sum(_inverse(s[..., :, None] - s.conj()[..., None, :]), axis=-1)
+    step = 1 / np.where(rate == 0, np.inf, rate)
+    return np.where(np.isfinite(step), step, 0.0)
+
+
+def _logarithmic(matrix: Complex, slope: Complex) -> Complex:
+    """(...,) derivative of the logarithm of the determinants of (..., n, n); 0 where a root has gone astray."""
+    sound = (np.isfinite(matrix) & np.isfinite(slope)).all(axis=(-2, -1), keepdims=True)
+    kept = np.where(sound, matrix, np.eye(matrix.shape[-1]))
+    slope = np.where(sound, slope, 0.0)
+    try:
+        rates = np.linalg.solve(kept, slope)
+    except np.linalg.LinAlgError:
+        # At a root the matrix is singular, now and then to the last digit.
+        rates = np.linalg.pinv(kept, rcond=0.0) @ slope
+    return np.trace(rates, axis1=-2, axis2=-1)
+
+
+def _inverse(distance: Complex) -> Complex:
+    return np.where(distance == 0, 0.0, 1 / np.where(distance == 0, 1.0, distance))

@@ -1,0 +1,260 @@
+"""What a modal model is used for: FRFs at any pair, the response to forces, changes of the structure, state spaces."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from modallab.core.errors import DataError
+from modallab.core.frf import FrfQuantity
+from modallab.core.units import Quantity
+from modallab.modification.attachments import Addition, Coupled, Element, TunedAbsorber
+from modallab.modification.inverse import By, best_absorber, tuned
+from modallab.modification.known import Known
+from modallab.modification.response import Between
+from modallab.modification.state_space import ModalStateSpace
+from modallab.modification.structure import At
+from modallab.notebook.measured import MeasuredFrf
+from modallab.notebook.predicted_motion import PredictedMotion
+from modallab.notebook.shown import Shown
+from modallab.reporting.modified_table import modified_rows, tuned_rows, write_rows
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Real = NDArray[np.float64]
+
+
+LINES = 2000
+"""Of a figure over the band."""
+
+
+class PutToUse:
+    """What a model and a changed model have in common; `known` is the structure."""
+
+    __slots__ = ()
+
+    @property
+    def known(self) -> Known:
+        """The structure that the model describes, with what hangs on it."""
+        raise NotImplementedError
+
+    def frf(
+        self,
+        f: ArrayLike,
+        outputs: Sequence[At] | None = None,
+        inputs: Sequence[At] | None = None,
+        quantity: FrfQuantity = "mobility",
+    ) -> MeasuredFrf:
+        """FRFs at measured pairs of points and at others, with their variance; `save` writes them for other programs.
+
+        Args:
+            f: (lines,) frequencies in Hz, above 0, ascending.
+            outputs: points, or (point, axis); None for all that have a sensor.
+            inputs: points; None for those that were driven.
+            quantity: receptance, mobility or inertance.
+
+        Raises:
+            DataError: frequencies that do not ascend, a point that the model does not know, or no driving point.
+        """
+        found = self.known.frf(np.asarray(f), outputs, inputs, quantity)
+        return MeasuredFrf.of(found)
+
+    def response(
+        self,
+        force: ArrayLike,
+        dt: float,
+        at: At | Sequence[At],
+        of: At | Sequence[At] | None = None,
+        quantity: Quantity = "acceleration",
+        between: Between = "band-limited",
+        start: Mapping[Quantity, Mapping[At, float]] | None = None,
+    ) -> PredictedMotion:
+        """The motion that forces give, exact for what is assumed between their samples.
+
+        Args:
+            force: (samples,) N, or (inputs, samples).
+            dt: s between samples.
+            at: point of the force, or a list of points.
+            of: points whose motion is asked for; None for all that have a sensor.
+            quantity: displacement, velocity or acceleration, in m, m/s or m/s^2.
+            between: "band-limited", as records are, or "linear" from sample to sample.
+            start: displacements and velocities at the first sample, as {"displacement": {10: 0.001}}; None for rest.
+
+        Raises:
+            DataError: a force that cannot be, or a point that the model does not know.
+        """
+        forces = np.atleast_2d(np.asarray(force, np.float64))
+        points = _places(at)
+        if len(forces) != len(points):
+            raise DataError(
+                f"{len(forces)} forces at {len(points)} points", remedy="give a row of force for each point"
+            )
+        asked = self._sensors() if of is None else _places(of)
+        begin = None if start is None else {str(k): dict(v) for k, v in start.items()}
+        motion = self.known.response(forces, dt, points, asked, quantity, between, begin)
+        return PredictedMotion(motion, dt, tuple(asked), quantity)
+
+    def state_space(
+        self, at: At | Sequence[At], of: Sequence[At] | None = None, quantity: Quantity = "acceleration"
+    ) -> ModalStateSpace:
+        """Matrices A, B, C, D from forces in N to motions, without what lies outside the band.
+
+        Args:
+            at: point of the force, or a list of points.
+            of: points whose motion is asked for; None for all that have a sensor.
+            quantity: displacement, velocity or acceleration.
+
+        Raises:
+            DataError: a point that the model does not know, or no driving point.
+        """
+        return self.known.state_space(_places(at), self._sensors() if of is None else of, quantity)
+
+    def modify(
+        self,
+        *changes: Addition,
+        at: At | None = None,
+        to: At | None = None,
+        mass: float = 0.0,
+        spring: float = 0.0,
+        damper: float = 0.0,
+    ) -> "ChangedModel":
+        """The structure with masses, springs, dampers, absorbers or links.
+
+        Args:
+            changes: `ml.Element`, `ml.TunedAbsorber`, `ml.RigidLink`, `ml.Coupled`; several act at once.
+            at: point of a mass, spring or damper given by the numbers below.
+            to: the other end of that spring and damper; None for ground.
+            mass: kg; below 0 for one that is taken away.
+            spring: N/m.
+            damper: N s/m.
+
+        Raises:
+            DataError: no change, or a point that the model does not know.
+        """
+        own = () if at is None else (Element(at, to, mass, spring, damper),)
+        if not (changes or own):
+            raise DataError("there is no change", remedy="give mass=0.05, at=8, or changes such as ml.RigidLink(8)")
+        return ChangedModel(self.known.with_changes((*changes, *own)))
+
+    def couple(
+        self, other: "PutToUse", at: Sequence[tuple[At, At]], *, joint_spring: float | None = None, remove: bool = False
+    ) -> "ChangedModel":
+        """This structure with another one held to it, or taken away from a measurement of both.
+
+        Args:
+            other: its model.
+            at: pairs of a point of this structure and one of the other.
+            joint_spring: N/m of the joint at each pair; None for rigid ones.
+            remove: whether the other one is taken away, such as a fixture.
+
+        Raises:
+            DataError: a point that one of them does not have.
+        """
+        return self.modify(Coupled(other.known.structure, tuple(at), joint_spring, -1 if remove else 1))
+
+    def tune(self, mode: int, to_hz: float, by: By, at: Sequence[At] | None = None) -> Shown:
+        """The mass, or spring to ground, that brings a mode to a frequency, at each point: the smallest first.
+
+        Args:
+            mode: from 1.
+            to_hz: Hz.
+            by: "mass" or "spring".
+            at: points to try; None for all that have a sensor.
+
+        Raises:
+            DataError: no such mode, a frequency beyond the band, or a point that the model does not know.
+        """
+        return Shown(*tuned_rows(tuned(self.known, mode, to_hz, by, at or self._sensors()), by, mode, to_hz))
+
+    def best_absorber(self, mode: int, at: At, mass: float) -> TunedAbsorber:
+        """The absorber of a mass that leaves the least peak of the mobility at its point about a mode.
+
+        Args:
+            mode: from 1.
+            at: where it hangs.
+            mass: kg.
+
+        Raises:
+            DataError: no such mode, or it has a node there.
+        """
+        return best_absorber(self.known, mode, at, mass)[0]
+
+    def _sensors(self) -> list[At]:
+        return list(self.known.structure.freedoms[: len(self.known.model.outputs)])
+
+
+def _places(given: At | Sequence[At]) -> list[At]:
+    """One place or several; a pair of a number and an axis is one."""
+    alone = isinstance(given, int) or (len(given) == 2 and isinstance(given[1], str))
+    return cast("list[At]", [given] if alone else list(cast("Sequence[At]", given)))
+
+
+class ChangedModel(PutToUse):
+    """A structure with changes, as predicted from the model of it without them."""
+
+    __slots__ = ("_known",)
+
+    def __init__(self, known: Known) -> None:
+        self._known = known
+
+    @property
+    def known(self) -> Known:
+        """The structure with what hangs on it."""
+        return self._known
+
+    @property
+    def frequency_hz(self) -> Real:
+        """(modes,) within the band of the model."""
+        return self._known.modes.frequency_hz
+
+    @property
+    def frequency_sigma_hz(self) -> Real:
+        """(modes,) one standard deviation."""
+        return self._known.modes.frequency_sigma_hz
+
+    @property
+    def damping_ratio(self) -> Real:
+        """(modes,)"""
+        return self._known.modes.damping_ratio
+
+    @property
+    def damping_sigma(self) -> Real:
+        """(modes,) one standard deviation."""
+        return self._known.modes.damping_sigma
+
+    def table(self) -> Shown:
+        """Frequency and damping of each mode before and after, with one standard deviation."""
+        words = [change.words for change in self._known.changes]
+        return Shown(*modified_rows(self._known.model, self._known.modes, words))
+
+    def plot(self, at: At, of: At | None = None) -> "Figure":
+        """Mobility from one point to another before and after, over the band of the model.
+
+        Args:
+            at: point of the force.
+            of: point of the motion; None for the same.
+        """
+        from modallab.reporting.figures.predicted import before_after
+
+        low, high = self._known.model.band_hz
+        f, to = np.linspace(max(low, 1e-3 * high), high, LINES), [at if of is None else of]
+        before = self._known.alone.frf(f, to, [at], sigma=False)
+        return before_after(before, self._known.frf(f, to, [at]))
+
+    def save(self, path: str | Path) -> Path:
+        """Write the table as a CSV file; returns the path.
+
+        Raises:
+            StorageError: the name ends otherwise, or the file cannot be written.
+        """
+        return write_rows(Path(path), modified_rows(self._known.model, self._known.modes, []))
+
+    def __repr__(self) -> str:
+        hz = ", ".join(f"{f:.4g}" for f in self.frequency_hz)
+        return f"<ChangedModel: {'; '.join(c.words for c in self._known.changes)}; modes at {hz} Hz>"
+
+    def _repr_html_(self) -> str:
+        return self.table().html()

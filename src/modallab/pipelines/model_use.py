@@ -1,0 +1,17 @@
+"""A modal model of a campaign made ready for use."""
+
+from collections import Counter
+
+from modallab.core.block import Campaign
+from modallab.core.model import ModalModel
+from modallab.modification.known import Known
+
+
+def known_of(campaign: Campaign, model: ModalModel) -> Known:
+    """The structure that a model describes, with the tolerances of its rig and its number of hits.
+
+    Raises:
+        DataError: no sensor stands at a driven point, or an output or input has no point.
+    """
+    hits = Counter(block.drive_point for block in campaign.of("impact")) if model.test == "impact" else Counter()
+    return Known(model, campaign.rig, [max(1, hits[point]) for point in model.input_points])

@@ -1,0 +1,101 @@
+"""The modes of a structure before and after a change, as a table: the same words at every door."""
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from modallab.core.errors import StorageError
+from modallab.core.model import ModalModel
+from modallab.formats.atomic import replacing
+from modallab.modification.inverse import Answer, By
+from modallab.modification.modified import ModesAfter
+from modallab.reporting.digits import concise
+
+SAME = 0.5
+"""MAC above which a mode after a change is called by the number of the one before."""
+TRUSTED = 0.1
+"""Of a shift: a larger part of it by what lies outside the band is said beneath the table."""
+
+
+class TableRows(NamedTuple):
+    """A table: headings, rows of words, and what is to be said beneath it."""
+
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    caption: str
+
+
+HEADINGS = ("mode", "before [Hz]", "after [Hz]", "shift [%]", "damping before [%]", "damping after [%]")
+
+
+def modified_rows(before: ModalModel, after: ModesAfter, changes: Sequence[str]) -> TableRows:
+    """Each mode after the change, with one standard deviation, beside the one before whose shape is most like it."""
+    rows = tuple(_row(before, after, r) for r in range(len(after.frequency_hz)))
+    return TableRows(HEADINGS, rows, " ".join([f"{'; '.join(changes)}.", *notes_of(before, after)]))
+
+
+def _row(before: ModalModel, after: ModesAfter, r: int) -> tuple[str, ...]:
+    hz = concise(float(after.frequency_hz[r]), float(after.frequency_sigma_hz[r]))
+    damping = concise(100 * float(after.damping_ratio[r]), 100 * float(after.damping_sigma[r]))
+    if after.mac[r] < SAME:
+        return (str(r + 1), "new", hz, "", "", damping)
+    q = int(after.like[r])
+    was, zeta = float(before.frequency_hz[q]), 100 * float(before.damping_ratio[q])
+    shift = 100 * (float(after.frequency_hz[r]) / was - 1)
+    return (
+        str(r + 1),
+        concise(was, float(before.frequency_sigma_hz[q])),
+        hz,
+        f"{shift:+.3g}",
+        concise(zeta, 100 * float(before.damping_sigma[q])),
+        damping,
+    )
+
+
+def notes_of(before: ModalModel, after: ModesAfter) -> list[str]:
+    """What the table cannot be trusted for, and why."""
+    said = ["One sigma of the model, of sensitivities and of places."]
+    shift = np.abs(after.frequency_hz / before.frequency_hz[after.like] - 1)
+    doubtful = [str(r + 1) for r in np.flatnonzero(after.outside > TRUSTED * np.maximum(shift, 1e-4))]
+    if doubtful:
+        most, band = 100 * float(after.outside.max()), f"{before.band_hz[0]:.4g} to {before.band_hz[1]:.4g} Hz"
+        said.append(
+            f"More than a tenth of the shift of mode {', '.join(doubtful)} comes from modes outside {band}, up to"
+            f" {most:.2g} % of the frequency: only a test of a wider band shows it better."
+        )
+    if after.hidden:
+        said.append("What moved beyond the band is left out.")
+    return said
+
+
+def tuned_rows(answers: Sequence[Answer], by: By, mode: int, to_hz: float) -> TableRows:
+    """What brings a mode to a frequency at each point, the smallest first; beside each what is in reach there."""
+    unit = {"mass": "kg", "spring": "N/m"}[by]
+    rows = tuple(
+        (
+            str(a.at[0] if isinstance(a.at, tuple) else a.at),
+            concise(a.size, a.sigma) if a.feasible else "none",
+            f"{a.lowest_hz:.5g} to {a.highest_hz:.5g}",
+        )
+        for a in answers
+    )
+    feasible = sum(a.feasible for a in answers)
+    how = "No point has" if not feasible else f"{feasible} of {len(answers)} points have"
+    said = f"{how} a {by} that brings mode {mode} to {to_hz:g} Hz; beside each, where any {by} can bring it."
+    return TableRows(("point", f"{by} [{unit}]", "in reach [Hz]"), rows, said)
+
+
+def write_rows(path: Path, rows: TableRows) -> Path:
+    """Write a table as a CSV file; returns the path.
+
+    Raises:
+        StorageError: the name ends otherwise, or the file cannot be written.
+    """
+    if path.suffix != ".csv":
+        raise StorageError(f"{path.name} does not end with .csv", where=str(path), remedy="name it modes.csv")
+    with replacing(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([rows.headings, *rows.rows])
+    return path

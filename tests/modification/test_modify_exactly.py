@@ -1,0 +1,186 @@
+"""What is hung on a structure whose modes are all known has the effect that its matrices say."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from chain import BARE, OTHER, Chain
+from scipy import linalg
+
+from modallab.core.errors import DataError
+from modallab.modification.attachments import Addition, Coupled, Element, RigidLink, TunedAbsorber
+from modallab.modification.inverse import By, best_absorber, tuned
+from modallab.modification.known import Known
+from modallab.modification.structure import structure_of
+
+S = 2j * np.pi * np.linspace(5.0, 60.0, 40)
+
+
+def with_matrices(mass: np.ndarray, damping: np.ndarray, stiffness: np.ndarray) -> Chain:
+    """The chain with more on its matrices."""
+    return Chain(BARE.mass + mass, BARE.damping + damping, BARE.stiffness + stiffness)
+
+
+def at(*entries: tuple[int, int, float]) -> np.ndarray:
+    """A matrix of few entries, points from 1."""
+    found = np.zeros((4, 4))
+    for i, j, value in entries:
+        found[i - 1, j - 1] += value
+    return found
+
+
+NONE = np.zeros((4, 4))
+BETWEEN = [(2, 2, 1.0), (4, 4, 1.0), (2, 4, -1.0), (4, 2, -1.0)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "truth"),
+    [
+        ([Element(3, mass=0.4)], with_matrices(at((3, 3, 0.4)), NONE, NONE)),
+        ([Element(3, mass=-0.4)], with_matrices(at((3, 3, -0.4)), NONE, NONE)),
+        ([Element(2, spring=2e4)], with_matrices(NONE, NONE, at((2, 2, 2e4)))),
+        ([Element(2, damper=30.0)], with_matrices(NONE, at((2, 2, 30.0)), NONE)),
+        ([Element(2, 4, spring=2e4)], with_matrices(NONE, NONE, 2e4 * at(*BETWEEN))),
+        (
+            [Element(3, mass=0.4), Element(2, 4, spring=2e4, damper=3.0), Element(1, damper=5.0)],
+            with_matrices(at((3, 3, 0.4)), 3.0 * at(*BETWEEN) + at((1, 1, 5.0)), 2e4 * at(*BETWEEN)),
+        ),
+    ],
+    ids=["mass", "mass removed", "spring", "damper", "spring between", "several"],
+)
+def test_elements_change_poles_and_frfs_as_their_matrices_say(changes: list[Addition], truth: Chain) -> None:
+    after = Known(BARE.model()).with_changes(changes)
+    expected = truth.poles()
+    np.testing.assert_allclose(after.modes.frequency_hz, np.abs(expected) / (2 * np.pi), rtol=1e-9)
+    np.testing.assert_allclose(after.modes.damping_ratio, -expected.real / np.abs(expected), rtol=1e-6)
+    np.testing.assert_allclose(after.attached.receptance(S), truth.receptance(S), rtol=1e-8, atol=1e-16)
+
+
+def test_shapes_after_a_change_give_its_frfs_again() -> None:
+    truth = with_matrices(at((3, 3, 0.4)), NONE, NONE)
+    modes = Known(BARE.model()).with_changes([Element(3, mass=0.4)]).modes
+    poles = 2 * np.pi * modes.frequency_hz * (-modes.damping_ratio + 1j * np.sqrt(1 - modes.damping_ratio**2))
+    pairs = np.einsum("ro,ri->roi", modes.psi, modes.psi)
+    again = np.einsum("lr,roi->loi", 1 / (S[:, None] - poles), pairs)
+    again += np.einsum("lr,roi->loi", 1 / (S[:, None] - poles.conj()), pairs.conj())
+    np.testing.assert_allclose(again, truth.receptance(S), rtol=1e-6, atol=1e-14)
+
+
+def test_an_absorber_adds_a_mode_and_splits_the_one_it_is_tuned_to() -> None:
+    absorber = TunedAbsorber(2, 0.1, 20.0, 0.05)
+    mass, damping, stiffness = (np.zeros((5, 5)) for _ in range(3))
+    for whole, part in ((mass, BARE.mass), (damping, BARE.damping), (stiffness, BARE.stiffness)):
+        whole[:4, :4] = part
+    mass[4, 4] = 0.1
+    pair = np.ix_([1, 4], [1, 4])
+    damping[pair] += absorber.damper * np.array([[1, -1], [-1, 1]])
+    stiffness[pair] += absorber.spring * np.array([[1, -1], [-1, 1]])
+    truth = Chain(mass, damping, stiffness).poles()
+    modes = Known(BARE.model()).with_changes([absorber]).modes
+    np.testing.assert_allclose(modes.frequency_hz, np.abs(truth) / (2 * np.pi), rtol=1e-9)
+    np.testing.assert_allclose(modes.damping_ratio, -truth.real / np.abs(truth), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("change", "ties"),
+    [(RigidLink(2), [[0, 1, 0, 0]]), (RigidLink(1, 4), [[1, 0, 0, -1]])],
+    ids=["ground", "rigid link"],
+)
+def test_a_rigid_link_takes_a_motion_away(change: Addition, ties: list[list[int]]) -> None:
+    free = linalg.null_space(np.array(ties, float))
+    truth = Chain(*(free.T @ m @ free for m in (BARE.mass, BARE.damping, BARE.stiffness)))
+    modes = Known(BARE.model()).with_changes([change]).modes
+    np.testing.assert_allclose(modes.frequency_hz, np.abs(truth.poles()) / (2 * np.pi), rtol=1e-9)
+
+
+@pytest.mark.parametrize("joint", [None, 3e4])
+def test_two_structures_coupled_are_one_and_taken_apart_again_are_two(joint: float | None) -> None:
+    whole = [linalg.block_diag(a, b) for a, b in zip(_matrices(BARE), _matrices(OTHER), strict=True)]
+    apart = np.array([[0.0, 0.0, 0.0, 1.0, -1.0, 0.0]])
+    if joint is None:
+        free = linalg.null_space(apart)
+        truth = Chain(*(free.T @ m @ free for m in whole))
+    else:
+        truth = Chain(whole[0], whole[1], whole[2] + joint * apart.T @ apart)
+    other = structure_of(OTHER.model())
+    both = Known(BARE.model()).with_changes([Coupled(other, [(4, 1)], joint)])
+    np.testing.assert_allclose(both.modes.frequency_hz, np.abs(truth.poles()) / (2 * np.pi), rtol=1e-8)
+    again = both.with_changes([Coupled(other, [(4, 1)], joint, sign=-1)]) if joint is None else None
+    if again is not None:
+        np.testing.assert_allclose(both.attached.receptance(S)[:, 3, 3], _parallel(S), rtol=1e-8)
+
+
+def _matrices(chain: Chain) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return chain.mass, chain.damping, chain.stiffness
+
+
+def _parallel(s: np.ndarray) -> np.ndarray:
+    """Receptance of two structures held together at one point each."""
+    return 1 / (1 / BARE.receptance(s)[:, 3, 3] + 1 / OTHER.receptance(s)[:, 0, 0])
+
+
+def test_what_is_added_and_taken_away_again_is_no_change() -> None:
+    bare = BARE.model()
+    again = Known(bare).with_changes([Element(3, mass=0.4)]).with_changes([Element(3, mass=-0.4)])
+    np.testing.assert_allclose(again.modes.frequency_hz, bare.frequency_hz, rtol=1e-10)
+
+
+def test_a_mass_at_a_node_of_a_mode_leaves_it_alone() -> None:
+    even = Chain.of([1.0, 1.0, 1.0], [1e4] * 4)
+    modes = Known(even.model()).with_changes([Element(2, mass=0.5)]).modes
+    np.testing.assert_allclose(modes.frequency_hz[1], even.model().frequency_hz[1], rtol=1e-9)
+    np.testing.assert_allclose(modes.psi[1, 1], 0, atol=1e-8)
+
+
+def test_a_model_without_a_driving_point_says_how_to_get_its_scale() -> None:
+    model = BARE.model()
+    blind = model.model_copy(update={"output_points": (11, 12, 13, 14)})
+    with pytest.raises(DataError, match="hit once at a point that has a sensor"):
+        Known(blind)
+
+
+def test_a_point_that_the_model_does_not_know_is_named_with_those_it_knows() -> None:
+    with pytest.raises(DataError, match="1, 2, 3, 4"):
+        Known(BARE.model()).with_changes([Element(9, mass=0.1)])
+
+
+@pytest.mark.parametrize(
+    ("kind", "numbers"),
+    [
+        (Element, {"at": 1}),
+        (Element, {"at": 1, "to": 2, "mass": 0.1}),
+        (Element, {"at": 1, "mass": np.nan}),
+        (TunedAbsorber, {"at": 1, "mass": 0, "frequency_hz": 5}),
+    ],
+)
+def test_a_change_that_is_none_is_rejected(kind: Callable[..., Addition], numbers: dict[str, float]) -> None:
+    with pytest.raises(DataError):
+        kind(**numbers)
+
+
+@pytest.mark.parametrize(("by", "to_hz"), [("mass", 10.5), ("spring", 14.0)])
+def test_the_size_that_brings_a_mode_to_a_frequency_does_so(by: By, to_hz: float) -> None:
+    known = Known(BARE.model())
+    for answer in tuned(known, 1, to_hz, by, [1, 2, 3]):
+        assert answer.feasible
+        after = known.with_changes([Element(answer.at, **{by: answer.size})]).modes
+        np.testing.assert_allclose(after.frequency_hz[0], to_hz, rtol=1e-8)
+
+
+def test_a_frequency_out_of_reach_has_no_answer_and_says_what_is_in_reach() -> None:
+    """No spring to ground brings a mode beyond the next one of the structure held there."""
+    held = np.delete(np.delete(BARE.stiffness, 1, 0), 1, 1), np.delete(np.delete(BARE.mass, 1, 0), 1, 1)
+    limit = float(np.sqrt(linalg.eigh(*held, eigvals_only=True)[0]) / (2 * np.pi))
+    (answer,) = tuned(Known(BARE.model()), 1, 1.05 * limit, "spring", [2])
+    assert not answer.feasible
+    assert 0.9 * limit < answer.highest_hz < limit
+
+
+def test_the_best_absorber_of_a_structure_of_one_mode_is_den_hartogs() -> None:
+    one = Known(Chain.of([2.0], [1e4, 0.0], damping=1e-9).model())
+    absorber, before, after = best_absorber(one, 1, 1, 0.1)
+    ratio, own = 0.05, float(np.sqrt(1e4 / 2) / (2 * np.pi))
+    # Of the mobility the best tuning lies between those of receptance and inertance, 1 / (1 + mu) and 1 / sqrt(1 + mu).
+    assert 1 / (1 + ratio) < absorber.frequency_hz / own < 1 / np.sqrt(1 + ratio)
+    np.testing.assert_allclose(absorber.damping_ratio, np.sqrt(3 * ratio / (8 * (1 + ratio))), rtol=0.05)
+    assert after < 0.01 * before

@@ -1,0 +1,95 @@
+"""A model put to use at a prompt: predictions from identified FRFs are those of the structure they came from."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from chain import BARE
+from scipy.io import loadmat
+
+import modallab as ml
+from modallab.core.errors import DataError, StorageError
+from modallab.core.plan import ImpactPlan
+
+HZ = np.arange(0.5, 60.0, 0.05)
+
+
+@pytest.fixture(scope="module")
+def model() -> ml.Model:
+    s = 2j * np.pi * HZ
+    measured = (BARE.receptance(s) * s[:, None, None])[:, :, [0]]
+    return ml.identify(ml.frf(HZ, np.moveaxis(measured, 0, -1), inputs=[1], quantity="mobility"), progress=False)
+
+
+def test_an_frf_at_a_pair_that_was_never_measured_is_that_of_the_structure(model: ml.Model) -> None:
+    found = model.frf(HZ[100:], outputs=[3], inputs=[4]).frf
+    s = 2j * np.pi * HZ[100:]
+    truth = (BARE.receptance(s) * s[:, None, None])[:, 2, 3]
+    assert np.linalg.norm(found.values[0, 0] - truth) < 1e-3 * np.linalg.norm(truth)
+    assert found.variance is not None
+    off = np.abs(found.values[0, 0] - truth)
+    assert np.mean(off <= 2 * np.sqrt(found.variance[0, 0])) > 0.9
+
+
+def test_a_mass_and_a_spring_move_the_modes_as_they_move_those_of_the_structure(model: ml.Model) -> None:
+    mass, stiffness = BARE.mass.copy(), BARE.stiffness.copy()
+    mass[2, 2] += 0.4
+    stiffness[1, 1] += 2e4
+    truth = np.abs(type(BARE)(mass, BARE.damping, stiffness).poles()) / (2 * np.pi)
+    after = model.modify(ml.Element(3, mass=0.4), at=2, spring=2e4)
+    np.testing.assert_allclose(after.frequency_hz, truth, rtol=1e-4)
+    assert np.all(np.abs(after.frequency_hz - truth) < 3 * after.frequency_sigma_hz)
+    assert "mass 0.4 kg at 3" in repr(after)
+    assert after.table().headings[:3] == ("mode", "before [Hz]", "after [Hz]")
+
+
+def test_changes_of_a_changed_model_add_up(model: ml.Model) -> None:
+    twice = model.modify(at=3, mass=0.2).modify(at=3, mass=0.2)
+    np.testing.assert_allclose(twice.frequency_hz, model.modify(at=3, mass=0.4).frequency_hz, rtol=1e-9)
+
+
+def test_the_table_of_answers_begins_with_the_smallest(model: ml.Model) -> None:
+    sizes = [float(row[1].split("(")[0]) for row in model.tune(1, 10.5, "mass").rows]
+    assert sizes == sorted(sizes)
+
+
+def test_a_response_is_that_of_the_state_space(model: ml.Model) -> None:
+    dt, force = 1 / 256, np.random.default_rng(1).standard_normal(512)
+    moved = model.response(force, dt, at=1, quantity="velocity", between="linear")
+    _, expected, _ = model.state_space(1, quantity="velocity").scipy().output(force, dt * np.arange(512))
+    np.testing.assert_allclose(moved.values, expected.T, atol=1e-9)
+    np.testing.assert_allclose(moved.error(moved.values), 0)
+    np.testing.assert_allclose(moved.level(0, 1 / dt), moved.rms, rtol=0.05)
+
+
+@pytest.mark.parametrize("ending", [".uff", ".mat", ".h5"])
+def test_smoothed_frfs_are_written_for_other_programs(model: ml.Model, tmp_path: Path, ending: str) -> None:
+    smoothed = model.frf(HZ[10:], outputs=[1, 2], inputs=[1, 4])
+    path = smoothed.save(tmp_path / f"smooth{ending}")
+    if ending == ".mat":
+        np.testing.assert_allclose(loadmat(path)["H"], smoothed.frf.values)
+    else:
+        # The universal file holds one function for each pair; the campaign file the matrix.
+        frfs = ml.load(path).campaign.frfs
+        assert sum(f.values.shape[0] * f.values.shape[1] for f in frfs) == 4
+    with pytest.raises(StorageError):
+        smoothed.save(tmp_path / "smooth.xyz")
+
+
+def test_what_cannot_be_asked_is_said(model: ml.Model) -> None:
+    with pytest.raises(DataError, match="there is no change"):
+        model.modify()
+    with pytest.raises(DataError, match="2 forces at 1 points"):
+        model.response(np.zeros((2, 8)), 0.01, at=1)
+
+
+@pytest.mark.thorough("records two tests of the simulated bench")
+def test_a_mass_on_the_simulated_bench_moves_its_modes_as_the_model_of_the_bare_one_says() -> None:
+    plan = ImpactPlan(points=(10, 6, 3), hits=3)
+    effects = (), "added_mass,mass=0.05,x=0.8"
+    tests = [ml.simulate("link", e, seed=11, tolerances="usual", plan=plan, progress=False) for e in effects]
+    bare, heavy = (ml.identify(test, "impact", progress=False) for test in tests)
+    after = bare.modify(mass=0.05, at=8)
+    off = after.frequency_hz / heavy.modal.frequency_hz - 1
+    assert np.abs(off).max() < 2e-3
+    assert np.all(np.abs(off) < 3 * after.frequency_sigma_hz / after.frequency_hz)
