@@ -11,7 +11,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
 # A file to a worker, so that what its tests share is made once.
-TESTS = $(BIN)/pytest -n auto --dist loadgroup --no-loadscope-reorder
+TESTS = $(BIN)/pytest -n auto --dist loadscope --no-loadscope-reorder
 
 .PHONY: demo test test-all tests check command service clean
 demo: $(VENV)/.ready

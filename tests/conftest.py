@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from files_together import pytest_xdist_make_scheduler
 from made_once import made_once, record_demo
 from postgresql_server import Server, postgresql_server
 from slowest_tests import pytest_addoption, pytest_configure
 
-__all__ = ["pytest_addoption", "pytest_configure"]
+__all__ = ["pytest_addoption", "pytest_configure", "pytest_xdist_make_scheduler"]
 
 ROOT = Path(__file__).parent.parent
 
@@ -55,10 +56,6 @@ SLOW_FILES = (
 """The longest first: the short ones at the end are shared out, and all workers end together. The very first makes the
 recording that others read.
 """
-TOGETHER = ("page", "service/api", "service/campaigns")
-"""Folders whose files share a service: one worker runs them all."""
-APART = ("docs/test_commands.py", "service/process/test_kills.py", "cli/test_ctrl_c.py")
-"""Files whose tests share nothing and are long: any worker runs the next."""
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -67,27 +64,17 @@ def pytest_xdist_auto_num_workers() -> int:
     return (os.cpu_count() or 1) + 1
 
 
-@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Before pytest-xdist reads the groups."""
     place = {ROOT / "tests" / file: n for n, file in enumerate(SLOW_FILES)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
     for item in items:
         _require_reason(item)
-        if (file := item.path.relative_to(ROOT / "tests").as_posix()) not in APART:
-            item.add_marker(pytest.mark.xdist_group(_group(file)))
 
 
 def _require_reason(item: pytest.Item) -> None:
     for mark in item.iter_markers("thorough"):
         if len(mark.args) != 1 or not isinstance(mark.args[0], str) or mark.kwargs:
             raise pytest.UsageError(f"{item.nodeid}: thorough{mark.args} says no reason: what takes so long?")
-
-
-def _group(file: str) -> str:
-    """What one worker runs: a file, so that what its tests share is made once; a folder that shares a service."""
-    folder, _, name = file.rpartition("/")
-    return folder if folder in TOGETHER else f"{folder}/{name.removesuffix('.py')}"
 
 
 @pytest.fixture(scope="session")

@@ -53,9 +53,11 @@ def test_a_time_out_is_a_lost_owner_and_a_heartbeat_prevents_it() -> None:
 def test_reports_never_wait_for_an_owner_that_does_not_listen() -> None:
     mine, theirs = multiprocessing.Pipe()
     link = Link(theirs)
-    begin = time.monotonic()
+    begin, began = time.monotonic(), time.thread_time()
     for _ in range(20000):
         link.send(Ended(None))
-    assert time.monotonic() - begin < 2.0
+    assert time.thread_time() - began < 2.0
+    # The shortest wait of a system, a millisecond, for each would be twice that; a busy machine takes a part of it.
+    assert time.monotonic() - begin < 10.0
     assert mine.recv() == Ended(None)
     mine.close()

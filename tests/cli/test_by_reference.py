@@ -33,6 +33,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., str]:
     return written
 
 
+@pytest.mark.thorough("records two whole tests, and fits a finite-element model")
 def test_a_mass_that_came_later_is_found_beside_the_campaign_from_before(
     recorded: Callable[..., str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -31,6 +31,7 @@ def test_both_tests_find_the_bench_that_was_built(demo):
         assert model["half_power"][0] > 4 * true_z[0]
 
 
+@pytest.mark.thorough("identifies the whole demonstration again")
 def test_the_demos_campaign_is_identified_again_alike(demo, tmp_path):
     assert main(["identify", str(demo), "--json", str(tmp_path / "m.json")]) == 0
     first = json.loads((demo / "models.json").read_text())["models"][0]

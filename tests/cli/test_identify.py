@@ -130,6 +130,7 @@ def test_a_missing_folder_is_rejected(tmp_path, capsys):
     assert "nowhere" in capsys.readouterr().err
 
 
+@pytest.mark.thorough("identifies whole practice campaigns")
 def test_practice_campaigns_are_identified_as_they_stand(practice, tmp_path):
     folder = practice / "practice_086"
     copy = tmp_path / "campaign"

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from modallab.cli.demo_rig import demo_rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import write_rig
@@ -22,6 +24,7 @@ def command(folder: Path) -> list[str]:
     return [sys.executable, "-u", "-c", START, "campaign", "run", *words, "--out", "s.h5", "--report", "s.html"]
 
 
+@pytest.mark.thorough("records and identifies a whole test with two setups")
 def test_sensors_are_moved_at_the_terminal_and_one_model_shown(tmp_path: Path) -> None:
     with subprocess.Popen(
         command(tmp_path), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=tmp_path

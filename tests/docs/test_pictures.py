@@ -3,11 +3,13 @@
 import runpy
 from pathlib import Path
 
+import pytest
 from pages import ROOT
 
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 
 
+@pytest.mark.thorough("draws every picture of the pages")
 def test_every_picture_is_drawn_from_a_campaign_of_the_demo(demo: Path, tmp_path: Path) -> None:
     script = runpy.run_path(str(ROOT / "docs/images/make.py"))
     drawn = script["pictures"](read_campaign(demo / "campaign.h5"))

@@ -117,6 +117,7 @@ def impact_errors(seed: int) -> list[np.ndarray]:
     return [off(model(of, rig), system) for of, rig in ((blocks, unreported), (read, reported), (read, unreported))]
 
 
+@pytest.mark.thorough("records and identifies whole tests")
 def test_the_impact_model_is_as_good_as_that_of_dc_coupled_channels() -> None:
     clean, reported, unreported = np.sqrt(
         np.mean(np.square([impact_errors(seed) for seed in (4, 5, 6, 7)]), axis=(0, 2))

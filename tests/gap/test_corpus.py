@@ -109,6 +109,7 @@ def scored(out: Path, *words: str) -> str:
     return subprocess.run(command, cwd=GAP, env=own, check=True, capture_output=True, text=True).stdout
 
 
+@pytest.mark.thorough("scores campaigns in processes of their own")
 def test_the_two_cheapest_campaigns_are_scored_and_not_scored_again(tmp_path: Path) -> None:
     out = tmp_path / "results.csv"
     cheapest = ("--only", "own_ideal_none_0", "plate_none_0")
@@ -120,6 +121,7 @@ def test_the_two_cheapest_campaigns_are_scored_and_not_scored_again(tmp_path: Pa
     assert read(out) == rows
 
 
+@pytest.mark.thorough("scores campaigns in processes of their own")
 def test_an_engine_that_does_not_end_or_fails_has_a_row_that_says_so(tmp_path: Path) -> None:
     (tmp_path / "engines_of_a_test.py").write_text(
         "def endless(campaign, reference=None):\n    while True: pass\n\n\n"

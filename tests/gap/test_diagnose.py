@@ -88,6 +88,7 @@ def test_a_channel_that_reads_against_the_others_is_named_with_its_size(make: Ma
     assert next(iter(found.effects[0].parameters.values())) == pytest.approx(gain, rel=1e-3)
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_channel_that_reads_too_much_is_named(make: Make) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 7})
     found = diagnose(make(wrong), allowed=only("gain_error", "polarity"))
@@ -184,6 +185,7 @@ def test_a_rig_without_a_beam_is_rejected(make: Make, rig: Rig) -> None:
         diagnose(Campaign(bare, campaign.blocks))
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_diagnosis_predicts_another_campaign(massed: Diagnosis, make: Make, rig: Rig) -> None:
     read = Diagnosis.model_validate_json(massed.model_dump_json())
     other = make(TIP, seed=9)

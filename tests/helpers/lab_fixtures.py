@@ -19,15 +19,16 @@ URL = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 """Modes are well damped, so that the beam soon rests."""
 
 
-@pytest.fixture(scope="session")
+# Not for the session: a service that nobody asks any more would take a twentieth of a processor from all other tests.
+@pytest.fixture(scope="package")
 def labs() -> list[Lab]:
-    """The service that the tests of this worker share, once one has asked for it."""
+    """The service that the tests of this folder share, once one has asked for it."""
     return []
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def lab(tmp_path_factory: pytest.TempPathFactory, link_rig: Rig, labs: list[Lab]) -> Iterator[Lab]:
-    """One service and rig for all tests of a worker; each makes campaigns of its own."""
+    """One service and rig for all tests of a folder; each makes campaigns of its own."""
     with Lab(tmp_path_factory.mktemp("lab") / "data", link_rig, URL) as made:
         made.wait_until_idle()
         labs.append(made)

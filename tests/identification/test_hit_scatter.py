@@ -75,11 +75,13 @@ def test_what_the_misfit_does_not_touch_is_known_by_its_scatter():
     assert np.all(damping > 0.05)
 
 
+@pytest.mark.thorough("identifies many recordings")
 def test_the_residual_is_even_where_nothing_drifts_and_uneven_where_the_frequencies_do():
     assert all(is_even(identified(0.0, seed)[1]) for seed in range(3))
     assert not is_even(identified(3e-5)[1])
 
 
+@pytest.mark.thorough("identifies many recordings")
 @pytest.mark.parametrize("spread", [3e-5, 3e-4])
 def test_damping_is_off_by_what_is_stated_though_the_frequencies_drift(spread):
     """The resonances of the mean are wider, which no scatter shows; the sigma holds that as well."""

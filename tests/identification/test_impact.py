@@ -40,6 +40,7 @@ def test_a_pole_above_the_band_leaves_those_within_it_right(seed):
     np.testing.assert_allclose(model.damping_ratio, system.zeta[within], rtol=0.05)
 
 
+@pytest.mark.thorough("identifies many recordings")
 def test_stated_sigma_is_the_scatter():
     normalised = []
     for seed in range(5):
@@ -158,6 +159,7 @@ def test_what_is_no_impact_test_is_rejected(change, says):
         identify_impact(*spoiled(change), Options(band_hz=(2.9, 400.0)))
 
 
+@pytest.mark.thorough("identifies many recordings")
 def test_what_no_linear_modes_explain_is_said():
     rng = np.random.default_rng(12)
     system, rig = bench.modes(rng), bench.rig(5)

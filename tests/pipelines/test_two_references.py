@@ -2,6 +2,7 @@
 
 import functools
 import tempfile
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import date
 from importlib import resources
@@ -117,7 +118,15 @@ def settled(signal: Broadband) -> list[Signals]:
     return without_decays(signals, poles_of(2 * np.pi * TRUE_HZ, TRUE_DAMPING), band)
 
 
-@pytest.mark.parametrize("signal", ["pseudo-random", "chirp"])
+AGAIN = pytest.mark.thorough("records and identifies with two shakers again")
+
+
+def one_and_again(usual: Broadband, others: Sequence[Broadband]) -> list[object]:
+    """Of a signal always, of the others in all tests."""
+    return [usual, *(pytest.param(s, marks=AGAIN) for s in others if s != usual)]
+
+
+@pytest.mark.parametrize("signal", one_and_again("pseudo-random", ["chirp"]))
 def test_all_frfs_of_a_periodic_drive_are_the_twins_within_their_noise(signal: Broadband) -> None:
     """Both forces with their signs and units: one is read in lbf, against the drive, in the midst of the channels."""
     signals = settled(signal)
@@ -133,7 +142,7 @@ def test_all_frfs_of_a_periodic_drive_are_the_twins_within_their_noise(signal: B
     assert square.mean(axis=2).max() < 2
 
 
-@pytest.mark.parametrize("signal", ["random", "burst-random"])
+@pytest.mark.parametrize("signal", one_and_again("random", ["burst-random"]))
 def test_all_frfs_of_a_random_drive_are_the_twins(signal: Broadband) -> None:
     signals = to_signals_of(recorded(signal).blocks, RIG)
     frf = joined_frf(signals, RIG, driven_band(signals))
@@ -155,7 +164,7 @@ def test_multiple_coherence_is_what_all_forces_explain() -> None:
     assert np.median(alone) < 0.8
 
 
-@pytest.mark.parametrize("signal", BROADBAND)
+@pytest.mark.parametrize("signal", one_and_again("pseudo-random", BROADBAND))
 def test_the_model_of_both_references_is_the_benchs(signal: Broadband) -> None:
     found = identified(signal)
     model = found.model
@@ -168,6 +177,7 @@ def test_the_model_of_both_references_is_the_benchs(signal: Broadband) -> None:
     assert verdicts["driving point"]
 
 
+@AGAIN
 def test_what_still_fades_from_the_start_of_each_wave_is_no_change_of_the_structure() -> None:
     """The lowest mode of this bench rings for ten seconds: the first half of every wave holds more of it."""
     campaign = recorded("pseudo-random", url="sim://cantilever?seed=0", blocks=16)
@@ -176,6 +186,7 @@ def test_what_still_fades_from_the_start_of_each_wave_is_no_change_of_the_struct
     assert next(v for v in assessment.verdicts if v.assumption == "time invariance").value < 0.02
 
 
+@AGAIN
 def test_both_shakers_find_the_modes_that_one_finds_within_what_both_state() -> None:
     one, both = identified("pseudo-random", "first").model, identified("pseudo-random").model
     assert one.input_points == (4,)
@@ -185,6 +196,7 @@ def test_both_shakers_find_the_modes_that_one_finds_within_what_both_state() -> 
         assert np.all(apart < PARTS_T * joint), name
 
 
+@AGAIN
 def test_what_one_shaker_hardly_sees_the_other_does() -> None:
     """Near a node of mode 3 stands the first, near one of mode 2 the second: each alone knows that mode worse."""
     both = identified("pseudo-random", "all", 5, 8).model
@@ -245,6 +257,7 @@ def test_what_knows_one_force_says_so(tmp_path: Path) -> None:
         to_signals(replace(campaign.blocks[0], also_driven=(9, 2)), RIG)
 
 
+@AGAIN
 def test_the_scale_is_as_uncertain_as_the_least_certain_force() -> None:
     certificates = {
         c.name: Certificate(serial=c.serial, date=date(2026, 1, 1), uncertainty_percent=2.0 if c.name == TIP else 0.5)

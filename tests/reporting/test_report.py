@@ -353,9 +353,8 @@ def test_a_report_is_written_whole_or_not_at_all(tmp_path, content):
         write_report(tmp_path / "missing" / "report.html", bare)
 
 
-def test_the_page_begins_with_what_is_good_and_what_is_to_be_looked_at(content, slim):
-    good = Page(render(content))
-    marks = [a["class"] for a in good.all("li") if a.get("class") in ("good", "look")]
+def test_the_page_begins_with_what_is_good_and_what_is_to_be_looked_at(content, slim, parsed):
+    marks = [a["class"] for a in parsed.all("li") if a.get("class") in ("good", "look")]
     assert marks.count("good") >= 3
     impact = content.outcomes[0]
     poor = replace(impact.verification, frac=np.where(np.arange(10)[:, None] == 4, 0.31, impact.verification.frac))

@@ -34,7 +34,10 @@ def fitted(rig: Rig, seed: int, *effects: Effect):
     return prepared, baseline(bench)
 
 
-@pytest.mark.parametrize("seed", [11, 12])
+AGAIN = pytest.mark.thorough("fits whole trials")
+
+
+@pytest.mark.parametrize("seed", [11, pytest.param(12, marks=AGAIN)])
 def test_a_trial_without_effects_is_at_the_floor(link: Rig, seed: int):
     prepared, fit = fitted(link, seed)
     assert 0.9 < fit.gap < 1.08
@@ -63,7 +66,14 @@ SHOWN = (
 )
 
 
-@pytest.mark.parametrize(("effect", "number", "tolerance"), SHOWN, ids=[e.effect for e, _, _ in SHOWN])
+# One of a channel and one of all records; the fit of a trial takes seconds.
+ALWAYS = ("noisy_channel", "residual_ringing")
+
+
+@pytest.mark.parametrize(
+    ("effect", "number", "tolerance"),
+    [pytest.param(*s, id=s[0].effect, marks=() if s[0].effect in ALWAYS else AGAIN) for s in SHOWN],
+)
 def test_what_no_force_predicts_is_seen_in_a_trial(link: Rig, effect: Effect, number: str, tolerance: float):
     prepared, fit = fitted(link, 21, effect)
     found = inspected(prepared, fit.problem.twin(fit.u))
@@ -73,7 +83,7 @@ def test_what_no_force_predicts_is_seen_in_a_trial(link: Rig, effect: Effect, nu
         assert found[0].place["channel"] == effect.place["channel"]
 
 
-@pytest.mark.thorough("fits whole trials")
+@AGAIN
 @pytest.mark.parametrize("rms_acc", [0.04, 0.4])
 def test_what_a_shaking_floor_adds_is_as_large_as_stated_in_both_tests(link: Rig, rms_acc: float):
     shaking = Effect(effect="floor_vibration", parameters={"rms_acc": rms_acc}, place={"where": "base"})

@@ -15,10 +15,14 @@ from modallab.core.rig import Rig
 
 
 class WitnessBench:
-    """Noise on every channel, at the pace of the clock."""
+    """Noise on every channel, and on the force's what is driven, at the pace of the clock.
+
+    A run of it goes on for as long as its plan says, and is not stopped for a drive that moves nothing.
+    """
 
     def __init__(self, url: str, rig: Rig) -> None:
-        self._url, self._channels = url, len(rig.channels)
+        self._url, self._channels, self._force = url, len(rig.channels), rig.force_channel.index
+        self._burst, self._played = Burst(1.0, 0.0, 0.0, 0.0), 0
         note("open")
 
     @property
@@ -39,11 +43,15 @@ class WitnessBench:
             raise DeviceGoneError("the witness is unplugged", where=self._url, remedy="plug it in")
         first, self._position = self._position, self._position + count
         time.sleep(max(0.0, self._began + self._position / self._rate - time.monotonic()))
-        samples = self._noise.normal(0, 2, (self._channels, count)).astype(np.int16)
-        return Chunk(first, samples, np.zeros(self._channels, dtype=bool))
+        samples = self._noise.normal(0, 2, (self._channels, count))
+        times = (first - self._played + np.arange(count)) / self._rate
+        sine = np.sin(2 * np.pi * self._burst.frequency_hz * times)
+        samples[self._force] += self._burst.amplitude_v / 1e-3 * self._burst.envelope(times) * sine
+        return Chunk(first, samples.astype(np.int16), np.zeros(self._channels, dtype=bool))
 
     def play(self, burst: Burst) -> int:
         note("play")
+        self._burst, self._played = burst, self._position
         return self._position
 
     def prompt_hit(self, point: int) -> None:

@@ -58,6 +58,7 @@ def _looking_all_the_time(recovery: Recovery) -> Iterator[None]:
         thread.join()
 
 
+@pytest.mark.thorough("kills the rig's process under a run, and waits for the recovery")
 def test_a_rig_that_dies_under_the_eyes_of_the_recovery_ends_its_run_once(lab: Lab) -> None:
     lease, campaign = lab.lease(), lab.campaign()
     try:

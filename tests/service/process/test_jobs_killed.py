@@ -3,6 +3,7 @@
 import time
 
 import psutil
+import pytest
 from service_process import ServiceProcess
 
 from modallab.core.documents.results import JobView
@@ -19,6 +20,7 @@ def _wait_for(service: ServiceProcess, job: str, state: str) -> JobView:
     return view
 
 
+@pytest.mark.thorough("kills processes of a running service")
 def test_jobs_of_a_killed_process_wait_for_no_lease(service: ServiceProcess) -> None:
     lab = service.client
     campaign = lab.create_campaign("jobs killed", service.rig).id

@@ -1,0 +1,1 @@
+"""The REST interface; a package, so that what its tests share ends with the last of them."""

@@ -1,0 +1,1 @@
+"""Campaigns and their runs; a package, so that what its tests share ends with the last of them."""
