@@ -93,7 +93,7 @@ class StepwiseSelection:
         return any(fit.gap <= self.bench.watched and self._sound(fit) for _, fit in fitted)
 
     def _sound(self, fit: Fit) -> bool:
-        """Whether beam and assembly are within their tolerances, and the generator's lines show no clock but its own."""
+        """Whether beam and assembly are within tolerance, and the generator's lines show no other clock."""
         clocked = any(search_of(c.effect).is_clock for c in fit.problem.candidates)
         return ordinary(fit) and (clocked or not clock_shows(self.bench))
 
