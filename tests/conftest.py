@@ -53,7 +53,6 @@ SLOW_FILES = (
     "jobs/test_kinds.py",
     "jobs/test_docker.py",
     "acquisition/test_owner_death.py",
-    "gap/test_hidden_effect.py",
     "gap/unknown/test_behaves_like.py",
     "gap/unknown/test_spare_poles.py",
     "pipelines/test_kinds_of_frf.py",
