@@ -77,6 +77,7 @@ def contents(read: Campaign) -> list[object]:
     ] + [read.rig, read.provenance]
 
 
+@pytest.mark.thorough("reads a file that is damaged in hundreds of ways")
 @settings(
     max_examples=150, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )

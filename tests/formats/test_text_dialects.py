@@ -121,7 +121,14 @@ def test_the_level_of_each_file_can_be_said(tmp_path: Path) -> None:
         import_sources(paths, RIG, ImportOptions(test="random"), levels=("a", "b", "c"))
 
 
-@pytest.mark.parametrize(("rate_hz", "seconds"), [(1024.0, 120.0), (51200.0, 2.0), (4096.0, 9.9)])
+@pytest.mark.parametrize(
+    ("rate_hz", "seconds"),
+    [
+        pytest.param(1024.0, 120.0, marks=pytest.mark.thorough("reads a table of 120000 rows")),
+        pytest.param(51200.0, 2.0, marks=pytest.mark.thorough("reads a table of 100000 rows")),
+        (4096.0, 9.9),
+    ],
+)
 def test_times_of_seven_digits_give_the_rate(tmp_path: Path, rate_hz: float, seconds: float) -> None:
     """Many decimals near 0, few later, none at the end of round numbers: as %.7g writes them."""
     n = int(rate_hz * seconds)

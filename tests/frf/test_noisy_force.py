@@ -1,5 +1,7 @@
 """H1, H2 and Hv of one random force, without leakage: which noise bends which of them, and by how much."""
 
+import functools
+
 import numpy as np
 import pytest
 from scipy import signal
@@ -15,6 +17,7 @@ RESIDUES = np.array([[1.0, 0.7], [0.4, -0.9]])
 NOISE = 0.3
 
 
+@functools.cache
 def records(on_force: float, on_response: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Spectra of a record that begins ringing, and the sampled modes' own FRF; noise in each signal's rms."""
     rng = np.random.default_rng(8)

@@ -35,7 +35,8 @@ def kill(service: ServiceProcess, name: str) -> None:
     os.kill(service.client.processes()[name], signal.SIGKILL)
 
 
-@pytest.mark.parametrize("victim", [pytest.param("api", marks=AGAIN), "rig"])
+@AGAIN
+@pytest.mark.parametrize("victim", ["api", "rig"])
 def test_a_killed_process_costs_nothing_that_was_acknowledged(tmp_path: Path, victim: str) -> None:
     with ServiceProcess(tmp_path / "data", "--no-jobs", bench=QUICK_BEAM) as service:
         lab = service.client
