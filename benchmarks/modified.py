@@ -14,6 +14,7 @@ import numpy as np
 import modallab as ml
 from modallab.core.errors import ModallabError
 from modallab.core.plan import ImpactPlan
+from modallab.core.rig import Tolerance
 from modallab.modification.attachments import Element
 from modallab.modification.known import Known
 
@@ -47,7 +48,8 @@ def rows_of(seed: int) -> list[list[object]]:
     effects: tuple[str | tuple[()], ...] = ((), effect_of(kind, size, point))
     tests = [ml.simulate("link", e, seed=seed, tolerances="usual", plan=PLAN, progress=False) for e in effects]
     bare, changed = (ml.identify(test, "impact", progress=False) for test in tests)
-    known = Known(bare.modal, bare.campaign.rig, [PLAN.hits] * len(PLAN.points))
+    rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
+    known = Known(bare.modal, rig, [PLAN.hits] * len(PLAN.points))
     after = known.with_changes([Element(point, **{kind: size})]).modes
     measured, before = changed.modal, bare.modal
     found = []

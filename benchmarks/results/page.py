@@ -20,6 +20,7 @@ TOPICS = {
     "recording": "Recording, safety and devices",
     "service": "The service and its page",
     "gap": "The gap",
+    "modification": "The model put to use",
 }
 HEAD = """# Measured figures
 

@@ -107,7 +107,8 @@ def test_poles_are_chosen_on_the_diagram(recorded: Watched, campaign: str, serve
     recorded.page.wait_for_selector("canvas.diagram")
     modes = rows.count()
     recorded.page.click("canvas.diagram", position=recorded.page.evaluate(POLE, [campaign, 2]))
-    recorded.page.wait_for_selector(f"text='{modes - 1} chosen. Poles that hold over enough orders are listed.'")
+    listed = "Poles that hold are listed as the estimator found them, not refined."
+    recorded.page.wait_for_selector(f"text='{modes - 1} chosen. {listed}'")
     recorded.page.click("text=Identify with these poles only")
     recorded.page.wait_for_function(
         "n => document.querySelectorAll('[aria-labelledby=p-modes-of-the-impact-test] tbody tr').length === n",

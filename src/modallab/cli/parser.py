@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
 from modallab.cli.gap_commands import add_gap_commands
+from modallab.cli.model_commands import add_model_commands
 from modallab.cli.options import JSON_HELP, add_saying, not_negative, positive
 from modallab.cli.usage import Parser
 from modallab.core.units import FRF_ESTIMATORS, TESTS
@@ -28,6 +29,7 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     _add_demo(commands)
     _add_import(commands)
     _add_identify(commands)
+    add_model_commands(commands)
     add_gap_commands(commands)
     _add_rig(commands)
     _add_devices(commands)

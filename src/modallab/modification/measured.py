@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.model import ModalModel
 from modallab.modification.samples import places_of
-from modallab.modification.structure import Structure
+from modallab.modification.structure import Structure, terms_of
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -36,11 +36,12 @@ class MeasuredPairs:
         rows, columns = (np.array(places) for places in places_of(model, structure))
         residue, terms = np.einsum("ro,ri->roi", structure.psi, structure.psi), structure.residual.copy()
         own = model.modal_constants / (2j * structure.poles.imag)[:, None, None]
+        own_terms = terms_of(model)
         # The exchanged pairs first, so that a pair of its own measurement keeps it.
         residue[:, columns[:, None], rows] = own.transpose(0, 2, 1)
         residue[:, rows[:, None], columns] = own
-        terms[:, columns[:, None], rows] = model.residuals.transpose(0, 2, 1)
-        terms[:, rows[:, None], columns] = model.residuals
+        terms[:, columns[:, None], rows] = own_terms.transpose(0, 2, 1)
+        terms[:, rows[:, None], columns] = own_terms
         return cls(structure.poles, residue, structure.powers, terms)
 
     def receptance(self, s: Complex, left: Real | None = None, right: Real | None = None) -> Complex:

@@ -137,9 +137,14 @@ def structure_of(model: ModalModel, rig: Rig | None = None) -> Structure:
     known = np.zeros((len(listed), len(listed)), bool)
     known[np.ix_(rows, columns)] = known[np.ix_(columns, rows)] = True
     poles, psi = modes_of(model.frequency_hz, model.damping_ratio, model.modal_constants, rows, columns, len(listed))
-    residual = completed(np.asarray(model.residuals, np.float64), rows, columns, len(listed))
+    residual = completed(terms_of(model), rows, columns, len(listed))
     axis = inputs[0][1]
     return Structure(listed, poles, psi, model.residual_powers, residual, known, model.band_hz, axis)
+
+
+def terms_of(model: ModalModel) -> Real:
+    """(terms, outputs, inputs) residual terms; none in a document have no shape."""
+    return np.reshape(model.residuals, (len(model.residual_powers), *model.modal_constants.shape[1:]))
 
 
 def _freedoms(model: ModalModel, rig: Rig | None) -> tuple[tuple[Freedom, ...], tuple[Freedom, ...]]:

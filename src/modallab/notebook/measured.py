@@ -7,22 +7,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.io import savemat
 
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, UNIT, Frf, FrfQuantity
-from modallab.core.rig import Channel, Point, Rig
-from modallab.formats.atomic import replacing
-from modallab.formats.exporter import write_export
-from modallab.notebook.asked import path_for
+from modallab.core.rig import Rig
+from modallab.formats.frf_file import bare_rig, rig_of, write_frf
 from modallab.notebook.shown import Shown
-
-OUTPUT_UNIT: dict[FrfQuantity, tuple[str, str]] = {
-    "receptance": ("displacement", "m"),
-    "mobility": ("velocity", "m/s"),
-    "inertance": ("acceleration", "m/s^2"),
-}
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -45,8 +36,7 @@ class MeasuredFrf:
     @classmethod
     def of(cls, frf: Frf) -> "MeasuredFrf":
         """FRFs between points, whose places are not known."""
-        to, of = ([p for p in points if p is not None] for points in (frf.output_points, frf.input_points))
-        return cls(frf, _bare_rig(frf.outputs, to, of, frf.quantity))
+        return cls(frf, rig_of(frf))
 
     def save(self, path: str | Path) -> Path:
         """Write the FRFs: a universal file (.uff), MATLAB's (.mat) or a campaign file (.h5); returns the path.
@@ -54,20 +44,9 @@ class MeasuredFrf:
         Raises:
             StorageError: the file cannot be written, or its name ends otherwise.
         """
-        path = path_for(path, (".uff", ".mat", ".h5"))
-        if path.suffix == ".mat":
-            with replacing(path) as draft:
-                savemat(str(draft), self._content(), appendmat=False)
-        else:
-            write_export(self.campaign, path, "uff" if path.suffix == ".uff" else "hdf5")
+        path = Path(path)
+        write_frf(path, self.frf, self.rig)
         return path
-
-    def _content(self) -> dict[str, object]:
-        frf = self.frf
-        sigma = {} if frf.variance is None else {"sigma": np.sqrt(frf.variance)}
-        points = {"outputs": list(frf.output_points), "inputs": list(frf.input_points)}
-        about = {"quantity": frf.quantity, "unit": UNIT[frf.quantity], **points}
-        return {"f": frf.frequency_hz, "H": frf.values, **sigma, **about}
 
     def plot(self) -> Any:
         """Amplitude of every output over frequency, as a matplotlib figure."""
@@ -127,7 +106,7 @@ def frf(
     of = _points([inputs] if isinstance(inputs, int) else inputs, values.shape[1], "inputs")
     names = tuple(f"y{point}" for point in to)
     known = of or (None,) * values.shape[1]
-    return MeasuredFrf(Frf(lines, values, quantity, names, to, known), _bare_rig(names, to, of, quantity))
+    return MeasuredFrf(Frf(lines, values, quantity, names, to, known), bare_rig(names, to, of, quantity))
 
 
 def phase_rises(frf: Frf) -> bool:
@@ -181,15 +160,3 @@ def _points(given: Sequence[int] | None, count: int, which: str) -> tuple[int, .
             remedy=f"give {count} numbers of points from 1 on, one for each, in the order of H",
         )
     return points
-
-
-def _bare_rig(names: Sequence[str], to: Sequence[int], of: Sequence[int], quantity: FrfQuantity) -> Rig:
-    measured, unit = OUTPUT_UNIT[quantity]
-    force = Channel.model_validate({"index": 0, "name": "force", "quantity": "force", "unit": "N"})
-    responses = [
-        Channel.model_validate({"index": i, "name": name, "quantity": measured, "unit": unit, "point": point})
-        for i, (name, point) in enumerate(zip(names, to, strict=True), 1)
-    ]
-    # Places are not known: the numbers of the points stand for them in figures.
-    points = tuple(Point(id=p, x_m=float(p)) for p in sorted({*to, *of}))
-    return Rig(name="FRFs from arrays", model="unknown", points=points, channels=(force, *responses))

@@ -58,7 +58,7 @@ export class Stabilisation {
     context.clearRect(0, 0, ...SIZE);
     context.font = "15px system-ui";
     context.fillStyle = colour("muted");
-    context.fillText("order", 2, 14);
+    context.fillText("order", 48, 14);
     context.fillText("Hz", SIZE[0] - 24, SIZE[1] - 26);
     for (let n = 0; n <= 10; n += 1) { const at = this.low + ((this.high - this.low) * n) / 10; context.fillText(number(at, 3), this.x(at) - 16, SIZE[1] - 10); }
     for (const one of new Set([this.orders[0], Math.round((this.orders[0] + this.orders[1]) / 2), this.orders[1]])) context.fillText(String(one), 14, this.y(one) + 5);
@@ -92,6 +92,6 @@ export class Stabilisation {
     const focused = [...this.list.children].indexOf(document.activeElement);
     put(this.list, all.map((hz) => h("button", { type: "button", "aria-pressed": String(this.chosen.has(hz)), onclick: () => this.toggle(hz) }, `${number(hz, 5)} Hz`)));
     this.list.children[focused]?.focus();
-    put(this.picked, `${this.chosen.size} chosen. Poles that hold over enough orders are listed.`);
+    put(this.picked, `${this.chosen.size} chosen. Poles that hold are listed as the estimator found them, not refined.`);
   }
 }

@@ -69,15 +69,17 @@ async function save(path, name) {
   URL.revokeObjectURL(link.href);
 }
 
+const FORMAT_OF = { ".h5": "hdf5", ".hdf5": "hdf5", ".uff": "uff", ".unv": "uff", ".tdms": "tdms", ".mat": "mat", ".csv": "csv", ".lvm": "lvm", ".wav": "wav", ".nc": "netcdf" };
+
 /** Files of others, dropped or chosen. */
 function importer(done) {
-  const said = h("p", { class: "muted", role: "status" }, "Drop an HDF5 or UFF file here, or choose one.");
-  const input = h("input", { type: "file", id: "file", accept: ".h5,.hdf5,.uff,.unv", onchange: () => take(input.files) });
+  const said = h("p", { class: "muted", role: "status" }, `Drop a file here, or choose one: ${Object.keys(FORMAT_OF).join(", ")}.`);
+  const input = h("input", { type: "file", id: "file", accept: Object.keys(FORMAT_OF).join(","), onchange: () => take(input.files) });
   const place = h("div", { class: "drop" }, said, h("label", { for: "file", class: "hidden" }, "File to import"), input);
   async function take(files) {
     for (const file of files) {
       said.textContent = `${file.name} is being read …`;
-      const format = /\.(uff|unv)$/i.test(file.name) ? "uff" : "hdf5";
+      const format = FORMAT_OF[/\.[^.]*$/.exec(file.name.toLowerCase())?.[0]] ?? "hdf5";
       const query = new URLSearchParams({ name: file.name, rig: lab.rig.id, format });
       try {
         await ask("POST", `imports?${query}`, { body: file, headers: { "Content-Type": "application/octet-stream" }, patience: 600000 });

@@ -52,7 +52,7 @@ function modelPart({ model, frac, assessment }, curves, identify, signal) {
   const heads = [["Mode", "n"], ["Frequency [Hz]", "n"], ["Damping [%]", "n"], ["Half-power [%]", "n"], ["Confidence", "n"], ["MPC", "n"], ["Phase deviation [°]", "n"]];
   const rows = modes.map((n) => [n + 1, uncertain(model.frequency_hz[n], model.frequency_sigma_hz[n]), uncertain(100 * model.damping_ratio[n], 100 * model.damping_sigma[n]),
     number(100 * model.half_power[n], 3), number(assessment?.confidence[n], 2), number(assessment?.mpc[n], 4), number((assessment?.mpd_rad[n] * 180) / Math.PI, 2)]);
-  const frame = h("div", { class: "pair" },
+  const frame = h("div", { class: "thirds" },
     h("div", {}, panel(`Modes of the ${name} test`, table(`Modes of the ${name} test`, heads, rows), h("p", { class: "muted" }, "4.80(3) stands for 4.80 ± 0.03, one standard deviation."), trust(frac, assessment, model))),
     h("div", {}, new ShapeView(name, model, lab.description, signal).element, assessment && macPanel(name, assessment.auto_mac)));
   const diagram = curves?.diagram ? new Stabilisation(name, curves.diagram, model, identify, signal).element : null;

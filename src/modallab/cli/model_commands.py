@@ -1,0 +1,58 @@
+"""The command `model` and its options, without importing what it does."""
+
+from pathlib import Path
+from typing import Any, Protocol
+
+from modallab.cli.options import JSON_HELP, add_saying, positive
+from modallab.core.units import TESTS
+
+
+class _Commands(Protocol):
+    def add_parser(self, name: str, *, help: str) -> Any: ...  # noqa: A002
+
+
+def add_model_commands(commands: _Commands) -> None:
+    """Add it to the parser."""
+    model = commands.add_parser("model", help="put a modal model to use: predict FRFs and what a change makes of it")
+    actions = model.add_subparsers(metavar="ACTION", required=True, dest="action")
+    for command in (_modify(actions), _tune(actions), _frf(actions)):
+        command.add_argument(
+            "model", type=Path, metavar="MODELS.json|FOLDER|CAMPAIGN.h5", help="models, or a campaign to identify"
+        )
+        command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside it")
+        command.add_argument("--test", choices=TESTS, help="whose model (default: the first)")
+        command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("answer"))
+        add_saying(command)
+    model.set_defaults(module="model")
+
+
+def _modify(actions: _Commands) -> Any:
+    command = actions.add_parser("modify", help="the modes with masses, springs, dampers, absorbers or links added")
+    command.add_argument("--at", type=int, metavar="POINT", help="of --mass, --spring and --damper")
+    command.add_argument("--to", type=int, metavar="POINT", help="other end of spring and damper (default: ground)")
+    command.add_argument("--mass", type=float, default=0.0, metavar="KG", help="below 0: taken away")
+    command.add_argument("--spring", type=float, default=0.0, metavar="N/M")
+    command.add_argument("--damper", type=float, default=0.0, metavar="NS/M")
+    command.add_argument("--absorber", nargs=4, type=float, metavar=("POINT", "KG", "HZ", "PERCENT"))
+    command.add_argument("--ground", type=int, nargs="+", metavar="POINT", help="points that no longer move")
+    command.add_argument("--link", type=int, nargs=2, metavar="POINT", help="two points that move as one")
+    return command
+
+
+def _tune(actions: _Commands) -> Any:
+    command = actions.add_parser("tune", help="the mass or spring that brings a mode to a frequency, at each point")
+    command.add_argument("--mode", type=int, required=True, metavar="N", help="from 1")
+    command.add_argument("--to", type=positive, required=True, metavar="HZ")
+    command.add_argument("--by", choices=("mass", "spring"), required=True)
+    command.add_argument("--at", type=int, nargs="+", metavar="POINT", help="points to try (default: all)")
+    return command
+
+
+def _frf(actions: _Commands) -> Any:
+    command = actions.add_parser("frf", help="FRFs between points, measured pairs or not, for other programs")
+    command.add_argument("--outputs", type=int, nargs="+", metavar="POINT", help="(default: all that have a sensor)")
+    command.add_argument("--inputs", type=int, nargs="+", metavar="POINT", help="(default: those that were driven)")
+    command.add_argument("--quantity", choices=("receptance", "mobility", "inertance"), default="mobility")
+    command.add_argument("--lines", type=int, default=1000, metavar="N", help="evenly over the band (default: 1000)")
+    command.add_argument("--out", type=Path, required=True, metavar="FILE", help=".uff, .mat or .h5")
+    return command

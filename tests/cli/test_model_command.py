@@ -1,0 +1,45 @@
+"""`modallab model` predicts what the same model predicts from Python."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from chain import BARE
+
+from modallab.cli import main
+from modallab.modification.attachments import Element
+from modallab.modification.known import Known
+
+
+@pytest.fixture
+def models(tmp_path: Path) -> Path:
+    path = tmp_path / "models.json"
+    path.write_text(json.dumps({"models": [BARE.model().model_dump(mode="json")]}))
+    return path
+
+
+def test_a_mass_moves_modes_as_from_python(models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    answer = tmp_path / "answer.json"
+    assert main(["model", "modify", str(models), "--mass", "0.4", "--at", "3", "--json", str(answer)]) == 0
+    expected = Known(BARE.model()).with_changes([Element(3, mass=0.4)]).modes.frequency_hz
+    np.testing.assert_allclose(json.loads(answer.read_text())["frequency_hz"], expected)
+    assert "mass 0.4 kg at 3" in capsys.readouterr().out
+
+
+def test_a_table_says_at_which_points_a_mode_is_brought_to_a_frequency(
+    models: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["model", "tune", str(models), "--mode", "1", "--to", "10.5", "--by", "mass"]) == 0
+    assert "mass [kg]" in capsys.readouterr().out
+
+
+def test_frfs_are_written_at_pairs_that_were_not_measured(models: Path, tmp_path: Path) -> None:
+    out = tmp_path / "smooth.mat"
+    assert main(["model", "frf", str(models), "--outputs", "2", "--inputs", "4", "--out", str(out)]) == 0
+    assert out.exists()
+
+
+def test_a_change_without_a_point_says_what_is_missing(models: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["model", "modify", str(models), "--mass", "0.4"]) != 0
+    assert "--at POINT" in capsys.readouterr().err
