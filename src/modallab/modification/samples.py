@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
-from modallab.core.rig import Rig, Tolerance
+from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.modification.shapes import shapes_of
 from modallab.modification.structure import Structure, modes_of, structure_of
 
@@ -26,8 +26,6 @@ OUTSIDE_MEASURED = 0.1
 """By how much, one deviation, residual terms of measured pairs may be off: they also take up what else a fit leaves."""
 OUTSIDE_ESTIMATED = 0.5
 """The same of pairs that were not measured."""
-FORCE_SHARE = 0.5
-"""Of an accelerometer's tolerance: what the force transducer's sensitivity is uncertain by."""
 
 
 def samples_of(
