@@ -21,6 +21,7 @@ FACES = (
     "gap",
     "identification",
     "jobs",
+    "modification",
     "pipelines",
     "reporting",
     "storage",
