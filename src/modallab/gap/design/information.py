@@ -19,8 +19,8 @@ from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.design.standing import Explanation
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import jacobian
-from modallab.gap.search.choose import shares_of, temperature_of
-from modallab.gap.search.fitting import excess
+from modallab.gap.search.choose import shares_of
+from modallab.gap.search.fitting import excess, temperature_of
 
 Array = NDArray[np.float64]
 

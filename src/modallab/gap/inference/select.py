@@ -19,7 +19,7 @@ from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.search.clock import clock_shows
-from modallab.gap.search.fitting import Bench, completed, left_out, ordinary
+from modallab.gap.search.fitting import Bench, completed, excess, left_out, ordinary, temperature_of
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import model_of, search_of
 
@@ -81,12 +81,17 @@ class StepwiseSelection:
         if fitted and not self._explained(fitted):
             fitted += self._exchanged(min(fitted, key=_score), {f.key for f, _ in fitted})
         fitted.sort(key=_score)
-        if not fitted or _score(fitted[0]) > _score((self._here, self.best)) - self.settings.effect_price:
+        if not fitted or self._gain(*fitted[0]) < self.settings.effect_price:
             self.ended = True
             return
         self.levels.append(Level(self.best, tuple(fit for _, fit in fitted)))
         self._here, self.best = fitted[0]
         self.ended = self.best.gap <= self.bench.flat and self._sound(self.best)
+
+    def _gain(self, posterior: Posterior, fit: Fit) -> float:
+        """What an explanation gains, -2 log evidence; beside an error of the model's own, margins count for less."""
+        ranges = (self._here.evidence - self._here.cost) - (posterior.evidence - posterior.cost)
+        return (self.best.cost - fit.cost) / temperature_of(excess(fit)) + ranges
 
     def _explained(self, fitted: list[tuple[Posterior, Fit]]) -> bool:
         """Whether one of these leaves nothing but noise: no other can explain more."""

@@ -16,7 +16,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import discrepancies, unexplained
 from modallab.gap.search.clock import clock_shows
-from modallab.gap.search.fitting import Bench, excess, ordinary, plausible
+from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, temperature_of
 from modallab.gap.search.worth import Dismissed, worthwhile
 from modallab.twin.effects import search_of
 
@@ -219,11 +219,6 @@ def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
         np.array([f.cost for f in ordered]), np.array([len(f.problem.candidates) for f in ordered]), n, temperature
     )
     return sorted(zip(ordered, shares.tolist(), strict=True), key=lambda pair: -pair[1])
-
-
-def temperature_of(left: float) -> float:
-    """T of `probabilities` where the best explanation leaves so much, in squares above the floor."""
-    return 2.0 + 100.0 * left
 
 
 def shares_of(costs: Array, effects: Array, n: float, temperature: float | Array) -> Array:
