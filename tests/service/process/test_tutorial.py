@@ -33,7 +33,7 @@ def test_the_tutorials_commands_do_what_the_page_says(tmp_path: Path) -> None:
         assert done.stdout.count("is done") == 3, done.stdout[-3000:]
         assert service.client.rig(service.rig).trip is not None
         (campaign,) = service.client.campaigns()
-        (found,) = service.client.models(campaign.id).models
+        found = service.client.models(campaign.id).models[0]
         np.testing.assert_allclose(found.model.frequency_hz[:3], TRUE_HZ, rtol=1e-4)
     frf = json.loads((tmp_path / "frf.json").read_text())
     assert frf["averages"] == [5, 5, 5]
