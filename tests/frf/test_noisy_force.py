@@ -8,7 +8,7 @@ from scipy import signal
 
 from modallab.core.errors import DataError
 from modallab.frf.local_polynomial import local_polynomial_frf
-from modallab.frf.noisy_force import noise_shares, one_force_frf
+from modallab.frf.noisy_force import one_force_frf
 
 N, RATE = 32768, 512.0
 LINES = np.arange(64 * 20, 64 * 120)
@@ -72,31 +72,3 @@ def test_several_forces_have_no_h2_of_this_kind() -> None:
     force, response, _ = records(NOISE, 0.1)
     with pytest.raises(DataError, match="H2 of 2 forces"):
         one_force_frf(np.concatenate([force, force], axis=1), response, "H2")
-
-
-def driven(force_noise: float, response_noise: float, outputs: int = 3) -> tuple[np.ndarray, np.ndarray]:
-    """Spectra (1, rows, lines) of 60 s at 512 Hz: a random force, and what two modes answer at so many points."""
-    rng, rate, n = np.random.default_rng(5), 512.0, 512 * 60
-    omega = 2 * np.pi * np.fft.rfftfreq(n, 1 / rate)
-    f, y = rng.normal(size=n), np.zeros((outputs, n))
-    for hz, zeta, shape in ((60.0, 0.01, [1.0, 0.6, -0.5]), (140.0, 0.008, [0.64, -0.7, 0.3])):
-        w = 2 * np.pi * hz
-        frf = -(omega**2) / (w**2 - omega**2 + 2j * zeta * w * omega)
-        y += np.outer(shape[:outputs], np.fft.irfft(np.fft.rfft(f) * frf, n))
-    y += response_noise * rng.normal(size=y.shape)
-    lines = slice(20 * 60, 200 * 60)
-    return (np.fft.rfft(f + force_noise * rng.normal(size=n))[None, None, lines], np.fft.rfft(y)[None, :, lines])
-
-
-@pytest.mark.parametrize("noise", [0.05, 0.1, 0.2])
-def test_the_bias_of_h1_by_noise_on_the_force_is_known_within_a_tenth(noise):
-    shares = noise_shares(*driven(noise, 1e-3))
-    truth = noise**2 / (1 + noise**2)
-    assert shares.bias("H1") == pytest.approx(-truth, rel=0.1)
-    assert abs(shares.bias("H2")) < 0.1 * truth
-    assert f"H1 is {100 * shares.force:.2g} % low" in shares.words("H1")
-
-
-def test_without_noise_on_the_force_nothing_is_said_and_one_response_says_so():
-    assert noise_shares(*driven(0.0, 1e-3)).words("H1") == ""
-    assert "One response cannot say" in noise_shares(*driven(0.1, 0.0, outputs=1)).words("H1")

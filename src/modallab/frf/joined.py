@@ -14,7 +14,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.frf.estimate import lines, output_quantity
-from modallab.frf.noisy_force import NoiseShares, noise_shares, one_force_frf
+from modallab.frf.noisy_force import one_force_frf
 from modallab.frf.sums import Estimator
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
@@ -50,8 +50,14 @@ def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
     first = signals[0]
     check_outputs(first, rig)
     rate = first.rate_hz
-    chosen, spectrum_f, spectrum_y, n = _spectra(signals, band_hz)
-    values, variance = one_force_frf(spectrum_f, spectrum_y, estimator)
+    longest = max(contiguous(signals), key=len)
+    forces = np.concatenate([s.forces for s in longest], axis=1)
+    responses = np.concatenate([s.responses for s in longest], axis=1)
+    n = min(forces.shape[1], max(first.n_samples, int(MOST_LINES * rate / (band_hz[1] - band_hz[0]))))
+    count = min(MOST_RECORDS, forces.shape[1] // n)
+    chosen = lines(n, rate, band_hz)
+    spectrum_f = _spectrum(forces, n, count)[..., chosen]
+    values, variance = one_force_frf(spectrum_f, _spectrum(responses, n, count)[..., chosen], estimator)
     per_noise = _per_noise(spectrum_f)
     return Frf(
         frequency_hz=chosen * rate / n,
@@ -61,39 +67,8 @@ def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
         output_points=tuple(c.point for c in rig.responses),
         input_points=first.block.driven_points,
         variance=variance[:, None] * per_noise,
-        averages=(len(spectrum_f),) * spectrum_f.shape[1],
+        averages=(count,) * len(forces),
     )
-
-
-def noise_of_drive(signals: Sequence[Signals], band_hz: tuple[float, float]) -> NoiseShares | None:
-    """How noisy the force and the responses of random drive are; None of several forces.
-
-    Args:
-        signals: blocks, as for `joined_frf`.
-        band_hz: lines to look at.
-
-    Raises:
-        DataError: a band without lines.
-    """
-    if len(signals[0].forces) > 1:
-        return None
-    _, force, response, _ = _spectra(signals, band_hz)
-    return noise_shares(force, response)
-
-
-def _spectra(
-    signals: Sequence[Signals], band_hz: tuple[float, float]
-) -> tuple[NDArray[np.int64], NDArray[np.complex128], NDArray[np.complex128], int]:
-    """Lines of records as long as may be, spectra (records, rows, lines) of force and responses, and their length."""
-    first = signals[0]
-    rate = first.rate_hz
-    longest = max(contiguous(signals), key=lambda run: sum(s.n_samples for s in run))
-    forces = np.concatenate([s.forces for s in longest], axis=1)
-    responses = np.concatenate([s.responses for s in longest], axis=1)
-    n = min(forces.shape[1], max(first.n_samples, int(MOST_LINES * rate / (band_hz[1] - band_hz[0]))))
-    count = min(MOST_RECORDS, forces.shape[1] // n)
-    chosen = lines(n, rate, band_hz)
-    return chosen, _spectrum(forces, n, count)[..., chosen], _spectrum(responses, n, count)[..., chosen], n
 
 
 def _per_noise(force: NDArray[np.complex128]) -> Real:

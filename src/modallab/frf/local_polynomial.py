@@ -41,32 +41,6 @@ def local_polynomial_frf(
     Raises:
         DataError: shapes that do not fit, NaN, too few lines, or forces that cannot be distinguished.
     """
-    frf, variance, _ = _estimated(force, response, order, poles, half_width)
-    return frf, variance
-
-
-def common_residual(force: Complex, response: Complex) -> NDArray[np.float64]:
-    """What is left of responses of one force, along their FRF: (4,) sums over the lines.
-
-    Noise on the force leaves a residual in all responses at once, each as large as its FRF h; a response's own noise
-    does not. With the residuals' covariance C and p = |h|^2 of each response, the sums are h^H C h without its
-    diagonal, and (sum p)^2 - sum p^2; then the diagonal sum p C, and sum p^2. The first over the second is the power of
-    the noise on a line of the force.
-
-    Args:
-        force: (blocks, 1, lines) as in `local_polynomial_frf`.
-        response: (blocks, outputs, lines).
-
-    Raises:
-        DataError: as `local_polynomial_frf`.
-    """
-    # A denominator would go through half of the noise.
-    return _estimated(force, response, 4, 0, None)[2]
-
-
-def _estimated(
-    force: Complex, response: Complex, order: int, poles: int, half_width: int | None
-) -> tuple[Complex, NDArray[np.float64], NDArray[np.float64]]:
     blocks, inputs, lines = _checked(force, response)
     unknowns = (inputs + blocks) * (order + 1) + poles
     half = -(-(unknowns + inputs + blocks) // (2 * blocks)) if half_width is None else half_width
@@ -77,7 +51,7 @@ def _estimated(
             remedy="record longer, give more lines, or lower the order",
         )
     frf = np.empty((response.shape[1], inputs, lines), complex)
-    variance, common = np.empty((response.shape[1], lines)), np.zeros(4)
+    variance = np.empty((response.shape[1], lines))
     at_once = max(1, MOST_VALUES // (blocks * width * unknowns))
     for first in range(0, lines, at_once):
         line = np.arange(first, min(first + at_once, lines))
@@ -85,16 +59,14 @@ def _estimated(
         window = np.clip(line - half, 0, lines - width)[:, None] + np.arange(width)
         power = ((window - line[:, None]) / half)[..., None] ** np.arange(order + 1)
         there = force[..., window].transpose(2, 0, 3, 1), response[..., window].transpose(2, 0, 3, 1)
-        frf[..., line], variance[:, line], here = _at_lines(*there, power, poles)
-        common += here
-    return frf, variance, common
+        frf[..., line], variance[:, line] = _at_lines(*there, power, poles)
+    return frf, variance
 
 
 def _at_lines(
     force: Complex, response: Complex, power: NDArray[np.float64], poles: int
-) -> tuple[Complex, NDArray[np.float64], NDArray[np.float64]]:
-    """FRF (outputs, inputs, lines) in the middle of windows, the variance (outputs, lines) of the noise in each, and
-    sums as `common_residual` gives them, along the FRF of the first input.
+) -> tuple[Complex, NDArray[np.float64]]:
+    """FRF (outputs, inputs, lines) in the middle of windows, and the variance (outputs, lines) of the noise in each.
 
     Args:
         force: (lines, blocks, width, inputs) the spectra in each line's window.
@@ -121,16 +93,7 @@ def _at_lines(
     free = blocks * width - columns.shape[2] - poles
     terms = power.shape[2]
     found = by_shared[:, : inputs * terms : terms] / scale[:, : inputs * terms : terms, None]
-    variance = np.sum(np.abs(left) ** 2, axis=1) / free
-    return found.transpose(2, 1, 0), variance.T, _common(left, variance, found[:, 0], free)
-
-
-def _common(left: Complex, variance: NDArray[np.float64], frf: Complex, free: int) -> NDArray[np.float64]:
-    """(4,) of residuals (lines, rows, outputs) along the FRF (lines, outputs)."""
-    power = np.abs(frf) ** 2
-    along = np.sum(np.abs(np.einsum("lo,lmo->lm", frf.conj(), left)) ** 2, axis=1) / free
-    own, fourth = np.sum(power * variance, axis=1), np.sum(power**2, axis=1)
-    return np.array([np.sum(along - own), np.sum(power.sum(axis=1) ** 2 - fourth), np.sum(own), np.sum(fourth)])
+    return found.transpose(2, 1, 0), (np.sum(np.abs(left) ** 2, axis=1) / free).T
 
 
 def _shared(force: Complex, power: NDArray[np.float64]) -> Complex:

@@ -1,7 +1,6 @@
 """Parts of a test that each show all FRFs, to be held against one another."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from modallab.frf.broadband import PERIODIC
 from modallab.frf.joined import contiguous
@@ -20,20 +19,6 @@ def least_blocks(signals: Sequence[Signals], estimator: Estimator) -> int:
         return 2
     one = 1 if estimator == "H1" else 2
     return one if len(first.forces) == 1 else 2 * len(first.forces)
-
-
-def pieces(signals: Sequence[Signals], least: int) -> list[Signals]:
-    """Blocks of random drive, each cut into as many as make at least so many: random drive may begin anywhere."""
-    each = -(-least // len(signals))
-    return [_piece(s, k, each) for s in signals for k in range(each)] if each > 1 else list(signals)
-
-
-def _piece(signals: Signals, k: int, count: int) -> Signals:
-    length, block = signals.n_samples // count, signals.block
-    part = slice(k * length, (k + 1) * length)
-    own = replace(block, samples=block.samples[:, part], first_sample=block.first_sample + part.start,
-                  order=block.order * count + k)  # fmt: skip
-    return Signals(signals.forces[:, part], signals.responses[:, part], signals.rate_hz, signals.outputs, own)
 
 
 def shares(signals: Sequence[Signals], count: int) -> list[list[Signals]]:

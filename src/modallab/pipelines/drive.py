@@ -11,9 +11,9 @@ from modallab.core.rig import Rig
 from modallab.frf.broadband import PERIODIC, broadband_frf, driven_lines, of_one_level
 from modallab.frf.drive_clock import on_clock_of_drive
 from modallab.frf.estimate import lines
-from modallab.frf.joined import check_followed, joined_frf, noise_of_drive
+from modallab.frf.joined import check_followed, joined_frf
 from modallab.frf.settled_periods import without_decays
-from modallab.frf.shares import least_blocks, pieces, shares
+from modallab.frf.shares import least_blocks, shares
 from modallab.frf.sums import Estimator
 from modallab.identification.frf_model import identify_frf, in_band
 from modallab.identification.likelihood.fit import Fit
@@ -77,30 +77,18 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
         frf = _alike(_made(used, rig, band, options.frf))
         found, fit = identify_frf(frf, rig, options)
     parts = _parts(used, rig, found.band_hz, options.frf) if options.refined else []
-    found = _with_bias(found, used, options.frf)
     if options.refined and not parts:
         found = found.model_copy(update={"notes": (*found.notes, TOO_FEW)})
     model = with_scatter_of_parts(found, parts)
     unknown = tuple(float(f) for f in model.frequency_hz[model.damping_sigma > UNKNOWN * model.damping_ratio])
     if not unknown or len(unknown) == model.n_modes or options.pick_hz or options.drop_hz:
         return model, fit, frf
-    # Picked, not dropped: without its neighbour another pole may be the nearest to what is to be dropped.
-    known = tuple(float(f) for f in model.frequency_hz if f not in unknown)
-    again, fit = identify_frf(frf, rig, replace(options, pick_hz=known))
-    found = _with_bias(again, used, options.frf)
-    found = found.model_copy(update={"notes": (*found.notes, *(() if parts else (TOO_FEW,)))})
+    again, fit = identify_frf(frf, rig, replace(options, drop_hz=unknown))
+    found = again.model_copy(update={"notes": (*again.notes, *(() if parts else (TOO_FEW,)))})
     listed = ", ".join(f"{f:.4g}" for f in unknown)
     note = f"Left out: {listed} Hz, of a damping that stretches of the test do not agree on."
     kept = with_scatter_of_parts(found, parts)
     return kept.model_copy(update={"notes": (*kept.notes, note)}), fit, frf
-
-
-def _with_bias(model: ModalModel, signals: Sequence[Signals], estimator: Estimator) -> ModalModel:
-    """With what the noise of a random force does to the FRF, and so to the modal constants."""
-    random = signals[0].block.test in ("random", "burst-random")
-    noise = noise_of_drive(signals, model.band_hz) if random else None
-    said = noise.words(estimator) if noise else ""
-    return model.model_copy(update={"notes": (*model.notes, said)}) if said else model
 
 
 def _made(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator) -> Frf:
@@ -116,9 +104,7 @@ def _alike(frf: Frf) -> Frf:
 
 def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator) -> list[Frf]:
     """FRFs of stretches of a test; none where it is too short to be divided."""
-    least = least_blocks(signals, estimator)
-    signals = pieces(signals, least * PARTS) if signals[0].block.test == "random" else signals
-    each = max(least, len(signals) // PARTS)
+    each = max(least_blocks(signals, estimator), len(signals) // PARTS)
     count = min(PARTS, len(signals) // each)
     if count < LEAST_PARTS:
         return []
