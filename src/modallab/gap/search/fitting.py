@@ -83,26 +83,12 @@ def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
 
 def annealed(bench: Bench, fit: Fit, floor: float) -> Fit:
     """A short fit with ever less forgiven, and nothing in the end, on thinned data."""
-    for level in forgiven(bench, min(floor, misfit(fit.problem, fit.u))):
-        fit = cooled(bench, fit, level)
-    return frozen(bench, fit)
-
-
-def forgiven(bench: Bench, floor: float) -> tuple[float, ...]:
-    """The relative model errors that are forgiven one after the other, the first the largest."""
+    floor = min(floor, misfit(fit.problem, fit.u))
     # Many numbers that do nearly the same settle while the valley is wide.
     later = (floor / 36, floor / 216) if bench.free.deviations else ()
-    return (floor, floor / 6, *later)
-
-
-def cooled(bench: Bench, fit: Fit, level: float) -> Fit:
-    """A short fit at one of these levels."""
-    problem = Problem(bench.thin, bench.free, fit.problem.candidates, level, held=_beam(fit.u))
-    return minimise(problem, fit.u, 3, 3e-2)
-
-
-def frozen(bench: Bench, fit: Fit) -> Fit:
-    """A fit with nothing forgiven any more, on thinned data."""
+    for level in (floor, floor / 6, *later):
+        problem = Problem(bench.thin, bench.free, fit.problem.candidates, level, held=_beam(fit.u))
+        fit = minimise(problem, fit.u, 3, 3e-2)
     problem = Problem(bench.thin, bench.free, fit.problem.candidates)
     return minimise(problem, bench.free.straightened(fit.u), 8, 1e-3)
 
@@ -116,16 +102,11 @@ def completed(bench: Bench, fit: Fit) -> Fit:
 
 
 def ordinary(fit: Fit) -> bool:
-    """Whether the beam and the assembly of a fit lie within their tolerances all in all, see `within_tolerances`."""
-    return within_tolerances(fit.problem.free, fit.u)
-
-
-def within_tolerances(free: Nuisances, u: Array) -> bool:
-    """Whether numbers lie within their tolerances all in all, as a sum of squares does.
+    """Whether the beam and the assembly of a fit lie within their tolerances all in all, as a sum of squares does.
 
     The damping ratios do not count: nobody knows them before the test.
     """
-    own = _strained(free, u)
+    own = _strained(fit.problem.free, fit.u)
     return float(own @ own) < len(own) + UNLIKELY * np.sqrt(2 * len(own))
 
 
