@@ -148,17 +148,20 @@ def test_a_stop_of_a_wave_at_a_random_moment_is_no_step(paced: NiServer, rig: Ri
     assert found.took_s < 0.3
 
 
-def test_the_file_of_a_wave_is_there_while_it_plays_and_no_longer(paced: NiServer, rig: Rig) -> None:
+def test_the_file_of_a_wave_is_there_while_it_plays_and_no_longer(
+    paced: NiServer, rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A folder of its own: other tests play waves at the same time, and theirs would be counted.
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     wave = wave_like_noise(np.random.default_rng())
-    before = set(Path(tempfile.gettempdir()).glob("modallab-wave-*"))
     bench = opened(paced, rig)
     assert isinstance(bench, WavePlaying)
     bench.configure(Request("random", 2000.0))
     bench.start()
     bench.play_wave(wave)
-    assert len(set(Path(tempfile.gettempdir()).glob("modallab-wave-*")) - before) == 1
+    assert len(list(tmp_path.glob("modallab-wave-*"))) == 1
     bench.zero()
-    assert not set(Path(tempfile.gettempdir()).glob("modallab-wave-*")) - before
+    assert not list(tmp_path.glob("modallab-wave-*"))
     bench.close()
 
 
