@@ -124,7 +124,7 @@ def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool,
         *contradictions(choice, prepared),
         *(d.why for d in choice.dismissed),
         *([] if choice.calm is None else [CALM.format(choice.calm)]),
-        *([] if choice.calm is None or ordinary(choice.base) else [STRAINED]),
+        *([STRAINED] if choice.flat and not ordinary(choice.base) else []),
         *(
             f"Does no harm: {f.effect.replace('_', ' ')}, {harm(prepared, f):.1%} of the response."
             for f in shows

@@ -18,6 +18,7 @@ from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.minimise import narrow
 from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.fitting import Bench, completed, excess, left_out, ordinary, temperature_of
 from modallab.twin.candidate import Candidate
@@ -89,9 +90,13 @@ class StepwiseSelection:
         self.ended = self.best.gap <= self.bench.flat and self._sound(self.best)
 
     def _gain(self, posterior: Posterior, fit: Fit) -> float:
-        """What an explanation gains, -2 log evidence; beside an error of the model's own, margins count for less."""
+        """What an explanation gains, -2 log evidence.
+
+        Near the floor what is left is an error of the model's own, beside which margins count for less; far from it an
+        effect may be missing yet.
+        """
         ranges = (self._here.evidence - self._here.cost) - (posterior.evidence - posterior.cost)
-        return (self.best.cost - fit.cost) / temperature_of(excess(fit)) + ranges
+        return (self.best.cost - fit.cost) / (temperature_of(excess(fit)) if narrow(fit) else 1.0) + ranges
 
     def _explained(self, fitted: list[tuple[Posterior, Fit]]) -> bool:
         """Whether one of these leaves nothing but noise: no other can explain more."""
@@ -127,7 +132,8 @@ class StepwiseSelection:
         for at in range(len(problem.candidates) - 1):
             bare = descended(self._view, *left_out(problem, fit.u, at), 4)
             begun = (f for f in self._added(bare) if f.key not in there or f.evidence < posterior.evidence - 1)
-            found += [(f, self._fit(f.problem.candidates, f.u)) for f in sorted(begun, key=lambda f: f.evidence)[:1]]
+            chosen = [self._pruned(f) for f in sorted(begun, key=lambda f: f.evidence)[:1]]
+            found += [(f, self._fit(f.problem.candidates, f.u)) for f in chosen]
         return found
 
     def _added(self, here: Posterior) -> list[Posterior]:
@@ -156,15 +162,24 @@ class StepwiseSelection:
         report((at + share) / self.settings.most_effects, f"round {at + 1}: {what}")
 
     def _pruned(self, found: Posterior) -> Posterior:
-        """The same without effects that the evidence does not ask for."""
+        """The same without effects and without numbers that the evidence does not ask for."""
         at = 0
-        while len(found.problem.candidates) > 1 and at < len(found.problem.candidates):
-            bare = descended(self._view, *left_out(found.problem, found.u, at), 4)
-            if bare.evidence < found.evidence + self.settings.effect_price:
-                found, at = bare, 0
+        while at < len(found.problem.candidates):
+            simpler = min(self._simpler(found, at), key=lambda f: f.evidence, default=found)
+            fewer = len(simpler.problem.candidates) < len(found.problem.candidates)
+            if simpler.evidence < found.evidence + self.settings.effect_price * fewer:
+                found, at = simpler, 0
             else:
                 at += 1
         return found
+
+    def _simpler(self, found: Posterior, at: int) -> list[Posterior]:
+        """An explanation without one of its effects, and with one that has no numbers in its place."""
+        problem, u = left_out(found.problem, found.u, at)
+        place = found.problem.candidates[at].place
+        bare = [descended(self._view, problem, u, 4)] if problem.candidates else []
+        fixed = (c for c in candidates(self.bench, problem.candidates) if not c.slots and c.place == place)
+        return bare + [descended(self._view, self._problem((*problem.candidates, c)), u, 4) for c in fixed]
 
 
 def candidates(bench: Bench, present: Iterable[Candidate] = ()) -> list[Candidate]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from modallab.core.effects import kind_of
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.inference.select import Level
+from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
@@ -114,8 +115,13 @@ def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
 
 
 def _holds(before: Fit, fit: Fit, unseen: Reduced | None) -> bool:
-    """Whether the last effect of a fit stays: a linear one has earned its price; one that is stepped must explain."""
-    if not stepped(fit) or excess(fit) <= HOLDS * excess(before):
+    """Whether the last effect of a fit stays: a linear one earns its price; one that is stepped must explain.
+
+    What the best explanation leaves is an error of the model's own, beside which margins count for less.
+    """
+    if not stepped(fit):
+        return before.cost - fit.cost >= DEFAULT.effect_price * temperature_of(excess(fit))
+    if excess(fit) <= HOLDS * excess(before):
         return True
     return unseen is not None and _closes_unseen(before, fit, unseen)
 
