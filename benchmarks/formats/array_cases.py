@@ -69,14 +69,14 @@ def wav_streamed(folder: Path) -> Known:
     """A stream's length of 0xFFFFFFFF: nobody went back to write it."""
     record = hit()
     data = wave(record.rows.T.astype("<f4").tobytes(), 3, 32, size=0xFFFFFFFF)
-    return Known(save(folder, "case.wav", data), (record,), refused="(?i)length|cut|long|bytes|samples")
+    return Known(save(folder, "case.wav", data), (record,), rejected="(?i)length|cut|long|bytes|samples")
 
 
 @case("wav")
 def wav_cut(folder: Path) -> Known:
     """Half of the samples are missing."""
     data = wave(hit().rows.T.astype("<f4").tobytes(), 3, 32)
-    return Known(save(folder, "case.wav", data[: len(data) // 2]), refused="(?i)cut|long|bytes|samples|end")
+    return Known(save(folder, "case.wav", data[: len(data) // 2]), rejected="(?i)cut|long|bytes|samples|end")
 
 
 @case("wav")
@@ -84,7 +84,7 @@ def wav_two_channels(folder: Path) -> Known:
     """More channels than the rig names."""
     rig = VOLTS.split("- {index: 2")[0]
     data = wave(hit().rows.T.astype("<f4").tobytes(), 3, 32)
-    return Known(save(folder, "case.wav", data), rig=rig, refused=r"(?is)3.*channel.*2|2.*channel.*3")
+    return Known(save(folder, "case.wav", data), rig=rig, rejected=r"(?is)3.*channel.*2|2.*channel.*3")
 
 
 @case("npy")
@@ -101,7 +101,7 @@ def npy_zipped(folder: Path) -> Known:
     """Several arrays in one .npz."""
     record = hit()
     np.savez(folder / "case.npz", time=record.time, data=record.rows)
-    return Known(("case.npz",), (record,), refused="(?i)npz|zip|several|archive")
+    return Known(("case.npz",), (record,), rejected="(?i)npz|zip|several|archive")
 
 
 @case("matlab")
@@ -122,7 +122,7 @@ def mat_level_4(folder: Path) -> Known:
     record = hit()
     content = {"force": record.force, "a1": record.a1, "a2": record.a2, "fs": RATE}
     scipy.io.savemat(folder / "case.mat", content, format="4")
-    return Known(("case.mat",), (record,), refused="(?i)version 4|level 4|v4")
+    return Known(("case.mat",), (record,), rejected="(?i)version 4|level 4|v4")
 
 
 @case("matlab")
@@ -205,4 +205,4 @@ def foreign_hdf5(folder: Path) -> Known:
     """HDF5 of another program: its arrays have no rule that says what is what."""
     with h5py.File(folder / "case.h5", "w") as file:
         file["measurement/data"] = hit().rows
-    return Known(("case.h5",), refused="(?i)campaign|modallab")
+    return Known(("case.h5",), rejected="(?i)campaign|modallab")

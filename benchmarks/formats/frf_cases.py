@@ -40,7 +40,7 @@ def decibels_of_g(folder: Path) -> Known:
     (m1, p1), (m2, p2) = (polar(h / G) for h in right.values)
     head = "Frequency [Hz],a1 Mag [dB re 1 g/N],a1 Phase [deg],a2 Mag [dB re 1 g/N],a2 Phase [deg]"
     return Known(
-        save(folder, [head], [LINES, 20 * np.log10(m1), p1, 20 * np.log10(m2), p2]), frf=right, refused=r"dB re 1 g/N"
+        save(folder, [head], [LINES, 20 * np.log10(m1), p1, 20 * np.log10(m2), p2]), frf=right, rejected=r"dB re 1 g/N"
     )
 
 
@@ -80,11 +80,11 @@ def receptance_complex(folder: Path) -> Known:
 
 @case("frf table")
 def inertance_of_displacements(folder: Path) -> Known:
-    """The header says µm/N, the rig has accelerometers: converted or refused, never taken as m/s^2/N."""
+    """The header says µm/N, the rig has accelerometers: converted or rejected, never taken as m/s^2/N."""
     h = receptance(LINES)[:, 0] * 1e6
     columns = [LINES, *(part for row in h for part in (row.real, row.imag))]
     head = "Frequency [Hz],Re a1 [µm/N],Im a1 [µm/N],Re a2 [µm/N],Im a2 [µm/N]"
-    return Known(save(folder, [head], columns), frf=plain(), refused="(?i).m/N")
+    return Known(save(folder, [head], columns), frf=plain(), rejected="(?i).m/N")
 
 
 @case("frf table")
@@ -93,7 +93,7 @@ def swept_down(folder: Path) -> Known:
     right = plain()
     columns = [LINES[::-1], *(part[::-1] for row in right.values for part in (row.real, row.imag))]
     return Known(
-        save(folder, ["Frequency,Re a1,Im a1,Re a2,Im a2"], columns), frf=right, refused="(?i)ascend|descend|order"
+        save(folder, ["Frequency,Re a1,Im a1,Re a2,Im a2"], columns), frf=right, rejected="(?i)ascend|descend|order"
     )
 
 
@@ -116,7 +116,7 @@ def log_lines_radians_per_second(folder: Path) -> Known:
     return Known(
         save(folder, ["omega [rad/s]\tRe a1\tIm a1\tRe a2\tIm a2"], columns, "\t"),
         frf=right,
-        refused="(?i)first column|frequency",
+        rejected="(?i)first column|frequency",
         tolerance=1e-5,
     )
 

@@ -100,13 +100,13 @@ class KnownFrf:
 
 @dataclass(frozen=True)
 class Known:
-    """What is right: records, FRFs, or modes and places of a file; or why it must be refused.
+    """What is right: records, FRFs, or modes and places of a file; or why it must be rejected.
 
     Attributes:
         files: names of what is imported, in the folder of the case.
         options: of the command.
         rig: content of the rig file; None for a drafted one.
-        refused: a pattern that a true reason matches; with numbers beside it either is right.
+        rejected: a pattern that a true reason matches; with numbers beside it either is right.
         says: a pattern that the output must match, as a note on what was left out.
         tolerance: of the numbers, relative to the largest; what the digits of the file allow.
         check: of anything else: takes the folder, gives what is wrong.
@@ -117,7 +117,7 @@ class Known:
     frf: KnownFrf | None = None
     options: tuple[str, ...] = ("--drive-point", "1")
     rig: str | None = PLAIN
-    refused: str = ""
+    rejected: str = ""
     says: str = ""
     tolerance: float = 2e-5
     check: Callable[[Path], str] | None = None

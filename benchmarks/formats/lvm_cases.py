@@ -160,4 +160,26 @@ def lvm_one_header(folder: Path) -> Known:
     one, two = hit(1), hit(2)
     lines = head() + segment(list(one.rows)) + segment(list(two.rows))[10:]
     reason = r"(?i)line \d+|segment|header|begin|ascend|back"
-    return Known(save(folder, lines), (one, two), refused=reason)
+    return Known(save(folder, lines), (one, two), rejected=reason)
+
+
+@case("lvm")
+def lvm_few_digits_of_delta(folder: Path) -> Known:
+    """Version 1: 1024 Hz, of which Delta_X says 0.000977; X_Columns No."""
+    record = hit(rate=1024.0)
+    lines = head(columns="No", version=1) + segment(list(record.rows), "No")
+    lines = [line.replace(number(1 / RATE), "0.000977") if line.startswith("Delta_X") else line for line in lines]
+    return Known(save(folder, lines), (record,))
+
+
+@case("lvm")
+def lvm_notes_and_empty_channels(folder: Path) -> Known:
+    """A segment's header begins with notes, and lists a channel without samples; version 1, decimal comma unsaid."""
+    one, two = hit(1), hit(2)
+    lines = head(multi="Yes", version=1)
+    for record in (one, two):
+        rows = [record.force, np.empty(0), record.a1, record.a2]
+        facts = {"x0": (0,) * 4, "delta": (1 / RATE, 1.0, 1 / RATE, 1 / RATE), "units": ("N", "", "m/s^2", "m/s^2")}
+        part = segment(rows, decimal=",", names=("force", "Untitled", "a1", "a2"), **facts)
+        lines += ["Notes\tX values guaranteed valid only for force", *part]
+    return Known(save(folder, lines), (one, two))

@@ -2,8 +2,8 @@
 
     python benchmarks/formats/run.py [--out FOLDER] [--only NAME ...] [--table FILE.csv]
 
-Prints each case as right, refused (for a reason that the case calls true), untrue (refused for another) or WRONG; ends
-with 1 if any is wrong. `FOLDER` keeps the files.
+Prints each case as right, rejected (for a reason that the case calls true), untrue (rejected for another) or WRONG.
+Ends with 1 if any is wrong. `FOLDER` keeps the files, and the table lists the outcomes.
 """
 
 import argparse
@@ -18,6 +18,7 @@ import warnings
 from pathlib import Path
 
 import array_cases  # noqa: F401
+import clock_cases  # noqa: F401
 import frf_cases  # noqa: F401
 import lvm_cases  # noqa: F401
 import numpy as np
@@ -32,7 +33,7 @@ from modallab.core.block import Campaign
 from modallab.formats import read_campaign
 from modallab.signals.signals import to_signals
 
-OUTCOMES = ("right", "refused", "untrue", "WRONG")
+OUTCOMES = ("right", "rejected", "untrue", "WRONG")
 
 
 def imported(known: Known) -> tuple[int, str]:
@@ -95,11 +96,11 @@ def outcome(case: Case, folder: Path) -> tuple[str, str]:
         said = " ".join(said.split())
         if code:
             blamed = known.healthy and re.search("is damaged|copy the file again|is no whole", said)
-            true = known.refused and re.search(known.refused, said) and not blamed
-            return ("refused" if true else "untrue"), said
+            true = known.rejected and re.search(known.rejected, said) and not blamed
+            return ("rejected" if true else "untrue"), said
         numbers = known.records or known.frf or known.check
         if not numbers:
-            return "WRONG", "taken, must be refused: " + said
+            return "WRONG", "taken, must be rejected: " + said
         problem = wrong(known)
         if known.says and not re.search(known.says, said):
             problem = problem or f"no word of {known.says}: {said}"

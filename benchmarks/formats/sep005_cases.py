@@ -56,4 +56,4 @@ def sep_rates_differ(folder: Path) -> Known:
     record: Record = hit()
     series = listed(list(record.rows))
     series[2] |= {"fs": RATE / 2, "data": series[2]["data"][::2]}
-    return Known(save(folder, series), refused=r"(?is)a2.*(1000|rate)|(1000|rate).*a2")
+    return Known(save(folder, series), rejected=r"(?is)a2.*(1000|rate)|(1000|rate).*a2")

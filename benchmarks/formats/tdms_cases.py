@@ -149,7 +149,7 @@ def already_scaled(folder: Path) -> Known:
     record = hit()
     scale = {"Type": "Linear", "Linear_Slope": 100.0, "Linear_Y_Intercept": 1.0, "Linear_Input_Source": RAW_SOURCE}
     props = [p | {"NI_Scaling_Status": "scaled", "NI_Number_Of_Scales": 1} | scaled(0, scale) for p in waved()]
-    return Known(save(folder, whole(list(record.rows), props)), (record,), refused="(?i)scale")
+    return Known(save(folder, whole(list(record.rows), props)), (record,), rejected="(?i)scale")
 
 
 @case("tdms")
@@ -210,7 +210,7 @@ def time_channel_of_stamps(folder: Path) -> Known:
     objects = [thing("/"), thing("/'hit'"), text("/'hit'/'Time'") + index + struct.pack("<I", 0)]
     objects += [thing(n, r, p) for n, r, p in zip((FORCE, A1, A2), record.rows, UNITS, strict=True)]
     data = segment(objects, stamps + b"".join(r.tobytes() for r in record.rows))
-    return Known(save(folder, data), (record,), refused="(?i)time|--rate")
+    return Known(save(folder, data), (record,), rejected="(?i)time|--rate")
 
 
 @case("tdms")
@@ -228,7 +228,7 @@ def daqmx_raw(folder: Path) -> Known:
         objects.append(
             text(path) + index + struct.pack("<I", len(props)) + b"".join(prop(a, b) for a, b in props.items())
         )
-    return Known(save(folder, segment(objects, counts.T.tobytes())), (record,), refused="(?i)daqmx", tolerance=4e-5)
+    return Known(save(folder, segment(objects, counts.T.tobytes())), (record,), rejected="(?i)daqmx", tolerance=4e-5)
 
 
 @case("tdms")
@@ -246,4 +246,4 @@ def slower_accelerometer(folder: Path) -> Known:
     props = waved()
     props[2]["wf_increment"] = 2 / RATE
     rows = [record.force, record.a1, record.a2[::2]]
-    return Known(save(folder, whole(rows, props)), refused=r"(?is)a2.*(rate|1000|0\.001)|(rate|1000|0\.001).*a2")
+    return Known(save(folder, whole(rows, props)), rejected=r"(?is)a2.*(rate|1000|0\.001)|(rate|1000|0\.001).*a2")

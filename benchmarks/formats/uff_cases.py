@@ -94,7 +94,7 @@ def binary_big_double(folder: Path) -> Known:
 def binary_cut(folder: Path) -> Known:
     """58b cut off in the last function."""
     data = b"".join(binary_58(f) for f in functions(hit()))
-    return Known(save(folder, cut(data, 0.9)), refused="(?i)cut|bytes|end|damaged")
+    return Known(save(folder, cut(data, 0.9)), rejected="(?i)cut|bytes|end|damaged")
 
 
 @case("uff")
