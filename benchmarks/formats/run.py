@@ -27,6 +27,7 @@ import second_text_cases  # noqa: F401
 import sep005_cases  # noqa: F401
 import tdms_cases  # noqa: F401
 import text_cases  # noqa: F401
+import third_cases  # noqa: F401
 import uff_cases  # noqa: F401
 from known import CASES, Case, Known, KnownFrf, Record
 

@@ -27,6 +27,8 @@ _USUAL = {
     FRF: ("frf", "h", "frfs"),
     COHERENCE: ("coherence", "coh"),
 }
+_SAME_RATE = 1e-3
+"""Relative: times may be written with few digits."""
 _SAMPLES = ("data", "values", "samples", "signal", "y", "y_values.values")
 """Fields of a channel's own structure that hold its samples."""
 
@@ -160,6 +162,7 @@ def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: i
     times, rate = found[TIME], found[RATE]
     if times is not None and times.size == n:
         own = check_time(np.ravel(times).astype(np.float64), f"{where}, times")
+        _require_one(own, rate, options, where)
     elif rate is not None and rate.size == 1:
         own = check_rate(float(np.ravel(rate)[0]), where)
     elif options.rate_hz is not None:
@@ -170,6 +173,17 @@ def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: i
         )
     options.agree(own, where)
     return own
+
+
+def _require_one(own: float, rate: NDArray[Any] | None, options: ImportOptions, where: str) -> None:
+    """Reject a file whose times and rate contradict each other, unless it was said which holds."""
+    other = own if rate is None or rate.size != 1 else float(np.ravel(rate)[0])
+    if abs(other / own - 1) > _SAME_RATE and TIME not in dict(options.variables):
+        raise DataError(
+            f"its times say {own:g} Hz, its rate {other:g} Hz",
+            where=where,
+            remedy="say that the times hold, with --variable time=NAME, or correct the file",
+        )
 
 
 def _frf(found: Mapping[str, NDArray[Any] | None], rig: Rig, options: ImportOptions, where: str) -> Frf:

@@ -10,6 +10,7 @@ from modallab.core.array_checks import check_frf
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
+from modallab.formats.axis_units import to_hertz
 from modallab.formats.csv.csv_heads import is_frequency
 from modallab.formats.csv.csv_table import Table
 from modallab.formats.csv.frf_heading import FrfHeading, Part, frf_heading, is_level, reference_of, response_of
@@ -20,7 +21,6 @@ from modallab.formats.unit_text import frf_unit
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-_TO_HZ = {"": 1.0, "Hz": 1.0, "hz": 1.0, "HZ": 1.0, "kHz": 1e3, "rad/s": 1 / (2 * np.pi)}
 _TO_RAD = {"deg": np.pi / 180, "°": np.pi / 180, "rad": 1.0}
 _PAIRS: tuple[tuple[Part, Part], ...] = (("re", "im"), ("magnitude", "phase"))
 
@@ -119,10 +119,7 @@ def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> 
 
 
 def _frequency(table: Table, where: str) -> Real:
-    unit = table.units[0] if table.units else ""
-    if unit not in _TO_HZ:
-        raise DataError(f"unit {unit!r} is no unit of frequency", where=where, remedy="use Hz, kHz or rad/s")
-    return table.values[:, 0] * _TO_HZ[unit]
+    return table.values[:, 0] * to_hertz(table.units[0] if table.units else "", where)
 
 
 def _require_all(

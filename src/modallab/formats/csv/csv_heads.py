@@ -35,18 +35,32 @@ def headings(above: Sequence[str], comments: Sequence[str], delimiter: str, colu
         # Of a table that is cut off or damaged: what stands first was meant to be the header.
         rows = [head_cells(above[0], delimiter, columns)]
     if not rows and comments:
-        cells = head_cells(comments[-1], delimiter, columns)
-        names = _split(cells[0])[0].lower() if cells else ""
-        rows = [cells] if len(cells) == columns and names in TIME_NAMES | FREQUENCY_NAMES else []
+        rows = [cells for line in comments[-2:] if len(cells := head_cells(line, delimiter, columns)) == columns]
+        begins = [k for k, row in enumerate(rows) if _split(row[0])[0].lower() in TIME_NAMES | FREQUENCY_NAMES]
+        rows = [row for row in rows[begins[-1] :] if row is rows[begins[-1]] or _are_units(row)] if begins else []
     if not rows:
         return (), ()
-    below = rows[-1] if len(rows) > 1 and (len(rows) == 2 == len(above) or _are_units(rows[-1])) else None
-    parts = [_split(cell) for cell in rows[-1 if below is None else -2]]
+    names_row, units_row = _pair_of(rows, alone=len(above) == 2)
+    parts = [_split(cell) for cell in names_row]
     names, units = tuple(name for name, _ in parts), tuple(unit for _, unit in parts)
-    if below is not None:
-        units = tuple(unit or normal_unit(cell.strip("[]")) for unit, cell in zip(units, below, strict=True))
+    if units_row:
+        units = tuple(unit or normal_unit(cell.strip("[]")) for unit, cell in zip(units, units_row, strict=True))
     tagged = _tagged([head_cells(line, delimiter, columns) for line in above], len(names))
     return names, tuple(unit or other for unit, other in zip(units, tagged, strict=True))
+
+
+def _pair_of(rows: Sequence[Sequence[str]], *, alone: bool) -> tuple[Sequence[str], Sequence[str]]:
+    """The line of names and that of units, which stands below it or above; () if there is none.
+
+    Args:
+        rows: lines with a cell for each column, at least one.
+        alone: whether two lines are all there is: the second then holds units, known or not.
+    """
+    if len(rows) > 1 and _are_units(rows[-2]) and not _are_units(rows[-1]):
+        return rows[-1], rows[-2]
+    if len(rows) > 1 and ((alone and len(rows) == 2) or _are_units(rows[-1])):
+        return rows[-2], rows[-1]
+    return rows[-1], ()
 
 
 def _tagged(rows: Sequence[Sequence[str]], columns: int) -> Sequence[str]:

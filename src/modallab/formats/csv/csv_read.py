@@ -8,15 +8,13 @@ from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
+from modallab.formats.axis_units import to_seconds
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_frf import frf_of, is_frf
 from modallab.formats.csv.csv_frf_table import frf_of_table, holds_frfs
 from modallab.formats.csv.csv_heads import FREQUENCY_NAMES, TIME_NAMES
 from modallab.formats.csv.csv_table import Table, read_table
 from modallab.formats.options import ImportOptions
-from modallab.formats.unit_text import normal_unit
-
-_TIME_UNITS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6}
 
 
 def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
@@ -139,14 +137,7 @@ def _rate(table: Table, names: tuple[str, ...], time: int | None, options: Impor
                 remedy="add a column named time, or give the rate with --rate",
             )
         return check_rate(options.rate_hz, where)
-    unit = normal_unit(table.units[time]) if table.units else ""
-    if unit not in _TIME_UNITS:
-        raise DataError(
-            f"unit {unit!r} is no unit of time",
-            where=f"{where}, column {names[time]}",
-            remedy="use s, ms or us",
-        )
-    factor = _TIME_UNITS[unit]
+    factor = to_seconds(table.units[time] if table.units else "", f"{where}, column {names[time]}")
     resolution = table.resolution * factor if time == 0 else np.zeros(1)
     rate = check_time(table.values[:, time] * factor, f"{where}, column {names[time]}", resolution_s=resolution)
     options.agree(rate, where)

@@ -17,6 +17,10 @@ _THOUSANDS = re.compile(r"(?<=\d)['’\u00a0\u2009\u202f](?=\d{3}(?!\d))")
 """Marks between digits that stand between thousands and nowhere else."""
 _POINT_AFTER, _COMMA_AFTER = re.compile(r"\d,\d{3}\.\d"), re.compile(r"\d\.\d{3},\d")
 
+_MARKED = {mark: re.compile(rf"\d+(?:[{mark}]\d+)+(?:[eE][+-]?\d+)?") for mark in ",."}
+"""Numbers with a mark, and those of them in which it may stand between thousands."""
+_GROUPED = {mark: re.compile(rf"[1-9]\d{{0,2}}(?:[{mark}]\d{{3}})+") for mark in ",."}
+
 
 @dataclass(frozen=True, slots=True)
 class Line:
@@ -63,7 +67,7 @@ def read_lines(path: Path) -> TextLines:
         raise _no_numbers(lines, delimiter, str(path))
     body = [replace(line, text=plain_numbers(line.text)) for line in lines[first:]]
     found = TextLines(tuple(lines[:first]), tuple(body), comments, delimiter, text.endswith(("\n", "\r")))
-    return _with_seconds(_without_groups(_without_end(found)))
+    return _without_groups(_with_seconds(_without_end(found)), str(path))
 
 
 def decoded(path: Path) -> str:
@@ -150,14 +154,42 @@ def _shortened(line: Line, mark: str, columns: int) -> Line:
     return replace(line, text=line.text.rstrip(" ").rpartition(mark)[0]) if len(row) == columns else line
 
 
-def _without_groups(lines: TextLines) -> TextLines:
-    """Without marks between thousands, which show where a number has both marks."""
-    if lines.delimiter == ",":
+def _without_groups(lines: TextLines, where: str) -> TextLines:
+    """Without marks between thousands, which show where a number has both marks. Seconds of a clock have none.
+
+    Raises:
+        FormatError: a mark may be either.
+    """
+    if lines.delimiter == "," and not lines.clock:
         return lines
+    cut = [line.text.partition(lines.delimiter) if lines.clock else ("", "", line.text) for line in lines.body]
+    mark = _group_mark(lines.body, [rest for _, _, rest in cut], where)
+    if not mark:
+        return lines
+    body = [replace(x, text=a + b + c.replace(mark, "")) for x, (a, b, c) in zip(lines.body, cut, strict=True)]
+    return replace(lines, body=tuple(body))
+
+
+def _group_mark(lines: Sequence[Line], texts: Sequence[str], where: str) -> str:
+    """The mark that stands between thousands, "" if there is none."""
     for pattern, mark in ((_POINT_AFTER, ","), (_COMMA_AFTER, ".")):
-        if any(pattern.search(line.text) for line in lines.body):
-            return replace(lines, body=tuple(replace(x, text=x.text.replace(mark, "")) for x in lines.body))
-    return lines
+        if any(pattern.search(text) for text in texts):
+            return mark
+    if not any("," in text for text in texts):
+        return ""
+    for mark in (",", "."):
+        other = "." if mark == "," else ","
+        found = [(line, cell) for line, text in zip(lines, texts, strict=True) for cell in _MARKED[mark].findall(text)]
+        if found and all(_GROUPED[mark].fullmatch(cell) for _, cell in found) and _has_decimal(texts, other):
+            line, cell = found[0]
+            what = f"line {line.number}: {cell!r} beside numbers with decimal {other!r} may be in thousands"
+            raise FormatError(what, where=where, remedy="export the file with one decimal mark, and without thousands")
+    return ""
+
+
+def _has_decimal(texts: Sequence[str], mark: str) -> bool:
+    """Whether a mark stands where none of thousands can."""
+    return any(not _GROUPED[mark].fullmatch(cell) for text in texts for cell in _MARKED[mark].findall(text))
 
 
 def _with_seconds(lines: TextLines) -> TextLines:

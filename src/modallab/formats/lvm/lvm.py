@@ -1,6 +1,7 @@
 """LabVIEW measurement files as records: a segment a record, its channels by their names."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from modallab.core.axis_checks import check_time, whole_rate
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
+from modallab.formats.axis_units import to_seconds
 from modallab.formats.csv.csv_draft import draft_csv
 from modallab.formats.csv.csv_read import read_csv, record_of
 from modallab.formats.csv.csv_table import Table
@@ -63,6 +65,8 @@ def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, wher
     called = dict(options.variables)
     needed = {called.get(c.name, c.name).lower() for c in rig.channels}
     used = [c for c in segment if c.name.lower() in needed] or list(segment)
+    used = [_in_seconds(c, where) for c in used]
+    taken = {c.name for c in used}
     rates = {c.name: _rate(c, options, where) for c in used}
     if len(set(rates.values())) > 1:
         listed = ", ".join(f"{name} {rate:g} Hz" for name, rate in rates.items())
@@ -71,11 +75,31 @@ def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, wher
     rows = [c.samples for c in used]
     samples, note = on_common_times(rows, _starts(used, where), rate, list(rates), where)
     n = samples.shape[1]
-    left = [c for c in segment if c not in used]
+    left = [c for c in segment if c.name not in taken]
     values = np.column_stack([np.arange(n) / rate, samples.T, np.full((n, len(left)), np.nan)])
     names = ("time", *(c.name for c in used), *(c.name for c in left))
     units = ("s", *(normal_unit(c.unit) for c in used), *("" for _ in left))
     return Table(names, units, values, np.zeros(n), ended=True), note
+
+
+def _in_seconds(channel: LvmChannel, where: str) -> LvmChannel:
+    """The channel with its abscissa in s.
+
+    Raises:
+        DataError: it is no time.
+    """
+    if channel.dimension.lower() not in ("", "time"):
+        found = f"channel {channel.name} is over {channel.dimension}, and no record of time"
+        raise DataError(found, where=where, remedy="export the time signal, or leave the channel out with --ignore")
+    factor = to_seconds(channel.x_unit, f"{where}, x of {channel.name}")
+    return replace(
+        channel,
+        x0=channel.x0 * factor,
+        step=channel.step * factor,
+        step_error=channel.step_error * factor,
+        x=channel.x * factor,
+        x_error=channel.x_error * factor,
+    )
 
 
 def _rate(channel: LvmChannel, options: ImportOptions, where: str) -> float:

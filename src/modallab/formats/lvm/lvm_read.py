@@ -31,6 +31,8 @@ class LvmChannel:
     Attributes:
         name: of its column.
         unit: as it is written, "" for none.
+        dimension: of its abscissa, as Time; "" where the file says none.
+        x_unit: of its abscissa, "" for none.
         start: date and time of the segment, in ISO 8601; "" where the file says none.
         x0: first abscissa.
         step: from sample to sample; 0 if the file does not say.
@@ -42,6 +44,8 @@ class LvmChannel:
 
     name: str
     unit: str
+    dimension: str
+    x_unit: str
     start: str
     x0: float
     step: float
@@ -231,6 +235,8 @@ class _Segment:
         return LvmChannel(
             name=names[k] if k < len(names) else f"channel {k}",
             unit=self._value("Y_Unit_Label", k),
+            dimension=self._value("X_Dimension", k),
+            x_unit=self._value("X_Unit_Label", k),
             start=self._start(k),
             x0=self._number("X0", k),
             step=self._number("Delta_X", k),

@@ -6,6 +6,7 @@ import numpy as np
 
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
+from modallab.formats.axis_units import to_seconds
 from modallab.formats.csv.csv_heads import TIME_NAMES
 from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup
 
@@ -58,8 +59,12 @@ def fastest(groups: Sequence[TdmsGroup], where: str) -> tuple[TdmsChannel, ...]:
         step = step_of(channel, where)
         return 1 / step if step else 0.0, len(channel.samples)
 
-    best = max(speed(c) for group in groups for c in group.channels.values() if not is_time(c))
-    found = [tuple(c for c in g.channels.values() if not is_time(c) and speed(c)[0] == best[0]) for g in groups]
+    every = [[c for c in g.channels.values() if not is_time(c)] for g in groups]
+    # Spectra beside records are left out; where there is nothing else, the step says what they are.
+    records = [[c for c in channels if _over_time(c)] for channels in every]
+    signals = records if any(records) else every
+    best = max((speed(c) for channels in signals for c in channels), default=(0.0, 0))
+    found = [tuple(c for c in channels if speed(c)[0] == best[0]) for channels in signals]
     return max(found, key=lambda channels: max((len(c.samples) for c in channels), default=0))
 
 
@@ -72,13 +77,30 @@ def step_of(channel: TdmsChannel, where: str) -> float:
     """The time from sample to sample in s; 0 where the file does not say.
 
     Raises:
-        FormatError: it is no time.
+        FormatError: it is no number.
+        DataError: it is no time.
     """
     step = channel.properties.get("wf_increment", 0.0)
     if not isinstance(step, int | float) or not (np.isfinite(step) and step >= 0):
         found = f"wf_increment of {channel.name} is {step!r}"
         raise FormatError(found, where=where, remedy="export the records again")
-    return float(step)
+    return float(step) * seconds_of_x(channel, where)
+
+
+def _over_time(channel: TdmsChannel) -> bool:
+    try:
+        return seconds_of_x(channel, "") > 0
+    except DataError:
+        return False
+
+
+def seconds_of_x(channel: TdmsChannel, where: str) -> float:
+    """What turns the abscissa of a channel into s.
+
+    Raises:
+        DataError: it is no time, as that of a spectrum.
+    """
+    return to_seconds(str(channel.properties.get("wf_xunit_string", "")), f"{where}, x of {channel.name}")
 
 
 def listed(channels: Iterable[TdmsChannel]) -> str:

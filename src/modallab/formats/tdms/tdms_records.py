@@ -15,7 +15,7 @@ from modallab.core.rig import Channel, Rig
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, on_common_times
-from modallab.formats.tdms.tdms_groups import chosen, is_time, listed, records_of, step_of
+from modallab.formats.tdms.tdms_groups import chosen, is_time, listed, records_of, seconds_of_x, step_of
 from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup, read_tdms_groups
 from modallab.formats.unit_text import normal_unit
 
@@ -106,7 +106,7 @@ def _start(part: TdmsChannel, where: str) -> Start:
         raise FormatError(
             f"wf_start_offset of {part.name} is {offset!r}", where=where, remedy="export the records again"
         )
-    return Start(_stamp(part) + Fraction(float(offset)))
+    return Start(_stamp(part) + Fraction(float(offset) * seconds_of_x(part, where)))
 
 
 def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, where: str) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import FormatError
+from modallab.formats.axis_units import to_hertz, to_seconds
 from modallab.formats.uff.uff_numbers import EXPORT_AGAIN, numbers
 from modallab.formats.uff.uff_sets import DELIMITER, FUNCTION_SET, HEAD_LINES, Form, RawSet, decoded, divide, form_of
 from modallab.formats.unit_text import normal_unit
@@ -18,6 +19,7 @@ __all__ = ["DELIMITER", "KINDS", "Function", "UniversalFile", "read_datasets", "
 UNITS_SET = 164
 KINDS = {1: "time record", 2: "auto spectrum", 3: "cross spectrum", 4: "FRF", 6: "coherence", 9: "PSD", 12: "spectrum"}
 
+_TIME_RECORD, _OVER_FREQUENCY = 1, (4, 6)
 _DIGIT = 0.5e-5
 """Half of the last digit of a mantissa as the format writes it (E13.5)."""
 _DOF_COLUMNS = (5, 10, 5, 10, 11, 10, 4, 11, 10, 4)
@@ -41,7 +43,7 @@ class Function:
         reference_node: node of the excitation, 0 if unknown.
         reference_direction: as `direction`.
         even: whether the abscissa was given by its step.
-        axis: (n,) abscissa.
+        axis: (n,) abscissa, of time records in s, of FRFs and coherences in Hz.
         axis_error: half of the last digit with which the abscissa (or its step, relative to it) was written.
         start_error: the same of its first value.
         values: (n,) real or complex.
@@ -130,7 +132,8 @@ def _function(one: RawSet, where: str) -> Function:
     form = form_of(one.lines, where)
     axis, values = _data(one, form, where)
     kind, name, node, direction, reference, along = _degrees_of_freedom(one.lines[5], where)
-    (_, _), (specific, unit), (divisor, divisor_unit) = (_quantity(line, where) for line in one.lines[7:10])
+    (_, along_unit), (specific, unit), (divisor, divisor_unit) = (_quantity(line, where) for line in one.lines[7:10])
+    scale = _scale_of_axis(kind, along_unit, where)
     return Function(
         place=one.place,
         kind=kind,
@@ -140,15 +143,22 @@ def _function(one: RawSet, where: str) -> Function:
         reference_node=reference,
         reference_direction=along,
         even=form.even,
-        axis=axis,
-        axis_error=_last_digit(form.step if form.even else float(np.abs(axis).max())),
-        start_error=_last_digit(abs(float(axis[0]))),
+        axis=scale * axis,
+        axis_error=scale * _last_digit(form.step if form.even else float(np.abs(axis).max())),
+        start_error=scale * _last_digit(abs(float(axis[0]))),
         values=values,
         unit=unit,
         divisor_unit=divisor_unit,
         specific=specific,
         divisor_specific=divisor,
     )
+
+
+def _scale_of_axis(kind: int, unit: str, where: str) -> float:
+    """What turns an abscissa into s or Hz; functions that are not read keep theirs."""
+    if kind == _TIME_RECORD:
+        return to_seconds(unit, f"{where}, abscissa")
+    return to_hertz(unit, f"{where}, abscissa") if kind in _OVER_FREQUENCY else 1.0
 
 
 def _data(

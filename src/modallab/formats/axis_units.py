@@ -1,0 +1,34 @@
+"""Units of abscissae: times in s and frequencies in Hz from what a file says of them."""
+
+import math
+
+from modallab.core.errors import DataError
+from modallab.formats.unit_text import normal_unit
+
+_SECONDS = {"": 1.0, "s": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6}
+_HERTZ = {"": 1.0, "hz": 1.0, "hertz": 1.0, "cps": 1.0, "cycles/s": 1.0, "khz": 1e3, "rad/s": 0.5 / math.pi}
+
+
+def to_seconds(unit: str, where: str = "") -> float:
+    """What turns times in a unit into seconds; without a unit they are in s.
+
+    Raises:
+        DataError: it is no unit of time.
+    """
+    return _factor(unit, _SECONDS, "time", "s, ms or us", where)
+
+
+def to_hertz(unit: str, where: str = "") -> float:
+    """What turns frequencies in a unit into Hz; without a unit they are in Hz.
+
+    Raises:
+        DataError: it is no unit of frequency.
+    """
+    return _factor(unit, _HERTZ, "frequency", "Hz, kHz or rad/s", where)
+
+
+def _factor(unit: str, known: dict[str, float], what: str, allowed: str, where: str) -> float:
+    factor = known.get(normal_unit(unit).lower())
+    if factor is None:
+        raise DataError(f"unit {unit!r} is no unit of {what}", where=where, remedy=f"use {allowed}")
+    return factor
