@@ -22,7 +22,7 @@ from modallab.blind.draw import PAIR, Draw, make, pair_names
 from modallab.core.effects import Effect, kind_of
 from modallab.core.rig import Rig
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.search.worth import ABOVE
+from modallab.gap.search.consequence import ABOVE
 from modallab.twin.effects import models
 from modallab_simulators.cantilever.gap_size import Ruler
 

@@ -13,8 +13,8 @@ from modallab.gap.inference.select import StepwiseSelection
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import choose
 from modallab.gap.search.clock import clock_shows, with_clock
+from modallab.gap.search.consequence import of_consequence
 from modallab.gap.search.fitting import Bench
-from modallab.gap.search.worth import worthwhile
 from modallab.twin.effects import search_of
 
 USUAL = Tolerance.usual()
@@ -94,7 +94,7 @@ def test_a_clock_that_the_generators_lines_show_is_no_matter_of_the_beam(rig, ma
     assert clock_shows(bench) is named
     assert (found is not None) is named
     if found is not None:
-        kept, dismissed = worthwhile(found, bench.data, shown=True)
+        kept, dismissed = of_consequence(found, bench.data, shown=True)
         assert [e.effect for e in kept.effects] == ["clock_error"]
         assert dismissed == []
         np.testing.assert_allclose(kept.effects[0].parameters["relative"], relative, rtol=0.2)

@@ -17,7 +17,7 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaig
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.continued import FITTED, continued
 from modallab.gap.design.experiments import DECIDES, Experiment, next_experiments
-from modallab.gap.design.standing import left_standing
+from modallab.gap.design.explanations import remaining_explanations
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import sentence
 from modallab.service.campaigns.local_session import record_campaign
@@ -60,7 +60,7 @@ def _go_on(
     if arguments.out is not None:
         write_campaign(whole, arguments.out)
     with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
-        diagnosis = diagnose(whole, FITTED, known=left_standing(before))
+        diagnosis = diagnose(whole, FITTED, known=remaining_explanations(before))
     console.print(sentence(diagnosis, [c.name for c in whole.rig.channels]), markup=False)
     if arguments.json is not None:
         with replacing(arguments.json) as draft:

@@ -9,7 +9,7 @@ import numpy as np
 from rich.markup import escape
 from rich.table import Table
 
-from modallab.cli.saying import console_of, write_json
+from modallab.cli.console import console_of, write_json
 from modallab.core.errors import ConfigurationError, DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig

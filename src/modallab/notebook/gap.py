@@ -13,7 +13,7 @@ from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.gap.diagnosis import diagnose as diagnose_campaign
 from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.report.summary import place_in_words, sentence
-from modallab.notebook.asked import path_for
+from modallab.notebook.arguments import path_for
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.model import Model, campaign_in
 from modallab.notebook.recording import Recording

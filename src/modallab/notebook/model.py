@@ -18,7 +18,7 @@ from modallab.identification.estimator import USUAL
 from modallab.identification.options import Options
 from modallab.identification.selection.criteria import mac
 from modallab.modification.known import Known
-from modallab.notebook.asked import band_of, frequencies_of, path_for
+from modallab.notebook.arguments import band_of, frequencies_of, path_for
 from modallab.notebook.measured import MeasuredFrf, phase_rises
 from modallab.notebook.put_to_use import PutToUse
 from modallab.notebook.recording import Recording

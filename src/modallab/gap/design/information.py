@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.design.standing import Explanation
+from modallab.gap.design.explanations import Explanation
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import shares_of

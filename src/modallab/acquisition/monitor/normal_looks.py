@@ -21,7 +21,7 @@ FEW = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class CalmLooks:
+class NormalLooks:
     """Some looks one after another.
 
     Attributes:
@@ -49,7 +49,7 @@ class CalmLooks:
         return True
 
 
-def calm_looks(look: BurstLook, force: ExpectedForce) -> CalmLooks | None:
+def normal_looks(look: BurstLook, force: ExpectedForce) -> NormalLooks | None:
     """Of all looks for which the samples have come; None where there are few, or not all windows lie in the burst."""
     ends = look.ends_ready()
     later, weak, learned = look.count(look.later_s), look.count(WEAK_LATER_S), look.count(HOP_S)
@@ -68,4 +68,4 @@ def calm_looks(look: BurstLook, force: ExpectedForce) -> CalmLooks | None:
         | ~(size > SEEN)
     )
     calm = kept & ~suspect.any(axis=1) & force.believes(look, foreseen) & driven(earlier)
-    return CalmLooks(look.hop + 1, calm, size * foreseen.phase, moments, learned)
+    return NormalLooks(look.hop + 1, calm, size * foreseen.phase, moments, learned)

@@ -60,7 +60,7 @@ class Place:
     left: float
 
 
-def acting_at(bench: Bench, base: Fit, candidate: Candidate) -> Candidate | None:
+def placed_by_overtones(bench: Bench, base: Fit, candidate: Candidate) -> Candidate | None:
     """The effect, at the place that the overtones show where its law is rough; None where they show no such place.
 
     It stays as it is where it acts all along the beam, or where no overtone is clear.
