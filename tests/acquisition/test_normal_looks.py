@@ -83,8 +83,8 @@ def test_many_looks_at_once_end_as_one_by_one(fault: Fault, monkeypatch: pytest.
     one_by_one, other = verdict(fault, 5)
     assert at_once == one_by_one
     assert bool(at_once) == (fault is not sound)
-    calm = [looks.calm for looks in taken if looks is not None]
-    assert np.mean(np.concatenate(calm)) > (0.6 if fault is sound else 0.0)
+    normal = [looks.normal for looks in taken if looks is not None]
+    assert np.mean(np.concatenate(normal)) > (0.6 if fault is sound else 0.0)
     mine, theirs = watch._burst, other._burst
     assert mine is not None
     assert theirs is not None

@@ -13,7 +13,7 @@ Real = NDArray[np.float64]
 
 
 class ChannelPrediction:
-    """Learns from stretches, each forgotten little by little, and foretells each channel from the others."""
+    """Learns from stretches, each forgotten little by little, and predicts each channel from the others."""
 
     def __init__(self, rows: int, forget: float) -> None:
         """For so many rows; `forget` is the part of what is known that each new stretch replaces."""

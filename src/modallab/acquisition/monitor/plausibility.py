@@ -112,9 +112,9 @@ class Plausibility:
         if cut.size:
             raise not_believed(f"{self._names[int(cut[0])]} is cut off: all its highest samples read the same")
         look.add(chunk.samples)
-        calm = normal_looks(look, self._force)
+        normal = normal_looks(look, self._force)
         while look.next_hop():
-            if calm is None or not calm.passes(look):
+            if normal is None or not normal.passes(look):
                 self._require_all(look)
 
     def _require_all(self, look: BurstLook) -> None:

@@ -64,13 +64,13 @@ class Operator:
         except ModallabError as error:
             self._console.print(error.what, markup=False, highlight=False)
 
-    def moved(self, setup: str, moves: Sequence[Move], hears: Callable[[], bool]) -> bool:
+    def moved(self, setup: str, moves: Sequence[Move], key_pressed: Callable[[], bool]) -> bool:
         """Say which sensors to move, and wait for the key that says they are; False if the operator quits instead.
 
         Args:
             setup: name of the set-up.
             moves: what to move.
-            hears: whether a key can still come.
+            key_pressed: whether a key can still come.
 
         Raises:
             ConfigurationError: no key can come.
@@ -79,7 +79,7 @@ class Operator:
             before, self._state = self._state, SessionState(phase="move", text=self._to_move(setup, moves))
             self._show(self._state, before)
             while self._state.phase == "move" and not self.left:
-                if not hears():
+                if not key_pressed():
                     raise ConfigurationError(
                         f"sensors are to be moved for set-up {setup}, and no key can say that they are",
                         remedy="start it with a keyboard, or a pipe that stays open",

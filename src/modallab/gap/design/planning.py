@@ -100,14 +100,14 @@ class Planning:
     def looked_at(self, prospect: Prospect) -> Prospect:
         """The same by full fits of every explanation to what every other one would answer."""
         listed = self.rivals.listed
-        bent = np.zeros((len(listed), len(listed)))
+        nonlinear = np.zeros((len(listed), len(listed)))
         for true, rival in enumerate(listed):
             joint = _joint(self.there.data, self._answered(prospect.layout, rival))
             straight = without_noise(self.rivals, prospect.gram, true)
             for k, other in enumerate(listed):
                 problem, (squares, end) = replace(other.fit.problem, data=joint), straight[k]
-                bent[true, k] = _least(problem, other.fit, end, rival.fit) - squares
-        expected = outlook(self.rivals, prospect.gram, prospect.count, bent)
+                nonlinear[true, k] = _least(problem, other.fit, end, rival.fit) - squares
+        expected = outlook(self.rivals, prospect.gram, prospect.count, nonlinear)
         return replace(prospect, outlook=expected, looked=True)
 
     def _prospect(self, option: Option) -> Prospect:

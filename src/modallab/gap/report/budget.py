@@ -28,9 +28,9 @@ Array = NDArray[np.float64]
 NODES = 8
 """Points of Gauss's rule on the way."""
 NAMED = 0.02
-"""Share from which a number within its tolerance is worth a sentence on what to calibrate."""
+"""Share from which a number within its tolerance is listed_by_name a sentence on what to calibrate."""
 NARROWS = 0.05
-"""Share by which an interval must narrow for a calibration to be worth it."""
+"""Share by which an interval must narrow for a calibration to be listed_by_name it."""
 MOST = 3
 """Sentences on what to calibrate."""
 
@@ -143,8 +143,8 @@ def _calibrate(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
     if not fit.problem.candidates:
         # What the damping of a mode is nobody knows before the test.
         listed = [r for r in rows if r.kind == "tolerance" and r.name != "damping_ratio"]
-        worth = [r for r in listed if r.share > NAMED][:MOST]
-        return [_within(r) for r in worth]
+        listed_by_name = [r for r in listed if r.share > NAMED][:MOST]
+        return [_within(r) for r in listed_by_name]
     narrows = narrowing(fit)
     said = [m.said for m in moved(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]

@@ -116,7 +116,7 @@ class Supervisor:
         self._computing: dict[str, int] = {}
         self._jobs_owner = ""
         self.controllers.others = self._processes
-        self._queued_runs = QueueRunner(self.controllers, run_log, self._is_heard)
+        self._queued_runs = QueueRunner(self.controllers, run_log, self._is_connected)
         self._look_after(self._api)
         for work in (self._keep, self._guard):
             Thread(target=work, name=work.__name__.strip("_"), daemon=True).start()
@@ -234,18 +234,18 @@ class Supervisor:
         counter = self._counter
         if counter is None or not counter.began:
             return ""
-        timed_out = timer.look(counter.heard_s, self._api.used_s)
+        timed_out = timer.look(counter.received_s, self._api.used_s)
         # Started again it may be back within the second that it is given: its end alone is reason enough.
         return counter.gone or (
-            f"no sign of life of the REST process for {counter.since_heard_s:.1f} s" if timed_out else ""
+            f"no sign of life of the REST process for {counter.since_received_s:.1f} s" if timed_out else ""
         )
 
-    def _is_heard(self) -> bool:
+    def _is_connected(self) -> bool:
         """Whether somebody could see and command a run that begins now."""
         counter = self._counter
         if counter is None or not counter.began or counter.gone:
             return False
-        return counter.since_heard_s <= self._settings.heartbeat_timeout_s
+        return counter.since_received_s <= self._settings.heartbeat_timeout_s
 
     def _trip(self, trouble: str) -> None:
         try:
