@@ -10,7 +10,7 @@ from modallab.core.lazy import lazily
 if TYPE_CHECKING:
     from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
     from modallab.notebook.driven import driven
-    from modallab.notebook.gap import GapFound, diagnose, diagnose_by_model
+    from modallab.notebook.gap import Agreement, GapFound, agreement, diagnose, diagnose_by_model
     from modallab.notebook.measured import MeasuredFrf, frf
     from modallab.notebook.model import Model, identify
     from modallab.notebook.predicted_motion import PredictedMotion
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Agreement",
     "ChangedModel",
     "Coupled",
     "DiagnosedTwin",
@@ -36,6 +37,7 @@ __all__ = [
     "RigidLink",
     "TunedAbsorber",
     "__version__",
+    "agreement",
     "diagnose",
     "diagnose_by_model",
     "driven",
@@ -52,7 +54,7 @@ __getattr__ = lazily(
         "modification.attachments": ("Coupled", "Element", "RigidLink", "TunedAbsorber"),
         "notebook.predicted_motion": ("PredictedMotion",),
         "notebook.put_to_use": ("ChangedModel", "PutToUse"),
-        "notebook.gap": ("GapFound", "diagnose", "diagnose_by_model"),
+        "notebook.gap": ("Agreement", "GapFound", "agreement", "diagnose", "diagnose_by_model"),
         "notebook.measured": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model", "identify"),
         "notebook.recording": ("Recording", "load"),

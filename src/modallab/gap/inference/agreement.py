@@ -16,7 +16,7 @@ from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import bench_of, free_of
 
-SENSOR = "Check its sensor: sensitivity, direction, place, mount and cable."
+SENSOR = "Check sensitivity, direction, place, mount and cable there."
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,24 +48,33 @@ class Agreement:
 
     @property
     def sentence(self) -> str:
-        """In one or two sentences."""
-        off = self.differing
-        if self.modes_differ:
+        """What agrees, what does not, and what to check."""
+        off = [f"{name} ({_percent(self.channels[name])})" for name in self.differing]
+        if self.frequencies is not None and self.damping is not None and self.modes_differ:
             return (
-                f"Natural frequencies differ from the simulation by about {self.frequencies:.1%}, "
-                f"or damping ratios by {self.damping:.0%}. Check clamp, added masses and the rig file's beam."
+                f"Natural frequencies differ from the simulation by about {_percent(self.frequencies)}, or damping "
+                f"ratios by {_percent(self.damping)}. Check the clamp, added masses and the beam of the rig file."
             )
         if not off:
-            return f"The simulation agrees with all {len(self.channels)} channels within {self.tolerated:.0%}."
+            return (
+                f"The simulation agrees with all {len(self.channels)} channels within {_percent(self.tolerated)} of "
+                "their response."
+            )
         if len(off) <= len(self.channels) // 2:
-            each = ", ".join(f"{name} by {self.channels[name]:.0%}" for name in off)
-            what = SENSOR if len(off) == 1 else SENSOR.replace("its sensor", "these sensors")
-            return f"Of their response differ from the simulation: {each}. The other channels agree. {what}"
+            return f"The response of {', '.join(off)} differs from the simulation; the other channels agree. {SENSOR}"
         return (
-            f"{len(off)} of {len(self.channels)} channels differ from the simulation, {off[0]} most, by "
-            f"{self.channels[off[0]]:.0%} of its response; the natural frequencies agree. "
-            "Check force sensor, hit point and timing."
+            f"The response of {len(off)} of {len(self.channels)} channels differs from the simulation, most that of "
+            f"{off[0]}; the natural frequencies agree. Check the force sensor, the hit point and the timing."
         )
+
+
+def latest(campaign: Campaign) -> Campaign:
+    """The records of the last record's test and drive point alone: what stands on the bench now."""
+    last = campaign.blocks[-1]
+    return replace(
+        campaign,
+        blocks=tuple(b for b in campaign.blocks if (b.test, b.drive_point) == (last.test, last.drive_point)),
+    )
 
 
 @one_thread()
@@ -104,3 +113,7 @@ def agreement(campaign: Campaign) -> Agreement:
 
 def _rows(share: dict[str, float]) -> list[int]:
     return sorted({int(name.split()[1]) for name in share if " " in name})
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"

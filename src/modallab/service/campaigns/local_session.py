@@ -107,6 +107,11 @@ class LocalCampaign:
         self._lease = self._service.leases.take(self._rig, operator, LEASE_S)
         self.campaign = self._service.repository.create(CampaignNew(name=name, rig=self._rig), operator)
 
+    @property
+    def rig(self) -> Rig:
+        """The rig as it was filed when the session began."""
+        return self._as_filed
+
     def run_all(
         self,
         plans: Sequence[Plan],
