@@ -49,7 +49,7 @@ LIMIT_S = 0.5
 WATCHDOG_MARGIN_S = 0.1
 """Past a watchdog's own time: to look at the output takes that long."""
 HELD_S = 5.0
-"""An output that has gone on for so long at the value it holds, and for longer than a watchdog, is left there for good."""
+"""At the value it holds for so long, and for longer than a watchdog waits, an output is left there for good."""
 ATTEMPTS = 4
 """Bursts more than twice those wanted that are begun at most: a busy machine's own guards end some."""
 WAIVED = "this is a simulation"
