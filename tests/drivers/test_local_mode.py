@@ -146,8 +146,9 @@ def test_a_watchdog_is_rejected_where_the_device_has_none(server: NiServer, rig:
     "options", [("--group",), ("--group", "--local"), ("--group", "--local", "--freeze")], ids=" ".join
 )
 def test_the_death_of_a_whole_process_group_ends_at_0_v(options: tuple[str, ...]) -> None:
-    # Far above what is asked for, so that neither it nor a busy machine ends the burst: the supervisor has to.
-    command = [sys.executable, str(SCRIPT), "--kills", "1", "--watchdog-s", "5", *options]
+    # How soon is a benchmark's matter, on a machine with nothing else to do. Here the watchdog is so far off that it is
+    # not what ends the burst, and the supervisor's own record shows that it saw the death, and waited for no time-out.
+    command = [sys.executable, str(SCRIPT), "--kills", "1", "--watchdog-s", "20", "--by-whom", *options]
     done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "1 of 1 at 0 V within 0.5 s" in done.stdout
+    assert "1 of 1 at 0 V by the supervisor, before any other guard" in done.stdout

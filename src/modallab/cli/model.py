@@ -43,8 +43,10 @@ def _known(arguments: argparse.Namespace) -> Known:
     if path.suffix == ".json":
         return Known(_chosen(read_models(path), arguments.test), rig or _beside(path))
     campaign = read_campaign(path, rig)
+    # The others take as long, and nobody asked for them.
+    only = arguments.test if arguments.test and campaign.of(arguments.test) else None
     with waiting("identifying", progress=not arguments.hush):
-        result = identify_campaign(campaign, Options())
+        result = identify_campaign(campaign, Options(), only)
     return known_of(campaign, _chosen([item.model for item in result.identified], arguments.test))
 
 

@@ -46,7 +46,7 @@ class Between:
         inverse = np.asarray(np.linalg.pinv(whole, rcond=1e-12), np.float64)
         weights = inverse @ np.concatenate([values, np.zeros((terms, values.shape[1]))])
         # -r^5 is the covariance of what the quadratic part leaves.
-        power = -np.sum(np.real(np.conj(values) * weights[: len(known)]), axis=0)
+        power = -np.einsum("kc,kc->c", values.conj(), weights[: len(known)]).real
         free = max(len(known) - int(np.linalg.matrix_rank(part)), 1)
         return cls(known, weights, inverse, np.sqrt(np.maximum(power, 0.0) / free), middle, size)
 
