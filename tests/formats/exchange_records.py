@@ -73,14 +73,18 @@ def uff_set(values: NDArray[Any], axis: NDArray[np.float64], kind: int, **fields
 
 def write_uff(path: Path, *sets: dict[str, Any], binary: bool = False) -> Path:
     """Sets of type 58 by the letter of the format, in double precision (pyuff writes NaN as 0)."""
-    path.write_bytes(b"".join(_set_58(content, binary) if content["type"] == 58 else _set_164() for content in sets))
+    path.write_bytes(
+        b"".join(_set_58(content, binary) if content["type"] == 58 else _set_164(content) for content in sets)
+    )
     return path
 
 
-def _set_164() -> bytes:
-    """Units of millimetre and millinewton."""
-    factors = "  1.00000000000000000D+03" * 2 + "  1.00000000000000000D+00\n  0.00000000000000000D+00\n"
-    return f"    -1\n   164\n{5:10d}{'MM':20s}{1:10d}\n{factors}    -1\n".encode()
+def _set_164(s: dict[str, Any]) -> bytes:
+    """Units by the field names of pyuff; of millimetre and millinewton unless it says others."""
+    factors = "".join(f"{v:25.17E}".replace("E", "D") for v in (s.get("length", 1e3), s.get("force", 1e3), 1.0))
+    return (
+        f"    -1\n   164\n{s.get('units_code', 5):10d}{'units':20s}{1:10d}\n{factors}\n{0.0:25.17E}\n    -1\n".encode()
+    )
 
 
 def _set_58(s: dict[str, Any], binary: bool) -> bytes:

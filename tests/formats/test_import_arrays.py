@@ -50,7 +50,12 @@ def mobilities() -> np.ndarray:
     return np.array([[s / (s - p) + s / (s - p.conjugate())] for p in poles])
 
 
-@pytest.mark.parametrize("save", [save_5, save_7_3])
+def save_4(path: Path, **variables: Any) -> Path:
+    io.savemat(path, variables, format="4")
+    return path
+
+
+@pytest.mark.parametrize("save", [save_4, save_5, save_7_3])
 def test_channels_are_variables_of_their_names(tmp_path: Path, save: Any) -> None:
     rows = hit(4)
     path = save(tmp_path / "hit.mat", Force=rows[0], a01=rows[1], a02=rows[2], a03=rows[3], t=times())
@@ -99,6 +104,21 @@ def test_sound_files_hold_the_channels_in_rig_order(tmp_path: Path, kind: Any, f
     np.testing.assert_array_equal(campaign.blocks[0].samples, rows / full_scale)
     assert campaign.blocks[0].units == ("V",) * 4
     assert ("full scale" in campaign.provenance.get("notes", "")) == (full_scale > 1)
+
+
+def test_a_sound_file_that_was_streamed_reaches_to_its_end(tmp_path: Path) -> None:
+    rows = hit(4).astype(np.float32)
+    wavfile.write(tmp_path / "hit.wav", int(RATE_HZ), rows.T)
+    raw = (tmp_path / "hit.wav").read_bytes()
+    place = raw.index(b"data") + 4
+    (tmp_path / "hit.wav").write_bytes(raw[:4] + b"\xff" * 4 + raw[8:place] + b"\xff" * 4 + raw[place + 4 :])
+    np.testing.assert_array_equal(import_sources([tmp_path / "hit.wav"], RIG).blocks[0].samples, rows)
+
+
+def test_a_sound_file_of_other_channels_than_the_rigs_says_how_many(tmp_path: Path) -> None:
+    wavfile.write(tmp_path / "hit.wav", int(RATE_HZ), hit(3).T)
+    with pytest.raises(DataError, match="holds 3 channels, and the rig names 4: force, a01, a02, a03"):
+        import_sources([tmp_path / "hit.wav"], RIG)
 
 
 def test_what_rattlesnake_streams_is_a_record(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from modallab.cli import main
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.formats.csv.csv_cells import plain_complex
+from modallab.formats.csv.csv_cells import plain_numbers
 from modallab.formats.csv.frf_heading import frf_heading
 from modallab.formats.importer import draft_rig, import_sources
 from modallab.formats.options import ImportOptions
@@ -69,6 +69,11 @@ WAYS = {
     "a title and units": "Test of 3 May;;\nFrequency;Re a01;Im a01;Re a02;Im a02;Re a03;Im a03\n"
     + table("Hz;m/s²/N;m/s²/N;m/s²/N;m/s²/N;m/s²/N;m/s²/N", two, ";"),
     "kilo": table("f,Re a01 [mm/s^2/N],Im a01 [mm/s^2/N],Re a02,Im a02,Re a03,Im a03", two),
+    "decibel of g": table(
+        "f,a01 mag [dB re 1 g/N],a01 phase [deg],a02 mag [dB (g/N)],a02 phase [deg],"
+        "a03 mag [dB ref. 1 m/s²/N],a03 phase [deg]",
+        lambda v: [f"{20 * np.log10(abs(v)):.14g}", polar(v)[1]],
+    ),
     "decibel": table(
         "f,a01 mag [dB],a01 phase [deg],a02 mag [dB],a02 phase [deg],a03 mag [dB],a03 phase [deg]",
         lambda v: [f"{20 * np.log10(abs(v)):.14g}", polar(v)[1]],
@@ -76,13 +81,21 @@ WAYS = {
 }
 
 
+FACTORS = {"kilo": (1e-3, 1, 1), "decibel of g": (9.80665, 9.80665, 1)}
+
+
 @pytest.mark.parametrize("way", WAYS)
 def test_the_same_frfs_come_from_every_way_of_writing_them(tmp_path: Path, way: str) -> None:
     frf = read(tmp_path, WAYS[way], drive_point=2)
-    expected = inertances() * (np.array([[1e-3], [1], [1]]) if way == "kilo" else 1)
+    expected = inertances() * np.array(FACTORS.get(way, (1, 1, 1)))[:, None]
     np.testing.assert_allclose(frf.values[:, 0], expected, rtol=1e-9)
     np.testing.assert_array_equal(frf.frequency_hz, LINES)
     assert (frf.quantity, frf.outputs, frf.input_points) == ("inertance", NAMES, (2,))
+
+
+def test_a_first_column_in_a_unit_of_frequency_holds_the_lines(tmp_path: Path) -> None:
+    text = table("omega [rad/s],Re a01,Im a01,Re a02,Im a02,Re a03,Im a03", two)
+    np.testing.assert_allclose(read(tmp_path, text).frequency_hz, LINES / (2 * np.pi))
 
 
 def test_the_point_of_the_force_stands_behind_the_response(tmp_path: Path) -> None:
@@ -115,6 +128,7 @@ def test_numbers_without_a_unit_are_in_those_of_the_rig(tmp_path: Path) -> None:
         (table("f,|a01|,|a02|,|a03|", lambda v: [f"{abs(v):g}"]), "which is no complex number"),
         (table("f,Re a01,Im a01,Re a02,Im a02,Re b,Im b", two), "column 'Re b' is the FRF of no response"),
         (table("f [h],a01,a02,a03", lambda v: [f"{v.real:g}{v.imag:+g}i"]), "'h' is no unit of frequency"),
+        (table("f,a01 mag [dB re 1 mm],a01 ph [deg],a02,a02 ph,a03,a03 ph", polar), "'dB re 1 mm' is none of an FRF"),
         (table("f,Re a01 [m/s^2],Im a01,Re a02,Im a02,Re a03,Im a03", two), "is none of an FRF of acceleration"),
         (table("f,Re a01,Im a01,Re a01,Im a01,Re a03,Im a03", two), "are of one FRF"),
         (table("f,Re a01/p1,Im a01/p1,Re a02/p2,Im a02/p2,Re a03/p1,Im a03/p1", two), "has no FRF of a01 to point 2"),
@@ -153,6 +167,6 @@ def test_headings_say_part_unit_and_response() -> None:
 
 def test_every_way_of_writing_a_complex_number_is_one() -> None:
     written = ["(1.5, -2e3)", "1.5 - 2e3i", "1.5-2e3*j", "1.5-i*2e3", "1.5-j2e3", "(1.5-2e3j)"]
-    assert {complex(plain_complex(text)) for text in written} == {1.5 - 2e3j}
-    assert plain_complex("1,2;3,4") == "1,2;3,4"
-    assert complex(plain_complex("-2i")) == -2j
+    assert {complex(plain_numbers(text)) for text in written} == {1.5 - 2e3j}
+    assert plain_numbers("1,2;3,4") == "1,2;3,4"
+    assert complex(plain_numbers("-2i")) == -2j

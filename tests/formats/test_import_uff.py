@@ -120,8 +120,46 @@ def test_a_unit_is_taken_from_the_label_else_from_what_it_measures_in_si(tmp_pat
     ]
     (block,) = import_sources([write_uff(tmp_path / "a.uff", *sets)], plain_rig()).blocks
     assert block.units == ("N", "g")
-    message = rejected(DataError, write_uff(tmp_path / "b.uff", {"type": 164}, *sets), plain_rig())
-    assert "set 2 has no unit label, and the units of the file are not SI (code 5)" in message
+
+
+@pytest.mark.parametrize(
+    ("code", "length", "force", "unit"), [(5, 1e3, 1e3, "mN"), (7, 39.37008, 0.2248089, "lbf"), (9, 1.0, 1e-3, "kN")]
+)
+def test_without_a_label_the_units_of_dataset_164_count(
+    tmp_path: Path, code: int, length: float, force: float, unit: str
+) -> None:
+    rows = hit(2)
+    sets = [
+        uff_set(rows[0], times(), 1, ordinate_spec_data_type=13, ordinate_axis_units_lab="NONE"),
+        uff_set(rows[1], times(), 1, ordinate_axis_units_lab="g"),
+    ]
+    units = {"type": 164, "units_code": code, "length": length, "force": force}
+    (block,) = import_sources([write_uff(tmp_path / "a.uff", units, *sets)], plain_rig()).blocks
+    assert block.units == (unit, "g")
+    message = rejected(DataError, write_uff(tmp_path / "b.uff", units | {"units_code": 2}, *sets), plain_rig())
+    assert f"set 2 has no unit label, and dataset 164 says no unit of force: code 2, {length:g} to a metre" in message
+
+
+def test_frfs_at_uneven_lines_keep_their_lines(tmp_path: Path) -> None:
+    lines = np.geomspace(10, 90, 64)
+    sets = [content | {"x": lines, "abscissa_spacing": 0} for content in frf_sets()]
+    frf = read_frf(write_uff(tmp_path / "frf.uff", *sets))
+    np.testing.assert_allclose(frf.frequency_hz, lines, rtol=5e-6)  # six digits
+    np.testing.assert_allclose(frf.values[:, 0, :], receptances(), rtol=1e-9)
+
+
+def test_of_a_force_and_a_response_at_one_place_each_is_found_by_what_it_measures(tmp_path: Path) -> None:
+    rows = hit(2)
+    force = plain_rig().channels[0].model_copy(update={"point": 1})
+    sensor = plain_rig().channels[1].model_copy(update={"point": 1})
+    rig = plain_rig().model_copy(update={"channels": (force, sensor), "points": RIG.points})
+    at = {"rsp_node": 1, "rsp_dir": 3}
+    sets = [
+        uff_set(rows[1], times(), 1, **at),
+        uff_set(rows[0], times(), 1, ordinate_spec_data_type=13, ordinate_axis_units_lab="N", **at),
+    ]
+    (block,) = import_sources([write_uff(tmp_path / "a.uff", *sets)], rig).blocks
+    np.testing.assert_allclose(block.samples, rows, rtol=1e-9)
 
 
 def test_the_rate_is_whole_where_the_printed_step_allows_it(tmp_path: Path) -> None:
@@ -186,14 +224,14 @@ def spoilt(values: Any = None, axis: Any = None, **fields: Any) -> list[dict[str
     return sets
 
 
-UNEVEN = np.concatenate([LINES[:-1], [99.0]])
+REPEATED = np.concatenate([LINES[:-1], LINES[-2:-1]])
 
 CASES: list[tuple[str, list[dict[str, Any]], str]] = [
     ("magnitude only", spoilt(np.abs(receptances()[1])), "channel a02: its FRF is magnitude only"),
     ("real part only", spoilt(receptances()[1].real), "channel a02: its FRF is real at every line"),
     ("NaN", spoilt(np.full(64, np.nan + 0j)), "channel a02: 64 lines of its FRF are NaN or infinite"),
     ("dead", spoilt(np.zeros(64, complex)), "channel a02: its FRF is zero at every line"),
-    ("uneven", spoilt(axis=UNEVEN, abscissa_spacing=0), "the frequency axis is uneven"),
+    ("repeated", spoilt(axis=REPEATED, abscissa_spacing=0), "the frequency axis does not ascend"),
     ("descending", spoilt(axis=LINES[::-1]), "the frequency axis descends"),
     ("other lines", spoilt(x=LINES * 2), "set 2: its lines are not those of set 1"),
     ("unit", spoilt(ordinate_axis_units_lab="Pa"), "set 2 has the unit 'Pa' per 'N', which is no FRF's"),

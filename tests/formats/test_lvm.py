@@ -43,6 +43,9 @@ def segment(mark: str, columns: str, separator: str, late: int = 0, samples: int
     facts += [("Time", f"10:00:01{mark}5", f"10:00:01{mark}5"), ("Y_Unit_Label", "Newtons", "g"), ("X0", *x0)]
     facts += [("Delta_X", step, step), ("***End_of_Header***",)]
     heads = ["X_Value", "Force", *(["X_Value"] if columns == "Multi" else []), "Acc 1", "Comment"]
+    if columns == "Multi":
+        # Each value stands above the samples of its channel.
+        facts = [(tag, *(cell for value in values for cell in (value, ""))) for tag, *values in facts]
     rows: list[str] = [separator.join((*fact, "", "")) for fact in facts] + [separator.join(heads)]
     for k in range(samples):
         first = number(k / RATE_HZ, mark) if columns != "No" else ""
@@ -106,3 +109,40 @@ def test_a_channel_that_is_missing_is_named(tmp_path: Path) -> None:
     path.write_text("\n".join(header(".", "One", "\t") + segment(".", "One", "\t")), encoding="utf-8")
     with pytest.raises(DataError, match="no column for channel a9"):
         import_sources([path], rig)
+
+
+@pytest.mark.parametrize("columns", ["No", "One"])
+def test_segments_under_one_header_are_records_of_their_own(tmp_path: Path, columns: str) -> None:
+    one = segment(".", columns, "\t")
+    rows = one[next(k for k, line in enumerate(one) if line.startswith("X_Value")) + 1 :]
+    blocks = read(tmp_path, header(".", columns, "\t") + one + rows).blocks
+    assert len(blocks) == 2
+    for block in blocks:
+        np.testing.assert_allclose(block.samples, SAMPLES, atol=1e-7)
+
+
+def test_segments_whose_x_runs_on_are_one_record(tmp_path: Path) -> None:
+    lines = [line.replace(f"Samples\t{N}\t{N}", f"Samples\t{N // 3}\t{N // 3}") for line in segment(".", "One", "\t")]
+    (block,) = read(tmp_path, header(".", "One", "\t") + lines).blocks
+    np.testing.assert_allclose(block.samples, SAMPLES, atol=1e-7)
+
+
+def test_a_step_of_few_digits_is_that_of_the_whole_rate(tmp_path: Path) -> None:
+    lines = [line.replace(number(1 / RATE_HZ, "."), "0.000977") for line in segment(".", "No", "\t")]
+    assert read(tmp_path, header(".", "No", "\t") + lines).blocks[0].rate_hz == 1024
+
+
+def test_a_column_of_x_that_contradicts_the_step_is_rejected(tmp_path: Path) -> None:
+    step = number(1 / RATE_HZ, ".")
+    lines = [
+        line.replace(step, "0.001000") if line.startswith("Delta_X") else line for line in segment(".", "One", "\t")
+    ]
+    with pytest.raises(DataError, match="Delta_X says 1000 Hz, the column of x 2000 Hz"):
+        read(tmp_path, header(".", "One", "\t") + lines)
+
+
+def test_a_file_without_headers_is_a_table(tmp_path: Path) -> None:
+    rows = [f"{k / RATE_HZ:.6f}\t{f:.8f}\t{a:.8f}" for k, (f, a) in enumerate(SAMPLES.T)]
+    (block,) = read(tmp_path, rows).blocks
+    assert block.rate_hz == RATE_HZ
+    np.testing.assert_allclose(block.samples, SAMPLES, atol=1e-7)

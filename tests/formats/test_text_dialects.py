@@ -1,5 +1,6 @@
 """Text files of loggers and analysers: quotes, decimal commas, clock times, few digits, columns by other names."""
 
+import re
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -47,6 +48,13 @@ PLAIN = "{},{:.6f},{:.6f}"
 DIALECTS = {
     "decimal commas in quotes": table('"time [s]","force [N]","a1 [g]"', '"{tc}","{fc}","{ac}"'),
     "marks between thousands": table("time [s];force [N];a1 [g]", "{};{:,.6f};{:.6f}"),
+    "apostrophes between thousands": table("time [s];force [mN];a1 [g]", "{};{:_.6f};{:.6f}").replace("_", "'"),
+    "narrow blanks between thousands": table("time [s];force [mN];a1 [g]", "{};{:_.6f};{:.6f}").replace("_", "\u202f"),
+    "exponents of Fortran": re.sub("(?<=[0-9])E(?=[+-])", "D", table("# time force a1", "{} {:.9E} {:.9E}")),
+    "facts and units above the table": (
+        '"TIME",\n"15:26:55"\n"NUM_SIGS",\n3\n"INTERVAL",\n5.000E-04\n"VERT_UNITS","S","N","g"\n"SIGNAL",\n'
+        + table('"TIME","force","a1"\n"DATA"', PLAIN)
+    ),
     "a delimiter at the end of each line": table("time [s],force [N],a1 [g],", PLAIN + ","),
     "an empty column of comments": table("time [s],force [N],a1 [g],Comment", PLAIN + ","),
     "a column of words": table("time [s],force [N],a1 [g],state", PLAIN + ",ok"),

@@ -11,6 +11,9 @@ _ALIASES = {
     "mm/s2": "mm/s^2",
     "mm/s**2": "mm/s^2",
     "mm/s/s": "mm/s^2",
+    **{f"{foot}/{rest}": f"{foot}/s^2" for foot in ("in", "ft") for rest in ("s2", "s/s", "sec^2", "sec2")},
+    **{f"{foot}/sec": f"{foot}/s" for foot in ("in", "ft")},
+    "inch": "in",
     "G": "g",
     "gn": "g",
     "Newton": "N",
@@ -32,6 +35,7 @@ _ALIASES = {
     "volts": "V",
     "v": "V",
     "sec": "s",
+    "S": "s",
     "msec": "ms",
 }
 _WHOLE_FRF: dict[str, FrfQuantity] = {

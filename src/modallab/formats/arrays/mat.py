@@ -1,4 +1,4 @@
-"""MATLAB files: version 5 by SciPy, version 7.3, which is HDF5, by h5py."""
+"""MATLAB files: versions 4 and 5 by SciPy, version 7.3, which is HDF5, by h5py."""
 
 from collections.abc import Iterator
 from pathlib import Path

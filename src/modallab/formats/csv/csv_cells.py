@@ -14,11 +14,17 @@ _NUMBER = rf"[+-]?{_DIGITS}"
 _PAIR = re.compile(rf"\(\s*({_NUMBER})\s*[,;]\s*({_NUMBER})\s*\)")
 _ENDS_WITH_UNIT = re.compile(rf"({_NUMBER})\s*([+-])\s*({_DIGITS})\s*\*?\s*[ijIJ](?!\w)")
 _BEGINS_WITH_UNIT = re.compile(rf"({_NUMBER})\s*([+-])\s*[ijIJ]\s*\*?\s*({_DIGITS})")
+_OLD_EXPONENT = re.compile(r"(?<=[\d.])[dD](?=[+-]\d)")
 _ALONE = re.compile(rf"(?<![\w.,+-])({_NUMBER})\s*\*?\s*[ij](?!\w)")
 
 
-def plain_complex(line: str) -> str:
-    """A line with its complex numbers as 1.2+3.4j, whichever of (1.2, 3.4), 1.2 + 3.4i and 1.2+i3.4 they were."""
+def plain_numbers(line: str) -> str:
+    """A line with its complex numbers as 1.2+3.4j, whichever of (1.2, 3.4), 1.2 + 3.4i and 1.2+i3.4 they were.
+
+    Exponents of Fortran begin with E.
+    """
+    if "D" in line or "d" in line:
+        line = _OLD_EXPONENT.sub("E", line)
     if "(" in line:
         line = _PAIR.sub(lambda m: f"{m[1]}{m[2] if m[2][0] in '+-' else '+' + m[2]}j", line)
     if "i" in line or "j" in line or "I" in line or "J" in line:

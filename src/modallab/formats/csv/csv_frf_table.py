@@ -10,9 +10,9 @@ from modallab.core.array_checks import check_frf
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
-from modallab.formats.csv.csv_heads import FREQUENCY_NAMES
+from modallab.formats.csv.csv_heads import is_frequency
 from modallab.formats.csv.csv_table import Table
-from modallab.formats.csv.frf_heading import FrfHeading, Part, frf_heading, response_of
+from modallab.formats.csv.frf_heading import FrfHeading, Part, frf_heading, is_level, reference_of, response_of
 from modallab.formats.frf_factor import assumed_factor, turned
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit
@@ -38,7 +38,7 @@ def holds_frfs(table: Table) -> bool:
     """Whether a table is one of FRFs: its first column is a frequency, or it holds complex numbers."""
     if table.imaginary is not None:
         return True
-    if not table.names or table.names[0].lower() not in FREQUENCY_NAMES:
+    if not table.names or not is_frequency(table.names[0], table.units[0]):
         return False
     return any(heading.part != "complex" for heading in (frf_heading(n, "") for n in table.names[1:]))
 
@@ -71,7 +71,8 @@ def columns_of(table: Table, rig: Rig | None, where: str) -> list[Column]:
 def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> Frf:
     """The FRFs of a table, in SI.
 
-    A number without a unit is in the unit of the rig's channel over that of its force; a magnitude in dB is one of SI.
+    A number without a unit is in the unit of the rig's channel over that of its force. A magnitude in dB refers to 1 in
+    SI, or to what stands behind "dB re".
 
     Raises:
         DataError: columns that are no FRF of the rig, that lack their phase or the unit of it, or units of no FRF.
@@ -148,7 +149,7 @@ def _values(parts: Mapping[Part, Column], channel: Channel, rig: Rig, where: str
             one, two = parts[first], parts[second]
             if first == "re":
                 return quantity, factor * (one.real + 1j * two.real)
-            size = 10 ** (one.real / 20) if one.heading.unit.lower().startswith("db") else one.real
+            size = 10 ** (one.real / 20) if is_level(one.heading.unit) else one.real
             turn: Complex = np.exp(1j * two.real * _angle(two.heading, where))
             return quantity, factor * size * turn
     held = ", ".join(repr(column.heading.text) for column in parts.values())
@@ -173,14 +174,12 @@ def _factor(heading: FrfHeading, channel: Channel, rig: Rig, where: str) -> tupl
     assumed, factor = assumed_factor(channel, rig, where)
     if not heading.unit:
         return assumed, factor
-    if heading.unit.lower().startswith("db"):
-        return assumed, 1.0
-    said = frf_unit(heading.unit, "")
+    said = (assumed, 1.0) if heading.unit.lower() == "db" else frf_unit(reference_of(heading.unit), "")
     if said is None or DERIVATIVES[said[0]] != DERIVATIVES[assumed]:
         raise DataError(
             f"column {heading.text!r}: unit {heading.unit!r} is none of an FRF of {channel.quantity} over force",
             where=where,
-            remedy="write it as m/s^2/N, m/s/N or m/N; or mend the rig's channel",
+            remedy="write it as m/s^2/N, m/s/N or m/N, or as dB re 1 m/s^2/N; or mend the rig's channel",
         )
     return said
 

@@ -8,7 +8,9 @@ from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 
 _SQUARE = re.compile(r"^(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]\s*$")
 _ROUND = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>.*)[\])]\s*$")
-_OF_AXES = {"s", "ms", "us", "Hz", "kHz", "rad/s", "deg", "rad", "dB", ""}
+_OF_FREQUENCY = {"Hz", "hz", "HZ", "kHz", "rad/s"}
+_OF_AXES = {"s", "ms", "us", *_OF_FREQUENCY, "deg", "rad", "dB", ""}
+_UNIT_TAG = re.compile(r"unit|einheit", re.IGNORECASE)
 TIME_NAMES = {"t", "time", "zeit", "temps", "tiempo", "time_s", "t_s", "seconds", "sec", "x_time"}
 FREQUENCY_NAMES = {"f", "freq", "frequency", "frequency_hz", "freq_hz", "f_hz", "hz", "frequenz", "frequence"}
 
@@ -20,7 +22,7 @@ def headings(above: Sequence[str], comments: Sequence[str], delimiter: str, colu
 
     Args:
         above: the lines above the numbers. The last with as many cells as there are columns holds the names, and one
-            more below it units; lines before it belong to no column.
+            more below it units; of lines before it those count that begin with a word for units, and hold some.
         comments: comment lines above the numbers, without their mark; the last is a header if it begins as one does.
         delimiter: of the columns.
         columns: how many there are.
@@ -43,7 +45,28 @@ def headings(above: Sequence[str], comments: Sequence[str], delimiter: str, colu
     names, units = tuple(name for name, _ in parts), tuple(unit for _, unit in parts)
     if below is not None:
         units = tuple(unit or normal_unit(cell.strip("[]")) for unit, cell in zip(units, below, strict=True))
-    return names, units
+    tagged = _tagged([head_cells(line, delimiter, columns) for line in above], len(names))
+    return names, tuple(unit or other for unit, other in zip(units, tagged, strict=True))
+
+
+def _tagged(rows: Sequence[Sequence[str]], columns: int) -> Sequence[str]:
+    """The unit of each column from a line that says with its first cell that it holds units, "" without one.
+
+    That cell stands before the units of all columns, or in the place of that of the first.
+    """
+    for row in rows:
+        units = [normal_unit(cell) for cell in row[1:]]
+        if row and _UNIT_TAG.search(row[0]) and any(quantity_of(unit) for unit in units):
+            if len(units) == columns:
+                return units
+            if len(units) == columns - 1:
+                return ["", *units]
+    return [""] * columns
+
+
+def is_frequency(name: str, unit: str) -> bool:
+    """Whether a column is one of frequencies, by its name or its unit."""
+    return name.lower() in FREQUENCY_NAMES or unit in _OF_FREQUENCY
 
 
 def _are_units(row: Sequence[str]) -> bool:

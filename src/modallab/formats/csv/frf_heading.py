@@ -30,6 +30,7 @@ _NUMBERED = re.compile(
     r"(?:[\s_,;:/-]+p?(?P<input>\d+)(?:[+-]?[xyz])?)?\)?$",
     re.I,
 )
+_LEVEL = re.compile(r"^dB\b(?:\s*\(?(?:re|ref|rel)\b[.:]?)?\s*(?:1(?:\.0*)?\s+)?(?P<of>.*)$", re.I)
 _TO = re.compile(r"^(?P<output>.+?)\s*[/:]\s*(?:p(?P<input>\d+)|(?P<force>[^/:]+))$", re.I)
 
 
@@ -122,10 +123,21 @@ def response_of(heading: FrfHeading, rig: Rig, where: str) -> tuple[Channel, int
     return fitting[0], pair.input
 
 
+def is_level(unit: str) -> bool:
+    """Whether a unit is dB, of whatever."""
+    return _LEVEL.match(unit) is not None
+
+
+def reference_of(unit: str) -> str:
+    """The unit that a level in dB refers to: g/N of "dB re 1 g/N" and "dB (g/N)"; a unit that is no level itself."""
+    level = _LEVEL.match(unit)
+    return unit if level is None else normal_unit(level["of"])
+
+
 def _part(word: str) -> Part:
     return next(part for part, words in _WORDS.items() if re.fullmatch(words, word, re.I))
 
 
 def _is_unit(unit: str) -> bool:
     known = unit in {"deg", "°", "rad", "dB", "-", "1"} or any(unit in units for units in TO_SI.values())
-    return known or unit.lower().startswith("db") or frf_unit(normal_unit(unit), "") is not None
+    return known or is_level(unit) or frf_unit(normal_unit(unit), "") is not None

@@ -7,12 +7,14 @@ from pathlib import Path
 
 from modallab.core.errors import FormatError
 from modallab.formats.csv.clock_times import is_clock, is_date, seconds_of
-from modallab.formats.csv.csv_cells import cells, delimiter_of, number, plain_complex
+from modallab.formats.csv.csv_cells import cells, delimiter_of, number, plain_numbers
 
 _COMMENTS = ("#", "%")
 _SHOWN = 20
 """Lines at the end that show what delimits the columns."""
 _QUOTED = re.compile(r'"[^"]*"')
+_THOUSANDS = re.compile(r"(?<=\d)['’\u00a0\u2009\u202f](?=\d{3}(?!\d))")
+"""Marks between digits that stand between thousands and nowhere else."""
 _POINT_AFTER, _COMMA_AFTER = re.compile(r"\d,\d{3}\.\d"), re.compile(r"\d\.\d{3},\d")
 
 
@@ -51,15 +53,15 @@ def read_lines(path: Path) -> TextLines:
     Raises:
         FormatError: no text, or no numbers.
     """
-    text = decoded(path)
+    text = _THOUSANDS.sub("", decoded(path))
     lines = [Line(k, line) for k, line in enumerate(text.splitlines(), start=1) if line.strip()]
     comments = tuple(line.text.lstrip() for line in lines if line.text.lstrip().startswith(_COMMENTS))
     lines = [line for line in lines if not line.text.lstrip().startswith(_COMMENTS)]
     delimiter, lines = _delimited(lines)
-    first = next((k for k, line in enumerate(lines) if _begins(line, delimiter)), None)
+    first = _first_row(lines, delimiter)
     if first is None:
         raise _no_numbers(lines, delimiter, str(path))
-    body = [replace(line, text=plain_complex(line.text)) for line in lines[first:]]
+    body = [replace(line, text=plain_numbers(line.text)) for line in lines[first:]]
     found = TextLines(tuple(lines[:first]), tuple(body), comments, delimiter, text.endswith(("\n", "\r")))
     return _with_seconds(_without_groups(_without_end(found)))
 
@@ -86,7 +88,7 @@ def _delimited(lines: list[Line]) -> tuple[str, list[Line]]:
     """The delimiter, and the lines without the one that may say it, and without quotes."""
     said = re.fullmatch(r"sep=(.)", lines[0].text.strip()) if lines else None
     lines = lines[1:] if said else lines
-    shown = [_QUOTED.sub('""', plain_complex(line.text)) for line in lines[-_SHOWN:]]
+    shown = [_QUOTED.sub('""', plain_numbers(line.text)) for line in lines[-_SHOWN:]]
     delimiter = said[1] if said else delimiter_of(shown)
     if delimiter == "\t" or not any('""' in line for line in shown):
         return delimiter, lines
@@ -94,8 +96,27 @@ def _delimited(lines: list[Line]) -> tuple[str, list[Line]]:
     return "\t", [replace(line, text="\t".join(cells(line.text, delimiter))) for line in lines]
 
 
+def _first_row(lines: Sequence[Line], delimiter: str) -> int | None:
+    """The place of the first row of the table; None if no line begins with a number.
+
+    Facts above a table may begin with a number too. They have other columns than the last rows, and words stand
+    between them and the table.
+    """
+    last = [line for line in lines[-_SHOWN:] if _begins(line, delimiter)][-2:]
+    columns = len(cells(last[0].text, delimiter)) if last else 0
+    begins: list[int] = []
+    for k, line in enumerate(lines):
+        if not _begins(line, delimiter):
+            begins = []
+            continue
+        begins.append(k)
+        if not last or len(cells(line.text, delimiter)) == columns:
+            return begins[0]
+    return None
+
+
 def _begins(line: Line, delimiter: str) -> bool:
-    row = cells(plain_complex(line.text), delimiter)
+    row = cells(plain_numbers(line.text), delimiter)
     first = row[0] if row else ""
     return number(first) is not None or is_clock(first) or (is_date(first) and len(row) > 1 and is_clock(row[1]))
 

@@ -17,7 +17,10 @@ _FIRST = b"LabVIEW Measurement"
 
 
 def _fits(head: bytes, path: Path) -> bool:
-    return head.removeprefix(b"\xef\xbb\xbf").startswith(_FIRST)
+    if head.removeprefix(b"\xef\xbb\xbf").startswith(_FIRST):
+        return True
+    # LabVIEW can leave the headers out: the rest is a table.
+    return path.suffix.lower() == ".lvm" and all(byte >= 32 or byte in b"\t\r\n" for byte in head)
 
 
 def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:

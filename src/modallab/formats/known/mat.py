@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 def _fits(head: bytes, path: Path) -> bool:
     from modallab.formats.arrays.mat import MARKS
 
-    return head.startswith(MARKS)
+    # Version 4 has no mark; SciPy knows it by a zero where the others have text.
+    return head.startswith(MARKS) or (path.suffix.lower() == ".mat" and 0 in head[:4])
 
 
 def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
@@ -35,9 +36,9 @@ def _draft(path: Path, options: ImportOptions) -> Rig:
 FORMAT = Format(
     name="mat",
     title="MATLAB (.mat)",
-    description="variables of MATLAB, version 5 or 7.3: one for each channel, or one for all",
+    description="variables of MATLAB, version 4, 5 or 7.3: one for each channel, or one for all",
     endings=(".mat",),
-    is_no="MATLAB file of version 5 or 7.3",
+    is_no="MATLAB file of version 4, 5 or 7.3",
     holds=("records", "FRFs"),
     asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz", "window_s", "variables", "array_map"),
     priority=5,

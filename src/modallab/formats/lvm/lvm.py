@@ -5,26 +5,32 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.core.axis_checks import check_time
+from modallab.core.axis_checks import check_time, whole_rate
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.formats.csv.csv_read import record_of
+from modallab.formats.csv.csv_draft import draft_csv
+from modallab.formats.csv.csv_read import read_csv, record_of
 from modallab.formats.csv.csv_table import Table
 from modallab.formats.draft import Said, rig_of, wanted
-from modallab.formats.lvm.lvm_read import LvmChannel, read_lvm
+from modallab.formats.lvm.lvm_read import LvmChannel, has_header, read_lvm
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, on_common_times, start_of, start_of_text
 from modallab.formats.unit_text import normal_unit, quantity_of
 
+_SAME = 1e-4
+"""Relative, of steps: columns of x are written with few digits too."""
+
 
 def campaign_of_lvm(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    """Read the records of a file.
+    """Read the records of a file; one that was written without headers is a table.
 
     Raises:
         FormatError: cut off or damaged.
         DataError: not the channels of the rig, rates that differ, or records that do not overlap.
     """
+    if not has_header(path):
+        return read_csv(path, rig, options)
     where, segments = str(path), read_lvm(path)
     blocks: list[Block] = []
     notes: dict[str, None] = {}
@@ -46,6 +52,8 @@ def draft_lvm(path: Path, options: ImportOptions) -> Rig:
         FormatError: cut off or damaged.
         DataError: none of the channels that are to be taken.
     """
+    if not has_header(path):
+        return draft_csv(path, options)
     units = [(c.name, normal_unit(c.unit)) for c in read_lvm(path)[0]]
     return rig_of(wanted((Said(name, quantity_of(unit), unit) for name, unit in units), options), path)
 
@@ -71,10 +79,15 @@ def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, wher
 
 
 def _rate(channel: LvmChannel, options: ImportOptions, where: str) -> float:
-    if channel.step > 0:
-        return 1 / channel.step
+    said = whole_rate(1 / channel.step, channel.step_error / channel.step**2) if channel.step > 0 else 0.0
     if channel.x.size > 1:
-        return check_time(channel.x, f"{where}, x of {channel.name}")
+        rate = check_time(channel.x, f"{where}, x of {channel.name}", resolution_s=channel.x_error)
+        if said and abs(1 / rate - channel.step) > max(channel.step_error, _SAME * channel.step):
+            found = f"channel {channel.name}: Delta_X says {said:g} Hz, the column of x {rate:g} Hz"
+            raise DataError(found, where=where, remedy="export the record again, or correct Delta_X")
+        return rate
+    if said:
+        return said
     if options.rate_hz is None:
         found = f"channel {channel.name} has neither Delta_X nor a column of x"
         raise DataError(found, where=where, remedy="give the rate with --rate")

@@ -2,17 +2,20 @@
 
 Source: National Instruments, "Specification for the LabVIEW Measurement File (.lvm)" (2023): a header of names and
 values, then segments, each with a header of one value for each channel, a line of column names, and rows. Columns of x
-there are none, one, or one before each channel.
+there are none, one, or one before each channel; a channel's values stand above its samples. Segments that a program
+wrote later may share the header of the first.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import FormatError
+from modallab.formats.csv.csv_cells import number
+from modallab.formats.csv.digits import half_last_digits
 from modallab.formats.csv.text_lines import Line, decoded
 
 FIRST = "LabVIEW Measurement"
@@ -31,7 +34,9 @@ class LvmChannel:
         start: date and time of the segment, in ISO 8601; "" where the file says none.
         x0: first abscissa.
         step: from sample to sample; 0 if the file does not say.
+        step_error: half of the last digit with which the step was written.
         x: (n,) its abscissae; empty if there is no column of them.
+        x_error: (n,) half of the last digit of each.
         samples: (n,)
     """
 
@@ -40,11 +45,18 @@ class LvmChannel:
     start: str
     x0: float
     step: float
+    step_error: float
     x: NDArray[np.float64]
+    x_error: NDArray[np.float64]
     samples: NDArray[np.float64]
 
 
 Header = Mapping[str, Sequence[str]]
+
+
+def has_header(path: Path) -> bool:
+    """Whether a file begins with the header of the format; LabVIEW can leave it out."""
+    return decoded(path).startswith(FIRST)
 
 
 def read_lvm(path: Path) -> tuple[tuple[LvmChannel, ...], ...]:
@@ -60,8 +72,9 @@ def read_lvm(path: Path) -> tuple[tuple[LvmChannel, ...], ...]:
     segments: list[tuple[LvmChannel, ...]] = []
     while rest:
         head, rest = _header(rest, separator, where)
-        end = next((k for k, line in enumerate(rest) if _cells(line, separator)[0] == "Channels"), len(rest))
-        segments.append(_Segment(general, head, _Body(rest[0], rest[1:end], separator, where)).channels())
+        end = next((k for k, line in enumerate(rest) if k and _is_tag(_cells(line, separator)[0])), len(rest))
+        body = _Body(rest[0], rest[1:end], separator, where)
+        segments += [one.channels() for one in _Segment(general, head, body).parts()]
         rest = rest[end:]
     if not segments:
         raise FormatError("holds a header and no segment", where=where, remedy=_AGAIN)
@@ -87,6 +100,11 @@ def _separator(lines: Sequence[Line]) -> str:
 
 def _cells(line: Line, separator: str) -> list[str]:
     return [cell.strip() for cell in line.text.split(separator)]
+
+
+def _is_tag(cell: str) -> bool:
+    """Whether a cell begins a line of a header, and not a row."""
+    return bool(cell) and number(cell) is None
 
 
 def _header(lines: Sequence[Line], separator: str, where: str) -> tuple[Header, list[Line]]:
@@ -117,23 +135,22 @@ class _Body:
         """Whether something stands in the first place of the first row."""
         return bool(self.rows) and bool(self.cells(self.rows[0])[0])
 
-    def numbers(self, decimal: str, places: Sequence[int]) -> list[NDArray[np.float64]]:
-        """The columns at these places, each to its last number.
+    def columns(self, places: Sequence[int]) -> list[list[tuple[str, Line]]]:
+        """What stands in the columns at these places, each to its last number, and in which lines.
 
         Raises:
-            FormatError: no rows, or something that is no number.
+            FormatError: no rows.
         """
         if not self.rows:
             what = f"is cut off: no sample stands below line {self.names.number}"
             raise FormatError(what, where=self.where, remedy="copy the file again")
-        found: list[list[float]] = [[] for _ in places]
+        found: list[list[tuple[str, Line]]] = [[] for _ in places]
         for line in self.rows:
             row = self.cells(line)
             for column, place in zip(found, places, strict=True):
-                cell = row[place] if place < len(row) else ""
-                if cell:
-                    column.append(self.number(cell, decimal, line))
-        return [np.array(column) for column in found]
+                if place < len(row) and row[place]:
+                    column.append((row[place], line))
+        return found
 
     def number(self, cell: str, decimal: str, line: Line) -> float:
         """The number in a cell.
@@ -156,29 +173,72 @@ class _Segment:
     head: Header
     body: _Body
 
+    def parts(self) -> Iterator["_Segment"]:
+        """Itself, or the segments that share its header: each has as many rows as the header says samples.
+
+        Where a column of x runs on from one to the next, they are one.
+        """
+        count = max((int(n) for n in self.head.get("Samples", ()) if n.isdigit()), default=0)
+        rows = self.body.rows
+        begins = [0, *(k for k in range(count, len(rows), max(count, 1)) if count > 1 and not self._runs_on(k))]
+        for first, last in zip(begins, [*begins[1:], len(rows)], strict=True):
+            yield replace(self, body=replace(self.body, rows=rows[first:last]))
+
+    def _runs_on(self, row: int) -> bool:
+        """Whether the column of x goes on at a row as it began."""
+        if self._kind == "no":
+            return False
+        cells = [(self.body.cells(line)[0], line) for line in (self.body.rows[k] for k in (0, 1, row - 1, row))]
+        x = [self.body.number(cell, self._decimal, line) for cell, line in cells]
+        return 0 < x[3] - x[2] < 1.5 * (x[1] - x[0])
+
     def channels(self) -> tuple[LvmChannel, ...]:
+        """The channels, in the order of their columns.
+
+        Raises:
+            FormatError: no number of them, no rows, or something that is no number.
+        """
         count = int(self._number("Channels", 0))
         if count < 1:
             found = f"the header above line {self.body.names.number} says no number of channels"
             raise FormatError(found, where=self.body.where, remedy=_AGAIN)
-        with_x = {"multi": [2 * k for k in range(count)], "one": [0] * count}.get(self._kind, [])
+        columns = self.body.columns([*(self._column(k) for k in range(count)), *self._columns_of_x(count)])
+        return tuple(self._channel(k, columns[k], columns[count:]) for k in range(count))
+
+    def _column(self, k: int) -> int:
+        if self._kind == "multi":
+            return 2 * k + 1
         # Without a column of x its place is there all the same, and empty; some writers leave it out in the rows.
-        shift = 0 if self._kind == "no" and self.body.begins_with_number else 1
-        places = [2 * k + 1 for k in range(count)] if self._kind == "multi" else [k + shift for k in range(count)]
-        columns = self.body.numbers(self._decimal, [*places, *with_x])
+        return k if self._kind == "no" and self.body.begins_with_number else k + 1
+
+    def _columns_of_x(self, count: int) -> list[int]:
+        return {"multi": [2 * k for k in range(count)], "no": []}.get(self._kind, [0])
+
+    def _channel(
+        self, k: int, cells: Sequence[tuple[str, Line]], of_x: Sequence[Sequence[tuple[str, Line]]]
+    ) -> LvmChannel:
         names = self.body.cells(self.body.names)[1 :: 2 if self._kind == "multi" else 1]
-        return tuple(
-            LvmChannel(
-                name=names[k] if k < len(names) else f"channel {k}",
-                unit=self._value("Y_Unit_Label", k),
-                start=self._start(k),
-                x0=self._number("X0", k),
-                step=self._number("Delta_X", k),
-                x=columns[count + k] if with_x else np.empty(0),
-                samples=columns[k],
-            )
-            for k in range(count)
+        x = next(iter(of_x[k : k + 1] or of_x), ())
+        # One column of x is that of the channels that are as long as it.
+        x = x if len(x) == len(cells) else ()
+        abscissae = self._values(x)
+        return LvmChannel(
+            name=names[k] if k < len(names) else f"channel {k}",
+            unit=self._value("Y_Unit_Label", k),
+            start=self._start(k),
+            x0=self._number("X0", k),
+            step=self._number("Delta_X", k),
+            step_error=float(half_last_digits([self._plain(self._value("Delta_X", k))], np.ones(1))[0]),
+            x=abscissae,
+            x_error=half_last_digits([self._plain(cell) for cell, _ in x], abscissae) if x else np.empty(0),
+            samples=self._values(cells),
         )
+
+    def _values(self, cells: Sequence[tuple[str, Line]]) -> NDArray[np.float64]:
+        return np.array([self.body.number(cell, self._decimal, line) for cell, line in cells])
+
+    def _plain(self, cell: str) -> str:
+        return cell.replace(self._decimal, ".")
 
     @property
     def _kind(self) -> str:
@@ -186,16 +246,20 @@ class _Segment:
 
     @property
     def _decimal(self) -> str:
-        return (self.general.get("Decimal_Separator") or ["."])[0] or "."
+        """The decimal mark; where the header does not say it, as in version 1, that of the first row."""
+        said = (self.general.get("Decimal_Separator") or [""])[0]
+        comma = self.body.separator != "," and bool(self.body.rows) and "," in self.body.rows[0].text
+        return said or ("," if comma else ".")
 
     def _value(self, key: str, k: int) -> str:
         values = self.head.get(key) or ()
-        return values[k] if k < len(values) else ""
+        place = 2 * k if self._kind == "multi" else k
+        return values[place] if place < len(values) else ""
 
     def _number(self, key: str, k: int) -> float:
         cell = self._value(key, k)
         return self.body.number(cell, self._decimal, self.body.names) if cell else 0.0
 
     def _start(self, k: int) -> str:
-        date, time = self._value("Date", k).replace("/", "-"), self._value("Time", k).replace(self._decimal, ".")
+        date, time = self._value("Date", k).replace("/", "-"), self._value("Time", k).replace(",", ".")
         return f"{date}T{time}" if date and time else ""

@@ -10,7 +10,7 @@ from modallab.core.array_checks import check_frequencies, check_frf
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
-from modallab.formats.uff.uff_functions import KINDS, Function, UniversalFile
+from modallab.formats.uff.uff_functions import KINDS, FileUnits, Function, UniversalFile
 from modallab.formats.uff.uff_lines import axis_of
 from modallab.formats.uff.uff_match import divisor_unit_of, known_point, match_channel, sense, unit_of
 from modallab.formats.unit_text import frf_unit
@@ -41,10 +41,10 @@ def read_frf(content: UniversalFile, rig: Rig, where: str) -> tuple[Frf, ...]:
     outputs = [channel for channel in rig.responses if any(p.output.name == channel.name for p in placed.values())]
     inputs = list(dict.fromkeys(p.input for p in placed.values()))
     _check_complete(placed, rig, outputs, inputs, where)
-    quantity, values = _scaled(placed, outputs, inputs, content.units_code, where)
+    quantity, values = _scaled(placed, outputs, inputs, content.units, where)
     coherences = _place_all(content, 6, rig, where)
     names = tuple(channel.name for channel in outputs)
-    check_frf(lines, values, names, where)
+    check_frf(lines, values, names, where, even=False)
     return (
         Frf(
             frequency_hz=lines,
@@ -89,14 +89,15 @@ def _common_lines(functions: Sequence[Function], where: str) -> NDArray[np.float
     first = functions[0]
     for function in functions:
         place = f"{where}, set {function.place}"
-        check_frequencies(function.axis, place, resolution_hz=0.0 if function.even else function.axis_error)
+        check_frequencies(function.axis, place, even=False, resolution_hz=function.axis_error)
         if len(function.axis) != len(first.axis) or not np.allclose(function.axis, first.axis, rtol=1e-6, atol=0):
             raise DataError(
                 f"its lines are not those of set {first.place}",
                 where=place,
                 remedy="export all FRFs over the same frequencies",
             )
-    return np.linspace(first.axis[0], first.axis[-1], len(first.axis))
+    even = np.linspace(first.axis[0], first.axis[-1], len(first.axis))
+    return even if np.abs(even - first.axis).max() <= 2 * first.axis_error else first.axis
 
 
 def _check_complete(
@@ -121,10 +122,10 @@ def _scaled(
     placed: dict[tuple[str, _Input], _Placed],
     outputs: Sequence[Channel],
     inputs: Sequence[_Input],
-    units_code: int | None,
+    units: FileUnits | None,
     where: str,
 ) -> tuple[FrfQuantity, NDArray[np.complex128]]:
-    found = {key: _unit(p.function, units_code, where) for key, p in placed.items()}
+    found = {key: _unit(p.function, units, where) for key, p in placed.items()}
     quantities: set[FrfQuantity] = {quantity for quantity, _ in found.values()}
     if len(quantities) > 1:
         raise DataError(
@@ -137,8 +138,8 @@ def _scaled(
     return quantities.pop(), np.asarray(values, dtype=np.complex128)
 
 
-def _unit(function: Function, units_code: int | None, where: str) -> tuple[FrfQuantity, float]:
-    unit, divisor = unit_of(function, units_code, where), divisor_unit_of(function, units_code, where)
+def _unit(function: Function, units: FileUnits | None, where: str) -> tuple[FrfQuantity, float]:
+    unit, divisor = unit_of(function, units, where), divisor_unit_of(function, units, where)
     # Some programs write the unit of the whole ratio beside the response, and none beside the force.
     found = frf_unit(unit, divisor) or (None if function.divisor_unit else frf_unit(unit, ""))
     if found is None:

@@ -69,12 +69,27 @@ class Function:
     divisor_specific: int
 
 
+@dataclass(frozen=True, slots=True)
+class FileUnits:
+    """What dataset 164 says: the code of the units, 1 for SI, and what SI is multiplied by to give the file's numbers.
+
+    Attributes:
+        code: of the format.
+        length: of the file's unit of length to a metre.
+        force: of its unit of force to a newton.
+    """
+
+    code: int
+    length: float
+    force: float
+
+
 @dataclass(frozen=True, eq=False)
 class UniversalFile:
-    """What a universal file holds: its functions, its unit code (1 is SI, None if not said), other sets by type."""
+    """What a universal file holds: its functions, its units (None if not said), other sets by type."""
 
     functions: tuple[Function, ...]
-    units_code: int | None
+    units: FileUnits | None
     others: tuple[int, ...]
 
 
@@ -86,11 +101,19 @@ def read_functions(path: Path) -> UniversalFile:
     """
     where, sets = str(path), divide(path)
     functions = tuple(_function(one, f"{where}, set {one.place}") for one in sets if one.kind == FUNCTION_SET)
-    units = [content.get("units_code") for content in decoded(sets, UNITS_SET, where)]
+    units = [_file_units(content) for content in decoded(sets, UNITS_SET, where)]
     return UniversalFile(
         functions=functions,
-        units_code=int(units[0]) if units and units[0] is not None else None,
+        units=units[0] if units else None,
         others=tuple(one.kind for one in sets if one.kind not in (FUNCTION_SET, UNITS_SET)),
+    )
+
+
+def _file_units(content: dict[str, Any]) -> FileUnits:
+    return FileUnits(
+        code=int(content.get("units_code") or 0),
+        length=float(content.get("length") or 1.0),
+        force=float(content.get("force") or 1.0),
     )
 
 

@@ -1,12 +1,13 @@
 """Which channel of the rig a function of a universal file belongs to, and in which sense."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from modallab.core.errors import DataError
 from modallab.core.rig import Channel, Rig
-from modallab.core.units import SI_UNIT, Quantity
-from modallab.formats.uff.uff_functions import Function
+from modallab.core.units import SI_UNIT, TO_SI, Quantity
+from modallab.formats.uff.uff_functions import FileUnits, Function
 from modallab.formats.unit_text import quantity_of
 
 SPECIFIC: dict[int, Quantity] = {
@@ -20,6 +21,12 @@ SPECIFIC: dict[int, Quantity] = {
 """What the format's specific data types mean."""
 
 _AXES = "xyz"
+_SYSTEMS = {2: (1 / 0.3048, 1 / 4.4482216152605), 5: (1e3, 1e3), 7: (1 / 0.0254, 1 / 4.4482216152605), 10: (1e3, 1.0)}
+"""What the format's codes stand for: its units of length to a metre, and of force to a newton."""
+_OWN = 9
+"""The code of units that only the factors say."""
+_SAME_UNIT = 1e-4
+"""Relative: factors are written with few digits, and units differ by more."""
 
 
 @dataclass(frozen=True)
@@ -33,15 +40,20 @@ class Match:
 def match_channel(function: Function, candidates: Sequence[Channel], where: str) -> Match:
     """The channel of a function: the one of the same name, else at the same node and axis, else alone of its kind.
 
+    Of several at one place it is the one that measures what the function is of, as a force and an acceleration.
+
     Raises:
         DataError: no channel or several fit, or the direction is not the channel's.
     """
     names = {name.casefold() for name in function.names}
-    quantity = quantity_of(function.unit) or SPECIFIC.get(function.specific)
+    said = quantity_of(function.unit)
+    quantity = SPECIFIC.get(function.specific, said) if said in (None, "voltage") else said
+    there = [c for c in candidates if function.node and c.point == function.node and _same_axis(function.direction, c)]
     groups = (
         [c for c in candidates if c.name.casefold() in names],
         [c for c in candidates if quantity == "force" == c.quantity],
-        [c for c in candidates if function.node and c.point == function.node and _same_axis(function.direction, c)],
+        [c for c in there if c.quantity == quantity],
+        there,
         [c for c in candidates if c.quantity == quantity and all(other.point is None for other in candidates)],
     )
     found = next((group[0] for group in groups if len(group) == 1), None)
@@ -97,30 +109,45 @@ def known_point(node: int, rig: Rig, where: str) -> int | None:
     return node
 
 
-def unit_of(function: Function, units_code: int | None, where: str) -> str:
-    """Unit of a function's ordinate: its label, else the SI unit of what it is; "" if it says neither.
+def unit_of(function: Function, units: FileUnits | None, where: str) -> str:
+    """Unit of a function's ordinate: its label, else the file's unit of what it is; "" if it says neither.
 
     Raises:
-        DataError: no label, and the file says that its units are not SI.
+        DataError: no label, and the file's units are none that is known.
     """
-    return _unit(function, function.unit, function.specific, units_code, where)
+    return _unit(function, function.unit, function.specific, units, where)
 
 
-def divisor_unit_of(function: Function, units_code: int | None, where: str) -> str:
+def divisor_unit_of(function: Function, units: FileUnits | None, where: str) -> str:
     """The same for the denominator."""
-    return _unit(function, function.divisor_unit, function.divisor_specific, units_code, where)
+    return _unit(function, function.divisor_unit, function.divisor_specific, units, where)
 
 
-def _unit(function: Function, label: str, specific: int, units_code: int | None, where: str) -> str:
+def _unit(function: Function, label: str, specific: int, units: FileUnits | None, where: str) -> str:
     if label or specific not in SPECIFIC:
         return label
-    if units_code not in (None, 1):
+    quantity = SPECIFIC[specific]
+    if units is None or units.code == 1:
+        return SI_UNIT[quantity]
+    parts = {"force": units.force, "pressure": units.force / units.length**2}
+    to_si = 1.0 / parts.get(quantity, units.length)
+    fitting = [unit for unit, factor in TO_SI[quantity].items() if math.isclose(factor, to_si, rel_tol=_SAME_UNIT)]
+    if not (fitting and _agree(units)):
         raise DataError(
-            f"set {function.place} has no unit label, and the units of the file are not SI (code {units_code})",
+            f"set {function.place} has no unit label, and dataset 164 says no unit of {quantity}: code {units.code}, "
+            f"{units.length:g} to a metre, {units.force:g} to a newton",
             where=where,
             remedy="export the file again with unit labels, or in SI units",
         )
-    return SI_UNIT[SPECIFIC[specific]]
+    return fitting[0]
+
+
+def _agree(units: FileUnits) -> bool:
+    """Whether the factors are those of the code; programs have written factors that contradict it."""
+    if units.code == _OWN:
+        return True
+    meant = _SYSTEMS.get(units.code, (0.0, 0.0))
+    return all(math.isclose(a, b, rel_tol=_SAME_UNIT) for a, b in zip(meant, (units.length, units.force), strict=True))
 
 
 def _same_axis(direction: int, channel: Channel) -> bool:

@@ -13,7 +13,7 @@ from modallab.core.rig import Rig
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import on_common_times, start_of
-from modallab.formats.uff.uff_functions import Function, UniversalFile
+from modallab.formats.uff.uff_functions import FileUnits, Function, UniversalFile
 from modallab.formats.uff.uff_match import Match, known_point, match_channel, unit_of
 
 _Group = dict[str, tuple[Function, Match]]
@@ -42,14 +42,14 @@ def read_blocks(
     notes: list[str] = []
     for order, group in enumerate(groups):
         name = path.stem if len(groups) == 1 else f"{path.stem}_{order + 1}"
-        block, note = _block(group, name, order, content.units_code, rig, options, where)
+        block, note = _block(group, name, order, content.units, rig, options, where)
         blocks.append(block)
         notes += [f"{name}: {note}"] if note else []
     return tuple(blocks), tuple(notes)
 
 
 def _block(
-    group: _Group, name: str, order: int, units_code: int | None, rig: Rig, options: ImportOptions, where: str
+    group: _Group, name: str, order: int, units: FileUnits | None, rig: Rig, options: ImportOptions, where: str
 ) -> tuple[Block, str]:
     _check_complete(group, rig, where)
     parts = [group[channel.name] for channel in rig.channels]
@@ -77,7 +77,7 @@ def _block(
         samples=samples,
         scale=np.array([match.sign for _, match in parts], dtype=np.float64),
         units=tuple(
-            unit_of(f, units_code, where) or options.unit(channel)
+            unit_of(f, units, where) or options.unit(channel)
             for f, channel in zip(functions, rig.channels, strict=True)
         ),
         channels=tuple(channel.name for channel in rig.channels),
