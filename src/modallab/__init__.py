@@ -17,14 +17,18 @@ if TYPE_CHECKING:
     from modallab.notebook.put_to_use import ChangedModel, PutToUse
     from modallab.notebook.recording import Recording, load
     from modallab.notebook.response_records import responses
+    from modallab.notebook.shown import Answered
     from modallab.notebook.simulate import simulate
     from modallab.notebook.twin import DiagnosedTwin
+    from modallab.notebook.understood import DeflectionShape, Understood
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "Answered",
     "ChangedModel",
     "Coupled",
+    "DeflectionShape",
     "DiagnosedTwin",
     "Element",
     "GapFound",
@@ -35,6 +39,7 @@ __all__ = [
     "Recording",
     "RigidLink",
     "TunedAbsorber",
+    "Understood",
     "__version__",
     "diagnose",
     "diagnose_by_model",
@@ -50,6 +55,8 @@ __getattr__ = lazily(
     __name__,
     {
         "modification.attachments": ("Coupled", "Element", "RigidLink", "TunedAbsorber"),
+        "notebook.understood": ("DeflectionShape", "Understood"),
+        "notebook.shown": ("Answered",),
         "notebook.predicted_motion": ("PredictedMotion",),
         "notebook.put_to_use": ("ChangedModel", "PutToUse"),
         "notebook.gap": ("GapFound", "diagnose", "diagnose_by_model"),
