@@ -17,15 +17,19 @@ if TYPE_CHECKING:
     from modallab.notebook.put_to_use import ChangedModel, PutToUse
     from modallab.notebook.recording import Recording, load
     from modallab.notebook.response_records import responses
+    from modallab.notebook.shown import Answered
     from modallab.notebook.simulate import simulate
     from modallab.notebook.twin import DiagnosedTwin
+    from modallab.notebook.understood import DeflectionShape, Understood
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Agreement",
+    "Answered",
     "ChangedModel",
     "Coupled",
+    "DeflectionShape",
     "DiagnosedTwin",
     "Element",
     "GapFound",
@@ -36,6 +40,7 @@ __all__ = [
     "Recording",
     "RigidLink",
     "TunedAbsorber",
+    "Understood",
     "__version__",
     "agreement",
     "diagnose",
@@ -52,6 +57,8 @@ __getattr__ = lazily(
     __name__,
     {
         "modification.attachments": ("Coupled", "Element", "RigidLink", "TunedAbsorber"),
+        "notebook.understood": ("DeflectionShape", "Understood"),
+        "notebook.shown": ("Answered",),
         "notebook.predicted_motion": ("PredictedMotion",),
         "notebook.put_to_use": ("ChangedModel", "PutToUse"),
         "notebook.gap": ("Agreement", "GapFound", "agreement", "diagnose", "diagnose_by_model"),

@@ -55,6 +55,10 @@ class Between:
         places = (places_m - self.middle) / self.size
         return self._terms(places) @ self.weights
 
+    def rows(self, places_m: Real) -> Real:
+        """(places, known) what the values at the known places give at places (places, 3)."""
+        return self._terms((places_m - self.middle) / self.size) @ self.inverse[:, : len(self.known)]
+
     def spread(self, places_m: Real) -> Real:
         """(places, columns) deviation of the values there: that of kriging, whose scale is how rough the values are."""
         terms = self._terms((places_m - self.middle) / self.size)
