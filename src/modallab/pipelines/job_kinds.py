@@ -15,7 +15,7 @@ from pydantic import JsonValue
 
 from modallab.core.block import Campaign
 from modallab.core.documents.models import CURVES
-from modallab.core.errors import StorageError
+from modallab.core.errors import IdentificationError, ModallabError, StorageError
 from modallab.core.frozen import Frozen
 from modallab.core.plan import Precision
 from modallab.core.progress import part, reported_to
@@ -120,13 +120,33 @@ def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> C
     from modallab.pipelines.telling_point import telling_point
 
     campaign, _ = payload
-    with reported_to(notify):
-        model = identify_campaign(campaign, Options(), None).identified[-1].model
+    compared = _agreement(campaign)
     names = ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma")
+    so_far: dict[str, Any] = {"blocks": len(campaign.blocks), "agreement": compared}
+    try:
+        with reported_to(notify):
+            model = identify_campaign(campaign, Options(), None).identified[-1].model
+    except IdentificationError:
+        # One hit is enough for the comparison, if not for a model.
+        if compared is None:
+            raise
+        return Computed(_plain({name: [] for name in names} | so_far | {"telling_point": None}))
     found = json.loads(model.model_dump_json(include=set(names)))
     hits = Counter(b.drive_point for b in campaign.blocks if b.drive_point is not None)
-    more = {"blocks": len(campaign.blocks), "telling_point": telling_point(model, campaign.rig, hits, Precision())}
-    return Computed(_plain({name: found[name] for name in names} | more))
+    more = {"telling_point": telling_point(model, campaign.rig, hits, Precision())}
+    return Computed(_plain({name: found[name] for name in names} | so_far | more))
+
+
+def _agreement(campaign: Campaign) -> dict[str, Any] | None:
+    """Whether the simulation agrees with the latest records; None where the rig or the records allow no comparison."""
+    from modallab.gap.inference.agreement import agreement, latest
+
+    try:
+        found = agreement(latest(campaign))
+    except ModallabError:
+        return None
+    agrees = not found.differing and not found.modes_differ
+    return {"sentence": found.sentence, "agrees": agrees, "channels": found.channels}
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
