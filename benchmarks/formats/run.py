@@ -22,6 +22,8 @@ import clock_cases  # noqa: F401
 import frf_cases  # noqa: F401
 import lvm_cases  # noqa: F401
 import numpy as np
+import second_binary_cases  # noqa: F401
+import second_text_cases  # noqa: F401
 import sep005_cases  # noqa: F401
 import tdms_cases  # noqa: F401
 import text_cases  # noqa: F401

@@ -135,6 +135,10 @@ def test_what_rattlesnake_streams_is_a_record(tmp_path: Path) -> None:
     [
         ({"force": hit(4)[0], "fs": RATE_HZ}, "no array for channel a01, a02, a03; there are force"),
         ({"data": hit(4)}, "says neither times nor a rate"),
+        (
+            dict.fromkeys(NAMES, np.column_stack([times(), hit(1)[0]])),
+            "force is an array of 256x2",
+        ),
         ({"H": mobilities()[:, 0, :30], "f": LINES}, "are none of 3 outputs at 40 lines"),
     ],
 )

@@ -146,3 +146,15 @@ def test_a_file_without_headers_is_a_table(tmp_path: Path) -> None:
     (block,) = read(tmp_path, rows).blocks
     assert block.rate_hz == RATE_HZ
     np.testing.assert_allclose(block.samples, SAMPLES, atol=1e-7)
+
+
+def test_a_column_of_x_too_coarse_for_the_rate_leaves_it_to_the_step(tmp_path: Path) -> None:
+    lines = segment(".", "One", "\t")
+    first = next(k for k, line in enumerate(lines) if line.startswith("X_Value")) + 1
+    rows = [f"{k / RATE_HZ:.3f}\t{line.split(chr(9), 1)[1]}" for k, line in enumerate(lines[first:-1])]
+    assert read(tmp_path, header(".", "One", "\t") + lines[:first] + rows).blocks[0].rate_hz == RATE_HZ
+
+
+def test_a_segment_with_fewer_rows_than_it_says_is_cut_off(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match=f"stand 200 of {N} samples"):
+        read(tmp_path, header(".", "One", "\t") + segment(".", "One", "\t")[: 200 - N - 1])

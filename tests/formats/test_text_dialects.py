@@ -65,6 +65,8 @@ DIALECTS = {
     "date and clock in two columns": table("Date,Time,force [N],a1 [g]", PLAIN, clock("%Y/%m/%d,%H:%M:%S.%f")),
     "AM and PM": table("time,force [N],a1 [g]", PLAIN, clock("%I:%M:%S.%f %p")),
     "units in a row of their own": "Time,Force,A1\n(ms),(N),(g)\n" + table("", PLAIN, [f"{1e3 * t:.4f}" for t in T]),
+    "quantities over units": table("t/ms;force/N;a1/g", "{};{:.6f};{:.6f}", [f"{1e3 * t:.4f}" for t in T]),
+    "microseconds": table("time [µs],force [N],a1 [g]", PLAIN, [f"{1e6 * t:.1f}" for t in T]),
     "thousandths of g": table("time [s],force [N],a1 [mg]", PLAIN),
 }
 
@@ -80,6 +82,12 @@ def test_every_dialect_gives_the_same_record(tmp_path: Path, text: str) -> None:
     (block,) = read(tmp_path, text).blocks
     assert block.rate_hz == pytest.approx(RATE_HZ, rel=1e-6)
     np.testing.assert_allclose(block.samples, [FORCE, MOTION], atol=1e-6)
+
+
+@pytest.mark.parametrize("heading", ["force/kN", "force / (kN)", "force [kN]", "force (kN)"])
+def test_the_unit_of_a_heading_counts(tmp_path: Path, heading: str) -> None:
+    (block,) = read(tmp_path, table(f"time [s],{heading},a1 [g]", PLAIN)).blocks
+    assert block.units == ("kN", "g")
 
 
 def test_commas_between_columns_and_in_numbers_are_said_to_be_both(tmp_path: Path) -> None:

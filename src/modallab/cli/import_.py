@@ -47,6 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.test is None and rig.force is None:
             options = replace(options, test="random")
         campaign = import_sources(arguments.sources, rig, options, arguments.frequency or (), arguments.level or ())
+    if arguments.set_up:
+        campaign = replace(campaign, provenance=campaign.provenance | {"setup": arguments.set_up})
     write_campaign(campaign, out)
     console.print(_contents(campaign))
     for note in campaign.provenance.get("notes", "").splitlines():

@@ -86,6 +86,7 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument(
         "--level", nargs="+", metavar="NAME", help="what the structure was driven at in each file, or in all"
     )
+    command.add_argument("--set-up", metavar="NAME", help="the set-up of the sensors that the files are of")
     command.add_argument("--map", type=Path, metavar="MAP.yaml", help="which variable of a MATLAB file is what")
     command.add_argument("--group", metavar="NAME", help="which group of a TDMS file to read (default: all that fit)")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")

@@ -29,6 +29,8 @@ _ALIASES = {
     "LBF": "lbf",
     "µm": "um",
     "μm": "um",
+    "µs": "us",
+    "μs": "us",
     "Volt": "V",
     "Volts": "V",
     "volt": "V",

@@ -13,6 +13,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
+from modallab.identification.frf_model import in_band
 from modallab.identification.options import Options
 from modallab.identification.setups.compare import Compared, compare_setups
 from modallab.identification.setups.found import SetUpModel, joined_name, same_modes
@@ -23,7 +24,7 @@ from modallab.pipelines.identify import Identified, Result, identify_campaign, u
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Joined:
-    """Several set-ups of one hammer test as one.
+    """Several set-ups of one hammer test, or several sets of FRFs, as one.
 
     Attributes:
         result: the joined model.
@@ -41,14 +42,15 @@ class Joined:
 
 
 def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
-    """One modal model of the hits of several set-ups.
+    """One modal model of the hits of several set-ups, or of the FRFs where that is all they hold.
 
     Args:
         campaigns: one a set-up, each with the rig as it stood then.
         options: as for one campaign.
 
     Raises:
-        DataError: fewer than two set-ups, one of them twice, or struck at different points.
+        DataError: fewer than two set-ups, one of them twice, struck at different points, FRFs beside records, or FRFs
+            at other lines.
         IdentificationError: a set-up has no mode, or no mode is in all of them.
     """
     if options.frf != "H1":
@@ -77,8 +79,8 @@ def require_distinct(campaigns: Sequence[Campaign]) -> None:
     """Reject records that count twice: the joined sigmas would be too small."""
     seen: dict[bytes, Campaign] = {}
     for campaign in campaigns:
-        for block in campaign.blocks[:1]:
-            twin = seen.setdefault(block.samples.tobytes(), campaign)
+        for held in (*(b.samples for b in campaign.blocks[:1]), *(f.values for f in campaign.frfs[:1])):
+            twin = seen.setdefault(held.tobytes(), campaign)
             if twin is not campaign:
                 raise DataError(
                     f"holds the same records as {twin.source}",
@@ -88,7 +90,14 @@ def require_distinct(campaigns: Sequence[Campaign]) -> None:
 
 
 def _struck(campaign: Campaign) -> tuple[int | None, ...]:
+    if _only_frfs(campaign):
+        return campaign.frfs[0].input_points
     return tuple(dict.fromkeys(block.drive_point for block in campaign.of("impact")))
+
+
+def _only_frfs(campaign: Campaign) -> bool:
+    """Whether a campaign is one set of FRFs and nothing else."""
+    return len(campaign.frfs) == 1 and not campaign.blocks
 
 
 def setup_names(campaigns: Sequence[Campaign]) -> tuple[str, ...]:
@@ -98,7 +107,7 @@ def setup_names(campaigns: Sequence[Campaign]) -> tuple[str, ...]:
 
 
 def _identified(campaign: Campaign, name: str, options: Options) -> SetUpModel:
-    (item,) = identify_campaign(campaign, options, "impact").identified
+    (item,) = identify_campaign(campaign, options, None if _only_frfs(campaign) else "impact").identified
     return SetUpModel(name, item.model, tuple(c.mass_kg for c in campaign.rig.responses))
 
 
@@ -112,6 +121,7 @@ def _measured(campaigns: Sequence[Campaign], model: ModalModel) -> Frf:
     """The FRFs of all set-ups, in the order of the joined outputs; of a sensor that stays those of the first."""
     rows: dict[str, NDArray[np.complex128]] = {}
     frfs = [_frf(campaign, model.band_hz) for campaign in campaigns]
+    _require_same_lines(campaigns, frfs)
     for campaign, frf in zip(campaigns, frfs, strict=True):
         for channel, values in zip(campaign.rig.responses, frf.values, strict=True):
             rows.setdefault(joined_name(channel.name, channel.point), values)
@@ -125,7 +135,20 @@ def _measured(campaigns: Sequence[Campaign], model: ModalModel) -> Frf:
     )
 
 
+def _require_same_lines(campaigns: Sequence[Campaign], frfs: Sequence[Frf]) -> None:
+    first = frfs[0].frequency_hz
+    for campaign, frf in zip(campaigns, frfs, strict=True):
+        if len(frf.frequency_hz) != len(first) or not np.allclose(frf.frequency_hz, first, rtol=1e-6):
+            raise DataError(
+                f"its {len(frf.frequency_hz)} lines in the band are not the {len(first)} of {campaigns[0].source}",
+                where=campaign.source,
+                remedy="give all set-ups at the same lines",
+            )
+
+
 def _frf(campaign: Campaign, band_hz: tuple[float, float]) -> Frf:
+    if _only_frfs(campaign):
+        return in_band(campaign.frfs[0], band_hz)
     signals, _ = usable(campaign, campaign.of("impact"))
     return impact_frf(group_by_point(signals), campaign.rig, band_hz)
 

@@ -90,7 +90,7 @@ def _record(
     if missing:
         samples = _together(arrays, names, missing, options, where)
         return samples, _rate(found, options, samples.shape[1], where), ""
-    rows = [np.ravel(array_named(arrays, key, where)) for key in keys.values() if key is not None]
+    rows = [_row(array_named(arrays, key, where), key, where) for key in keys.values() if key is not None]
     own = [channel_times(arrays, key or "", row.size, where) for key, row in zip(keys.values(), rows, strict=True)]
     rates = {one.rate_hz for one in own}
     if len(rates) > 1:
@@ -105,6 +105,16 @@ def _record(
         raise DataError(found_, where=where, remedy="give every channel its start, or none")
     samples, note = on_common_times([_real(row, where) for row in rows], starts, rate, names, where)
     return samples, rate, note
+
+
+def _row(values: NDArray[Any], key: str, where: str) -> NDArray[Any]:
+    if max(values.shape, default=1) < values.size:
+        raise DataError(
+            f"{key} is an array of {'x'.join(map(str, values.shape))}, and a channel is one row or column",
+            where=where,
+            remedy=f"name the column, as --variable CHANNEL={key}:2; or say by --map map.yaml what its axes are",
+        )
+    return np.ravel(values)
 
 
 def _key(arrays: Arrays, channel: str, options: ImportOptions) -> str | None:

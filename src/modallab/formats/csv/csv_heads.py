@@ -71,10 +71,20 @@ def is_frequency(name: str, unit: str) -> bool:
 
 def _are_units(row: Sequence[str]) -> bool:
     found = [normal_unit(cell.strip("[]")) for cell in row]
-    known = [unit in _OF_AXES or quantity_of(unit) or frf_unit(unit, "") for unit in found]
+    known = [not unit or _is_unit(unit) for unit in found]
     return all(known) and any(found) and all(number(cell) is None for cell in row)
 
 
+def _is_unit(unit: str) -> bool:
+    return bool(unit) and bool(unit in _OF_AXES or quantity_of(unit) or frf_unit(unit, ""))
+
+
 def _split(heading: str) -> tuple[str, str]:
+    """Name and unit of a heading: `force [N]`, `force (N)`, or a quantity over its unit, as ISO 80000 has it."""
     match = _SQUARE.match(heading) or _ROUND.match(heading)
-    return (heading.strip(), "") if match is None else (match["name"].strip(), normal_unit(match["unit"]))
+    if match is not None:
+        return match["name"].rstrip("/ "), normal_unit(match["unit"])
+    name, _, unit = (part.strip() for part in heading.partition("/"))
+    if name and _is_unit(normal_unit(unit)) and not _is_unit(name.split()[-1]):
+        return name, normal_unit(unit)
+    return heading.strip(), ""

@@ -80,7 +80,7 @@ def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, wher
 
 def _rate(channel: LvmChannel, options: ImportOptions, where: str) -> float:
     said = whole_rate(1 / channel.step, channel.step_error / channel.step**2) if channel.step > 0 else 0.0
-    if channel.x.size > 1:
+    if channel.x.size > 1 and not (said and 2 * channel.x_error.max() > channel.step / 4):
         rate = check_time(channel.x, f"{where}, x of {channel.name}", resolution_s=channel.x_error)
         if said and abs(1 / rate - channel.step) > max(channel.step_error, _SAME * channel.step):
             found = f"channel {channel.name}: Delta_X says {said:g} Hz, the column of x {rate:g} Hz"

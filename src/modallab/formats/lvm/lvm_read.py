@@ -177,9 +177,15 @@ class _Segment:
         """Itself, or the segments that share its header: each has as many rows as the header says samples.
 
         Where a column of x runs on from one to the next, they are one.
+
+        Raises:
+            FormatError: there are fewer rows than samples.
         """
         count = max((int(n) for n in self.head.get("Samples", ()) if n.isdigit()), default=0)
         rows = self.body.rows
+        if 0 < len(rows) < count:
+            what = f"is cut off: below line {self.body.names.number} stand {len(rows)} of {count} samples"
+            raise FormatError(what, where=self.body.where, remedy="copy the file again")
         begins = [0, *(k for k in range(count, len(rows), max(count, 1)) if count > 1 and not self._runs_on(k))]
         for first, last in zip(begins, [*begins[1:], len(rows)], strict=True):
             yield replace(self, body=replace(self.body, rows=rows[first:last]))
