@@ -1,4 +1,4 @@
-"""The terminal at the bench: what is shown and tones_played, and what keys do to a running test."""
+"""The terminal at the bench: what is shown, which tones are played, and what keys do to a running test."""
 
 import json
 import os

@@ -60,7 +60,7 @@ def estimate_frf(
         force: (blocks, inputs, lines); at least one block more than inputs, and forces that differ between blocks.
         response: (blocks, outputs, lines); for H2 at least as many outputs as inputs.
         estimator: H1, H2 or Hv.
-        averages: what the blocks are independent if they overlap; None for their number.
+        averages: number of independent averages, where blocks overlap; None for their number.
         pooled: lines over which the noise's power is averaged, odd: few blocks alone determine it badly. The noise must
             then be of one level over so many lines.
 
@@ -144,7 +144,7 @@ def _checked(
     blocks, inputs, lines = force.shape
     independent = float(blocks if averages is None else averages)
     if inputs < 1 or not inputs < independent <= blocks:
-        found = f"{blocks} blocks independent {independent:g} averages cannot determine {inputs} forces and the noise"
+        found = f"{blocks} blocks, {independent:g} independent averages, cannot determine {inputs} forces and the noise"
         raise DataError(found, remedy="record more blocks than there are forces")
     if estimator == "H2" and response.shape[1] < inputs:
         found = f"H2 of {inputs} forces needs as many responses, not {response.shape[1]}"

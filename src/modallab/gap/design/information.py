@@ -123,7 +123,7 @@ def outlook(rivals: Rivals, gram: Array, count: int, nonlinear: Array | None = N
         rivals: the explanations.
         gram: products of the experiment's columns.
         count: its residuals.
-        nonlinear: (true, other) squares that full fits leave more than linear ones; None for none.
+        nonlinear: (true, other) what full fits leave above linear ones, in squares; None for none.
     """
     rng = np.random.default_rng(SEED)
     values, vectors = np.linalg.eigh(gram)

@@ -156,7 +156,7 @@ class HeartbeatTimer:
         """Look again. Whether the other has given no sign of life for too long.
 
         Args:
-            received_s: when it was heard last.
+            received_s: when a message was received last.
             used_s: of the processor, by it and so far.
         """
         now = self._clock()
