@@ -95,25 +95,25 @@ def kill_once(
     rig: Rig, plan: Plan, folder: Path, moment: tuple[int, float], whole: dict[str, Block], tally: Tally
 ) -> None:
     """Kill one run so many seconds after so many blocks, and compare what is left with what was acknowledged."""
-    heard: list[BlockAcknowledged] = []
+    received: list[BlockAcknowledged] = []
     with RigProcess(URL, rig, folder) as process:
         timer = threading.Timer(moment[1], process.process.kill)
         try:
             for event in process.run(plan):
-                if len(heard) == moment[0] and timer.ident is None:
+                if len(received) == moment[0] and timer.ident is None:
                     timer.start()
                 if isinstance(event, BlockAcknowledged):
-                    heard.append(event)
+                    received.append(event)
         except BenchError:
             tally.kills += 1
         else:
             tally.too_late += 1
         timer.join()
-    tally.acknowledged += len(heard)
-    compare(folder, heard, whole, tally)
+    tally.acknowledged += len(received)
+    compare(folder, received, whole, tally)
 
 
-def compare(folder: Path, heard: list[BlockAcknowledged], whole: dict[str, Block], tally: Tally) -> None:
+def compare(folder: Path, received: list[BlockAcknowledged], whole: dict[str, Block], tally: Tally) -> None:
     """Add to the tally what is lost or different in a folder."""
     with Store(folder) as store:
         for run in store.catalogue.runs():
@@ -123,7 +123,7 @@ def compare(folder: Path, heard: list[BlockAcknowledged], whole: dict[str, Block
             if run.state not in ("failed", "done"):
                 tally.wrong.append(f"{run.id} is {run.state}")
             tally.wrong += [f"{run.id} {b.name} differs" for b in kept.values() if not same(b, whole[b.name])]
-            for ack in heard:
+            for ack in received:
                 if ack.n not in kept or rows[ack.n].crc32 != ack.crc32 or kept[ack.n].name != ack.name:
                     tally.wrong.append(f"{run.id} {ack.name} was acknowledged and is not there")
 

@@ -34,7 +34,9 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 
 from ni_server import NiServer
 
+from modallab.acquisition.process.output_watch import DIED, FROZEN
 from modallab.acquisition.process.rig_process import RigProcess
+from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_output
 from modallab.core.errors import ModallabError
 from modallab.core.hardware import Excitation
@@ -47,7 +49,7 @@ LIMIT_S = 0.5
 WATCHDOG_MARGIN_S = 0.1
 """Past a watchdog's own time: to look at the output takes that long."""
 HELD_S = 5.0
-"""An output that has gone on for so long at the value it holds is left there for good."""
+"""At the value it holds for so long, and for longer than a watchdog waits, an output is left there for good."""
 ATTEMPTS = 4
 """Bursts more than twice those wanted that are begun at most: a busy machine's own guards end some."""
 WAIVED = "this is a simulation"
@@ -68,6 +70,8 @@ class Trial:
     def __init__(self, server: NiServer, output: str, rig: Rig, plan: SinePlan, how: argparse.Namespace) -> None:
         self.server, self.output, self.rig, self.plan, self.how = server, output, rig, plan, how
         self.signal = signal.SIGSTOP if how.freeze else signal.SIGKILL
+        self.noted: list[str] = []
+        """What each supervisor wrote down of what it saw."""
 
     def once(self, folder: Path) -> float:
         """Seconds from the kill until the output has been at 0 V for 10 ms; infinite if it never came there."""
@@ -112,6 +116,8 @@ class Trial:
         wait_until(lambda: not psutil.pid_exists(pids["supervisor"]) or self.how.also_supervisor, 60.0)
         if self.how.also_supervisor:
             self.give_back(pids["supervisor"])
+        trip = TripLatch(folder / "data", self.server.url).read()
+        self.noted.append("nothing" if trip is None else trip.what)
         return took
 
     def give_back(self, supervisor: int) -> None:
@@ -140,7 +146,7 @@ class Trial:
         # However long a burst takes: one that is late is counted as late.
         began = time.monotonic()
         while self.server.say("levels 0.01")[self.output] != 0.0:
-            if self.how.local and time.monotonic() - began > HELD_S:
+            if self.how.local and time.monotonic() - began > max(HELD_S, self.how.watchdog_s):
                 return float("inf")
             time.sleep(0.002)
         return time.monotonic() - began - 0.01
@@ -179,6 +185,13 @@ def excitation_of(how: argparse.Namespace) -> Excitation | None:
     return Excitation(watchdog_s=how.watchdog_s) if how.also_supervisor or how.local else None
 
 
+def others_s(how: argparse.Namespace) -> float:
+    """How long after a hit nobody but the supervisor can have ended the output: half of what the next guard waits."""
+    excitation = excitation_of(how)
+    watchdog_s = excitation.watchdog_s if excitation is not None else None
+    return (watchdog_s or how.burst_s) / 2
+
+
 def limit_of(how: argparse.Namespace) -> float:
     if how.also_supervisor:
         return how.burst_s if how.no_watchdog else how.watchdog_s + WATCHDOG_MARGIN_S
@@ -195,6 +208,15 @@ def report(took: list[float], how: argparse.Namespace) -> int:
     return 0 if good == len(took) else 1
 
 
+def by_whom(took: list[float], noted: list[str], how: argparse.Namespace) -> int:
+    """By what the supervisor wrote down, and before the next guard: neither depends on how busy the machine is."""
+    saw = FROZEN if how.freeze else DIED
+    good = sum(t < others_s(how) and what == saw for t, what in zip(took, noted, strict=True))
+    said = "; ".join(f"{t:.3f} s, {what}" for t, what in zip(took, noted, strict=True))
+    print(f"{good} of {len(took)} at 0 V by the supervisor, before any other guard: {said}")
+    return 0 if good == len(took) else 1
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kills", type=int, default=50)
@@ -205,9 +227,12 @@ def main() -> int:
     parser.add_argument("--watchdog-s", type=float, default=0.4, help="of the device, where it is what is left")
     parser.add_argument("--no-watchdog", action="store_true")
     parser.add_argument("--burst-s", type=float, default=59.9)
+    parser.add_argument("--by-whom", action="store_true", help="judge by who ended the output, not by how soon")
     parser.add_argument("--own", default="", help=argparse.SUPPRESS)
     parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
     how = parser.parse_args()
+    if how.by_whom and (how.also_supervisor or not how.group):
+        parser.error("--by-whom asks what the supervisor did when the owner's group was hit: with --group")
     if how.own:
         own(how.own, how.folder)
         return 0
@@ -230,7 +255,7 @@ def main() -> int:
                 print(f"not counted, no burst to be killed in: {error}", flush=True)
             else:
                 print(f"{len(took)}: {took[-1]:.3f} s", flush=True)
-    return report(took, how)
+    return by_whom(took, trial.noted, how) if how.by_whom else report(took, how)
 
 
 if __name__ == "__main__":

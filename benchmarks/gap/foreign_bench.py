@@ -1,4 +1,4 @@
-"""A foreign simulator: the simulated bench's own beam, integrated in time, played with forces that were recorded.
+"""A foreign simulator: the simulated bench's own beam, integrated in time and driven by forces that were recorded.
 
 It has another beam within the tolerances and other damping than the bench it is held against, its parts stand where
 the rig file says, and it has no noise. It shares no line of numerics with the twin.
@@ -17,7 +17,7 @@ from modallab.core.plan import BLOCK_S
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.gap.conditioning.records import as_volts, usable
-from modallab.gap.simulations.played import played
+from modallab.gap.simulations.simulated_records import simulated_records
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.altered import ChainChanges
 from modallab_simulators.cantilever.chain import Chain
@@ -54,7 +54,7 @@ class Simulator:
             names = [b.name for b in usable(as_volts(campaign)) if b.test == test]
             if names:
                 site = Site(truth, self.rig, test, RATES_HZ[test])
-                found |= played(partial(self._sensed, truth, site, test), campaign, names, site.oversample)
+                found |= simulated_records(partial(self._sensed, truth, site, test), campaign, names, site.oversample)
         return found
 
     def _sensed(self, truth: Truth, site: Site, test: Test, force: Array, _: float) -> Array:

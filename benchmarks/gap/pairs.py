@@ -22,7 +22,7 @@ from modallab.blind.draw import PAIR, Draw, make, pair_names
 from modallab.core.effects import Effect, kind_of
 from modallab.core.rig import Rig
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.search.worth import ABOVE
+from modallab.gap.search.consequence import ABOVE
 from modallab.twin.effects import models
 from modallab_simulators.cantilever.gap_size import Ruler
 
@@ -36,7 +36,7 @@ def drawn(seed: int, stepped: bool) -> Iterator[tuple[Draw, Any]]:
             yield draw, make(draw, later=False)
 
 
-def faint(effect: Effect, rig: Rig, seed: int) -> str:
+def below_tolerance(effect: Effect, rig: Rig, seed: int) -> str:
     """Why an effect alone would be no gap on this bench; "" where it is one."""
     search = models()[effect.effect].search
     if search is not None and search.deviations(effect, rig) <= ABOVE:
@@ -53,7 +53,7 @@ def trial(draw: Draw, made: Any) -> dict[str, Any]:
     said = diagnose(made.campaign)
     return {
         "name": draw.name,
-        "truth": [e.model_dump(mode="json") | {"faint": faint(e, rig, draw.seed)} for e in effects],
+        "truth": [e.model_dump(mode="json") | {"small": below_tolerance(e, rig, draw.seed)} for e in effects],
         "seconds": time.process_time() - begun,
         "said": said.model_dump(mode="json"),
     }
@@ -73,7 +73,7 @@ def row(entry: dict[str, Any]) -> str:
     """One trial in words."""
     true, said = names(entry)
     mark = "both " if true == said else "one  " if set(true) & set(said) else "NONE "
-    numbers = "; ".join(f"{e['effect']} {e['parameters']} {e['place']} {e['faint']}" for e in entry["truth"])
+    numbers = "; ".join(f"{e['effect']} {e['parameters']} {e['place']} {e['small']}" for e in entry["truth"])
     gap = entry["said"]["gap"]
     words = f"{'+'.join(said) or entry['said']['verdict']:32s} {gap['before']:8.1f} {gap['after']:7.2f}"
     return f"{entry['name']} {mark} {words} {entry['seconds']:6.1f} s {numbers}"
@@ -102,7 +102,7 @@ def main() -> None:
 
 
 def summed_up(there: list[dict[str, Any]]) -> None:
-    plain = [e for e in there if not any(t["faint"] for t in e["truth"])]
+    plain = [e for e in there if not any(t["small"] for t in e["truth"])]
     for words, of in (("all", there), ("both beyond what the rig file calls no gap", plain)):
         both = sum(true == said for true, said in map(names, of))
         one = sum(bool(set(true) & set(said)) for true, said in map(names, of))

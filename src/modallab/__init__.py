@@ -10,21 +10,26 @@ from modallab.core.lazy import lazily
 if TYPE_CHECKING:
     from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
     from modallab.notebook.driven import driven
-    from modallab.notebook.gap import GapFound, diagnose, diagnose_by_model
+    from modallab.notebook.gap import Agreement, GapFound, agreement, diagnose, diagnose_by_model
     from modallab.notebook.measured import MeasuredFrf, frf
     from modallab.notebook.model import Model, identify
     from modallab.notebook.predicted_motion import PredictedMotion
     from modallab.notebook.put_to_use import ChangedModel, PutToUse
     from modallab.notebook.recording import Recording, load
     from modallab.notebook.response_records import responses
+    from modallab.notebook.shown import Answered
     from modallab.notebook.simulate import simulate
     from modallab.notebook.twin import DiagnosedTwin
+    from modallab.notebook.understood import DeflectionShape, Understood
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "Agreement",
+    "Answered",
     "ChangedModel",
     "Coupled",
+    "DeflectionShape",
     "DiagnosedTwin",
     "Element",
     "GapFound",
@@ -35,7 +40,9 @@ __all__ = [
     "Recording",
     "RigidLink",
     "TunedAbsorber",
+    "Understood",
     "__version__",
+    "agreement",
     "diagnose",
     "diagnose_by_model",
     "driven",
@@ -50,9 +57,11 @@ __getattr__ = lazily(
     __name__,
     {
         "modification.attachments": ("Coupled", "Element", "RigidLink", "TunedAbsorber"),
+        "notebook.understood": ("DeflectionShape", "Understood"),
+        "notebook.shown": ("Answered",),
         "notebook.predicted_motion": ("PredictedMotion",),
         "notebook.put_to_use": ("ChangedModel", "PutToUse"),
-        "notebook.gap": ("GapFound", "diagnose", "diagnose_by_model"),
+        "notebook.gap": ("Agreement", "GapFound", "agreement", "diagnose", "diagnose_by_model"),
         "notebook.measured": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model", "identify"),
         "notebook.recording": ("Recording", "load"),

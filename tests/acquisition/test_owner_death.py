@@ -9,6 +9,7 @@ from pathlib import Path
 import psutil
 import pytest
 
+from modallab.acquisition.process.link import TIMEOUT_S
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.core.errors import BenchError
 from modallab.core.plan import SinePlan
@@ -56,7 +57,7 @@ def start_owner(tmp_path: Path, rig: Rig, settle_s: float) -> tuple[subprocess.P
     return subprocess.Popen(command, env=environment), log
 
 
-def test_the_output_is_zero_within_a_second_of_the_owners_death(tmp_path: Path, link_rig: Rig) -> None:
+def test_the_output_is_zero_soon_after_the_owners_death(tmp_path: Path, link_rig: Rig) -> None:
     owner, log = start_owner(tmp_path, link_rig, settle_s=20.0)
     before = waited_for(log, "play", 0)
     killed = time.time()
@@ -64,7 +65,8 @@ def test_the_output_is_zero_within_a_second_of_the_owners_death(tmp_path: Path, 
     owner.wait()
     after = waited_for(log, "close", len(before))
     zeroed = next(line for line in after[len(before) :] if line.startswith("zero"))
-    assert float(zeroed.split()[1]) - killed < 1.0
+    # The death is seen: to miss the owner's sign of life takes longer, and the burst ends later still.
+    assert float(zeroed.split()[1]) - killed < TIMEOUT_S
     with Store(tmp_path / "data") as store:
         (run,) = store.catalogue.runs()
         assert run.state == "failed"

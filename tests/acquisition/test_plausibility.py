@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scripted_bench import ScriptedBench, scripted_rig
 
-from modallab.acquisition.monitor.changed_places import ChangedPlaces
 from modallab.acquisition.monitor.known_shapes import KnownShapes
 from modallab.acquisition.monitor.plausibility import Plausibility
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
+from modallab.acquisition.monitor.sensor_places import ExchangedChannels
 from modallab.acquisition.monitor.tone_prediction import dead, faults, foresee, tone_basis
 from modallab.acquisition.process.run import record, run_plan
 from modallab.bench.loader import open_bench
@@ -202,7 +202,7 @@ def test_plugs_that_change_places_are_seen_in_a_rise_too_and_a_new_shape_is_no_f
     one, other = sorted(rng.choice(11, 2, replace=False).tolist())
 
     def seen(later: np.ndarray) -> list[tuple[int, int] | None]:
-        places = ChangedPlaces(rest, np.ones(11))
+        places = ExchangedChannels(rest, np.ones(11))
         places.learn(values[:, :800])
         return [places.look(later[:, n : n + 50]) for n in (850, 870, 890)]
 

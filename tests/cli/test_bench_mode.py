@@ -1,4 +1,4 @@
-"""The terminal at the bench: what is shown and heard, and what keys do to a running test."""
+"""The terminal at the bench: what is shown, which tones are played, and what keys do to a running test."""
 
 import json
 import os
@@ -94,7 +94,7 @@ def test_a_map_that_cannot_be_is_rejected(text: str) -> None:
 
 
 def test_the_four_tones_differ_in_pitch_or_rhythm(tmp_path: Path) -> None:
-    heard: set[tuple[int, ...]] = set()
+    tones_played: set[tuple[int, ...]] = set()
     for phase, parts in TONES.items():
         write_tone(tmp_path / "tone.wav", parts)
         with wave.open(str(tmp_path / "tone.wav")) as file:
@@ -103,8 +103,8 @@ def test_the_four_tones_differ_in_pitch_or_rhythm(tmp_path: Path) -> None:
         first = samples[: round(parts[0][1] * RATE_HZ)]
         loudest = np.argmax(np.abs(np.fft.rfft(first))) / parts[0][1]
         assert loudest == pytest.approx(parts[0][0], rel=0.02), phase
-        heard.add(tuple(round(hz) for hz, _ in parts))
-    assert len(heard) == 4
+        tones_played.add(tuple(round(hz) for hz, _ in parts))
+    assert len(tones_played) == 4
 
 
 @pytest.fixture

@@ -63,6 +63,7 @@ def elements_of(rig: Rig) -> dict[str, np.ndarray]:
     return {"K": k, "M": m, "dof": freedoms, "nodes": nodes}
 
 
+@pytest.mark.thorough("diagnoses a whole campaign beside a finite-element model")
 def test_a_mass_is_found_beside_a_finite_element_model(
     recorded: Callable[..., str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

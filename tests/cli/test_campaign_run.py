@@ -47,6 +47,14 @@ def test_a_session_from_the_terminal(command: list[str], tmp_path: Path, capsys:
         np.testing.assert_array_equal(written.samples, kept.samples)
 
 
+def test_the_operator_reads_during_the_test_which_sensor_differs_from_the_simulation(
+    command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*command, "--bench", "sim://cantilever?seed=1&bad_hits=0&effect=gain_error,gain=0.7,channel=6"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "The response of a06 (32 %) differs from the simulation; the other channels agree." in said
+
+
 def test_a_plan_the_rig_cannot_do_is_rejected_before_anything_moves(
     command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -28,7 +28,7 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_rig(demo_rig(), folder / "rig.yaml")
     shutil.copy(DATA / "campaign_v2.h5", folder / "campaign.h5")
     write_rig(read_campaign(DATA / "campaign_v2.h5").rig, folder / "campaign_rig.yaml")
-    (folder / "notes.txt").write_text("a diary of the test\n")
+    (folder / "notes.txt").write_text("a run_log of the test\n")
     (folder / "empty.h5").touch()
     (folder / "empty.csv").touch()
     (folder / "empty").mkdir()

@@ -10,6 +10,7 @@ from chain import BARE
 from modallab.cli import main
 from modallab.modification.attachments import Element
 from modallab.modification.known import Known
+from modallab.modification.participation import participation
 
 
 @pytest.fixture
@@ -43,3 +44,23 @@ def test_frfs_are_written_at_pairs_that_were_not_measured(models: Path, tmp_path
 def test_a_change_without_a_point_says_what_is_missing(models: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["model", "modify", str(models), "--mass", "0.4"]) != 0
     assert "--at POINT" in capsys.readouterr().err
+
+
+def test_shares_and_nodes_are_those_of_python(models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    answer = tmp_path / "answer.json"
+    where = ["--at", "1", "--of", "3", "--band", "3", "40"]
+    assert main(["model", "participation", str(models), *where, "--json", str(answer)]) == 0
+    known = Known(BARE.model())
+    expected = participation(known.structure, known.samples.first(5), 1, 3, band_hz=(3.0, 40.0))
+    np.testing.assert_allclose(json.loads(answer.read_text())["share"], expected.share)
+    assert main(["model", "nodes", str(models)]) == 0
+    assert "Hit or mount a sensor at point" in capsys.readouterr().out
+
+
+def test_a_moving_picture_needs_the_places_of_the_points(
+    models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["model", "shape", str(models), "--mode", "1", "--out", str(tmp_path / "mode.gif")]) != 0
+    assert "--rig" in capsys.readouterr().err
+    assert main(["model", "shape", str(models), "--mode", "1"]) == 0
+    assert "kg^-1/2" in capsys.readouterr().out

@@ -40,7 +40,7 @@ def recording(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def ni_server(rig: Rig) -> Iterator[NiServer]:
     """NI's gRPC device server, simulated, in another process."""
     with NiServer(rig, "9215") as server:

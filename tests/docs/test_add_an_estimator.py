@@ -55,6 +55,7 @@ def test_it_is_offered_everywhere_and_gone_without_its_file(folder: Path, capsys
         Options(method="phase_slope")
 
 
+@pytest.mark.thorough("identifies a whole campaign, and reports it")
 def test_it_identifies_is_reported_and_its_models_stay_readable(folder: Path, tmp_path: Path) -> None:
     written = tmp_path / "models.json"
     with added(estimators, folder):

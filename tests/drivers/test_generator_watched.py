@@ -14,6 +14,8 @@ from modallab_drivers.function_generator.dialects import LANGUAGES
 from modallab_drivers.function_generator.generator import Generator, emergency_off
 
 BURST = Burst(50.0, 1.0, 0.2, 3.0)
+HALF_S = BURST.ramp_s + BURST.hold_s / 2
+"""Of a burst's time: what has brought it down by then, however busy the machine is, was not its own end."""
 PANEL = [
     "output OFF", "amplitude 5", "frequency 55", "load 50", "function SQU", "offset 0.5", "burst OFF", "cycles 100000",
 ]  # fmt: skip
@@ -160,11 +162,11 @@ def test_an_amplitude_that_is_taken_otherwise_is_rejected(bench: Bench):
 @pytest.mark.parametrize("dialect", sorted(LANGUAGES))
 def test_a_stop_is_a_ramp(dialect: str):
     bench = make(dialect, "socket")
-    generator, _ = holding(bench)
+    generator, began = holding(bench)
     first = time.monotonic()
     generator.zero()
     last = time.monotonic()
-    assert last - first < 0.3
+    assert last - began < HALF_S, "the burst may have begun to end by itself"
     # Against the sine at full level, of one ms and the next: the envelope never falls by 5 % in 1 ms.
     assert largest_step(bench, first - 0.05, last + 0.05) < 0.05
     bench.port.close()
@@ -177,9 +179,9 @@ def largest_step(bench: Bench, first_s: float, last_s: float) -> float:
 
 
 def test_an_emergency_stop_through_a_line_of_its_own_is_a_ramp_too(bench: Bench):
-    holding(bench)
+    _, began = holding(bench)
     first = time.monotonic()
     emergency_off(Excitation(kind="generator", output=bench.port.port, dialect="keysight-33500"))
-    assert time.monotonic() - first < 0.3
+    assert time.monotonic() - began < HALF_S, "the burst may have begun to end by itself"
     assert largest_step(bench, first - 0.05, time.monotonic() + 0.05) < 0.05
     assert not bench.volts(time.monotonic() + 0.01, time.monotonic() + 0.2).any()

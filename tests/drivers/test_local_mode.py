@@ -75,16 +75,13 @@ def held(server: NiServer, within_s: float = 10.0) -> bool:
     return False
 
 
-def brought_to_zero(server: NiServer, rig: Rig) -> float:
+def bring_to_zero(server: NiServer, rig: Rig) -> None:
     handle = open_output(server.url, rig)
     assert handle is not None
-    began = time.monotonic()
     handle.zero()
-    took = time.monotonic() - began
     handle.close()
     # The device's own latency, and what `levels` looks back.
     time.sleep(0.02)
-    return took
 
 
 def test_a_killed_client_leaves_the_last_value_and_another_process_ends_it(
@@ -92,7 +89,7 @@ def test_a_killed_client_leaves_the_last_value_and_another_process_ends_it(
 ) -> None:
     client.kill()
     assert held(server)
-    brought_to_zero(server, rig)
+    bring_to_zero(server, rig)
     assert server.say("levels 0.002")[OUTPUT] == 0.0
 
 
@@ -103,7 +100,7 @@ def test_a_frozen_client_holds_its_output_and_only_a_reset_gets_through(
     assert held(server)
     with pytest.raises(DeviceBusyError, match="-50103"):
         open_bench(server.url, rig.model_copy(update={"excitation": WAIVED}))
-    assert brought_to_zero(server, rig) < 0.5
+    bring_to_zero(server, rig)
     assert server.say("levels 0.002")[OUTPUT] == 0.0
 
 
@@ -143,11 +140,18 @@ def test_a_watchdog_is_rejected_where_the_device_has_none(server: NiServer, rig:
 
 
 @pytest.mark.parametrize(
-    "options", [("--group",), ("--group", "--local"), ("--group", "--local", "--freeze")], ids=" ".join
+    "options",
+    [
+        ("--group",),
+        pytest.param(("--group", "--local"), marks=pytest.mark.thorough("waits for the clock of a device once more")),
+        ("--group", "--local", "--freeze"),
+    ],
+    ids=" ".join,
 )
 def test_the_death_of_a_whole_process_group_ends_at_0_v(options: tuple[str, ...]) -> None:
-    # Far above what is asked for, so that neither it nor a busy machine ends the burst: the supervisor has to.
-    command = [sys.executable, str(SCRIPT), "--kills", "1", "--watchdog-s", "5", *options]
+    # How soon is a benchmark's matter, on a machine with nothing else to do. Here the watchdog is so far off that it is
+    # not what ends the burst, and the supervisor's own record shows that it saw the death, and waited for no time-out.
+    command = [sys.executable, str(SCRIPT), "--kills", "1", "--watchdog-s", "20", "--by-whom", *options]
     done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "1 of 1 at 0 V within 0.5 s" in done.stdout
+    assert "1 of 1 at 0 V by the supervisor, before any other guard" in done.stdout

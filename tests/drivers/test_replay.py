@@ -96,15 +96,20 @@ def test_another_rate_another_test_and_output_are_rejected(rig: Rig, blocks: tup
 
 
 def test_its_speed_is_kept(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):
-    bench = open_bench(save(rig, blocks, tmp_path).replace("speed=0", "speed=4"), rig)
-    assert bench.info.real_time
-    bench.configure(Request("impact", RATE_HZ))
-    bench.start()
-    began = time.monotonic()
-    bench.read(N, 1.0)
-    assert time.monotonic() - began == pytest.approx(N / RATE_HZ / 4, abs=0.05)
-    with pytest.raises(BenchTimeoutError):
-        bench.read(N, 0.001)
+    url = save(rig, blocks, tmp_path).replace("speed=0", "speed=4")
+    took_s: list[float] = []
+    for _ in range(5):
+        bench = open_bench(url, rig)
+        assert bench.info.real_time
+        bench.configure(Request("impact", RATE_HZ))
+        bench.start()
+        began = time.monotonic()
+        bench.read(N, 1.0)
+        took_s.append(time.monotonic() - began)
+        with pytest.raises(BenchTimeoutError):
+            bench.read(N, 0.001)
+    # A busy machine makes some of them late, and none early.
+    assert min(took_s) == pytest.approx(N / RATE_HZ / 4, abs=0.05)
 
 
 def test_what_is_no_recording_is_rejected(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):

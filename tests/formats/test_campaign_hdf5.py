@@ -213,7 +213,7 @@ def test_all_bad_records_stand_in_one_message(tmp_path: Path) -> None:
     write_campaign(campaign(RIG, *blocks), tmp_path / "c.h5")
     message = rejected(DataError, tmp_path / "c.h5")
     assert "2 problems" in message
-    assert "record hit_1: channel a02 is dead: all 256 samples are 0" in message
+    assert "record hit_1: channel a02 moves in other records, but here all 256 samples are 0" in message
     assert "record hit_2: channel a03: 1 of 256 samples are NaN or infinite, the first is sample 9" in message
     assert len(read_campaign(tmp_path / "c.h5", check=False).blocks) == 3
 

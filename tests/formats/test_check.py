@@ -13,6 +13,7 @@ from modallab.core.array_checks import (
     check_signals,
     check_time,
     identical_channels,
+    moving_channels,
 )
 from modallab.core.errors import DataError
 
@@ -55,6 +56,16 @@ def test_a_number_no_bench_can_hold_is_named(samples: NDArray[np.float64]) -> No
 def test_a_dead_channel_is_named_with_its_value(samples: NDArray[np.float64]) -> None:
     samples[2] = 0.25
     assert "channel a02 is dead: all 256 samples are 0.25" in rejected(check_signals, samples, NAMES, PLACE)
+
+
+def test_a_record_too_weak_for_a_channel_that_moves_in_others_says_so(samples: NDArray[np.float64]) -> None:
+    weak = samples.copy()
+    weak[2] = 0.25
+    moving = moving_channels([(NAMES, samples), (NAMES, weak)])
+    assert moving == set(NAMES)
+    message = rejected(check_signals, weak, NAMES, PLACE, moving=moving)
+    assert "channel a02 moves in other records" in message
+    assert "dead" not in message
 
 
 def test_zeros_everywhere_are_reported_as_such() -> None:

@@ -60,8 +60,8 @@ def test_a_linear_structure_has_none_whatever_its_noise() -> None:
 
 def test_what_the_force_itself_holds_there_is_not_the_structures() -> None:
     given = blocks(lambda u: 2 * (u + 0.005 * u**2), noise=0.0)
-    bent = [Signals(s.responses[0] / 2, s.responses, s.rate_hz, s.outputs, s.block) for s in given]
-    assert left_out(bent, BAND).level[0] < 1e-6
+    halved = [Signals(s.responses[0] / 2, s.responses, s.rate_hz, s.outputs, s.block) for s in given]
+    assert left_out(halved, BAND).level[0] < 1e-6
 
 
 def test_a_drive_of_all_lines_leaves_none_out() -> None:

@@ -11,8 +11,8 @@ from modallab.gap.conditioning.overtones import of_record
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.model.fit import Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
-from modallab.gap.search.acting import acting_at, place
 from modallab.gap.search.fitting import Bench
+from modallab.gap.search.force_place import place, placed_by_overtones
 from modallab.twin.effect_model import Acts
 from modallab.twin.effects import model_of, search_of
 
@@ -62,12 +62,12 @@ def test_a_spring_acts_at_its_place_and_friction_at_the_root(make: Callable[...,
 def test_a_law_is_not_looked_for_where_the_overtones_show_another_place(cracked: Bench) -> None:
     base = seen(Problem(cracked.data, cracked.free), np.zeros(cracked.free.size))
     crack, friction = (model_of(e.effect).candidates(cracked.data.rig)[0] for e in (CRACK, FRICTION))
-    begun = acting_at(cracked, base, crack)
+    begun = placed_by_overtones(cracked, base, crack)
     assert begun is not None
     (x,) = (s for s in begun.slots if s.name == "x")
     assert len(x.starts) == 1
     assert x.low <= 0.31 <= x.high
-    assert acting_at(cracked, base, friction) is None
+    assert placed_by_overtones(cracked, base, friction) is None
 
 
 @pytest.mark.parametrize("hz", [40.0, 40.37])

@@ -9,7 +9,7 @@ import pytest
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
-from modallab.core.progress import heard_by
+from modallab.core.progress import reported_to
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.tolerances import applied, by_tolerance, deviations, with_tolerances
@@ -59,7 +59,7 @@ def steps() -> list[tuple[float, str]]:
 
 @pytest.fixture(scope="module")
 def sound(campaign: Campaign, steps: list[tuple[float, str]]) -> Diagnosis:
-    with heard_by(lambda share, words: steps.append((share, words))):
+    with reported_to(lambda share, words: steps.append((share, words))):
         return diagnose(campaign)
 
 
@@ -86,7 +86,7 @@ def test_what_no_effect_explains_and_moves_nothing_that_matters_is_a_note(make: 
     found = diagnose(careless, allowed=only())
     assert found.verdict == "no_gap"
     assert any("No effect explains" in note for note in found.notes)
-    assert any("less well than its rig file states" in note for note in found.notes)
+    assert any("deviate more than the tolerances of the rig" in note for note in found.notes)
 
 
 def test_the_budget_is_whole_and_the_noise_is_small(sound: Diagnosis) -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from modallab.gap.search.behind_modes import in_series
+from modallab.gap.search.series_stiffness import in_series
 from modallab.twin.bench import Twin
 from modallab.twin.nonlinear.element import Element, Law
 from modallab.twin.predict import predict_sine

@@ -12,8 +12,8 @@ from modallab.identification.options import Options
 from modallab.modification.synthesis import synthesised
 
 
-def bent(seed: int = 0) -> Frf:
-    """FRFs that no three modes hold: bent by 4 % over a few Hz, otherwise in each."""
+def distorted(seed: int = 0) -> Frf:
+    """FRFs that no three modes hold: distorted by 4 % over a few Hz, otherwise in each."""
     hz = np.arange(10.0, 95.0, 0.0625)
     s = np.asarray(2j * np.pi * hz)
     values = np.moveaxis(synthesised(model(degrees=4.0), s) * (s**2)[:, None, None], 0, -1)
@@ -23,7 +23,7 @@ def bent(seed: int = 0) -> Frf:
 
 @pytest.mark.parametrize(("effect", "value", "name"), [("added_mass", 1.2, "mass"), ("ground_spring", 3e4, "k")])
 def test_a_size_is_exact_where_the_modal_model_is_not(effect: str, value: float, name: str) -> None:
-    before = bent()
+    before = distorted()
     after = with_effect(before, Put(effect, value, output=0, input=0))
     models = [identify_frf(frf, rig(), Options())[0] for frf in (before, after)]
     (found,) = diagnose_by_model(models[0], models[1], rig(), frfs=(before, after)).effects

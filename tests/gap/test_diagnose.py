@@ -11,7 +11,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError, PlanError, RigError
-from modallab.core.progress import heard_by
+from modallab.core.progress import reported_to
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.gap.conditioning.split import split
@@ -38,7 +38,7 @@ def said() -> list[tuple[float, str]]:
 
 @pytest.fixture(scope="module")
 def massed(make: Make, said: list[tuple[float, str]]) -> Diagnosis:
-    with heard_by(lambda share, stage: said.append((share, stage))):
+    with reported_to(lambda share, stage: said.append((share, stage))):
         return diagnose(make(TIP), allowed=only("added_mass", "sensor_mass"))
 
 
@@ -96,9 +96,9 @@ def test_a_channel_that_reads_too_much_is_named(make: Make) -> None:
     assert found.where.channels == ["a07"]
     assert found.effects[0].parameters["gain"] == pytest.approx(1.1, rel=1e-3)
     # Bands stand as a reader expects them: 20-50 before 120-200.
-    lows = [float(band.partition("-")[0]) for band in found.gap.by_band]
-    assert lows == sorted(lows)
-    assert len(lows) > 2
+    lower_ends = [float(band.partition("-")[0]) for band in found.gap.by_band]
+    assert lower_ends == sorted(lower_ends)
+    assert len(lower_ends) > 2
     assert sum(found.gap.by_band.values()) == pytest.approx(1)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from unsure import left_standing, of_sensors
+from unsure import of_sensors, remaining_explanations
 
 from modallab.cli import main
 from modallab.core.block import Campaign
@@ -42,7 +42,7 @@ def at_its_point(struck_off: Campaign) -> Campaign:
 
 @pytest.fixture(scope="module")
 def found(at_its_point: Campaign) -> list[Experiment]:
-    return next_experiments(at_its_point, left_standing(at_its_point.rig, STRUCK_OFF, SENSOR_OFF))
+    return next_experiments(at_its_point, remaining_explanations(at_its_point.rig, STRUCK_OFF, SENSOR_OFF))
 
 
 def test_hits_elsewhere_tell_a_wrong_hit_from_a_wrong_sensor_and_hits_there_do_not(found: list[Experiment]) -> None:
@@ -61,7 +61,7 @@ def test_of_experiments_that_tell_alike_the_shortest_comes_first(found: list[Exp
 
 
 def test_what_is_expected_is_what_the_records_then_say(struck_off: Campaign, at_its_point: Campaign) -> None:
-    unsure = left_standing(at_its_point.rig, STRUCK_OFF, SENSOR_OFF)
+    unsure = remaining_explanations(at_its_point.rig, STRUCK_OFF, SENSOR_OFF)
     planning = Planning.of(at_its_point, unsure)
     there = Planning.of(of_sensors(struck_off, (6,), hits=(6, 3)), unsure)
     off, sensor = (r.fit.cost for r in there.rivals.listed)
@@ -75,7 +75,7 @@ def test_what_is_expected_is_what_the_records_then_say(struck_off: Campaign, at_
 def test_what_is_the_same_on_every_record_is_said_to_be(make: Callable[..., Campaign]) -> None:
     # Of one accelerometer in the first row, a skew for each row and a delay of all are the same.
     one = of_sensors(make(DELAYED, tests=("impact",)), (10,), hits=(6,))
-    found = next_experiments(one, left_standing(one.rig, DELAYED, SKEWED))
+    found = next_experiments(one, remaining_explanations(one.rig, DELAYED, SKEWED))
     assert max(e.expected for e in found) == pytest.approx(0.5, abs=0.02)
     assert found[0].expected < DECIDES
 
@@ -88,7 +88,7 @@ def test_two_places_of_a_mass_are_distinguished_by_hits_where_one_of_them_moves(
     converter = loud.rig.converter.model_copy(update={"noise_rms_v": noise}) if loud.rig.converter else None
     rig = loud.rig.model_copy(update={"converter": converter, "shaker_point": None})
     seen = of_sensors(replace(loud, rig=rig), (3,), hits=(3,))
-    found = next_experiments(seen, left_standing(seen.rig, near, far))
+    found = next_experiments(seen, remaining_explanations(seen.rig, near, far))
     single = {e.name: e for e in found if "," not in e.name}
     assert single["hits at 10"].nats > 1.3 * single["hits again"].nats > 0
     assert single["hits at 10"].expected == max(e.expected for e in single.values())
@@ -105,18 +105,18 @@ def test_plans_agree_with_the_diagnosis_on_what_is_recorded(at_its_point: Campai
 
 def test_one_explanation_alone_leaves_nothing_to_separate(at_its_point: Campaign) -> None:
     with pytest.raises(PlanError, match="no two explanations"):
-        next_experiments(at_its_point, left_standing(at_its_point.rig, STRUCK_OFF))
+        next_experiments(at_its_point, remaining_explanations(at_its_point.rig, STRUCK_OFF))
 
 
 def test_an_explanation_that_adds_to_a_likelier_one_is_no_rival_of_it(at_its_point: Campaign) -> None:
-    found = left_standing(at_its_point.rig, STRUCK_OFF)
+    found = remaining_explanations(at_its_point.rig, STRUCK_OFF)
     more = found.candidates[0].model_copy(update={"effects": ["hit_position", "added_mass"], "probability": 0.05})
     with pytest.raises(PlanError, match="no two explanations"):
         next_experiments(at_its_point, found.model_copy(update={"candidates": [*found.candidates, more]}))
 
 
 def test_a_diagnosis_without_numbers_is_to_be_made_again(at_its_point: Campaign) -> None:
-    found = left_standing(at_its_point.rig, STRUCK_OFF, SENSOR_OFF)
+    found = remaining_explanations(at_its_point.rig, STRUCK_OFF, SENSOR_OFF)
     bare = [c.model_copy(update={"fitted": [], "twin": None}) for c in found.candidates]
     with pytest.raises(DataError, match="does not hold the numbers of hit_position"):
         next_experiments(at_its_point, found.model_copy(update={"candidates": bare}))
@@ -125,7 +125,7 @@ def test_a_diagnosis_without_numbers_is_to_be_made_again(at_its_point: Campaign)
 def test_what_depends_on_the_size_of_the_motion_is_not_planned(at_its_point: Campaign) -> None:
     drag = Effect(effect="air_drag", parameters={"c2_total": 1.0})
     with pytest.raises(PlanError, match="size of the motion"):
-        next_experiments(at_its_point, left_standing(at_its_point.rig, STRUCK_OFF, drag))
+        next_experiments(at_its_point, remaining_explanations(at_its_point.rig, STRUCK_OFF, drag))
 
 
 def test_the_plan_of_a_campaign_is_read_off_its_records(make: Callable[..., Campaign]) -> None:
@@ -147,7 +147,7 @@ def test_what_nothing_on_the_rig_decides_is_not_run(
 ) -> None:
     one = of_sensors(make(DELAYED, tests=("impact",)), (10,), hits=(6,))
     write_campaign(one, tmp_path / "c.h5")
-    said = left_standing(one.rig, SKEWED, DELAYED).model_dump_json()
+    said = remaining_explanations(one.rig, SKEWED, DELAYED).model_dump_json()
     (tmp_path / "d.json").write_text(said, encoding="utf-8")
     asked = ["gap", "next", str(tmp_path / "c.h5"), "--diagnosis", str(tmp_path / "d.json")]
     assert main([*asked, "--run", "--bench", "sim://cantilever", "--data", str(tmp_path / "data")]) == 2
@@ -157,7 +157,7 @@ def test_what_nothing_on_the_rig_decides_is_not_run(
 
 def test_at_the_terminal(at_its_point: Campaign, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_campaign(at_its_point, tmp_path / "c.h5")
-    said = left_standing(at_its_point.rig, STRUCK_OFF, SENSOR_OFF).model_dump_json()
+    said = remaining_explanations(at_its_point.rig, STRUCK_OFF, SENSOR_OFF).model_dump_json()
     (tmp_path / "d.json").write_text(said, encoding="utf-8")
     assert main(["gap", "next", str(tmp_path / "c.h5"), "--diagnosis", str(tmp_path / "d.json")]) == 0
     out = " ".join(capsys.readouterr().out.split())

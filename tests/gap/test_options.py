@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from unsure import left_standing, of_sensors, rig_of_sensors
+from unsure import of_sensors, remaining_explanations, rig_of_sensors
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
@@ -64,7 +64,7 @@ def test_without_a_shaker_only_hits_are_offered(limited: Rig) -> None:
 def test_sines_move_no_sensor_beyond_the_limit_of_acceleration(make: Callable[..., Campaign], limited: Rig) -> None:
     seen = of_sensors(make(STRUCK_OFF, tests=("impact",)), (6,), hits=(6,))
     rig = rig_of_sensors(limited, (6,))
-    planning = Planning.of(Campaign(rig, seen.blocks), left_standing(rig, STRUCK_OFF, SENSOR_OFF))
+    planning = Planning.of(Campaign(rig, seen.blocks), remaining_explanations(rig, STRUCK_OFF, SENSOR_OFF))
     sines = next(p for p in planning.prospects() if p.option.name == "sines")
     data = sines.layout.answered(planning.rivals.listed[0].fit.problem.twin(planning.rivals.listed[0].fit.u)).sines
     assert data is not None

@@ -15,7 +15,7 @@ from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.few_blocks import looked_at
 from modallab.gap.search.fitting import Bench
-from modallab.gap.search.heard import heard
+from modallab.gap.search.law_by_overtones import named_by_overtones
 from modallab.gap.search.overtone_lines import LINES, with_overtones
 from modallab.gap.search.rough_fit import followed
 from modallab.gap.search.rough_starts import is_overtone, relative
@@ -81,7 +81,7 @@ def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
     nothing = Choice(base, base, (), explained=False, flat=False)
     small = fitted(on, share * LOSS)
     fit = seen(law.problem, np.concatenate([law.u[:-OWN], small.u[-OWN:]]))
-    said = heard(on, nothing, [Level(base, (fit,))], prepared, on.data)
+    said = named_by_overtones(on, nothing, [Level(base, (fit,))], prepared, on.data)
     assert said.explained is named
     assert [c.effect for c in said.fit.problem.candidates] == (["breathing_crack"] if named else [])
 

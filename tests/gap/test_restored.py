@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from unsure import left_standing, of_sensors
+from unsure import of_sensors, remaining_explanations
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
@@ -19,7 +19,7 @@ from modallab.gap.model.fit import Problem, seen
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.restored import begin_of, coordinates_of
 from modallab.gap.report.calibrated import calibrated
-from modallab.gap.search.elsewhere import elsewhere
+from modallab.gap.search.best_place import at_best_place
 
 MASS = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
 
@@ -57,7 +57,7 @@ def test_what_the_document_does_not_mention_is_as_the_rig_file_has_it(few: Campa
 
 def test_an_explanation_begins_with_its_own_effect(few: Campaign) -> None:
     data = reduce(few, few.blocks, nominal_weights(few.rig))
-    (said, *_) = left_standing(few.rig, MASS).candidates
+    (said, *_) = remaining_explanations(few.rig, MASS).candidates
     problem, u = begin_of(said, data, nuisances(few.rig, 450.0))
     (effect,) = problem.effects(u)
     assert effect.parameters["mass"] == pytest.approx(0.05)
@@ -69,7 +69,7 @@ def test_an_explanation_begins_with_its_own_effect(few: Campaign) -> None:
 
 def test_an_effect_that_the_rig_cannot_have_is_said_so(few: Campaign) -> None:
     hung = Effect(effect="shaker_mass", parameters={"mass": 0.1}, place={"x": 0.4})
-    (said, *_) = left_standing(few.rig, hung).candidates
+    (said, *_) = remaining_explanations(few.rig, hung).candidates
     bare = few.rig.model_copy(update={"shaker_point": None})
     data = reduce(few, few.blocks, nominal_weights(bare))
     with pytest.raises(DataError, match="no fit looks for shaker_mass"):
@@ -83,7 +83,7 @@ def test_a_mass_is_found_where_it_is_from_where_it_is_not(few: Campaign) -> None
     mass = next(c for c in of_bench(few.rig) if c.effect == "added_mass")
     own = [s.coordinate({"mass": 0.02, "x": 0.35}[s.name]) for s in mass.slots]
     stuck = seen(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), own]))
-    found = elsewhere(stuck)
+    found = at_best_place(stuck)
     assert found.effects[0].place["x"] == pytest.approx(0.8, abs=0.01)
     assert found.gap < 2.0
 

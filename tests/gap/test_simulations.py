@@ -1,4 +1,4 @@
-"""Other simulations of the bench: records read back, played and compared with it, and the exported twin."""
+"""Other simulations of the bench: records read back, simulated and compared with it, and the exported twin."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -27,9 +27,9 @@ from modallab.gap.exported.state_space import state_space
 from modallab.gap.exported.state_space_file import read_state_space
 from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.simulations.compare import Compared, as_measured, compare, differences
-from modallab.gap.simulations.held_against import held_against
-from modallab.gap.simulations.played import played
-from modallab.gap.simulations.said import sentence_of
+from modallab.gap.simulations.sentence import sentence_of
+from modallab.gap.simulations.simulated_records import simulated_records
+from modallab.gap.simulations.simulation_residual import simulation_residual
 from modallab.reporting.simulation_report import write_simulation_report
 from modallab.twin.modes import solve
 
@@ -53,7 +53,7 @@ def heavy(rig: Rig) -> Campaign:
 
 @pytest.fixture(scope="module")
 def few(heavy: Campaign) -> Campaign:
-    """A hit at each point: what is played takes a while."""
+    """A hit at each point: a simulation takes a while."""
     return replace(heavy, blocks=tuple(b for b in heavy.blocks if b.test == "impact" and b.name.endswith("_0")))
 
 
@@ -67,7 +67,7 @@ def test_a_state_space_plays_what_the_twin_plays(rig: Rig, heavy: Campaign) -> N
     twin = replace(bench(rig, MORE), residual_compliance=1.0)
     for block in (b for b in heavy.blocks if b.name in ONE):
         system = state_space(twin, rig, block.test)
-        found = played(system.simulate, heavy, [block.name])[block.name]
+        found = simulated_records(system.simulate, heavy, [block.name])[block.name]
         own = predict_record(twin, rig, block, 35.0)
         assert np.linalg.norm(found - own) < 1e-3 * np.linalg.norm(own)
 
@@ -134,15 +134,15 @@ def test_what_is_predicted_is_read_back_in_any_unit_and_direction(rig: Rig, tmp_
 
 def test_records_are_held_against_the_bench_without_a_fit(rig: Rig, heavy: Campaign, of_twin: dict[str, Array]) -> None:
     right = predict(made_diagnosis(rig, MASS), heavy)
-    assert held_against(heavy, right).gap == pytest.approx(1.0, abs=0.06)
-    assert held_against(heavy, of_twin).gap > 100
+    assert simulation_residual(heavy, right).gap == pytest.approx(1.0, abs=0.06)
+    assert simulation_residual(heavy, of_twin).gap > 100
     with pytest.raises(DataError, match="none of the 1 predicted"):
-        held_against(heavy, {"another": right[ONE[0]]})
+        simulation_residual(heavy, {"another": right[ONE[0]]})
 
 
 def test_a_simulation_of_the_wrong_shape_is_rejected(heavy: Campaign) -> None:
     with pytest.raises(DataError, match="the simulation gives"):
-        played(lambda force, dt: force[:3], heavy, ONE)
+        simulated_records(lambda force, dt: force[:3], heavy, ONE)
 
 
 def test_a_simulation_is_measured_with_the_noise_of_the_bench(

@@ -25,7 +25,7 @@ from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
 from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers
-from modallab.service.rigs.diary import Diary
+from modallab.service.rigs.run_log import RunLog
 from modallab.storage import Store
 from modallab.storage.records import ENDED
 
@@ -40,10 +40,10 @@ class Lab:
         boot = secrets.token_hex(4)
         self.store = Store(folder)
         engine = self.store.catalogue.engine
-        diary = self.diary = Diary(self.store, EventLog(engine, self._new_events))
+        run_log = self.run_log = RunLog(self.store, EventLog(engine, self._new_events))
         after = AfterRun(self.store, Jobs(engine))
         # On a busy machine the rig's process takes minutes to open its bench.
-        self.controller = Controller(Bench(RIG, rig, url, folder), diary, after, begin_s=240.0)
+        self.controller = Controller(Bench(RIG, rig, url, folder), run_log, after, begin_s=240.0)
         self.controllers = Controllers([self.controller], Leases(engine, boot))
         self.service: Service = open_service(folder, self.controllers, boot)
         self.app = create_app(self.service, Settings(data=folder, body_bytes=4096), TOKEN)
@@ -113,7 +113,7 @@ class Lab:
         self._server.should_exit = True
         self._serving.join(10)
         self.controllers.close()
-        self.diary.close()
+        self.run_log.close()
         self.service.close()
         self.store.close()
 

@@ -26,7 +26,7 @@ from made_diagnosis import made_diagnosis
 from pages import HOW_TO, ROOT, fenced
 from scipy.signal import lfilter
 from twin_campaign import built, link
-from unsure import left_standing, rig_of_sensors
+from unsure import remaining_explanations, rig_of_sensors
 
 import modallab as ml
 from modallab.acquisition.process.run import record
@@ -80,7 +80,7 @@ def _close_the_gap(folder: Path) -> Iterator[dict[str, Any]]:
     elsewhere = Effect(effect="position_error", parameters={"dx": 0.01}, place={"channel": 1})
     url = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0&k_root=inf&effect=hit_position,dx=0.01"
     rig = rig_of_sensors(rig, (6,)).model_copy(update={"bench": url})
-    unsure = left_standing(rig, beside, elsewhere)
+    unsure = remaining_explanations(rig, beside, elsewhere)
     (folder / "unsure.json").write_text(unsure.model_dump_json(), encoding="utf-8")
     write_campaign(_recorded(rig, ImpactPlan(points=(6,), hits=2), folder / "unsure"), folder / "unsure.h5")
     (folder / "plan.yaml").write_text("{kind: impact, points: [10, 6], hits: 1}\n", encoding="utf-8")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from modallab.cli import main, progress
 from modallab.core.documents.pages import EventView
-from modallab.core.progress import heard_by
+from modallab.core.progress import reported_to
 
 
 def ctrl_c_at(nth: int) -> Callable[[], None]:
@@ -35,7 +35,7 @@ def pressed(nth: int, argv: list[str]) -> int:
             sign()
 
     progress.Display.notify = notify  # type: ignore[method-assign]
-    with heard_by(lambda _share, _words: sign()):
+    with reported_to(lambda _share, _words: sign()):
         return main(argv)
 
 

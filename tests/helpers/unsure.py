@@ -33,7 +33,7 @@ def rig_of_sensors(rig: Rig, points: tuple[int, ...]) -> Rig:
     return rig.model_copy(update={"channels": tuple(c.model_copy(update={"index": k}) for k, c in enumerate(kept))})
 
 
-def left_standing(rig: Rig, *effects: Effect) -> Diagnosis:
+def remaining_explanations(rig: Rig, *effects: Effect) -> Diagnosis:
     """A diagnosis that cannot decide between these effects."""
     found = made_diagnosis(rig, effects[0])
     share = 1 / len(effects)

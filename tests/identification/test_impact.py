@@ -167,7 +167,7 @@ def test_what_no_linear_modes_explain_is_said():
     model, fit = identify_impact(good, rig, Options(band_hz=(2.9, 400.0)))
     assert model_error(fit, good) == pytest.approx(1, abs=0.1)
     assert not any("pre-trigger noise" in note for note in model.notes)
-    bent = with_responses(good, lambda y: y + 0.002 * y**2)
-    model, fit = identify_impact(bent, rig, Options(band_hz=(2.9, 400.0)))
-    assert model_error(fit, bent) > 1.1
+    distorted = with_responses(good, lambda y: y + 0.002 * y**2)
+    model, fit = identify_impact(distorted, rig, Options(band_hz=(2.9, 400.0)))
+    assert model_error(fit, distorted) > 1.1
     assert any("pre-trigger noise" in note for note in model.notes)

@@ -4,7 +4,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from modallab.core.block import Campaign
-from modallab.core.progress import counted, heard_by, part, report
+from modallab.core.progress import counted, part, report, reported_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.jobs import Kind
@@ -20,7 +20,7 @@ def listen(said: Said, share: float, stage: str) -> None:
 
 def test_a_part_of_the_work_is_that_part_of_the_whole() -> None:
     said: Said = []
-    with heard_by(lambda share, stage: listen(said, share, stage)):
+    with reported_to(lambda share, stage: listen(said, share, stage)):
         with part(0.0, 0.5, "first"):
             report(0.5, "half of it")
         with part(0.5, 1.0, "second"), part(0.0, 0.5):

@@ -76,6 +76,19 @@ def test_smoothed_frfs_are_written_for_other_programs(model: ml.Model, tmp_path:
         smoothed.save(tmp_path / "smooth.xyz")
 
 
+def test_what_a_model_explains_is_a_table_with_its_numbers(model: ml.Model, tmp_path: Path) -> None:
+    shares = model.participation(1, 3, (2, 50))
+    assert shares.numbers.share.sum() + shares.numbers.outside == pytest.approx(1)
+    assert shares.headings[2] == "share [%]"
+    assert model.nodes().numbers.motion.max() == pytest.approx(1)
+    s = np.array([2j * np.pi * 20.0])
+    truth = BARE.receptance(s)[0, :, 0] * s
+    np.testing.assert_allclose(model.deflection(20, at=1).numbers.values, truth, rtol=1e-6)
+    assert model.shape(2).save(tmp_path / "mode.gif").stat().st_size > 1000
+    with pytest.raises(StorageError, match="gif"):
+        model.shape(2).save(tmp_path / "mode.mp4")
+
+
 def test_what_cannot_be_asked_is_said(model: ml.Model) -> None:
     with pytest.raises(DataError, match="there is no change"):
         model.modify()

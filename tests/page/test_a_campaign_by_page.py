@@ -101,6 +101,13 @@ def test_the_modes_so_far_say_when_it_is_enough(recorded: Watched) -> None:
     assert recorded.page.locator("[aria-labelledby=p-modes-so-far] tbody tr").count() >= 4
 
 
+def test_the_page_says_during_the_test_whether_the_simulation_agrees(recorded: Watched) -> None:
+    # A mass of 50 g hangs on this bench, and the rig file knows nothing of it.
+    recorded.page.wait_for_selector(".warn:has-text('differ from the simulation')")
+    said = recorded.page.inner_text("[aria-labelledby=p-modes-so-far]")
+    assert "Natural frequencies differ from the simulation" in said
+
+
 def test_poles_are_chosen_on_the_diagram(recorded: Watched, campaign: str, served: ServiceProcess) -> None:
     recorded.view("Model")
     rows = recorded.page.locator("[aria-labelledby=p-modes-of-the-impact-test] tbody tr")

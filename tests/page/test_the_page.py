@@ -55,6 +55,21 @@ def test_a_sine_test_and_the_stop(operator: Open, served: ServiceProcess) -> Non
     ada.page.wait_for_selector(".alarm", state="detached")
 
 
+def test_a_chirp_is_planned_and_recorded(operator: Open) -> None:
+    ada = operator()
+    ada.view("Broadband test")
+    ada.page.wait_for_selector("form.plan p.good:has-text('blocks, about')")
+    ada.page.select_option("#f-broadband-signal", "chirp")
+    for name, text in {"band_hz": "5, 200", "blocks": "3", "settle_s": "1", "wait_s": "0.2"}.items():
+        ada.page.fill(f"#f-broadband-{name}", text)
+    ada.picture("broadband-plan")
+    ada.page.click("form.plan button.main:enabled")
+    ada.page.wait_for_selector(".prompt .large:text-is('Done')")
+    assert ada.page.locator("[aria-label='Blocks so far'] td.good").count() == 3
+    ada.page.wait_for_selector("[aria-label='FRFs so far'][data-points]")
+    ada.picture("broadband")
+
+
 def test_the_form_checks_as_one_types(operator: Open) -> None:
     ada = operator()
     ada.view("Impact test")

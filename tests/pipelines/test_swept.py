@@ -4,6 +4,7 @@ import functools
 
 import modal_bench as bench
 import numpy as np
+import pytest
 from scipy.signal import chirp
 
 from modallab.core.block import Campaign
@@ -40,6 +41,7 @@ def test_sweeps_give_the_modes() -> None:
     assert TOO_FEW not in model.notes
 
 
+@pytest.mark.thorough("identifies three more sweeps")
 def test_three_sweeps_that_differ_are_stated_as_uncertain_as_they_differ() -> None:
     system, model = identified(3, 2e-5)
     off = np.abs(model.frequency_hz - system.frequency_hz[:2])

@@ -37,7 +37,8 @@ def fitted(rig: Rig, seed: int, *effects: Effect):
 AGAIN = pytest.mark.thorough("fits whole trials")
 
 
-@pytest.mark.parametrize("seed", [11, pytest.param(12, marks=AGAIN)])
+@AGAIN
+@pytest.mark.parametrize("seed", [11, 12])
 def test_a_trial_without_effects_is_at_the_floor(link: Rig, seed: int):
     prepared, fit = fitted(link, seed)
     assert 0.9 < fit.gap < 1.08

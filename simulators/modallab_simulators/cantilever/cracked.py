@@ -76,9 +76,9 @@ class CrackedBeam:
     def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
         """Displacement or slope of the modes: that of their inertia load on the weaker beam, (points, count)."""
         omega, vectors = self._solved
-        bent = self._beam.shapes(x_m, _BASE, order) / self._beam.omega(_BASE) ** 2
+        deflected = self._beam.shapes(x_m, _BASE, order) / self._beam.omega(_BASE) ** 2
         turned = (_moments(x_m, self._s, order) * self._compliance) @ self._modal_moments
-        return (bent + turned) @ vectors[:, :count] * omega[:count] ** 2
+        return (deflected + turned) @ vectors[:, :count] * omega[:count] ** 2
 
     def participation(self, count: int) -> Floats:
         """Integral of mass times shape, in kg^1/2, (count,)."""

@@ -78,6 +78,6 @@ class Excitation:
     def _shaken(self, shaker: int, x_m: float, volts: Floats) -> list[Drive]:
         drives = [Drive(x_m, volts * self._n_per_v, 1 / self._n_per_v, shaker=shaker)]
         if self._harmonics:
-            bent = self._harmonics * volts * (volts / AMPLIFIER_V + (volts / AMPLIFIER_V) ** 2)
-            drives.append(Drive(x_m, bent * self._n_per_v, shaker=shaker))
+            distorted = self._harmonics * volts * (volts / AMPLIFIER_V + (volts / AMPLIFIER_V) ** 2)
+            drives.append(Drive(x_m, distorted * self._n_per_v, shaker=shaker))
         return drives

@@ -58,12 +58,12 @@ def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: 
         console.print(f"campaign {session.campaign.id} on {url}", markup=False, highlight=False)
         at_bench = Operator(console, keys, session, mute=arguments.mute)
         try:
-            with listening(keys, at_bench.pressed) as hears:
+            with listening(keys, at_bench.pressed) as key_pressed:
                 return session.run_all(
                     plans,
                     at_bench.notify,
                     lambda: at_bench.left,
-                    lambda setup, moves: at_bench.moved(setup, moves, hears),
+                    lambda setup, moves: at_bench.moved(setup, moves, key_pressed),
                 )
         finally:
             at_bench.close()

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from modallab.bench.simulated import simulated_bench
-from modallab.cli.ahead import Ahead
+from modallab.cli.console import console_of
 from modallab.cli.demo_rig import demo_rig
+from modallab.cli.in_advance import InAdvance
 from modallab.cli.progress import Display
-from modallab.cli.saying import console_of
 from modallab.core.block import Campaign
 from modallab.core.plan import BLOCK_S, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
@@ -63,17 +63,17 @@ def _at_the_terminal(arguments: argparse.Namespace) -> int:
     console = console_of(arguments)
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     # What identifies and draws takes as long to load as the bench to begin.
-    Ahead(lambda: import_module("modallab.cli.demo_results"))
+    InAdvance(lambda: import_module("modallab.cli.demo_results"))
     with Display(console) as display, LocalCampaign(rig, url, folder / "data", rig.name, operator_here()) as session:
         hammer, *shaker = demo_plans()
         runs = session.run_all([hammer], display.notify)
         struck = session.recorded(runs)
         # The bench computes in its own process: meanwhile this one need not wait.
-        ahead = Ahead(lambda: _identified(struck))
+        computed = InAdvance(lambda: _identified(struck))
         campaign = session.recorded((*runs, *session.run_all(shaker, display.notify)))
     from modallab.cli.demo_results import leave
 
-    leave(arguments, campaign, ahead)
+    leave(arguments, campaign, computed)
     return 0
 
 

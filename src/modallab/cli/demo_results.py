@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from modallab.cli.ahead import Ahead
+from modallab.cli.console import console_of
 from modallab.cli.identify import print_remarks, result_table
-from modallab.cli.saying import console_of
+from modallab.cli.in_advance import InAdvance
 from modallab.core.block import Block, Campaign
 from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
@@ -25,7 +25,7 @@ def identified(campaign: Campaign, test: Test) -> Identified:
     return identify_campaign(campaign, Options(), test).identified[0]
 
 
-def leave(arguments: argparse.Namespace, campaign: Campaign, struck: Ahead[Identified]) -> None:
+def leave(arguments: argparse.Namespace, campaign: Campaign, struck: InAdvance[Identified]) -> None:
     """Identify what is left, write everything into the folder, and print the table.
 
     Args:

@@ -10,8 +10,8 @@ from rich.table import Table
 
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.bench.protocol import BenchInfo
+from modallab.cli.console import console_of, write_json
 from modallab.cli.options import only_with
-from modallab.cli.saying import console_of, write_json
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError, PlanError
@@ -28,7 +28,7 @@ from modallab.gap.diagnosis import diagnose
 from modallab.gap.modal.said import sentence_by_model
 from modallab.gap.report.summary import in_percent, sentence
 from modallab.gap.simulations.compare import compare
-from modallab.gap.simulations.said import sentence_of
+from modallab.gap.simulations.sentence import sentence_of
 from modallab.reporting.gap_report import write_gap_report
 from modallab.reporting.simulation_report import write_simulation_report
 from modallab.reporting.waiting import waiting

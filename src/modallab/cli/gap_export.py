@@ -7,7 +7,7 @@ from rich.console import Console
 from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import only_with
 from modallab.core.errors import PlanError
-from modallab.core.progress import heard_by
+from modallab.core.progress import reported_to
 from modallab.core.rounded import rounded
 from modallab.core.units import Test
 from modallab.formats.atomic import replacing
@@ -38,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
     console.print(f"{form.says}, {' and '.join(tests)}: {arguments.out}", markup=False, soft_wrap=True)
     if campaign is None:
         return 0
-    with console.status("playing the records") as status, heard_by(lambda _, words: status.update(words)):
+    with console.status("playing the records") as status, reported_to(lambda _, words: status.update(words)):
         found = in_form(form, diagnosis, campaign, tests, arguments.records)
     console.print(said(found), markup=False, soft_wrap=True)
     if arguments.json is not None:

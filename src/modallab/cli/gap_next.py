@@ -11,13 +11,13 @@ from modallab.cli.progress import Display
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import PlanError, RigError
-from modallab.core.progress import heard_by
+from modallab.core.progress import reported_to
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.continued import FITTED, continued
 from modallab.gap.design.experiments import DECIDES, Experiment, next_experiments
-from modallab.gap.design.standing import left_standing
+from modallab.gap.design.explanations import remaining_explanations
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import sentence
 from modallab.service.campaigns.local_session import record_campaign
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
     diagnosis = read_diagnosis(arguments.diagnosis)
     console = Console()
-    with console.status("experiments") as status, heard_by(lambda _, words: status.update(words)):
+    with console.status("experiments") as status, reported_to(lambda _, words: status.update(words)):
         found = next_experiments(campaign, diagnosis)
     console.print(_table(found))
     if not found:
@@ -59,8 +59,8 @@ def _go_on(
     whole = continued(campaign, later)
     if arguments.out is not None:
         write_campaign(whole, arguments.out)
-    with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
-        diagnosis = diagnose(whole, FITTED, known=left_standing(before))
+    with console.status("reading the records") as status, reported_to(lambda _, words: status.update(words)):
+        diagnosis = diagnose(whole, FITTED, known=remaining_explanations(before))
     console.print(sentence(diagnosis, [c.name for c in whole.rig.channels]), markup=False)
     if arguments.json is not None:
         with replacing(arguments.json) as draft:

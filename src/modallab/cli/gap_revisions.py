@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from modallab.cli.gap import read_diagnosis
-from modallab.core.progress import heard_by
+from modallab.core.progress import reported_to
 from modallab.core.rounded import rounded
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
@@ -40,7 +40,7 @@ def _history(arguments: argparse.Namespace) -> int:
     rig = read_rig(arguments.rig)
     campaigns = [read_campaign(path, rig) for path in arguments.on or ()]
     console = Console()
-    with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
+    with console.status("reading the records") as status, reported_to(lambda _, words: status.update(words)):
         steps = history(rig, campaigns)
     console.print(_table(steps))
     if arguments.json is not None:

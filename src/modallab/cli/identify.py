@@ -7,8 +7,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from modallab.cli.console import console_of, write_json
 from modallab.cli.outputs import OUT
-from modallab.cli.saying import console_of, write_json
 from modallab.core.block import Campaign
 from modallab.core.errors import ConfigurationError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign

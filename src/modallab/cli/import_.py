@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from modallab.cli.saying import console_of
+from modallab.cli.console import console_of
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import ConfigurationError
 from modallab.formats.arrays.array_map import read_map

@@ -6,11 +6,11 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from rich.markup import escape
-from rich.table import Table
 
-from modallab.cli.saying import console_of, write_json
+from modallab.cli.console import console_of, show_rows, write_json
+from modallab.cli.model_understood import nodes, parts, shape
 from modallab.core.errors import ConfigurationError, DataError
+from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
@@ -23,7 +23,7 @@ from modallab.modification.known import Known
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import read_models
 from modallab.pipelines.model_use import known_of
-from modallab.reporting.modified_table import TableRows, modified_rows, tuned_rows
+from modallab.reporting.modified_table import modified_rows, tuned_rows
 from modallab.reporting.waiting import waiting
 
 LOWEST = 1e-3
@@ -32,20 +32,30 @@ LOWEST = 1e-3
 
 def run(arguments: argparse.Namespace) -> int:
     """Make the model ready, and do what was asked for."""
-    known = _known(arguments)
-    {"modify": _modify, "tune": _tune, "frf": _frf}[arguments.action](known, arguments)
+    known, measured = _ready(arguments)
+    if arguments.action == "shape":
+        shape(known, measured, arguments)
+    else:
+        {"modify": _modify, "tune": _tune, "frf": _frf, "participation": parts, "nodes": nodes}[arguments.action](
+            known, arguments
+        )
     return 0
 
 
-def _known(arguments: argparse.Namespace) -> Known:
+def _ready(arguments: argparse.Namespace) -> tuple[Known, Frf | None]:
+    """The model ready for use, and the FRFs it was compared with where there are any."""
     path: Path = arguments.model
     rig = None if arguments.rig is None else read_rig(arguments.rig)
     if path.suffix == ".json":
-        return Known(_chosen(read_models(path), arguments.test), rig or _beside(path))
+        return Known(_chosen(read_models(path), arguments.test), rig or _beside(path)), None
     campaign = read_campaign(path, rig)
+    # The others take as long, and nobody asked for them.
+    only = arguments.test if arguments.test and campaign.of(arguments.test) else None
     with waiting("identifying", progress=not arguments.hush):
-        result = identify_campaign(campaign, Options())
-    return known_of(campaign, _chosen([item.model for item in result.identified], arguments.test))
+        result = identify_campaign(campaign, Options(), only)
+    model = _chosen([item.model for item in result.identified], arguments.test)
+    verification = next(item.verification for item in result.identified if item.model is model)
+    return known_of(campaign, model), None if verification is None else verification.measured
 
 
 def _beside(path: Path) -> Rig | None:
@@ -68,7 +78,7 @@ def _modify(known: Known, arguments: argparse.Namespace) -> None:
             "there is no change", remedy="give --mass 0.05 --at 8, or --absorber, --ground, --link"
         )
     changed = known.with_changes(changes)
-    _show(arguments, modified_rows(known.model, changed.modes, [c.words for c in changes]))
+    show_rows(arguments, modified_rows(known.model, changed.modes, [c.words for c in changes]))
     if arguments.json is not None:
         m = changed.modes
         arrays = ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma", "outside", "mac")
@@ -93,7 +103,7 @@ def _changes(arguments: argparse.Namespace) -> Iterator[Addition]:
 def _tune(known: Known, arguments: argparse.Namespace) -> None:
     at = arguments.at or known.structure.freedoms[: len(known.model.outputs)]
     answers = tuned(known, arguments.mode, arguments.to, arguments.by, at)
-    _show(arguments, tuned_rows(answers, arguments.by, arguments.mode, arguments.to))
+    show_rows(arguments, tuned_rows(answers, arguments.by, arguments.mode, arguments.to))
     if arguments.json is not None:
         rows = [{k: None if v != v else v for k, v in asdict(a).items()} for a in answers]
         write_json(arguments.json, {"answers": rows})
@@ -107,12 +117,3 @@ def _frf(known: Known, arguments: argparse.Namespace) -> None:
     outputs, inputs, lines = found.values.shape
     said = f"{found.quantity}: {outputs} outputs, {inputs} inputs, {lines} lines: {arguments.out}"
     console_of(arguments).print(said, markup=False, highlight=False, soft_wrap=True)
-
-
-def _show(arguments: argparse.Namespace, rows: TableRows) -> None:
-    table = Table(*map(escape, rows.headings), box=None, pad_edge=False)
-    for row in rows.rows:
-        table.add_row(*row)
-    console = console_of(arguments)
-    console.print(table)
-    console.print(rows.caption, markup=False, highlight=False)

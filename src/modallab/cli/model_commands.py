@@ -13,9 +13,12 @@ class _Commands(Protocol):
 
 def add_model_commands(commands: _Commands) -> None:
     """Add it to the parser."""
-    model = commands.add_parser("model", help="put a modal model to use: predict FRFs and what a change makes of it")
+    model = commands.add_parser(
+        "model", help="put a modal model to use: what makes a response, and what a change makes of it"
+    )
     actions = model.add_subparsers(metavar="ACTION", required=True, dest="action")
-    for command in (_modify(actions), _tune(actions), _frf(actions)):
+    understood = (_participation(actions), _nodes(actions), _shape(actions))
+    for command in (*understood, _modify(actions), _tune(actions), _frf(actions)):
         command.add_argument(
             "model", type=Path, metavar="MODELS.json|FOLDER|CAMPAIGN.h5", help="models, or a campaign to identify"
         )
@@ -24,6 +27,31 @@ def add_model_commands(commands: _Commands) -> None:
         command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("answer"))
         add_saying(command)
     model.set_defaults(module="model")
+
+
+def _participation(actions: _Commands) -> Any:
+    command = actions.add_parser("participation", help="which modes make the response at a point")
+    command.add_argument("--at", type=int, required=True, metavar="POINT", help="of the force")
+    command.add_argument("--of", type=int, required=True, metavar="POINT", help="of the motion")
+    span = command.add_mutually_exclusive_group()
+    span.add_argument("--band", nargs=2, type=positive, metavar=("LO", "HI"), help="in Hz (default: the model's)")
+    span.add_argument("--after", nargs=2, type=float, metavar=("BEGIN", "END"), help="a time in s after a hit")
+    command.add_argument("--quantity", choices=("displacement", "velocity", "acceleration"), default="velocity")
+    return command
+
+
+def _nodes(actions: _Commands) -> Any:
+    return actions.add_parser("nodes", help="antinodes and nodes of each mode: where to hit, where to mount")
+
+
+def _shape(actions: _Commands) -> Any:
+    command = actions.add_parser("shape", help="the shape of a mode, or the deflection shape that was measured")
+    which = command.add_mutually_exclusive_group(required=True)
+    which.add_argument("--mode", type=int, metavar="N", help="from 1")
+    which.add_argument("--hz", type=positive, help="frequency of an operating deflection shape")
+    command.add_argument("--at", type=int, metavar="POINT", help="of the force, with --hz")
+    command.add_argument("--out", type=Path, metavar="FILE.gif", help="a picture that moves")
+    return command
 
 
 def _modify(actions: _Commands) -> Any:

@@ -4,7 +4,7 @@ Each check raises one `DataError` that lists everything it found. They are meant
 public functions that take arrays.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,10 +38,18 @@ class _Finding(NamedTuple):
 _TRANSPOSE = "transpose it: one row per channel, one column per sample"
 _RECORD_AGAIN = "look at the recording there; leave this record out, or record it again"
 _MEND = "check sensor, cable and input, and record again; or leave the channel out of both rig and recording"
+_TOO_WEAK = "leave this record out; or record it again, harder or with a smaller range of the channel"
 _PHASE = "export the FRF as complex numbers (real and imaginary part)"
 
 
-def check_signals(samples: NDArray[Any], channels: Sequence[str], where: str = "", *, force: str | None = None) -> None:
+def check_signals(
+    samples: NDArray[Any],
+    channels: Sequence[str],
+    where: str = "",
+    *,
+    force: str | None = None,
+    moving: Collection[str] = (),
+) -> None:
     """Reject what no recording of a living bench holds.
 
     A channel is dead if it holds one value over the whole record. Not so, unless it is the force, in a record of so
@@ -53,6 +61,7 @@ def check_signals(samples: NDArray[Any], channels: Sequence[str], where: str = "
         channels: (channels,) names.
         where: file and record, for the message.
         force: name of the channel without which there is no FRF.
+        moving: channels that move in other records of the same test, and so are not dead.
 
     Raises:
         DataError: wrong shape or type, transposed, NaN or infinity, dead channels, nothing but zeros.
@@ -60,7 +69,7 @@ def check_signals(samples: NDArray[Any], channels: Sequence[str], where: str = "
     _check_shape(samples, channels, where)
     findings = _not_finite(samples, channels)
     if not findings:
-        findings = _dead(samples, channels, force)
+        findings = _dead(samples, channels, force, moving)
     _reject(findings, where)
 
 
@@ -166,7 +175,7 @@ def _not_finite(samples: NDArray[Any], channels: Sequence[str]) -> list[_Finding
     return findings
 
 
-def _dead(samples: NDArray[Any], channels: Sequence[str], force: str | None) -> list[_Finding]:
+def _dead(samples: NDArray[Any], channels: Sequence[str], force: str | None, moving: Collection[str]) -> list[_Finding]:
     constant = (samples == samples[:, :1]).all(axis=1)
     if not constant.any():
         return []
@@ -175,11 +184,23 @@ def _dead(samples: NDArray[Any], channels: Sequence[str], force: str | None) -> 
         found = f"every channel is {value} ({', '.join(channels)}): nothing was recorded"
         return [_Finding(found, "check that the inputs are connected and switched on, and record again")]
     still = min(len(np.unique(row)) for row in samples[~constant]) <= _FEW_LEVELS
-    return [
-        _Finding(f"channel {channels[i]} is dead: all {samples.shape[1]} samples are {samples[i, 0] + 0:g}", _MEND)
-        for i in map(int, np.flatnonzero(constant))
-        if not still or channels[i] == force
-    ]
+    findings: list[_Finding] = []
+    for i in map(int, np.flatnonzero(constant)):
+        value = f"all {samples.shape[1]} samples are {samples[i, 0] + 0:g}"
+        if channels[i] in moving and (not still or channels[i] == force):
+            found = f"channel {channels[i]} moves in other records, but here {value}: too weak for its resolution"
+            findings.append(_Finding(found, _TOO_WEAK))
+        elif not still or channels[i] == force:
+            findings.append(_Finding(f"channel {channels[i]} is dead: {value}", _MEND))
+    return findings
+
+
+def moving_channels(records: Iterable[tuple[Sequence[str], NDArray[Any]]]) -> frozenset[str]:
+    """Names of the channels that do not hold one value in every record (names, samples)."""
+    checked = [(names, s) for names, s in records if s.ndim == 2 and s.size and len(names) == len(s)]
+    return frozenset(
+        name for names, s in checked for name, moves in zip(names, (s != s[:, :1]).any(axis=1), strict=True) if moves
+    )
 
 
 def _reject(findings: Sequence[_Finding], where: str) -> None:

@@ -47,10 +47,10 @@ class BudgetRow(Frozen):
 
     Attributes:
         kind: a number that was free within its tolerance, an effect, what no number explains, or noise.
-        name: of the tolerance in the rig file, or of the effect.
+        name: of the tolerance in the rig file, or of the effect; `+` between those whose shares cancel.
         place: channel, drive point or mode; "" where there is one only.
         said: in words, with the number.
-        sigmas: how many deviations of its tolerance it has moved.
+        sigmas: how many deviations of its tolerance it has moved; of several, the most.
         share: of the squares of measured less predicted by the rig file's own twin, each record's response counting
             alike. All shares add up to 1; a negative one works against the others.
         by: test, channel, band or mode -> name of each -> the part of the share that lies there.

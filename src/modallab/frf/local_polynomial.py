@@ -85,9 +85,9 @@ def _at_lines(
         )
     # The denominator is 1 at the line itself, so the numerator there is the FRF.
     bend = np.tile(power[..., 1], (1, blocks))[..., None] ** np.arange(1, poles + 1)
-    bent = rows.transpose(0, 2, 1)[..., None] * bend[:, None]
-    by_poles = _denominators(q, rows, bent)
-    explained = rows + np.einsum("lomp,lop->lmo", bent, by_poles)
+    with_powers = rows.transpose(0, 2, 1)[..., None] * bend[:, None]
+    by_poles = _denominators(q, rows, with_powers)
+    explained = rows + np.einsum("lomp,lop->lmo", with_powers, by_poles)
     by_shared = np.linalg.solve(r, q.conj().transpose(0, 2, 1) @ explained)
     left = explained - columns @ by_shared
     free = blocks * width - columns.shape[2] - poles
@@ -106,15 +106,15 @@ def _shared(force: Complex, power: NDArray[np.float64]) -> Complex:
     return np.concatenate([by_force.reshape(flat), transient.reshape(flat)], axis=2)
 
 
-def _denominators(q: Complex, rows: Complex, bent: Complex) -> Complex:
+def _denominators(q: Complex, rows: Complex, with_powers: Complex) -> Complex:
     """(lines, outputs, poles) coefficients of each response's denominator, from what no shared column (`q`) explains.
 
     Where the polynomials alone explain a response, its denominator is not determined, and is 1.
     """
-    lines, outputs, rows_each, poles = bent.shape
+    lines, outputs, rows_each, poles = with_powers.shape
     if not poles:
         return np.zeros((lines, outputs, 0), complex)
-    own, scale = _scaled(-bent)
+    own, scale = _scaled(-with_powers)
     all_rows = np.concatenate([rows.transpose(0, 2, 1)[..., None], own], axis=3)
     columns = all_rows.transpose(0, 2, 1, 3).reshape(lines, rows_each, -1)
     columns = columns - q @ (q.conj().transpose(0, 2, 1) @ columns)

@@ -60,14 +60,14 @@ def estimate_frf(
         force: (blocks, inputs, lines); at least one block more than inputs, and forces that differ between blocks.
         response: (blocks, outputs, lines); for H2 at least as many outputs as inputs.
         estimator: H1, H2 or Hv.
-        averages: what the blocks are worth if they overlap; None for their number.
+        averages: number of independent averages, where blocks overlap; None for their number.
         pooled: lines over which the noise's power is averaged, odd: few blocks alone determine it badly. The noise must
             then be of one level over so many lines.
 
     Raises:
         DataError: shapes that do not fit, NaN, too few blocks, or forces that cannot be distinguished.
     """
-    worth, width = _checked(force, response, estimator, averages, pooled)
+    independent, width = _checked(force, response, estimator, averages, pooled)
     scale_f, scale_y = _level(force), _level(response)
     f, y = np.moveaxis(force / scale_f[:, None], -1, 0), np.moveaxis(response / scale_y[:, None], -1, 0)
     # (lines, inputs, inputs), (lines, outputs, inputs), (lines, outputs, outputs): means over the blocks.
@@ -83,15 +83,15 @@ def estimate_frf(
     left = np.maximum(power - np.einsum("loi,loi->lo", h1, yf.conj()).real, 0.0)
     coherence = 1 - np.divide(left, power, out=np.zeros_like(left), where=power > 0)
     inputs = force.shape[1]
-    noise = _running_mean(left, width) * worth / (worth - inputs)
-    variance = noise[:, :, None] * np.einsum("lii->li", inverse).real[:, None, :] / worth
+    noise = _running_mean(left, width) * independent / (independent - inputs)
+    variance = noise[:, :, None] * np.einsum("lii->li", inverse).real[:, None, :] / independent
     value = h1 if estimator == "H1" else _h2(y, yf) if estimator == "H2" else _hv(ff, yf, power)
     by_line = scale_y[:, None] / scale_f
     return Estimate(
         np.moveaxis(value, 0, -1) * by_line[..., None],
         coherence.T,
         np.moveaxis(variance, 0, -1) * by_line[..., None] ** 2,
-        2 * (worth - inputs) * width,
+        2 * (independent - inputs) * width,
     )
 
 
@@ -142,9 +142,9 @@ def _checked(
     if not (np.isfinite(force).all() and np.isfinite(response).all()):
         raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")
     blocks, inputs, lines = force.shape
-    worth = float(blocks if averages is None else averages)
-    if inputs < 1 or not inputs < worth <= blocks:
-        found = f"{blocks} blocks worth {worth:g} averages cannot determine {inputs} forces and the noise"
+    independent = float(blocks if averages is None else averages)
+    if inputs < 1 or not inputs < independent <= blocks:
+        found = f"{blocks} blocks, {independent:g} independent averages, cannot determine {inputs} forces and the noise"
         raise DataError(found, remedy="record more blocks than there are forces")
     if estimator == "H2" and response.shape[1] < inputs:
         found = f"H2 of {inputs} forces needs as many responses, not {response.shape[1]}"
@@ -152,4 +152,4 @@ def _checked(
     if not (1 <= pooled <= lines and pooled % 2 == 1):
         found = f"the noise cannot be pooled over {pooled} of {lines} lines"
         raise DataError(found, remedy="give an odd number of lines, at most as many as there are")
-    return worth, pooled
+    return independent, pooled

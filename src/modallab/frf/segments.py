@@ -66,10 +66,10 @@ def stretches(values: Real, rate_hz: float, length: int, overlap: float = 0.5, w
     every = slice(1, (length + 1) // 2)
     spectra: NDArray[np.complex128] = np.fft.rfft(cut)[..., every]
     frequency = np.arange(length // 2 + 1)[every] * rate_hz / length
-    return Stretches(frequency, spectra, _worth(shape, step, len(starts)))
+    return Stretches(frequency, spectra, _independent(shape, step, len(starts)))
 
 
-def _worth(shape: NDArray[Any], step: int, count: int) -> float:
+def _independent(shape: NDArray[Any], step: int, count: int) -> float:
     """Welch's count: K / (1 + 2 sum (1 - k / K) rho_k), rho_k the squared correlation of windows k steps apart."""
     power = float(shape @ shape)
     apart = [k for k in range(1, count) if k * step < shape.size]

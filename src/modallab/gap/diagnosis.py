@@ -44,8 +44,10 @@ Array = NDArray[np.float64]
 
 SEED = 20240501
 USUAL = "The rig file states no tolerances: a lab's usual ones stand for them; the budget lists them."
-CALM = "No effect explains what is left, and it does not matter: {:.2%} of the response on records held out."
-STRAINED = "All in all the bench is put together less well than its rig file states, though no number alone is a gap."
+TOLERATED = "No effect explains the remaining {:.2%} of the response on held-out records; the rig file tolerates them."
+LOOSE_ASSEMBLY = (
+    "Together, the parameters of the assembly deviate more than the tolerances of the rig; none does alone."
+)
 
 
 @one_thread()
@@ -123,8 +125,8 @@ def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool,
         *(n for n in prepared.notes if not (nonlinear and n == ONE_LEVEL)),
         *contradictions(choice, prepared),
         *(d.why for d in choice.dismissed),
-        *([] if choice.calm is None else [CALM.format(choice.calm)]),
-        *([STRAINED] if choice.flat and not ordinary(choice.base) else []),
+        *([] if choice.tolerated is None else [TOLERATED.format(choice.tolerated)]),
+        *([LOOSE_ASSEMBLY] if choice.flat and not ordinary(choice.base) else []),
         *(
             f"Does no harm: {f.effect.replace('_', ' ')}, {harm(prepared, f):.1%} of the response."
             for f in shows

@@ -13,10 +13,10 @@ from modallab.gap.report.levels import some_levels_differ
 from modallab.gap.search.beside_known import beside_known, knows_element
 from modallab.gap.search.choose import Choice, choose
 from modallab.gap.search.clock import clock_shows
-from modallab.gap.search.faint import faint
 from modallab.gap.search.fitting import Bench
+from modallab.gap.search.law_by_hits import law_by_hits
 from modallab.gap.search.stepped import search_stepped
-from modallab.gap.unknown.description import Description, per_number, worth
+from modallab.gap.unknown.description import Description, cost_per_number, fit_cost
 from modallab.gap.unknown.rival import channel_alone, loses_samples, near, rivals
 
 
@@ -78,7 +78,7 @@ def _without_name(
     if not behaves or (alone is not None and alone.loses):
         return behaves
     pair = selection.rounds(2)[-1].fits
-    return () if pair and near(bench, pair[0]) and per_number(pair[0]) <= worth(behaves[0]) else behaves
+    return () if pair and near(bench, pair[0]) and fit_cost(pair[0]) <= cost_per_number(behaves[0]) else behaves
 
 
 def _by_level(
@@ -94,5 +94,5 @@ def _by_level(
     if some_levels_differ(base):
         # What answers to the level, not only to the side, makes odd overtones.
         return search_stepped(bench, prepared, base, "odd", matters, unseen, selection.rounds)
-    law = faint(bench, base, matters)
+    law = law_by_hits(bench, base, matters)
     return law if law.explained else replace(linear, rivals=(*linear.rivals, *law.rivals))

@@ -61,7 +61,7 @@ class SchedulerProcess(ProcessInterface):
         )
         self._process.start()
         theirs.close()
-        self.address = await asyncio.to_thread(self._heard)
+        self.address = await asyncio.to_thread(self._received_address)
         await super().start()
 
     async def close(self) -> None:
@@ -84,7 +84,7 @@ class SchedulerProcess(ProcessInterface):
             self._process.kill()
             self._process.join()
 
-    def _heard(self) -> str:
+    def _received_address(self) -> str:
         assert self._connection is not None
         try:
             if not self._connection.poll(START_S):

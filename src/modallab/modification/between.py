@@ -46,7 +46,7 @@ class Between:
         inverse = np.asarray(np.linalg.pinv(whole, rcond=1e-12), np.float64)
         weights = inverse @ np.concatenate([values, np.zeros((terms, values.shape[1]))])
         # -r^5 is the covariance of what the quadratic part leaves.
-        power = -np.sum(np.real(np.conj(values) * weights[: len(known)]), axis=0)
+        power = -np.einsum("kc,kc->c", values.conj(), weights[: len(known)]).real
         free = max(len(known) - int(np.linalg.matrix_rank(part)), 1)
         return cls(known, weights, inverse, np.sqrt(np.maximum(power, 0.0) / free), middle, size)
 
@@ -54,6 +54,10 @@ class Between:
         """(places, columns) at places (places, 3)."""
         places = (places_m - self.middle) / self.size
         return self._terms(places) @ self.weights
+
+    def rows(self, places_m: Real) -> Real:
+        """(places, known) what the values at the known places give at places (places, 3)."""
+        return self._terms((places_m - self.middle) / self.size) @ self.inverse[:, : len(self.known)]
 
     def spread(self, places_m: Real) -> Real:
         """(places, columns) deviation of the values there: that of kriging, whose scale is how rough the values are."""

@@ -79,7 +79,7 @@ def _at_point(known: Known, mode: int, to_hz: float, by: By, at: At) -> Answer:
     largest = float(np.max(np.abs(whole.psi[mode] ** 2 * 2 * pole.imag)))
     modal = (1.0 if by == "mass" else float(np.abs(pole) ** 2)) / max(phi2, 1e-3 * largest)
     sizes = np.geomspace(ONLY_THE_LIGHT * modal, AT_MOST * modal, TRIED)
-    hz = _followed(known, mode, by, at, sizes)
+    hz = np.array([_hz(known, mode, by, at, size) for size in sizes])
     start = float(np.abs(pole)) / (2 * np.pi)
     reached = float(min(start, hz.min())), float(max(start, hz.max()))
     between = np.flatnonzero((hz[:-1] - to_hz) * (hz[1:] - to_hz) <= 0)
@@ -89,21 +89,16 @@ def _at_point(known: Known, mode: int, to_hz: float, by: By, at: At) -> Answer:
     low, high = (1e-3 * sizes[0], sizes[0]) if first else sizes[between[0] : between[0] + 2]
 
     def off(log_size: float) -> float:
-        path = np.append(sizes[sizes < np.exp(log_size)], np.exp(log_size))
-        return float(_followed(known, mode, by, at, path)[-1]) - to_hz
+        return _hz(known, mode, by, at, float(np.exp(log_size))) - to_hz
 
     size = float(np.exp(brentq(off, np.log(low), np.log(high), xtol=1e-9)))  # pyright: ignore[reportArgumentType]
     return Answer(at, size, _sigma(known, to_hz, by, at, size), *reached)
 
 
-def _followed(known: Known, mode: int, by: By, at: At, sizes: Real) -> Real:
-    """(sizes,) frequency of a mode as a change grows: its order among the modes stays, as two of them never cross."""
-    return np.array([_sorted_hz(known, [_change(by, at, s)])[mode] for s in sizes])
-
-
-def _sorted_hz(known: Known, changes: Sequence[Addition]) -> Real:
-    found = np.abs(poles_of(Attached.of(known.structure, changes))) / (2 * np.pi)
-    return np.asarray(np.sort(found), np.float64)
+def _hz(known: Known, mode: int, by: By, at: At, size: float) -> float:
+    """Frequency of a mode with a change: its order among the modes stays as the change grows; two never cross."""
+    found = np.abs(poles_of(Attached.of(known.structure, [_change(by, at, size)]))) / (2 * np.pi)
+    return float(np.sort(found)[mode])
 
 
 def _change(by: By, at: At, size: float) -> Element:

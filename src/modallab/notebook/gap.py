@@ -11,9 +11,11 @@ from modallab.core.effects import kind_of
 from modallab.core.errors import FormatError
 from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.gap.diagnosis import diagnose as diagnose_campaign
+from modallab.gap.inference.agreement import Agreement
+from modallab.gap.inference.agreement import agreement as compare_with_simulation
 from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.report.summary import place_in_words, sentence
-from modallab.notebook.asked import path_for
+from modallab.notebook.arguments import path_for
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.model import Model, campaign_in
 from modallab.notebook.recording import Recording
@@ -111,6 +113,19 @@ def diagnose(
     if keep is not None:
         found.save(keep)
     return found
+
+
+def agreement(measured: Recording) -> Agreement:
+    """Whether the simulation agrees with records, and which channels or modes do not: within seconds, from one hit on.
+
+    Args:
+        measured: what `simulate` or `load` gave; one hit is enough.
+
+    Raises:
+        DataError: the records show no natural frequency and contain no sine test.
+        RigError: the rig describes no beam, which the simulation needs.
+    """
+    return compare_with_simulation(campaign_in(measured))
 
 
 @one_thread()

@@ -12,17 +12,20 @@ from numpy.typing import NDArray
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.extras import optional_package
+from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.units import FrfEstimator, Test
+from modallab.core.verification import Verification
 from modallab.identification.estimator import USUAL
 from modallab.identification.options import Options
 from modallab.identification.selection.criteria import mac
 from modallab.modification.known import Known
-from modallab.notebook.asked import band_of, frequencies_of, path_for
+from modallab.notebook.arguments import band_of, frequencies_of, path_for
 from modallab.notebook.measured import MeasuredFrf, phase_rises
 from modallab.notebook.put_to_use import PutToUse
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
+from modallab.notebook.understood import Understood
 from modallab.pipelines.identify import Identified, Result
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.model_use import known_of
@@ -42,7 +45,7 @@ Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class Model(PutToUse):
+class Model(PutToUse, Understood):
     """A modal model with its uncertainty; of several tests, that of the first. `model["sine"]` is that of another.
 
     Attributes:
@@ -73,6 +76,24 @@ class Model(PutToUse):
             DataError: no sensor stands at a driven point, or an output or input has no point.
         """
         return known_of(self.campaign, self.modal)
+
+    @property
+    def measured(self) -> Frf:
+        """The measured mobility that the model was compared with.
+
+        Raises:
+            DataError: the method makes no FRF.
+        """
+        return self._verification.measured
+
+    @property
+    def _verification(self) -> Verification:
+        if self.found.verification is None:
+            raise DataError(
+                f"the method {self.modal.method} regenerates no FRF",
+                remedy="identify without method, or with refine=True",
+            )
+        return self.found.verification
 
     @property
     def tests(self) -> tuple[str, ...]:
@@ -117,12 +138,7 @@ class Model(PutToUse):
         """
         from modallab.reporting.figures.all_points import all_points
 
-        check = self.found.verification
-        if check is None:
-            raise DataError(
-                f"the method {self.modal.method} regenerates no FRF",
-                remedy="identify without method, or with refine=True",
-            )
+        check = self._verification
         if drive not in range(len(self.modal.input_points)):
             raise DataError(
                 f"there is no input {drive!r}", remedy=f"give drive from 0 to {len(self.modal.input_points) - 1}"

@@ -16,7 +16,7 @@ from modallab.formats.importer import draft_rig, import_sources
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import read_rig
 from modallab.formats.sniff import sniff
-from modallab.notebook.asked import path_for
+from modallab.notebook.arguments import path_for
 from modallab.notebook.shown import Shown
 
 

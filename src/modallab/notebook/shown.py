@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from html import escape
 from io import StringIO
+from typing import Generic, TypeVar
 
 from rich.console import Console
 from rich.markup import escape as escaped
@@ -10,6 +11,9 @@ from rich.table import Table
 
 WIDTH = 100
 """Characters of a line at a prompt."""
+
+
+T = TypeVar("T")
 
 
 class Shown:
@@ -39,3 +43,15 @@ class Shown:
 
     def _repr_html_(self) -> str:
         return self.html()
+
+
+class Answered(Shown, Generic[T]):
+    """A table, and as `numbers` the answer that it shows.
+
+    Attributes:
+        numbers: every number of the table in SI units, as arrays.
+    """
+
+    def __init__(self, numbers: T, headings: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> None:
+        super().__init__(headings, rows, caption)
+        self.numbers = numbers

@@ -16,7 +16,7 @@ from modallab.core.errors import BenchError, ConfigurationError, ModallabError
 from modallab.core.plan import Plan
 from modallab.core.progress import report
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.notebook.asked import plans_of
+from modallab.notebook.arguments import plans_of
 from modallab.notebook.recording import Recording
 from modallab.reporting.waiting import waiting
 

@@ -15,10 +15,10 @@ from pydantic import JsonValue
 
 from modallab.core.block import Campaign
 from modallab.core.documents.models import CURVES
-from modallab.core.errors import StorageError
+from modallab.core.errors import IdentificationError, ModallabError, StorageError
 from modallab.core.frozen import Frozen
 from modallab.core.plan import Precision
-from modallab.core.progress import heard_by, part
+from modallab.core.progress import part, reported_to
 from modallab.formats.atomic import replacing
 from modallab.jobs import Computed, Kind, Notify
 from modallab.pipelines.parameters import (
@@ -108,7 +108,7 @@ def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> C
     from modallab.pipelines.model_file import model_document
 
     campaign, parameters = payload
-    with heard_by(notify):
+    with reported_to(notify):
         found = parameters.identified(campaign)
     curves = curves_of(campaign, found).model_dump_json().encode()
     return Computed(_plain(model_document(campaign, found)), {CURVES: curves})
@@ -120,13 +120,33 @@ def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> C
     from modallab.pipelines.telling_point import telling_point
 
     campaign, _ = payload
-    with heard_by(notify):
-        model = identify_campaign(campaign, Options(), None).identified[-1].model
+    compared = _agreement(campaign)
     names = ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma")
+    so_far: dict[str, Any] = {"blocks": len(campaign.blocks), "agreement": compared}
+    try:
+        with reported_to(notify):
+            model = identify_campaign(campaign, Options(), None).identified[-1].model
+    except IdentificationError:
+        # One hit is enough for the comparison, if not for a model.
+        if compared is None:
+            raise
+        return Computed(_plain({name: [] for name in names} | so_far | {"telling_point": None}))
     found = json.loads(model.model_dump_json(include=set(names)))
     hits = Counter(b.drive_point for b in campaign.blocks if b.drive_point is not None)
-    more = {"blocks": len(campaign.blocks), "telling_point": telling_point(model, campaign.rig, hits, Precision())}
-    return Computed(_plain({name: found[name] for name in names} | more))
+    more = {"telling_point": telling_point(model, campaign.rig, hits, Precision())}
+    return Computed(_plain({name: found[name] for name in names} | so_far | more))
+
+
+def _agreement(campaign: Campaign) -> dict[str, Any] | None:
+    """Whether the simulation agrees with the latest records; None where the rig or the records allow no comparison."""
+    from modallab.gap.inference.agreement import agreement, latest
+
+    try:
+        found = agreement(latest(campaign))
+    except ModallabError:
+        return None
+    agrees = not found.differing and not found.modes_differ
+    return {"sentence": found.sentence, "agrees": agrees, "channels": found.channels}
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
@@ -135,7 +155,7 @@ def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Compu
     from modallab.reporting.report import render
 
     campaign, parameters = payload
-    with heard_by(notify), part(0.0, 0.7):
+    with reported_to(notify), part(0.0, 0.7):
         result = parameters.identified(campaign)
     notify(0.7, "figures")
     content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
@@ -149,7 +169,7 @@ def _diagnose(payload: Compared, notify: Notify) -> Computed:
     campaign, parameters, before = payload
     if before is not None:
         return _by_model(campaign, before, notify)
-    with heard_by(notify), part(0.0, 0.95):
+    with reported_to(notify), part(0.0, 0.95):
         diagnosis = diagnose(campaign, parameters.hold_out)
     notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render(diagnosis, campaign).encode()})
@@ -159,9 +179,9 @@ def _by_model(campaign: Campaign, before: Campaign, notify: Notify) -> Computed:
     from modallab.pipelines.structure_gap import gap_of, model_to_compare
     from modallab.reporting.structure_report import render
 
-    with heard_by(notify), part(0.0, 0.4):
+    with reported_to(notify), part(0.0, 0.4):
         reference = model_to_compare(before)
-    with heard_by(notify), part(0.4, 0.95):
+    with reported_to(notify), part(0.4, 0.95):
         gap = gap_of(campaign, reference, f"a campaign from before, {before.source}")
     notify(0.95, "figures")
     return Computed(json.loads(gap.diagnosis.model_dump_json()), {"gap.html": render(gap).encode()})
@@ -172,7 +192,7 @@ def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> Computed:
     from modallab.blind.run import blind
 
     _, parameters = payload
-    with heard_by(notify), TemporaryDirectory() as folder:
+    with reported_to(notify), TemporaryDirectory() as folder:
         found = blind(Path(folder), parameters)
     return Computed(json.loads(found.model_dump_json()), {"blind.html": render(found).encode()})
 

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterable, Sequence
 
-from modallab.core.array_checks import check_signals
+from modallab.core.array_checks import check_signals, moving_channels
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
+from modallab.formats.error_list import Collected
 from modallab.signals.faults.fault import Fault
 from modallab.signals.faults.found import faults_of
 from modallab.signals.full_scale import overloaded
@@ -24,8 +25,12 @@ def sound(campaign: Campaign, blocks: Sequence[Block], force: str | None) -> tup
     Raises:
         DataError: damaged samples, or no record is left.
     """
+    errors, moving = Collected(), moving_channels((b.channels, b.samples) for b in blocks)
     for block in blocks:
-        check_signals(block.samples, block.channels, f"{campaign.source}, record {block.name}", force=force)
+        where = f"{campaign.source}, record {block.name}"
+        with errors:
+            check_signals(block.samples, block.channels, where, force=force, moving=moving)
+    errors.done()
     over = [b.name for b in blocks if overloaded(b, campaign.rig)]
     faults = {b.name: found for b in blocks if b.name not in over and (found := faults_of(b, campaign.rig))}
     clean = tuple(b for b in blocks if b.name not in over and b.name not in faults)

@@ -13,8 +13,8 @@ LONGEST = 12
 COLOURS = {"tolerance": "measured", "effect": "warning", "model": "model", "noise": "soft"}
 SAID = (
     "Shares of the squares of measured less simulated as the rig file describes the bench; the response of each record "
-    "counts alike. Blue: what lies within the tolerances. A negative share works against the others. The table "
-    "leaves out tolerances below half a percent."
+    "counts alike. Blue: what lies within the tolerances. Numbers whose shares cancel stand together, with what stays. "
+    "The table leaves out tolerances below half a percent."
 )
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from modallab.core.diagnosis import Found
 from modallab.formats.atomic import replacing
 from modallab.gap.simulations.compare import Compared
-from modallab.gap.simulations.said import sentence_of
+from modallab.gap.simulations.sentence import sentence_of
 from modallab.reporting.gap_candidates import channel_bars
 from modallab.reporting.gap_page import page, section
 from modallab.reporting.gap_words import sure

@@ -48,7 +48,7 @@ class Slot:
     def value(self, u: float) -> float:
         """The number at coordinate u, held within its range."""
         if self.transform == "log":
-            free = float(np.exp(np.clip(self._bent(u), -60, 60)))
+            free = float(np.exp(np.clip(self._bounded_log(u), -60, 60)))
         elif self.transform == "share":
             free = float(1 / (1 + np.exp(-np.clip(u, -30, 30))))
         else:
@@ -58,7 +58,7 @@ class Slot:
     def coordinate(self, value: float) -> float:
         """The coordinate of a number."""
         if self.transform == "log":
-            return self._straight(float(np.log(value)))
+            return self._coordinate_of_log(float(np.log(value)))
         if self.transform == "share":
             return float(np.log(value / (1 - value)))
         return value / self.scale
@@ -73,7 +73,7 @@ class Slot:
         room = min(NEAR_AN_END, (high - low) / 4)
         return low + room, high - room, room
 
-    def _bent(self, u: float) -> float:
+    def _bounded_log(self, u: float) -> float:
         """The logarithm at coordinate u: ever slower towards an end, so that a fit that ran there finds back."""
         low, high, room = self._ends
         past = max(u - high, low - u)
@@ -82,14 +82,14 @@ class Slot:
         least = room * past / (room + past)
         return high + least if u > high else low - least
 
-    def _straight(self, bent: float) -> float:
+    def _coordinate_of_log(self, logarithm: float) -> float:
         """The coordinate at which the logarithm is this."""
         low, high, room = self._ends
-        past = max(bent - high, low - bent)
+        past = max(logarithm - high, low - logarithm)
         if past <= 0 or not room:
-            return bent
+            return logarithm
         most = room * past / max(room - past, room / FARTHEST)
-        return high + most if bent > high else low - most
+        return high + most if logarithm > high else low - most
 
 
 @dataclass(frozen=True, slots=True)

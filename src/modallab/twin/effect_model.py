@@ -51,8 +51,8 @@ class Search:
             says little more of where it is; 0 where the number has no place.
         drowns: whether its force grows faster than the motion: of a small motion its overtones drown in the noise.
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
-        behind: its stiffness at the root, in series with which stands what the beam's higher modes give way there: how
-            many modes the bench has, the records hardly say; "" for none.
+        behind: name of its stiffness at the root, which acts in series with the compliance of the modes above the band;
+            the records hardly determine how many such modes there are. "" for none.
         acting: whether an effect with these numbers does anything that a linear one does not: else none is begun there.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.

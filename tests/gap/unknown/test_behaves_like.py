@@ -14,7 +14,7 @@ from modallab.gap.design.prediction import predict
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import sentence
 from modallab.gap.revisions.apply import with_diagnosis
-from modallab.gap.simulations.held_against import held_against
+from modallab.gap.simulations.simulation_residual import simulation_residual
 from modallab.reporting.gap_report import render
 from modallab_simulators.cantilever import open_bench
 
@@ -53,7 +53,7 @@ def test_it_closes_the_gap_on_records_that_no_fit_has_seen(hung: tuple[Campaign,
     assert described.shrink.closed > 0.99
     bare = diagnosis.model_copy(update={"described": None})
     names = described.shrink.held_out
-    with_it, without = (held_against(campaign, predict(d, campaign), names).gap for d in (diagnosis, bare))
+    with_it, without = (simulation_residual(campaign, predict(d, campaign), names).gap for d in (diagnosis, bare))
     assert with_it < 0.05 * without
 
 

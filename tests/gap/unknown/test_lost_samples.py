@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.gap.unknown.hold import hold_of
+from modallab.gap.unknown.sample_hold import hold_of
 from modallab.gap.unknown.volts import Channel
 
 NOISE = 3e-4

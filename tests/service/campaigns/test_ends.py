@@ -26,19 +26,19 @@ from modallab.service.records.event_log import EventLog, Topic
 from modallab.service.records.repository import RunEntry
 from modallab.service.rigs.active_run import RequestedRun
 from modallab.service.rigs.control import StartRun
-from modallab.service.rigs.diary import Diary, Recovery
+from modallab.service.rigs.run_log import Recovery, RunLog
 from modallab.storage import Store
 from modallab.storage.records import ENDED
 
 LONG = ImpactPlan(points=(10, 6, 3), hits=40)
 
 
-def _of(diary: Diary, run: str, kind: str) -> list[EventView]:
-    return [event for event in diary.log.after(0, 10_000) if event.run == run and event.kind == kind]
+def _of(run_log: RunLog, run: str, kind: str) -> list[EventView]:
+    return [event for event in run_log.log.after(0, 10_000) if event.run == run and event.kind == kind]
 
 
-def _ends(diary: Diary, run: str) -> list[EventView]:
-    return [event for event in _of(diary, run, "state") if event.content["state"] in ENDED]
+def _ends(run_log: RunLog, run: str) -> list[EventView]:
+    return [event for event in _of(run_log, run, "state") if event.content["state"] in ENDED]
 
 
 @contextmanager
@@ -62,30 +62,30 @@ def _looking_all_the_time(recovery: Recovery) -> Iterator[None]:
 def test_a_rig_that_dies_under_the_eyes_of_the_recovery_ends_its_run_once(lab: Lab) -> None:
     lease, campaign = lab.lease(), lab.campaign()
     try:
-        with _looking_all_the_time(Recovery(lab.diary, look_s=0.0)):
+        with _looking_all_the_time(Recovery(lab.run_log, look_s=0.0)):
             for _ in range(3):
                 run = begin(lab.service, campaign, RunNew(plan=LONG), lease.id)
                 lab.wait_for(lambda e, run=run: e.run == run and e.kind == "block")
                 os.kill(lab.controller.pid or 0, signal.SIGKILL)
                 lab.wait_for(lambda e, run=run: e.run == run and e.kind == "failed")
                 lab.wait_until_idle()
-                assert [end.content["state"] for end in _ends(lab.diary, run)] == ["failed"]
-                assert len(_of(lab.diary, run, "failed")) == 1
+                assert [end.content["state"] for end in _ends(lab.run_log, run)] == ["failed"]
+                assert len(_of(lab.run_log, run, "failed")) == 1
                 assert "interrupted" in lab.store.catalogue.run(run).reason
     finally:
         lab.service.leases.release(RIG, lease.id)
 
 
-def _recorded(store: Store, diary: Diary, rig: Rig, state: RunState, reported: RunState) -> str:
+def _recorded(store: Store, run_log: RunLog, rig: Rig, state: RunState, reported: RunState) -> str:
     """A run that stands at `state` on the disk, of which the log heard up to `reported`."""
     info = BenchInfo("sim://somewhere", (), True, False, {})
-    campaign = diary.repository.create(CampaignNew(name="a session", rig="link"), "Ada").id
+    campaign = run_log.repository.create(CampaignNew(name="a session", rig="link"), "Ada").id
     with store.begin(LONG, rig, info) as recorder:
         if state != "created":
             recorder.enter(state, "as the rig said")
-        diary.repository.add_run(RunEntry(recorder.run, campaign, "link", "Ada", None), {})
+        run_log.repository.add_run(RunEntry(recorder.run, campaign, "link", "Ada", None), {})
         said = StateChanged(run=recorder.run, state=reported)
-        diary.log.append("state", Topic("link", campaign, recorder.run), said.model_dump())
+        run_log.log.append("state", Topic("link", campaign, recorder.run), said.model_dump())
         return recorder.run
 
 
@@ -93,32 +93,32 @@ def test_an_end_that_the_service_did_not_live_to_report_is_reported_at_its_next_
     tmp_path: Path, link_rig: Rig
 ) -> None:
     with Store(tmp_path / "data") as store:
-        diary = Diary(store, EventLog(store.catalogue.engine))
-        done = _recorded(store, diary, link_rig, "done", "acquiring")
-        lost = _recorded(store, diary, link_rig, "failed", "acquiring")
-        dead = _recorded(store, diary, link_rig, "created", "created")
-        reported = _recorded(store, diary, link_rig, "done", "done")
+        run_log = RunLog(store, EventLog(store.catalogue.engine))
+        done = _recorded(store, run_log, link_rig, "done", "acquiring")
+        lost = _recorded(store, run_log, link_rig, "failed", "acquiring")
+        dead = _recorded(store, run_log, link_rig, "created", "created")
+        reported = _recorded(store, run_log, link_rig, "done", "done")
         for _ in range(2):
             ended: list[str] = []
-            again = Diary(store, EventLog(store.catalogue.engine))
+            again = RunLog(store, EventLog(store.catalogue.engine))
             Recovery(again, ended.append).look()
         assert ended == []
         for run, state in ((done, "done"), (lost, "failed"), (dead, "failed"), (reported, "done")):
-            (end,) = _ends(diary, run)
+            (end,) = _ends(run_log, run)
             assert end.content["state"] == state
             assert (end.rig, end.campaign != "") == ("link", True)
-        codes = {run: getattr(diary.repository.entry(run), "code", None) for run in (done, lost, dead)}
+        codes = {run: getattr(run_log.repository.entry(run), "code", None) for run in (done, lost, dead)}
         assert codes == {done: "", lost: "interrupted", dead: "interrupted"}
 
 
 def test_whoever_follows_a_run_reports_its_end(tmp_path: Path, link_rig: Rig) -> None:
     with Store(tmp_path / "data") as store:
-        diary = Diary(store, EventLog(store.catalogue.engine))
-        run = _recorded(store, diary, link_rig, "failed", "acquiring")
+        run_log = RunLog(store, EventLog(store.catalogue.engine))
+        run = _recorded(store, run_log, link_rig, "failed", "acquiring")
         ended: list[str] = []
-        recovery = Recovery(diary, ended.append, look_s=0.0)
+        recovery = Recovery(run_log, ended.append, look_s=0.0)
         for name in (run, ""):
-            with diary.ends.following(type("Active", (), {"run": name})()):
+            with run_log.ends.following(type("Active", (), {"run": name})()):
                 recovery.look()
             assert ended == []
         recovery.look()

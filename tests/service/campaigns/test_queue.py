@@ -29,7 +29,7 @@ SINE = SinePlan(frequencies_hz=(19.53125,), settle_s=2.0, ramp_s=0.5, wait_s=1.0
 
 @pytest.fixture(scope="module", autouse=True)
 def runner(lab: Lab) -> Iterator[QueueRunner]:
-    running = QueueRunner(lab.controllers, lab.diary)
+    running = QueueRunner(lab.controllers, lab.run_log)
     yield running
     running.close()
 

@@ -20,10 +20,10 @@ from modallab.service.campaigns.runs import run_view
 from modallab.service.context import Service, open_service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.jobs.campaign_jobs import order
+from modallab.service.records.archived import Archive
 from modallab.service.records.leases import Leases
 from modallab.service.records.repository import RunEntry
 from modallab.service.records.run_queue import RunQueue
-from modallab.service.records.set_aside import SetAside
 from modallab.service.rigs.controllers import Controllers
 from modallab.storage import Store
 
@@ -40,8 +40,8 @@ def service(tmp_path: Path) -> Iterator[Service]:
 
 
 @pytest.fixture
-def aside(service: Service) -> SetAside:
-    return SetAside(service.engine)
+def aside(service: Service) -> Archive:
+    return Archive(service.engine)
 
 
 @pytest.fixture

@@ -15,17 +15,14 @@ from modallab.storage import Store
 HITS = ImpactPlan(points=(10, 6, 3), hits=2000)
 DRIVEN = SinePlan(frequencies_hz=tuple(19.0 + n for n in range(40)), settle_s=0.5, ramp_s=0.25, wait_s=0.5)
 BENCH = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
-AGAIN = pytest.mark.thorough("starts a service, and ends it in a run")
 LEAVE_S = 9.0
 """3 s on a machine that does nothing else."""
 
 
+@pytest.mark.thorough("starts a service, and ends it in a run")
 @pytest.mark.parametrize(
     ("plan", "asked_by"),
-    [
-        pytest.param(HITS, signal.SIGTERM, id="impact, SIGTERM", marks=AGAIN),
-        pytest.param(DRIVEN, signal.SIGINT, id="sine, Ctrl-C"),
-    ],
+    [pytest.param(HITS, signal.SIGTERM, id="impact, SIGTERM"), pytest.param(DRIVEN, signal.SIGINT, id="sine, Ctrl-C")],
 )
 def test_a_run_that_is_cut_short_by_the_end_of_the_service_has_failed(tmp_path: Path, plan, asked_by) -> None:
     # A shell has what it runs in the background ignore Ctrl-C, and whatever that starts.

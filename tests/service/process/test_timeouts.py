@@ -40,11 +40,11 @@ def test_on_an_idle_machine_a_second_is_a_second(clock: Clock) -> None:
 
 def test_whoever_listens_late_himself_does_not_blame_the_other(clock: Clock) -> None:
     timer = HeartbeatTimer(1.0, LOOK_S, clock)
-    heard = clock.now_s
+    received_s = clock.now_s
     # One look in which nobody had the processor for two seconds, then a sign.
-    assert not timer.look(heard, 0.0)
+    assert not timer.look(received_s, 0.0)
     clock.now_s += 2.0
-    assert not timer.look(heard, 0.0)
+    assert not timer.look(received_s, 0.0)
     assert not timer.look(clock.now_s, 0.0)
     assert timer.counted_s == 0.0
 
@@ -55,21 +55,21 @@ def test_however_busy_five_times_the_time_out_is_too_long(clock: Clock) -> None:
 
 def test_a_process_that_works_is_given_more_time_and_not_for_ever(clock: Clock) -> None:
     timer = HeartbeatTimer(1.0, LOOK_S, clock)
-    heard, used_s = clock.now_s, 0.0
-    while not timer.look(heard, used_s):
+    received_s, used_s = clock.now_s, 0.0
+    while not timer.look(received_s, used_s):
         clock.now_s += LOOK_S
         used_s += 0.01
-        assert clock.now_s < heard + 60
-    assert clock.now_s - heard == pytest.approx(5.05, abs=0.06)
+        assert clock.now_s < received_s + 60
+    assert clock.now_s - received_s == pytest.approx(5.05, abs=0.06)
 
 
 def test_every_sign_begins_anew(clock: Clock) -> None:
     timer = HeartbeatTimer(1.0, LOOK_S, clock)
     for _ in range(40):
-        heard = clock.now_s
+        received_s = clock.now_s
         for _ in range(15):
             clock.now_s += LOOK_S
-            assert not timer.look(heard, 0.0)
+            assert not timer.look(received_s, 0.0)
 
 
 def test_new_events_wait_for_nobody_who_reads_no_more() -> None:
@@ -90,15 +90,15 @@ def test_new_events_wait_for_nobody_who_reads_no_more() -> None:
 
 def test_who_reads_hears_of_new_events() -> None:
     ours, theirs = Pipe()
-    gone, heard = threading.Event(), threading.Event()
+    gone, received_s = threading.Event(), threading.Event()
     remote = RemoteControl(theirs, gone.set)
-    remote.on_events = heard.set
+    remote.on_events = received_s.set
     counter = Counter(ours, control=None)
     while not counter.began:
         time.sleep(0.01)
     for _ in range(20):
-        heard.clear()
+        received_s.clear()
         counter.new_events()
-        assert heard.wait(10)
+        assert received_s.wait(10)
     ours.send(None)
     assert gone.wait(10)

@@ -15,7 +15,7 @@ from modallab_simulators.cantilever.effect_part import EffectPart, row_of
 Floats = NDArray[np.float64]
 
 
-def _bent(law: Mapping[str, float], volts: Floats) -> Floats:
+def _distorted(law: Mapping[str, float], volts: Floats) -> Floats:
     if "tanh_v" in law:
         return law["tanh_v"] * np.tanh(volts / law["tanh_v"])
     if "knee_v" in law:
@@ -27,7 +27,7 @@ def _bent(law: Mapping[str, float], volts: Floats) -> Floats:
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
     c = altered.chain
     return replace(
-        altered, chain=replace(c, curves={**c.curves, row_of(effect): partial(_bent, dict(effect.parameters))})
+        altered, chain=replace(c, curves={**c.curves, row_of(effect): partial(_distorted, dict(effect.parameters))})
     )
 
 

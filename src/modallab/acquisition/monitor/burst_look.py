@@ -5,8 +5,8 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.changed_places import ChangedPlaces
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
+from modallab.acquisition.monitor.sensor_places import ExchangedChannels
 from modallab.acquisition.monitor.tone_prediction import Foreseen, foresee, tone_basis
 from modallab.bench.protocol import Burst
 from modallab.storage.samples import Samples
@@ -73,7 +73,7 @@ class BurstLook:
         # What has not rung down, or hums, must not pass for a noise that a lost tone falls back to.
         self.white_v = np.minimum(self.noise_v, np.maximum(noise.rms * volts / np.sqrt(self._step), rounding))
         self.sigma_v = self.noise_v * np.sqrt(2 / self.earlier)
-        self.places = ChangedPlaces(averaged, self.white_v)
+        self.places = ExchangedChannels(averaged, self.white_v)
 
     @property
     def envelope_earlier(self) -> float:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.burst_look import WEAK_EARLIER_S, WEAK_LATER_S, BurstLook
-from modallab.acquisition.monitor.calm_looks import calm_looks
 from modallab.acquisition.monitor.expected_force import OTHERS_FROM, SEEN, ExpectedForce, not_believed
 from modallab.acquisition.monitor.known_shapes import KnownShapes
+from modallab.acquisition.monitor.normal_looks import normal_looks
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.tone_prediction import (
     Foreseen,
@@ -112,9 +112,9 @@ class Plausibility:
         if cut.size:
             raise not_believed(f"{self._names[int(cut[0])]} is cut off: all its highest samples read the same")
         look.add(chunk.samples)
-        calm = calm_looks(look, self._force)
+        normal = normal_looks(look, self._force)
         while look.next_hop():
-            if calm is None or not calm.passes(look):
+            if normal is None or not normal.passes(look):
                 self._require_all(look)
 
     def _require_all(self, look: BurstLook) -> None:

@@ -7,8 +7,8 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.acquisition.monitor.channel_prediction import ChannelPrediction
 from modallab.acquisition.monitor.flat_tops import flat_tops
-from modallab.acquisition.monitor.others_say import OthersSay
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise
 from modallab.acquisition.monitor.tone_prediction import about_line_rms
 from modallab.bench.protocol import Chunk, Waveform
@@ -81,7 +81,7 @@ class WaveLook:
         self._raw: Samples = rest[:, :0]
         self._seen_to = start
         self._taken = start
-        self._said = OthersSay(self._channels + DRIVE_LAGS * len(waves), FORGET)
+        self._prediction = ChannelPrediction(self._channels + DRIVE_LAGS * len(waves), FORGET)
         self._hops: deque[Real] = deque(maxlen=WINDOW_HOPS + UNSURE_HOPS)
         self._usual: deque[Real] = deque(maxlen=UNSURE_HOPS + ceil(max(USUAL_S, period_s) / HOP_S))
         self._gone = np.zeros(self._channels, dtype=np.int64)
@@ -104,7 +104,7 @@ class WaveLook:
         keep = self._seen_to - self._taken + max(self._hop, round(FLAT_S * self._rate_hz))
         self._raw = self._raw[:, -keep:]
         if len(self._hops) == self._hops.maxlen:
-            self._said.learn(self._hops[0])
+            self._prediction.learn(self._hops[0])
         self._hops.append(self._rows())
         return True
 
@@ -121,9 +121,9 @@ class WaveLook:
         drives = window[self._channels :: DRIVE_LAGS]
         driven = np.sqrt(np.mean(drives**2, axis=1)) >= DRIVEN * DRIVE_SCALE
         gone = np.zeros(self._channels, dtype=np.bool_)
-        if self._said.count >= self._least_learned:
-            foretold, unexplained = self._said.foretell(window, self._channels, 1.0)
-            gone |= about_line_rms(foretold) > np.maximum(MOVING, UNEXPLAINED * unexplained)
+        if self._prediction.count >= self._least_learned:
+            predicted, unexplained = self._prediction.predict(window, self._channels, 1.0)
+            gone |= about_line_rms(predicted) > np.maximum(MOVING, UNEXPLAINED * unexplained)
         if driven.any() and len(self._usual) == self._usual.maxlen:
             gone |= np.min(list(self._usual)[:-UNSURE_HOPS], axis=0) > MOVING
         self._usual.append(level)

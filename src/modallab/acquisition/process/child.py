@@ -9,13 +9,13 @@ from pathlib import Path
 
 from modallab.acquisition.monitor.live import IDLE, LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
-from modallab.acquisition.process.awake import kept_awake
 from modallab.acquisition.process.idle_scope import IdleScope, idle_name
 from modallab.acquisition.process.link import Link
 from modallab.acquisition.process.messages import Ended, Ready, RunPlan
 from modallab.acquisition.process.output_supervisor import LifeLine
 from modallab.acquisition.process.priority import take_priority
 from modallab.acquisition.process.run import Order, make_safe, run_plan
+from modallab.acquisition.process.sleep_lock import without_sleep
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench
@@ -105,19 +105,23 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard
     error: ModallabError | None = None
     unusable = False
     excitation = Excitation()
-    awake = nullcontext("") if isinstance(order.plan, ImpactPlan) or not bench.info.real_time else kept_awake()
+    sleep_lock = nullcontext("") if isinstance(order.plan, ImpactPlan) or not bench.info.real_time else without_sleep()
 
     def control() -> Order | None:
         guard.life.working(driving=excitation.on)
         return link.order()
 
     try:
-        with store.begin(order.plan, rig, bench.info) as recorder, LiveRing(store.folder) as live, awake as said:
+        with (
+            store.begin(order.plan, rig, bench.info) as recorder,
+            LiveRing(store.folder) as live,
+            sleep_lock as held,
+        ):
             try:
                 run_plan(
                     bench, rig, order.plan, recorder, link.send, control,
                     requests=link.requests, latch=guard.latch, excitation=excitation,
-                    supervision="; ".join(filter(None, (guard.supervision, said))),
+                    supervision="; ".join(filter(None, (guard.supervision, held))),
                     live=live, expected=order.expected,
                 )  # fmt: skip
             finally:

@@ -40,17 +40,17 @@ class IdleScope:
         self._bench, self._rig, self._folder = bench, rig, data_folder
         self._name = idle_name(bench.info.url)
         # What one who is gone has left there says nothing.
-        self._said = self._look()
-        self._heard_s = float("-inf")
+        self._request = self._look()
+        self._request_s = float("-inf")
         self._not_before_s = float("-inf")
 
     @property
     def wanted(self) -> bool:
         """Whether somebody looks."""
-        said, now = self._look(), time.monotonic()
-        if said != self._said:
-            self._said, self._heard_s = said, now
-        return now - self._heard_s < LEFT_S and now > self._not_before_s
+        request, now = self._look(), time.monotonic()
+        if request != self._request:
+            self._request, self._request_s = request, now
+        return now - self._request_s < LEFT_S and now > self._not_before_s
 
     def show(self, ended: Callable[[], bool]) -> None:
         """Until `ended`, or nobody looks any more."""

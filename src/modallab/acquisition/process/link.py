@@ -34,7 +34,7 @@ class Link:
         self._reports: SimpleQueue[Report | None] = SimpleQueue()
         self._sender = Thread(target=self._send_all, name="reports", daemon=True)
         self._sender.start()
-        Thread(target=self._hear, name="commands", daemon=True).start()
+        Thread(target=self._receive, name="commands", daemon=True).start()
 
     def order(self) -> Order | None:
         """What the owner wants of the active run."""
@@ -68,14 +68,14 @@ class Link:
                 self._lost()
                 return
 
-    def _hear(self) -> None:
-        heard = time.monotonic()
+    def _receive(self) -> None:
+        received_s = time.monotonic()
         while self._order != "lost":
             try:
                 if self._connection.poll(HEARTBEAT_S):
                     self._obey(self._connection.recv())
-                    heard = time.monotonic()
-                elif time.monotonic() - heard > self._timeout_s:
+                    received_s = time.monotonic()
+                elif time.monotonic() - received_s > self._timeout_s:
                     self._lost()
             except (EOFError, OSError):
                 self._lost()

@@ -87,7 +87,7 @@ def _watch(watched: Connection, owner: Connection, handle: OutputHandle, latch: 
     Returns:
         What is left to do once the output is at 0 V.
     """
-    heard_s = time.monotonic()
+    received_s = time.monotonic()
     sign: Sign = "idle"
     process: psutil.Process | None = None
     ends = [watched, owner]
@@ -96,7 +96,7 @@ def _watch(watched: Connection, owner: Connection, handle: OutputHandle, latch: 
         try:
             if watched in ready:
                 message: Sign | int = watched.recv()
-                heard_s = time.monotonic()
+                received_s = time.monotonic()
                 if isinstance(message, int):
                     process = _found(message)
                 else:
@@ -114,7 +114,7 @@ def _watch(watched: Connection, owner: Connection, handle: OutputHandle, latch: 
             ends = [watched]
             _try(handle.zero)
         frozen = sign != "idle" and not ready and _frozen(process)
-        if sign != "idle" and (frozen or time.monotonic() - heard_s > TIMEOUT_S):
+        if sign != "idle" and (frozen or time.monotonic() - received_s > TIMEOUT_S):
             _try(handle.zero)
             if sign == "driving":
                 _try(partial(latch.trip, "time-out", FROZEN if frozen else TIMED_OUT))

@@ -6,6 +6,7 @@ from threading import Condition, Lock
 
 from rich.console import Console
 
+from modallab.cli.bench_mode.agreement_watch import AgreementWatch
 from modallab.cli.bench_mode.keys import KeyMap, Meaning
 from modallab.cli.bench_mode.screen import Screen, sentence
 from modallab.cli.bench_mode.session_state import SessionState
@@ -35,6 +36,8 @@ class Operator:
         self._done = Condition(self._lock)
         self._keys = keys
         self.left = False
+        has_beam = session.rig.beam is not None
+        self._agreement = AgreementWatch(lambda run: session.recorded((run,)), self._compared) if has_beam else None
 
     def notify(self, event: EventView) -> None:
         """Show what an event means to the operator."""
@@ -46,6 +49,15 @@ class Operator:
             if state.phase != before.phase or event.kind in ("hit_too_early", "hit_rejected", "hit_requested"):
                 self._tones.play(state.phase)
             self._show(state, before)
+            if self._agreement is not None and state.last_good is not None and state.last_good != before.last_good:
+                self._agreement.request(state.run)
+
+    def _compared(self, sentence: str) -> None:
+        """Show whether the simulation agrees with what was recorded."""
+        with self._lock:
+            before, self._state = self._state, replace(self._state, compared=sentence)
+            if self._state != before:
+                self._show(self._state, before)
 
     def pressed(self, meaning: Meaning) -> None:
         """Do what a key means; what cannot be done now is shown, and the test goes on."""
@@ -64,13 +76,13 @@ class Operator:
         except ModallabError as error:
             self._console.print(error.what, markup=False, highlight=False)
 
-    def moved(self, setup: str, moves: Sequence[Move], hears: Callable[[], bool]) -> bool:
+    def moved(self, setup: str, moves: Sequence[Move], key_pressed: Callable[[], bool]) -> bool:
         """Say which sensors to move, and wait for the key that says they are; False if the operator quits instead.
 
         Args:
             setup: name of the set-up.
             moves: what to move.
-            hears: whether a key can still come.
+            key_pressed: whether a key can still come.
 
         Raises:
             ConfigurationError: no key can come.
@@ -79,7 +91,7 @@ class Operator:
             before, self._state = self._state, SessionState(phase="move", text=self._to_move(setup, moves))
             self._show(self._state, before)
             while self._state.phase == "move" and not self.left:
-                if not hears():
+                if not key_pressed():
                     raise ConfigurationError(
                         f"sensors are to be moved for set-up {setup}, and no key can say that they are",
                         remedy="start it with a keyboard, or a pipe that stays open",
@@ -92,8 +104,10 @@ class Operator:
         return f"set-up {setup}: {each}; then press {self._keys.names['pause']}"
 
     def close(self) -> None:
-        """End the tones."""
+        """End the tones and the comparison with the simulation."""
         self._tones.close()
+        if self._agreement is not None:
+            self._agreement.close()
 
     def _show(self, state: SessionState, before: SessionState) -> None:
         if self._screen is not None:
@@ -103,6 +117,8 @@ class Operator:
             # One line a wait: the countdown is for a screen.
             return
         lines = [f"{state.done}/{state.total}  {sentence(state)}"]
+        if state.compared != before.compared:
+            lines = [state.compared]
         if state.news != before.news and state.news:
             lines.insert(0, state.news)
         self._console.print("\n".join(lines), markup=False, highlight=False, soft_wrap=True)

@@ -48,6 +48,8 @@ class Screen:
             lines += ["", *big(str(state.point), width, 2)]
         prompt = Text("\n".join(lines), style=style, justify="left", no_wrap=True)
         news = Text(state.news, style="cyan" if state.phase == "good" else "bold red", overflow="fold")
-        below = Text(f"{sentence(state)}\n{state.done}/{state.total}   {self._keys.help()}", overflow="fold")
+        below = Text(
+            f"{sentence(state)}\n{state.done}/{state.total}   {self._keys.help()}\n{state.compared}", overflow="fold"
+        )
         self._console.clear()
         self._console.print(Group(Align.center(prompt), news, below))

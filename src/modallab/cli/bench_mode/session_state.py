@@ -22,6 +22,7 @@ class SessionState:
         total: how many the plan wants.
         text: one line besides: how long to wait, which frequency.
         news: what became of the hit before, until the next one.
+        compared: whether the simulation agrees with what was recorded last.
         last_good: number of the block that was kept last, which an undo takes back; None if there is none.
         last_rejected: number of the block that was rejected last, which may be accepted; None if there is none.
     """
@@ -35,6 +36,7 @@ class SessionState:
     total: int = 0
     text: str = ""
     news: str = ""
+    compared: str = ""
     last_good: int | None = None
     last_rejected: int | None = None
 

@@ -214,10 +214,12 @@ class PlanCheck(Frozen):
     Attributes:
         problems: what is wrong with it, in plain sentences; none: it is possible.
         blocks: it would record; 0 where it is not possible.
+        duration_s: about how long it would take, with the usual pace of an operator; 0 where it is not possible.
     """
 
     problems: tuple[str, ...]
     blocks: int
+    duration_s: float
 
 
 class BlockForce(Frozen):

@@ -226,8 +226,8 @@ def _state(block: Block, rig: Rig, noise_v: Array, poles: Complex, shapes: Compl
     later = np.exp(poles * stop / block.rate_hz)
     # What the hit itself leaves, referred to the start of the record, less what rang before.
     own = np.linalg.norm(after / later - shapes * amplitude, axis=0)
-    heard = np.abs(amplitude) / np.maximum(np.abs(np.exp(poles * LEADS)) * own, 1e-300)
-    return shapes * amplitude, left, float(heard[0])
+    shares = np.abs(amplitude) / np.maximum(np.abs(np.exp(poles * LEADS)) * own, 1e-300)
+    return shapes * amplitude, left, float(shares[0])
 
 
 def _sigma(block: Block, rig: Rig, noise_v: Array) -> Array:

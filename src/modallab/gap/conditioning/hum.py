@@ -76,16 +76,16 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
     off = [(b.frequency_hz or 0.0, _drive_off(b, force)) for b in sines]
     for hz in MAINS_HZ:
         ratio = _drive_ratio(off, hz)
-        heard = [b for b in blocks if b.test == "sine" and _clear(b, hz)]
-        if len(heard) < 4:
-            heard = [b for b in blocks if b.test == "impact"]
-        if len(heard) < 3:
+        with_hum = [b for b in blocks if b.test == "sine" and _clear(b, hz)]
+        if len(with_hum) < 4:
+            with_hum = [b for b in blocks if b.test == "impact"]
+        if len(with_hum) < 3:
             continue
-        records = [_Record.of(b, hz, force, ratio) for b in heard]
-        seen_hz = _tuned(records, hz, noise_v) if heard[0].test == "sine" else hz
+        records = [_Record.of(b, hz, force, ratio) for b in with_hum]
+        seen_hz = _tuned(records, hz, noise_v) if with_hum[0].test == "sine" else hz
         size = np.abs(np.array([r.amplitudes(seen_hz) for r in records]))
         volts = np.median(size, axis=0)
-        n = int(np.median([_heard_samples(b, force) for b in heard]))
+        n = int(np.median([_samples_with_hum(b, force) for b in with_hum]))
         sigma = noise_v * np.sqrt(2 / n)
         z = volts / sigma
         # Steady: a response to the drive would change from record to record; hum does not.
@@ -172,7 +172,7 @@ class _Record:
     @classmethod
     def of(cls, block: Block, near_hz: float, force: int, ratio: float, decays: Complex = NO_DECAYS) -> Self:
         """Of a block, for frequencies near one, beside decays of some poles."""
-        volts = block.samples[:, : _heard_samples(block, force)] * block.scale[:, None]
+        volts = block.samples[:, : _samples_with_hum(block, force)] * block.scale[:, None]
         t = np.arange(volts.shape[1]) / block.rate_hz
         window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
         beside = [np.ones(len(t))]
@@ -231,7 +231,7 @@ def _drive_off(block: Block, force: int) -> float:
     return _strongest(power, line, 29)[0] / line
 
 
-def _heard_samples(block: Block, force: int) -> int:
+def _samples_with_hum(block: Block, force: int) -> int:
     """Samples that show the hum: of a hit those before it, where they suffice."""
     before = int(np.argmax(np.abs(block.samples[force]))) - 30
     return before if block.test == "impact" and before > 60 else block.n_samples
@@ -241,12 +241,12 @@ def weak_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> tuple[float
     """Frequency and (rows,) V amplitude of hum too weak to be taken out, its noise subtracted; amplitudes 0 if none."""
     best, strongest = (MAINS_HZ[0], np.zeros(len(noise_v))), WEAK
     for hz in MAINS_HZ:
-        heard = [b for b in blocks if b.test == "sine" and abs((b.frequency_hz or 0.0) - hz) > 2 * BESIDE_HZ]
-        if len(heard) < 4:
+        with_hum = [b for b in blocks if b.test == "sine" and abs((b.frequency_hz or 0.0) - hz) > 2 * BESIDE_HZ]
+        if len(with_hum) < 4:
             continue
-        power = np.median(np.abs(np.array([_amplitudes(b, hz, force, 1.0) for b in heard])) ** 2, axis=0)
+        power = np.median(np.abs(np.array([_amplitudes(b, hz, force, 1.0) for b in with_hum])) ** 2, axis=0)
         # Under a Hann window noise scatters by 1.5 times as much; of an exponential variable the median is ln 2.
-        noise = 3 * np.log(2) * noise_v**2 * 2 / heard[0].n_samples
+        noise = 3 * np.log(2) * noise_v**2 * 2 / with_hum[0].n_samples
         z = float(np.median(power / noise))
         if z > strongest:
             best, strongest = (hz, np.sqrt(np.maximum(power - noise, 0.0))), z

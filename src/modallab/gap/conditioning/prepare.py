@@ -42,7 +42,7 @@ NOISY = 1.3
 """A row this far above the others is noisy."""
 NOISY_AS_BUILT = 2.5
 """The same where the rig file states how well the bench is put together: its rows differ by up to 1.6 / 0.7."""
-FAINT = 1.5
+ORDINARY_HUM = 1.5
 """Amplitude of hum, over the noise's rms, up to which it is ordinary on such a bench: taken out, but no gap."""
 CHANCE = 4.0
 """The same over what one line scatters, where there are few lines: beyond chance in eleven rows."""

@@ -62,16 +62,16 @@ def next_experiments(campaign: Campaign, diagnosis: Diagnosis) -> list[Experimen
     found = planning.prospects()
     for k in range(LOOKED):
         # A full fit may take from the best what slopes promised; then the next is the best.
-        found.sort(key=_worth, reverse=True)
+        found.sort(key=_value, reverse=True)
         if not found or found[0].looked:
             break
         report(0.5 + 0.5 * k / LOOKED, f"full fits of {found[0].option.name}")
         found[0] = planning.looked_at(found[0])
-    found.sort(key=_worth, reverse=True)
+    found.sort(key=_value, reverse=True)
     return [_experiment(p) for p in found]
 
 
-def _worth(prospect: Prospect) -> float:
+def _value(prospect: Prospect) -> float:
     return prospect.outlook.right - HOUR * prospect.option.seconds / 3600
 
 

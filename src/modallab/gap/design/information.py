@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.design.standing import Explanation
+from modallab.gap.design.explanations import Explanation
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import shares_of
@@ -116,14 +116,14 @@ def columns_of(rivals: Rivals, data: Reduced) -> Array:
     return found[:-1] if known else found
 
 
-def outlook(rivals: Rivals, gram: Array, count: int, bent: Array | None = None) -> Outlook:
+def outlook(rivals: Rivals, gram: Array, count: int, nonlinear: Array | None = None) -> Outlook:
     """What an experiment is expected to bring.
 
     Args:
         rivals: the explanations.
         gram: products of the experiment's columns.
         count: its residuals.
-        bent: (true, other) squares that full fits leave more than linear ones; None for none.
+        nonlinear: (true, other) what full fits leave above linear ones, in squares; None for none.
     """
     rng = np.random.default_rng(SEED)
     values, vectors = np.linalg.eigh(gram)
@@ -133,7 +133,7 @@ def outlook(rivals: Rivals, gram: Array, count: int, bent: Array | None = None) 
     for true in range(size):
         noise = rng.standard_normal((DRAWS, len(gram))) @ root.T
         costs = _costs(rivals, gram, true, _drawn(rivals, true, rng), noise)
-        costs += count if bent is None else count + bent[true]
+        costs += count if nonlinear is None else count + nonlinear[true]
         after = believed(rivals, costs, count)[:, true]
         right[true], alone[true] = np.mean(after), np.mean(after >= ALONE)
         ratio[true] = np.mean(costs - costs[:, [true]], axis=0) / 2

@@ -12,6 +12,7 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.conditioning.split import third
+from modallab.gap.design.explanations import Explanation, Recorded, explanations, recorded, to_decide
 from modallab.gap.design.information import (
     Outlook,
     Rivals,
@@ -22,10 +23,9 @@ from modallab.gap.design.information import (
 )
 from modallab.gap.design.options import HITS, MOST_OF_LIMIT, Option, every_line, no_louder, options, plans_of
 from modallab.gap.design.planned import Layout, laid_out, together, with_more_sines
-from modallab.gap.design.standing import Explanation, Recorded, explanations, recorded, to_decide
 from modallab.gap.model.fit import Fit, Problem, seen, softened
 from modallab.gap.model.minimise import minimise
-from modallab.gap.search.elsewhere import elsewhere
+from modallab.gap.search.best_place import at_best_place
 from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
@@ -100,14 +100,14 @@ class Planning:
     def looked_at(self, prospect: Prospect) -> Prospect:
         """The same by full fits of every explanation to what every other one would answer."""
         listed = self.rivals.listed
-        bent = np.zeros((len(listed), len(listed)))
+        nonlinear = np.zeros((len(listed), len(listed)))
         for true, rival in enumerate(listed):
             joint = _joint(self.there.data, self._answered(prospect.layout, rival))
             straight = without_noise(self.rivals, prospect.gram, true)
             for k, other in enumerate(listed):
                 problem, (squares, end) = replace(other.fit.problem, data=joint), straight[k]
-                bent[true, k] = _least(problem, other.fit, end, rival.fit) - squares
-        expected = outlook(self.rivals, prospect.gram, prospect.count, bent)
+                nonlinear[true, k] = _least(problem, other.fit, end, rival.fit) - squares
+        expected = outlook(self.rivals, prospect.gram, prospect.count, nonlinear)
         return replace(prospect, outlook=expected, looked=True)
 
     def _prospect(self, option: Option) -> Prospect:
@@ -193,7 +193,7 @@ def _least(problem: Problem, fit: Fit, end: Array, other: Fit) -> float:
     first = min((seen(problem, u) for u in begins), key=lambda f: f.cost)
     best = min([first, *(minimise(problem, u, STEPS, 1e-4) for u in (first.u, fit.u))], key=lambda f: f.cost)
     # What is true is where it is; what is not may follow it from any other place.
-    return best.cost if fit is other else elsewhere(best).cost
+    return best.cost if fit is other else at_best_place(best).cost
 
 
 def _joint(data: Reduced, more: Reduced) -> Reduced:

@@ -26,8 +26,8 @@ from modallab.gap.exported.state_space import state_space
 from modallab.gap.exported.state_space_file import read_state_space, write_state_space
 from modallab.gap.report.calibrated import believed_twin, diagnosed_twin
 from modallab.gap.report.shrinkage import BARE, closed
-from modallab.gap.simulations.held_against import held_against
-from modallab.gap.simulations.played import Simulate, played
+from modallab.gap.simulations.simulated_records import Simulate, simulated_records
+from modallab.gap.simulations.simulation_residual import simulation_residual
 from modallab.twin.bench import Twin
 
 Simulations = Mapping[Test, Simulate]
@@ -112,7 +112,7 @@ def in_form(form: Form, diagnosis: Diagnosis, campaign: Campaign, tests: Sequenc
     gaps: list[float] = []
     for step, twin in enumerate((believed_twin(rig), diagnosed_twin(diagnosis, rig))):
         report(step / 2, f"{form.name}, {'after' if step else 'before'}")
-        gaps.append(held_against(campaign, _played(form, twin, campaign, names)).gap)
+        gaps.append(simulation_residual(campaign, _played(form, twin, campaign, names)).gap)
     used = {name for of_test in names.values() for name in of_test}
     own = {name: values for name, values in predict(diagnosis, campaign).items() if name in used}
     before, after = gaps
@@ -121,7 +121,7 @@ def in_form(form: Form, diagnosis: Diagnosis, campaign: Campaign, tests: Sequenc
         before=before,
         after=after,
         closed=closed(before, after) if before**2 - 1 > BARE else None,
-        twin_after=held_against(campaign, own).gap,
+        twin_after=simulation_residual(campaign, own).gap,
         records=sorted(used),
     )
 
@@ -136,7 +136,7 @@ def _played(form: Form, twin: Twin, campaign: Campaign, names: Mapping[Test, lis
         return {
             name: values
             for test in tests
-            for name, values in played(simulations[test], campaign, names[test], FINER).items()
+            for name, values in simulated_records(simulations[test], campaign, names[test], FINER).items()
         }
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
 from modallab.gap.exported.mjcf import require_mujoco
-from modallab.gap.simulations.played import Simulate
+from modallab.gap.simulations.simulated_records import Simulate
 
 Array = NDArray[np.float64]
 

@@ -1,10 +1,12 @@
 """The twin without effects, as well as it can be made to fit."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.progress import report
-from modallab.gap.inference.posterior import descended
+from modallab.gap.inference.posterior import Posterior, descended
 from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.fit import Fit, Problem, seen
@@ -21,16 +23,23 @@ STEPS = 12
 def baseline(bench: Bench, settings: Settings = DEFAULT) -> Fit:
     """The twin without effects, fitted to modal rows and then to the records."""
     report(0.0, "the bench without any effect")
+    found = without_effects(bench, settings)[1]
+    return completed(bench, seen(found.problem, found.u))
+
+
+def without_effects(bench: Bench, settings: Settings = DEFAULT) -> tuple[View, Posterior]:
+    """The modal rows of a bench, and the twin without effects fitted to them."""
     problem = Problem(bench.data, bench.free)
     view = View.of(bench.points, bench.thin, settings)
-    found = descended(view, problem, _begin(bench, problem, settings), STEPS)
-    return completed(bench, seen(problem, found.u))
+    return view, descended(view, problem, _begin(bench, problem, settings), STEPS)
 
 
 def _begin(bench: Bench, problem: Problem, settings: Settings) -> Array:
+    """Where to begin: the modal rows have no local minimum; lines of the sines have one every half width."""
     zero = np.zeros(bench.free.size)
     if bench.points:
-        return zero
+        hits = replace(bench.thin, sines=None)
+        return descended(View.of(bench.points, hits, settings), problem, zero, STEPS).u
     view = View.of((), sparse(bench.thin), settings)
     tried = np.tile(zero, (len(MODULI), 1))
     tried[:, 0] = MODULI

@@ -42,8 +42,8 @@ class Screen:
         self.J = view.slopes(problem, u, match, view.predict(twin, match))
         n = problem.free.size
         # The numbers of effects already there have wide priors: a hundredth of a coordinate's curvature.
-        self.prior = np.where(np.arange(len(u)) < n, 1.0, 1e-2)
-        self.normal = self._normals()
+        self.prior: Array = np.where(np.arange(len(u)) < n, 1.0, 1e-2)
+        self.normal: Array = self._normals()
 
     def _normals(self) -> Array:
         """(scales, groups, u, u) curvature of each group of rows at each value of its scale."""
@@ -84,12 +84,14 @@ class Screen:
         groups = np.arange(self.normal.shape[1])
         for turn in range(ROUNDS + 1):
             levels = objective.levels(rest)
-            factor = cho_factor(self.normal[levels, groups].sum(axis=0) + np.diag(self.prior), check_finite=False)
+            curvature: Array = self.normal[levels, groups].sum(axis=0) + np.diag(self.prior)
+            factor = cho_factor(curvature, check_finite=False)
             u = self.u + moved
             volume = 2 * float(np.sum(np.log(np.diag(factor[0]))))
             best = min(best, objective.cost(rest, levels) + float(u @ (self.prior * u)) + volume)
             if turn < ROUNDS:
                 weights = objective.weights(rest, levels)
-                moved = moved + cho_solve(factor, self.J.T @ (weights * rest) - self.prior * u, check_finite=False)
+                downhill: Array = self.J.T @ (weights * rest) - self.prior * u
+                moved = moved + cho_solve(factor, downhill, check_finite=False)
                 rest = residual - self.J @ moved
         return best

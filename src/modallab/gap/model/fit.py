@@ -51,7 +51,7 @@ class Problem:
 
     @property
     def held_weight(self) -> float:
-        """Weight that keeps the beam at `held`: while the model is wrong the beam must not be bent to it."""
+        """Weight that keeps the beam at `held`: while the model is wrong the beam must not be strained to it."""
         return HELD_WEIGHT * self.floor
 
     def priors(self, u: Array) -> tuple[float, Array, Array]:

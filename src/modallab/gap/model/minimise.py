@@ -44,7 +44,7 @@ ALONG = 0.3
 """Share of a step at which its curvature is looked at, to either side."""
 NARROW = 10.0
 """Mean square, in noise units, from which a step has further to go than the valley is wide."""
-BENT = 1.5
+MOST_CURVED = 1.5
 """A step that would bend by more than so many times its length goes straight: second order says nothing of it."""
 
 
@@ -186,7 +186,7 @@ def _step(
         held_back = normal + damping * scale
         step: Array = np.clip(-np.linalg.solve(held_back, gradient), -4.0, 4.0).astype(np.float64)
         if not once and not problem.floor and _narrow(here.cost, here.r):
-            step = _bent(problem, here, J, held_back, step)
+            step = _curved_step(problem, here, J, held_back, step)
         there = _at(problem, here.u + np.clip(step, -4, 4))
         if there.cost < here.cost:
             return there, max(damping / 10, 1e-9)
@@ -205,12 +205,12 @@ def _narrow(cost: float, r: Array) -> bool:
     return cost < NARROW * np.count_nonzero(r)
 
 
-def _bent(problem: Problem, here: _Here, J: Array, held_back: Array, step: Array) -> Array:
+def _curved_step(problem: Problem, here: _Here, J: Array, held_back: Array, step: Array) -> Array:
     """A step that follows the curvature of the residual along it, if that is small enough to be believed."""
     sides = problem.residual(here.u + ALONG * step) + problem.residual(here.u - ALONG * step)
     bend = -np.linalg.solve(held_back, J.T @ ((sides - 2 * here.r) / ALONG**2))
     length = np.sqrt(np.maximum(np.diag(held_back), 1e-12))
-    small = np.linalg.norm(length * bend) < BENT * np.linalg.norm(length * step)
+    small = np.linalg.norm(length * bend) < MOST_CURVED * np.linalg.norm(length * step)
     return step + bend / 2 if small else step
 
 

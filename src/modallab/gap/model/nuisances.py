@@ -67,7 +67,7 @@ class Nuisances:
         deviations = np.maximum([t.youngs_modulus, t.thickness, t.density], 1e-6)
         return np.array([[1.0, 1.0, -3.0], [0.0, 0.0, 1.0], [0.0, 1.0, -1.0]]) / deviations[:, None]
 
-    def straightened(self, u: Array) -> Array:
+    def within_priors(self, u: Array) -> Array:
         """The same beam but for its rotary inertia, with the most likely thickness.
 
         Frequencies and amplitudes hardly determine the thickness: a fit from far off may have left it anywhere.

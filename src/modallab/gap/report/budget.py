@@ -28,9 +28,9 @@ Array = NDArray[np.float64]
 NODES = 8
 """Points of Gauss's rule on the way."""
 NAMED = 0.02
-"""Share from which a number within its tolerance is worth a sentence on what to calibrate."""
+"""Share, for or against the whole, from which a number is listed by its name."""
 NARROWS = 0.05
-"""Share by which an interval must narrow for a calibration to be worth it."""
+"""Share by which an interval must narrow for a calibration to be suggested."""
 MOST = 3
 """Sentences on what to calibrate."""
 
@@ -122,15 +122,51 @@ def _slots_before(fit: Fit, count: int) -> int:
 def _numbers(fit: Fit, problem: Problem, u: Array, explained: Array, split: _Split) -> list[BudgetRow]:
     """A row for each free number; together they are what the beam and the chain explain without any effect."""
     nodes, weights = gauss_legendre(NODES)
-    shares = np.zeros((len(u), split.belongs.shape[1]))
+    parts = np.zeros((len(u), len(split.seen)))
     for node, weight in zip((nodes + 1) / 2, weights / 2, strict=True):
         J = jacobian(problem, node * u, problem.residual(node * u))[: len(split.seen)]
-        shares -= (weight * u)[:, None] * split.shares(J.T)
+        parts -= (weight * u)[:, None] * J.T
+    shares = split.shares(parts)
     # What the rule misses between its points is spread in proportion.
     joint, found = split.shares(explained)[0], np.sum(shares[:, 0])
     scale = joint / found if abs(found) > 0.2 * abs(joint) else 1.0
-    rows = zip(moved(problem, u), shares * scale, u.tolist(), strict=True)
-    return [split.row("tolerance", m.name, m.said, own, m.place, sigmas) for m, own, sigmas in rows]
+    numbers, shares = moved(problem, u), shares * scale
+    return [
+        split.row(
+            "tolerance",
+            "+".join(dict.fromkeys(numbers[k].name for k in group)),
+            _together([numbers[k].said for k in group]),
+            shares[group].sum(axis=0),
+            ", ".join(dict.fromkeys(numbers[k].place for k in group if numbers[k].place)),
+            max(u[group].tolist(), key=abs),
+        )
+        for group in cancelled(shares[:, 0], parts @ parts.T)
+    ]
+
+
+def cancelled(shares: Array, products: Array) -> list[list[int]]:
+    """Parts in groups, such that none works against the sum: what is left of a group is what stays once they cancel.
+
+    Args:
+        shares: (parts,) of each, its product with the sum.
+        products: (parts, parts) of each with each.
+    """
+    groups = [[k] for k in range(len(shares))]
+    while groups:
+        own = [float(shares[g].sum()) for g in groups]
+        least = int(np.argmin(own))
+        against = [float(products[np.ix_(groups[least], g)].sum()) for g in groups]
+        against[least] = 0.0
+        other = int(np.argmin(against))
+        if own[least] > -NAMED or against[other] >= 0:
+            break
+        groups[other] = sorted(groups[other] + groups[least])
+        del groups[least]
+    return groups
+
+
+def _together(said: list[str]) -> str:
+    return said[0] if len(said) == 1 else f"{', '.join(said[:-1])} and {said[-1]} together"
 
 
 def _effect_row(fit: Fit, i: int, shares: Array, split: _Split) -> BudgetRow:
@@ -143,8 +179,8 @@ def _calibrate(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
     if not fit.problem.candidates:
         # What the damping of a mode is nobody knows before the test.
         listed = [r for r in rows if r.kind == "tolerance" and r.name != "damping_ratio"]
-        worth = [r for r in listed if r.share > NAMED][:MOST]
-        return [_within(r) for r in worth]
+        listed_by_name = [r for r in listed if r.share > NAMED][:MOST]
+        return [_within(r) for r in listed_by_name]
     narrows = narrowing(fit)
     said = [m.said for m in moved(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]

@@ -54,8 +54,8 @@ def gap_known(campaign: Campaign) -> float:
 def gap_unseen(campaign: Campaign, hold_out: str) -> float:
     """The same of the records that a rule of `split` keeps from the fit, weighed by the noise they have.
 
-    A bent assembly follows the records that it is fitted to, not these; and noise that the rig file does not promise is
-    no gap that an effect of the twin could close.
+    A strained assembly follows the records that it is fitted to, not these. Noise above that of the rig file is no gap
+    that an effect of the twin could close.
 
     Raises:
         DataError, RigError: as `gap_before`.

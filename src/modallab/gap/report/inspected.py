@@ -15,7 +15,7 @@ from modallab.core.diagnosis import Found
 from modallab.core.effects import kind_of
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
-from modallab.gap.conditioning.prepare import FAINT, Prepared
+from modallab.gap.conditioning.prepare import ORDINARY_HUM, Prepared
 from modallab.gap.model.predicted_records import predict_record
 from modallab.signals.conversion import volts_per_si
 from modallab.twin.base_motion import base_transmission
@@ -120,7 +120,7 @@ def _noisy_row(prepared: Prepared, row: int) -> Found:
 def _hums(prepared: Prepared) -> bool:
     if prepared.hum is None:
         return False
-    ordinary = FAINT * float(np.median(prepared.noise_v)) if prepared.campaign.rig.tolerance.of_assembly else 0.0
+    ordinary = ORDINARY_HUM * float(np.median(prepared.noise_v)) if prepared.campaign.rig.tolerance.of_assembly else 0.0
     return float(np.median(prepared.hum.volts)) > ordinary
 
 

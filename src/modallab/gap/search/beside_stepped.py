@@ -25,7 +25,7 @@ from modallab.twin.candidate import Candidate
 
 Array = NDArray[np.float64]
 
-WORTH = 0.3
+LEFT_BESIDE = 0.3
 """Share of what the stepped effect leaves, above the floor, that must be all that is left beside a linear one."""
 SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
 """Effects that leave the root soft even where their element does nothing, and the stiffness that stays."""
@@ -36,7 +36,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
     without = linear_part(bench, fit)
     with part(0.0, 0.6):
         level = StepwiseSelection(without, on_all(without, bare(without, fit))).rounds(1)[0]
-    if not level.fits or excess(level.fits[0]) > WORTH * excess(level.base):
+    if not level.fits or excess(level.fits[0]) > LEFT_BESIDE * excess(level.base):
         return None
     found = level.fits[0]
     added, stepped = found.problem.candidates[-1], fit.problem.candidates[-1]
@@ -48,7 +48,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
     problem = Problem(bench.data, bench.free, (*before, added, stepped))
     joint = minimise(replace(problem, floor=0.002, held=(float(u[0]), float(u[1]), float(u[2]))), u, 2, 3e-2)
     joint = on_all_records(bench, joint)
-    if excess(joint) > WORTH * excess(fit):
+    if excess(joint) > LEFT_BESIDE * excess(fit):
         return None
     return Level(fit, (joint,))
 

@@ -17,8 +17,8 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import discrepancies, unexplained
 from modallab.gap.search.clock import clock_shows
+from modallab.gap.search.consequence import Dismissed, of_consequence
 from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, temperature_of
-from modallab.gap.search.worth import Dismissed, worthwhile
 from modallab.twin.effects import search_of
 
 Array = NDArray[np.float64]
@@ -53,9 +53,9 @@ class Choice:
         rivals: other explanations that were fitted to the end, best first.
         explained: whether nothing structured is left.
         flat: whether there was nothing to explain.
-        dismissed: effects that would explain something, but are not worth a name.
-        calm: share of the response that no effect explains and that moves nothing that matters; None where all of the
-            gap is explained, or where it matters.
+        dismissed: effects that explain something, but are within tolerance or of no consequence.
+        tolerated: share of the response that no effect explains and that the rig file tolerates; None where all of the
+            gap is explained, or where it exceeds the tolerance.
     """
 
     base: Fit
@@ -64,7 +64,7 @@ class Choice:
     explained: bool
     flat: bool
     dismissed: tuple[Dismissed, ...] = ()
-    calm: float | None = None
+    tolerated: float | None = None
 
     @property
     def believed(self) -> Fit:
@@ -170,11 +170,11 @@ def _that_matters(choice: Choice, held: Reduced, shown: bool) -> Choice:
     clocked = shown and choice.explained and any(search_of(c.effect).is_clock for c in choice.fit.problem.candidates)
     if left < held.rig.tolerance.response and (ordinary(choice.base) or unnamed) and not clocked:
         # Nothing has a name, no number alone is beyond its tolerance, and nothing that matters is left to name.
-        calm = None if choice.explained else left
-        return Choice(choice.base, choice.base, choice.rivals, True, True, calm=calm)
+        tolerated = None if choice.explained else left
+        return Choice(choice.base, choice.base, choice.rivals, True, True, tolerated=tolerated)
     if not choice.explained:
         return choice
-    fit, dismissed = worthwhile(choice.fit, held, shown)
+    fit, dismissed = of_consequence(choice.fit, held, shown)
     if not fit.problem.candidates:
         # An effect of next to nothing may have shown the way to a twin without effects that fits better.
         base = min(choice.base, fit, key=lambda f: f.cost)

@@ -29,5 +29,5 @@ def with_clock(bench: Bench, base: Fit) -> Fit | None:
     if candidate is None or bench.data.sines is None or not clock_shows(bench):
         return None
     own = np.array([candidate.slots[0].coordinate(1 / bench.data.sines.ratio - 1)])
-    bent = seen(Problem(bench.data, bench.free, (candidate,)), np.append(base.u, own))
-    return min(from_poles(bench, (candidate,), own), completed(bench, bent), key=lambda f: f.cost)
+    strained = seen(Problem(bench.data, bench.free, (candidate,)), np.append(base.u, own))
+    return min(from_poles(bench, (candidate,), own), completed(bench, strained), key=lambda f: f.cost)

@@ -40,8 +40,8 @@ def looked_at(data: Reduced, overtones: Sequence[Overtone], count: int) -> Reduc
     """One sine at each of so many frequencies, and those with the most overtones, with the lines about these."""
     assert data.sines is not None
     clear = [(o.record, int(np.count_nonzero(o.clear))) for o in overtones]
-    heard = [sum(n for record, n in clear if record == p.name) for p in data.sines.pieces]
-    loudest = [int(j) for j in np.argsort(heard, kind="stable")[::-1][:LOUDEST] if heard[j]]
+    counts = [sum(n for record, n in clear if record == p.name) for p in data.sines.pieces]
+    loudest = [int(j) for j in np.argsort(counts, kind="stable")[::-1][:LOUDEST] if counts[j]]
     chosen = sorted({*_even(data.sines, count), *loudest})
     return with_overtones(replace(data, impacts=(), sines=_blocks(data.sines, chosen)), overtones)
 

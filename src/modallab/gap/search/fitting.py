@@ -90,7 +90,7 @@ def annealed(bench: Bench, fit: Fit, floor: float) -> Fit:
         problem = Problem(bench.thin, bench.free, fit.problem.candidates, level, held=_beam(fit.u))
         fit = minimise(problem, fit.u, 3, 3e-2)
     problem = Problem(bench.thin, bench.free, fit.problem.candidates)
-    return minimise(problem, bench.free.straightened(fit.u), 8, 1e-3)
+    return minimise(problem, bench.free.within_priors(fit.u), 8, 1e-3)
 
 
 def completed(bench: Bench, fit: Fit) -> Fit:
@@ -122,18 +122,18 @@ def _strained(free: Nuisances, u: Array) -> Array:
     return np.concatenate([u[:3], u[3 + free.modes : free.size]])
 
 
-def rested(bench: Bench, fit: Fit) -> Fit:
-    """Where a search begins from a fit: there; or where it has bent the assembly beyond what a bench may be, at rest.
+def search_origin(bench: Bench, fit: Fit) -> Fit:
+    """Where a search begins from a fit: at the fit, or at rest if its assembly deviates beyond its tolerances.
 
-    A bent assembly has taken an effect's work over: to first order nothing of that effect is left to see. Where little
-    is bent, first order is all there is, and the priors show what an effect would relieve.
+    Such an assembly replaces the effect: to first order nothing of the effect is left to see. Where it deviates little,
+    the priors show to first order which deviations an effect would make unnecessary.
     """
     if not bench.free.deviations or ordinary(fit) or fit.gap <= NEAR * bench.flat:
         return fit
-    return unbent(bench, fit)
+    return fitted_from_rest(bench, fit)
 
 
-def unbent(bench: Bench, fit: Fit) -> Fit:
+def fitted_from_rest(bench: Bench, fit: Fit) -> Fit:
     """The fit with the assembly at rest, and the beam as it is best then."""
     problem = Problem(bench.data, bench.free, fit.problem.candidates, FELT)
     return on_all(bench, minimise(problem, at_rest(bench.free, fit.u), 6, 1e-2))
@@ -185,7 +185,7 @@ def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: floa
 
 
 def _beam(u: Array) -> tuple[float, float, float]:
-    """Where a beam is held: where it is, unless a wrong model has bent it there."""
+    """Where a beam is held: where it is, unless a wrong model has strained it there."""
     return (float(u[0]), float(u[1]), float(u[2])) if np.all(np.abs(u[:3]) < STRAIGHT) else (0.0, 0.0, 0.0)
 
 
@@ -203,12 +203,12 @@ def left_out(problem: Problem, u: Array, which: int) -> tuple[Problem, Array]:
 
 
 def excess(fit: Fit) -> float:
-    """What is left above the floor, in squares of noise units; an assembly bent beyond its tolerances counts along."""
-    bent = 0.0
+    """What is left above the floor, in squares of noise units, with the excess of the assembly over its tolerances."""
+    strained = 0.0
     if fit.problem.free.deviations:
         own = _strained(fit.problem.free, fit.u)
-        bent = max(float(own @ own) - len(own), 0.0) / max(float(np.count_nonzero(fit.residual)), 1.0)
-    return max(fit.gap**2 - 1 + bent, 1e-9)
+        strained = max(float(own @ own) - len(own), 0.0) / max(float(np.count_nonzero(fit.residual)), 1.0)
+    return max(fit.gap**2 - 1 + strained, 1e-9)
 
 
 def temperature_of(left: float) -> float:

@@ -14,9 +14,9 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.model.fit import Fit, all_hz, all_rows, seen
 from modallab.gap.model.minimise import jacobian
-from modallab.gap.search.behind_modes import HIDDEN, behind
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import excess, ordinary
+from modallab.gap.search.series_stiffness import HIDDEN, interval_in_series
 from modallab.twin.candidate import Slot
 from modallab.twin.effects import search_of
 from modallab.twin.modes import solve
@@ -80,7 +80,7 @@ def intervals(choice: Choice) -> list[Believed]:
             own.within[slot.name] = None if why else interval(slot, float(fit.u[at]), float(deviation[at]), model)
             known = own.within[slot.name]
             if known is not None and slot.name == search_of(candidate.effect).behind:
-                own.within[slot.name] = behind(fit, known)
+                own.within[slot.name] = interval_in_series(fit, known)
                 why = "" if own.within[slot.name] else HIDDEN
             if why:
                 own.not_known[slot.name] = why

@@ -68,8 +68,8 @@ def beam_of_hits(bench: Bench, fit: Fit) -> Fit:
     own = fit.u[bench.free.size + sum(len(c.slots) for c in whole.candidates[:-1]) :]
     *before, law = whole.candidates
     fixed = [replace(s, low=s.value(v), high=s.value(v)) for s, v in zip(law.slots, own, strict=True)]
-    heard = with_overtones(replace(bench.data, impacts=()), bench.overtones)
-    held = replace(whole, data=heard, candidates=(*before, replace(law, slots=tuple(fixed))))
+    audible = with_overtones(replace(bench.data, impacts=()), bench.overtones)
+    held = replace(whole, data=audible, candidates=(*before, replace(law, slots=tuple(fixed))))
     return seen(whole, minimise(_both(held, bench.data, fit.u, NEARLY), fit.u, 2, 3e-2).u)
 
 
@@ -88,8 +88,8 @@ def follows(bench: Bench, fit: Fit, base: Fit, share: float) -> bool:
     left, before = (relative(replace(f.problem, data=few), f.u) for f in (fit, base))
     above = is_overtone(few)
     if np.any(above) and float(np.median(before[:, ~above])) < FOLLOWED:
-        heard = before[:, above] > 0
-        return float(np.median(left[:, above][heard])) <= share and float(np.median(left[:, ~above])) < FOLLOWED
+        audible = before[:, above] > 0
+        return float(np.median(left[:, above][audible])) <= share and float(np.median(left[:, ~above])) < FOLLOWED
     return float(np.median(left[:, ~above])) <= share * float(np.median(before[:, ~above]))
 
 

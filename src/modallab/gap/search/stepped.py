@@ -21,7 +21,7 @@ from modallab.gap.search.beside_stepped import beside
 from modallab.gap.search.choose import Choice, choose, names, stepped
 from modallab.gap.search.clock import with_clock
 from modallab.gap.search.fitting import Bench, excess
-from modallab.gap.search.heard import heard
+from modallab.gap.search.law_by_overtones import named_by_overtones
 from modallab.gap.search.nonlinear import nonlinear_level
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.twin.effect_model import Overtones
@@ -49,7 +49,7 @@ class _Asked:
     def judged(self, levels: list[Level]) -> Choice:
         """What these rounds say, explained only if the law makes the overtones that were measured."""
         choice = _by_overtones(choose(self.bench, levels, self.matters, self.unseen), self.prepared, self.unseen)
-        return heard(self.bench, choice, levels, self.prepared, self.unseen)
+        return named_by_overtones(self.bench, choice, levels, self.prepared, self.unseen)
 
 
 def search_stepped(
@@ -119,7 +119,7 @@ def _linear_first(asked: _Asked, first: Choice, clocked: list[Level]) -> Choice:
 
 def _named(choice: Choice) -> bool:
     """Whether it explains the gap, and does not merely say that what is left does not matter: others may explain it."""
-    return choice.explained and choice.calm is None
+    return choice.explained and choice.tolerated is None
 
 
 def _by_overtones(choice: Choice, prepared: Prepared, unseen: Reduced) -> Choice:

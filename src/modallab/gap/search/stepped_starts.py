@@ -13,9 +13,9 @@ from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import WORKERS, minimise
 from modallab.gap.model.prefit import start
-from modallab.gap.search.acting import acting_at
 from modallab.gap.search.few_blocks import looked_at
 from modallab.gap.search.fitting import Bench
+from modallab.gap.search.force_place import placed_by_overtones
 from modallab.gap.search.rough_fit import followed
 from modallab.gap.search.rough_starts import FREQUENCIES, apart, likeliest, score
 from modallab.twin.candidate import Candidate
@@ -36,7 +36,7 @@ def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Can
 
     None where the overtones show that what makes them acts in no such way at any place.
     """
-    located = acting_at(bench, base, candidate)
+    located = placed_by_overtones(bench, base, candidate)
     if located is None:
         return []
     problem = Problem(some[0], bench.free, (*base.problem.candidates, located), LOOKED)

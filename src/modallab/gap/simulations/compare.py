@@ -21,7 +21,7 @@ from modallab.gap.conditioning.records import as_volts, usable
 from modallab.gap.design.prediction import Records, predict, with_records
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.shrinkage import BARE, closed
-from modallab.gap.simulations.held_against import held_against
+from modallab.gap.simulations.simulation_residual import simulation_residual
 
 Array = NDArray[np.float64]
 
@@ -96,8 +96,8 @@ def compare(campaign: Campaign, records: Records, bench: Diagnosis | None = None
     with part(0.45, 0.9, "simulation"):
         simulation = diagnose(as_measured(campaign, records), hold_out)
     names = _names_held(campaign, known)
-    raw = held_against(campaign, records, names)
-    corrected = held_against(campaign, _corrected(campaign, records, known, simulation), names)
+    raw = simulation_residual(campaign, records, names)
+    corrected = simulation_residual(campaign, _corrected(campaign, records, known, simulation), names)
     lacks, has, differs = differences(known, simulation)
     channels = [campaign.rig.channels[c].name for c in raw.channels]
     return Compared(

@@ -19,8 +19,8 @@ from modallab.gap.report.measure import squares
 from modallab.gap.report.shrinkage import shrink
 from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.choose import Choice
-from modallab.gap.search.fitting import Bench, excess, rested
-from modallab.gap.unknown.description import Description, of_fit, rows_of, stage_of, worth
+from modallab.gap.search.fitting import Bench, excess, search_origin
+from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of, stage_of
 from modallab.gap.unknown.fitted import fitted
 from modallab.gap.unknown.on_beam import on_all_rows, trials
 from modallab.gap.unknown.on_row import by_sample, linear, without
@@ -62,7 +62,7 @@ def describe(
     """
     if choice.explained or choice.flat or location is None:
         return None
-    found = sorted(behaves or _tried(bench, prepared, choice, location, unseen, held), key=worth)
+    found = sorted(behaves or _tried(bench, prepared, choice, location, unseen, held), key=cost_per_number)
     if not found:
         return None
     best = found[0]
@@ -76,7 +76,7 @@ def _tried(
     bench: Bench, prepared: Prepared, choice: Choice, location: Location, unseen: Reduced, held: Sequence[str]
 ) -> Iterator[Description]:
     """Descriptions fitted to the end: of the channels that stand out, then of the beam and of all channels."""
-    base, least = rested(bench, choice.base), np.inf
+    base, least = search_origin(bench, choice.base), np.inf
     rows = location.channels if len(location.channels) <= FEW else ()
     rows = tuple(r for r in rows if r in bench.data.channels)
     seen = [b for b in prepared.blocks if b.name not in set(held)]

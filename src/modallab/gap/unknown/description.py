@@ -52,14 +52,14 @@ def of_fit(base: Fit, fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> 
     return Description(fit, unseen, unseen, tuple(found), rows)
 
 
-def worth(one: Description) -> float:
+def cost_per_number(one: Description) -> float:
     """What it leaves per number; a description of fewer numbers goes first where both leave about as little."""
     # Elements that act sample by sample have numbers too, though no fit of lines knows of them.
     more = sum(len(e.parameters) for e in one.learned) if not one.fit.problem.candidates else 0
-    return per_number(one.fit, more)
+    return fit_cost(one.fit, more)
 
 
-def per_number(fit: Fit, more: int = 0) -> float:
+def fit_cost(fit: Fit, more: int = 0) -> float:
     """What a fit leaves for each number measured, at the price of its own numbers and so many more."""
     count = max(np.count_nonzero(fit.residual), 1)
     return (priced(fit) + more * float(np.log(count))) / count

@@ -18,7 +18,7 @@ from modallab.gap.search.fitting import Bench, finish
 from modallab.gap.unknown.curve import Curve, curve_of, refined
 from modallab.gap.unknown.description import Description
 from modallab.gap.unknown.fitted import Trial, element
-from modallab.gap.unknown.hold import hold_of
+from modallab.gap.unknown.sample_hold import hold_of
 from modallab.gap.unknown.volts import Channel, channel_of, freed
 
 Array = NDArray[np.float64]

@@ -15,8 +15,8 @@ from modallab.gap.model.fit import Fit, Problem, cost_of, seen
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.report.measure import squares
 from modallab.gap.search.channel_share import channel_share
-from modallab.gap.search.fitting import Bench, excess, ordinary, rested
-from modallab.gap.unknown.description import Description, of_fit, rows_of, worth
+from modallab.gap.search.fitting import Bench, excess, ordinary, search_origin
+from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of
 from modallab.gap.unknown.fitted import at_a_look, finished, fitted, likely
 from modallab.gap.unknown.on_beam import along, on_all_rows
 from modallab.gap.unknown.on_row import by_sample, linear, without
@@ -64,7 +64,7 @@ def channel_alone(bench: Bench, prepared: Prepared, first: Level, held: Sequence
     best = best_of(first)
     losing = [row for row in prepared.repeated if row in rows_of(best) or not near(bench, best)]
     fitted = [b for b in prepared.blocks if b.name not in set(held)]
-    for row in losing or _standing_out(rested(bench, first.base)):
+    for row in losing or _standing_out(search_origin(bench, first.base)):
         alone = without(bench, prepared, fitted, row)
         if near(bench, alone):
             return Alone(row, alone, bool(losing))
@@ -85,14 +85,14 @@ def rivals(
         held: their names.
     """
     base, best = first.base, best_of(first)
-    begin = rested(bench, base)
+    begin = search_origin(bench, base)
     if alone is None:
         return () if near(bench, best) else _on_beam(bench, begin, base, best, unseen)
-    found = sorted(by_sample(bench, prepared, alone.fit, held, alone.row), key=worth)
+    found = sorted(by_sample(bench, prepared, alone.fit, held, alone.row), key=cost_per_number)
     if alone.loses and _closes(base, found[0]):
         return tuple(found)
     operators = fitted(bench, begin, list(linear(bench, alone.row)), 1)
-    found = sorted([*found, *(of_fit(base, fit, unseen, (alone.row,)) for fit in operators)], key=worth)
+    found = sorted([*found, *(of_fit(base, fit, unseen, (alone.row,)) for fit in operators)], key=cost_per_number)
     return tuple(found) if _explains(bench, base, best, found[0].fit) else ()
 
 
@@ -112,7 +112,7 @@ def _on_beam(bench: Bench, begin: Fit, base: Fit, best: Fit, unseen: Reduced) ->
     looks = likely(bench, begin, trials)
     if not looks or looks[0].cost >= _at_a_look(bench, begin, best):
         return ()
-    found = sorted((of_fit(base, fit, unseen) for fit in finished(bench, begin, looks)), key=worth)
+    found = sorted((of_fit(base, fit, unseen) for fit in finished(bench, begin, looks)), key=cost_per_number)
     return tuple(found) if _explains(bench, base, best, found[0].fit) else ()
 
 
@@ -130,8 +130,8 @@ def near(bench: Bench, fit: Fit) -> bool:
 def _closes(base: Fit, one: Description) -> bool:
     """Whether a description closes the gap of records it has not seen, weighed as it weighs them.
 
-    Of a channel that loses samples the record itself says that no effect does it, however little one leaves where the
-    losses count as noise.
+    Lost samples are visible in the record itself. An effect does not explain them, even if it leaves little where they
+    are counted as noise.
     """
     before = squares(twin_of(base, one.raw), one.raw).gap
     return excess(one.fit) <= CLOSES * (before**2 - 1)

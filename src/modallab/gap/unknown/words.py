@@ -64,7 +64,7 @@ _LEVELS_OFF = (
     ("tanh_share", "{:.4g} times each record's own peak"),
     ("knee_share", "{:.4g} times each record's own peak"),
 )
-_BENT = (("square", 2), ("cubic", 3))
+_CURVE_TERMS = (("square", 2), ("cubic", 3))
 
 
 def _joined(phrases: tuple[_Phrase, ...], law: Numbers) -> str:
@@ -82,7 +82,7 @@ def _curve(law: Numbers) -> str:
     levels = [says.format(law[name]) for name, says in _LEVELS_OFF if name in law]
     if levels:
         return f"a saturation that levels off at {levels[0]}{shape}"
-    terms = " + ".join(f"{law[name]:.3g} u^{power}" for name, power in _BENT if name in law)
+    terms = " + ".join(f"{law[name]:.3g} u^{power}" for name, power in _CURVE_TERMS if name in law)
     return f"a bent scale, u + {terms} of u in V,"
 
 

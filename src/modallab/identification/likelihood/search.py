@@ -86,7 +86,7 @@ def search(problem: Problem, start: Parameters, effort: Effort = THOROUGH) -> Re
     for done in range(effort.max_iterations):
         report(_share(gains, effort), f"step {done + 1}")
         equations = normal_equations(problem, point)
-        trial, damping = _descend(problem, point, equations, damping, worth=effort.tolerance)
+        trial, damping = _descend(problem, point, equations, damping, least_gain=effort.tolerance)
         if trial is None:
             return Refined(point, covariance_of(equations[0]), done + 1, settled=True)
         gain = point.cost - trial.cost
@@ -106,11 +106,11 @@ def _share(gains: list[float], effort: Effort) -> float:
 
 
 def _descend(
-    problem: Problem, point: Point, equations: tuple[Real, Real], damping: float, held: int = 0, worth: float = 0.0
+    problem: Problem, point: Point, equations: tuple[Real, Real], damping: float, held: int = 0, least_gain: float = 0.0
 ) -> tuple[Point | None, float]:
     """One step, with the first `held` parameters held; the point it leads to, or None if none is better.
 
-    `equations` are the normal equations there. A step that promises a gain below `worth` is not taken.
+    `equations` are the normal equations there. A step that promises a gain below `least_gain` is not taken.
     """
     matrix, gradient = equations
     n_poles = 2 * point.parameters.omega.size
@@ -128,7 +128,7 @@ def _descend(
             # Rounding has made it indefinite: two poles hardly differ.
             damping = max(10 * damping, 1e-6)
             continue
-        if move @ pull < worth and damping <= 1e-3:
+        if move @ pull < least_gain and damping <= 1e-3:
             return None, damping
         after = _solved(problem, _moved(problem, point.parameters, scale * move), point.noise)
         if after is not None and after.cost <= point.cost:

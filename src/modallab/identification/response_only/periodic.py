@@ -9,6 +9,7 @@ Sources: for the phase, the coherent share of N complex Gaussian numbers exceeds
 amplitude, Moran, "The random division of an interval", J. R. Stat. Soc. B 9 (1947), with Bartlett's correction.
 """
 
+import cmath
 from collections.abc import Sequence
 
 import numpy as np
@@ -147,7 +148,7 @@ def _coherent(parts: Complex) -> tuple[Real, Real]:
 def _refined(parts: Complex, line: int, offset: float) -> float:
     """The line (with its decimals) by what is left of the phase's course over (stretches, outputs)."""
     turned = parts * np.exp(-2j * np.pi * offset * np.arange(len(parts)))[:, None]
-    return line + offset + float(np.angle(np.vdot(turned[:-1], turned[1:]))) / (2 * np.pi)
+    return line + offset + cmath.phase(complex(np.vdot(turned[:-1], turned[1:]))) / (2 * np.pi)
 
 
 def _even(parts: Complex) -> float:

@@ -15,6 +15,7 @@ from modallab.service.api.rigs import state_of
 from modallab.service.api.roles import needs
 from modallab.service.api.router import make_router
 from modallab.service.campaigns.begin import require_reasonable
+from modallab.service.campaigns.queueing import duration_s
 from modallab.service.campaigns.runs import block_record, record_of
 from modallab.service.context import Service
 from modallab.service.rigs.control import ControllerState
@@ -32,8 +33,8 @@ def check_plan(rig: str, plan: Annotated[Plan, Body()], service: ServiceOf) -> P
         require_reasonable(plan, controller.rig)
         _require_possible(plan, controller)
     except (PlanError, RigError, ConfigurationError) as error:
-        return PlanCheck(problems=(error.what,), blocks=0)
-    return PlanCheck(problems=(), blocks=planned_blocks(plan))
+        return PlanCheck(problems=(error.what,), blocks=0, duration_s=0.0)
+    return PlanCheck(problems=(), blocks=planned_blocks(plan), duration_s=duration_s(plan))
 
 
 def _require_possible(plan: Plan, controller: ControllerState) -> None:

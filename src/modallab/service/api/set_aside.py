@@ -13,8 +13,8 @@ from modallab.service.api.request_context import Operator, ServiceOf
 from modallab.service.api.router import ONCE, make_router
 from modallab.service.campaigns.runs import record_of, run_view
 from modallab.service.context import Service
+from modallab.service.records.archived import Archive
 from modallab.service.records.event_log import Topic
-from modallab.service.records.set_aside import SetAside
 
 router = make_router("archive")
 _CHANGES = documented(404, 409, 507)
@@ -23,21 +23,21 @@ _CHANGES = documented(404, 409, 507)
 @router.post("/campaigns/{campaign}/archive", dependencies=ONCE, responses=_CHANGES)
 def archive_campaign(campaign: str, service: ServiceOf, operator: Operator) -> CampaignView:
     """Leave a campaign out of lists. It can be read and exported as before; nothing is added until it is restored."""
-    SetAside(service.engine).archive("campaign", campaign, operator)
+    Archive(service.engine).archive("campaign", campaign, operator)
     return _campaign(service, campaign, "archived", operator)
 
 
 @router.delete("/campaigns/{campaign}", responses=_CHANGES)
 def delete_campaign(campaign: str, service: ServiceOf, operator: Operator, request: Request) -> CampaignView:
     """Delete a campaign with its runs. Until `purge_utc` nothing is lost, and it can be restored."""
-    SetAside(service.engine).delete("campaign", campaign, operator, _grace(request))
+    Archive(service.engine).delete("campaign", campaign, operator, _grace(request))
     return _campaign(service, campaign, "deleted", operator)
 
 
 @router.post("/campaigns/{campaign}/restore", dependencies=ONCE, responses=_CHANGES)
 def restore_campaign(campaign: str, service: ServiceOf, operator: Operator) -> CampaignView:
     """Have a campaign back that is archived or deleted."""
-    SetAside(service.engine).restore("campaign", campaign, operator)
+    Archive(service.engine).restore("campaign", campaign, operator)
     return _campaign(service, campaign, "restored", operator)
 
 
@@ -45,7 +45,7 @@ def restore_campaign(campaign: str, service: ServiceOf, operator: Operator) -> C
 def archive_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
     """Leave a run out of lists, and out of what is made of its campaign unless it is named."""
     record_of(service, run)
-    SetAside(service.engine).archive("run", run, operator)
+    Archive(service.engine).archive("run", run, operator)
     return _run(service, run, "archived", operator)
 
 
@@ -53,7 +53,7 @@ def archive_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
 def delete_run(run: str, service: ServiceOf, operator: Operator, request: Request) -> RunView:
     """Delete a run that has ended. Until `purge_utc` nothing is lost, and it can be restored."""
     record_of(service, run)
-    SetAside(service.engine).delete("run", run, operator, _grace(request))
+    Archive(service.engine).delete("run", run, operator, _grace(request))
     return _run(service, run, "deleted", operator)
 
 
@@ -61,7 +61,7 @@ def delete_run(run: str, service: ServiceOf, operator: Operator, request: Reques
 def restore_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
     """Have a run back that is archived or deleted."""
     record_of(service, run)
-    SetAside(service.engine).restore("run", run, operator)
+    Archive(service.engine).restore("run", run, operator)
     return _run(service, run, "restored", operator)
 
 

@@ -12,8 +12,8 @@ from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
+from modallab.service.records.archived import Archive
 from modallab.service.records.repository import RunKey
-from modallab.service.records.set_aside import SetAside
 from modallab.service.rigs.control import ControllerState, StartRun, rejection
 from modallab.storage.durable import planned_blocks, require_room, require_space
 from modallab.storage.records import ENDED, BlockNote, BlockRecord
@@ -46,7 +46,7 @@ def begin(service: Service, campaign: str, new: RunNew, lease: str | None, key: 
     if controller is None:
         raise NotFoundError(f"this service has no rig {entry.rig!r}", where=campaign, remedy="start it with that rig")
     service.leases.require(entry.rig, lease)
-    SetAside(service.engine).require_present(campaign)
+    Archive(service.engine).require_present(campaign)
     plan = _plan(service, campaign, new)
     require_plan(plan, controller)
     _require_room(service.folder, plan, len(controller.rig.channels))
@@ -67,7 +67,7 @@ def _plan(service: Service, campaign: str, new: RunNew) -> Plan:
         raise NotFoundError(
             f"campaign {campaign} has no run {new.continues!r}", where="continues", remedy="look at its runs"
         )
-    aside = SetAside(service.engine).run(new.continues, "")
+    aside = Archive(service.engine).run(new.continues, "")
     if aside is not None and aside.state != "archived":
         raise ConflictError("a deleted run is not continued", where="continues", remedy="restore it first")
     record = service.store.catalogue.run(new.continues)

@@ -26,7 +26,7 @@ from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
 from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers, rig_ids
-from modallab.service.rigs.diary import Diary, Recovery
+from modallab.service.rigs.run_log import Recovery, RunLog
 from modallab.storage import Store, campaign_of
 from modallab.storage.campaigns import campaigns_by_rig
 
@@ -96,16 +96,21 @@ class LocalCampaign:
                 "a service uses this data folder", where=str(folder), remedy="ask the service, or name another folder"
             )
         self._ended: SimpleQueue[str] = SimpleQueue()
-        diary = self._diary = Diary(self._store, EventLog(self._store.catalogue.engine))
-        Recovery(diary).look()
+        run_log = self._run_log = RunLog(self._store, EventLog(self._store.catalogue.engine))
+        Recovery(run_log).look()
         (self._rig,) = rig_ids([rig.name])
         leases = Leases(self._store.catalogue.engine, boot)
         self._as_filed = rig
-        self._controller = Controller(Bench(self._rig, rig, url, folder), diary, self._ended.put)
+        self._controller = Controller(Bench(self._rig, rig, url, folder), run_log, self._ended.put)
         self._controllers = Controllers([self._controller], leases)
         self._service = open_service(folder, self._controllers, boot)
         self._lease = self._service.leases.take(self._rig, operator, LEASE_S)
         self.campaign = self._service.repository.create(CampaignNew(name=name, rig=self._rig), operator)
+
+    @property
+    def rig(self) -> Rig:
+        """The rig as it was filed when the session began."""
+        return self._as_filed
 
     def run_all(
         self,
@@ -182,7 +187,7 @@ class LocalCampaign:
         """Leave the bench at rest."""
         self._controllers.close()
         self._service.leases.release(self._rig, self._lease.id)
-        self._diary.close()
+        self._run_log.close()
         self._service.close()
         self._lock.release()
         self._store.close()
@@ -221,7 +226,7 @@ class LocalCampaign:
         if moved is None or not moved(name, to_move):
             return False
         self._controller.close()
-        self._controller = Controller(replace(bench, rig=rig), self._diary, self._ended.put)
+        self._controller = Controller(replace(bench, rig=rig), self._run_log, self._ended.put)
         self._controllers.replace(self._controller)
         return True
 

@@ -7,8 +7,8 @@ from datetime import UTC, datetime, timedelta
 
 from modallab.core.errors import ModallabError, UnknownJobError
 from modallab.jobs import Jobs
+from modallab.service.records.archived import Archive, Kind
 from modallab.service.records.repository import CampaignRepository
-from modallab.service.records.set_aside import Kind, SetAside
 from modallab.storage import Store
 from modallab.storage.records import ENDED
 from modallab.storage.retention import Removable, remove
@@ -41,7 +41,7 @@ class Purge:
         """
         engine = store.catalogue.engine
         self._store = store
-        self._aside = SetAside(engine)
+        self._aside = Archive(engine)
         self._repository = CampaignRepository(engine)
         self._jobs = Jobs(engine)
         self._look_s = look_s

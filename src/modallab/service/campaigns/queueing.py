@@ -10,9 +10,9 @@ from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.service.campaigns.begin import require_plan
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError
+from modallab.service.records.archived import Archive
 from modallab.service.records.event_log import Topic
 from modallab.service.records.run_queue import RunQueue
-from modallab.service.records.set_aside import SetAside
 from modallab.service.rigs.control import ControllerState
 from modallab.service.rigs.queue_rules import obstacle
 from modallab.storage.durable import planned_blocks
@@ -35,7 +35,7 @@ def queue_run(service: Service, rig: ControllerState, new: QueueItemNew, operato
         raise ConflictError(
             f"campaign {campaign.id} is of rig {campaign.rig}, not of {rig.id}", where="campaign", remedy="name another"
         )
-    SetAside(service.engine).require_present(new.campaign)
+    Archive(service.engine).require_present(new.campaign)
     require_plan(new.plan, rig)
     item = RunQueue(service.engine).add(rig.id, new, duration_s(new.plan), operator)
     _notify(service, rig.id, item=item.id, state=item.state, operator=operator)

@@ -9,8 +9,8 @@ from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.jobs.background import AfterRun
 from modallab.service.records import audit
+from modallab.service.records.archived import Archive, shown
 from modallab.service.records.event_log import Topic
-from modallab.service.records.set_aside import SetAside, shown
 from modallab.service.rigs.control import legal_after
 from modallab.storage.engine import reading
 from modallab.storage.recorder import utc_now
@@ -42,7 +42,7 @@ def run_view(service: Service, run: str) -> RunView:
     record = record_of(service, run)
     entry = service.repository.entry(run)
     blocks = service.store.catalogue.blocks(run)
-    aside = None if entry is None else SetAside(service.engine).run(run, entry.campaign)
+    aside = None if entry is None else Archive(service.engine).run(run, entry.campaign)
     return RunView(
         id=run,
         campaign=None if entry is None else entry.campaign,

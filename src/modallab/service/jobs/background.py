@@ -79,7 +79,7 @@ class AfterRun:
     def __call__(self, run: str) -> None:
         """Order it; what keeps it from being ordered is in the log of the service, and it can be ordered again."""
         try:
-            if self.worth_identifying(run):
+            if self.can_be_identified(run):
                 self.identify(run)
         except ModallabError as error:
             LOG.warning("run %s: not identified: %s", run, error)
@@ -93,7 +93,7 @@ class AfterRun:
         try:
             for job in self._jobs.outdated(run, self._store.revision):
                 self._replace(job)
-            if self.worth_identifying(run) and not self._identified(run):
+            if self.can_be_identified(run) and not self._identified(run):
                 self.identify(run)
         except ModallabError as error:
             LOG.warning("run %s: not identified after a verdict: %s", run, error)
@@ -116,7 +116,7 @@ class AfterRun:
     def _counts(self, run: str) -> bool:
         return any(block.note.accepted for block in self._store.catalogue.blocks(run))
 
-    def worth_identifying(self, run: str) -> bool:
+    def can_be_identified(self, run: str) -> bool:
         """Whether a run ended well and has blocks that count."""
         return self._store.catalogue.run(run).state == "done" and self._counts(run)
 

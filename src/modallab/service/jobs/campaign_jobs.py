@@ -7,7 +7,7 @@ from modallab.pipelines.parameters import parse_parameters
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.set_aside import SetAside
+from modallab.service.records.archived import Archive
 from modallab.storage.records import ENDED
 
 
@@ -19,7 +19,7 @@ def order(service: Service, campaign: str, kind: JobKind, new: JobNew, operator:
         ConflictError: no run that could be used, or the campaign is archived or deleted.
         JobError: parameters that cannot be kept.
     """
-    SetAside(service.engine).require_present(campaign)
+    Archive(service.engine).require_present(campaign)
     runs = _runs(service, campaign, new.runs)
     parse_parameters(kind, new.parameters)
     job = service.jobs.submit(kind, dict(new.parameters), runs, service.store.revision(runs))
@@ -37,7 +37,7 @@ def order_estimate(service: Service, run: str, operator: str) -> Job:
     entry = service.repository.entry(run)
     if entry is None:
         raise NotFoundError(f"there is no run {run!r} in a campaign", remedy="look at the runs of a campaign")
-    SetAside(service.engine).require_present(entry.campaign)
+    Archive(service.engine).require_present(entry.campaign)
     if not _counts(service, run):
         raise ConflictError("it has no good block yet", where=run, remedy="wait for the first one")
     job = service.jobs.submit("estimate", {"as_of": service.store.revision((run,))}, (run,))

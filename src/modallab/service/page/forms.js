@@ -3,6 +3,7 @@
 import { get, post } from "./api.js";
 import { h, put } from "./dom.js";
 import { lab } from "./lab.js";
+import { duration } from "./numbers.js";
 
 const CHECK_MS = 400;
 let document_ = null;
@@ -34,7 +35,9 @@ function label(name, stated) {
   return words.charAt(0).toUpperCase() + words.slice(1) + (unit && ` [${unit}]`);
 }
 
-const isList = (schema) => schema.type === "array" && LISTS.has(plain(schema.items ?? {}).type);
+/** What a list holds; pairs, as bands are, say it of each place. */
+const itemOf = (schema) => plain(schema.items ?? schema.prefixItems?.[0] ?? {});
+const isList = (schema) => schema.type === "array" && LISTS.has(itemOf(schema).type);
 
 /** Numbers by name, as levels are: `low: 0.5, high: 1`. */
 const isMap = (schema) => schema.type === "object" && LISTS.has(plain(schema.additionalProperties ?? {}).type);
@@ -60,7 +63,7 @@ function read(schema, text) {
     if (schema.optional || schema.default !== undefined) return undefined;
     throw new Error("is needed");
   }
-  if (isList(schema)) return text.split(/[\s,;]+/).filter(Boolean).map((item) => numberOf(plain(schema.items), item));
+  if (isList(schema)) return text.split(/[\s,;]+/).filter(Boolean).map((item) => numberOf(itemOf(schema), item));
   if (isMap(schema)) return readMap(schema, text);
   if (LISTS.has(schema.type)) return numberOf(schema, text);
   if (schema.type === "string" || schema.enum) return text;
@@ -133,7 +136,7 @@ export async function planForm({ name, kind, first, start, begin, signal }) {
     if (!fields.map(([, one]) => one.check()).every(Boolean)) { put(verdict, "Some fields cannot be used yet."); return false; }
     const found = await post(`rigs/${lab.rig.id}/plan-checks`, plan());
     verdict.className = found.problems.length ? "bad" : "good";
-    put(verdict, found.problems.length ? found.problems.join("; ") : `The bench can do this: ${found.blocks} blocks.`);
+    put(verdict, found.problems.length ? found.problems.join("; ") : `The bench can do this: ${found.blocks} blocks, about ${duration(found.duration_s)}.`);
     return !found.problems.length;
   }
   const checkInTurn = () => check().then((good) => { go.disabled = !good; }).catch((error) => { put(verdict, error.detail); });

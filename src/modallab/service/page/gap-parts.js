@@ -66,5 +66,5 @@ export function residuals({ by_channel: before, after_by_channel: after }) {
 }
 
 /** What the gap is made of. */
-export const budget = (found) => panel("Budget", found ? [table("Parts of the gap", ["Part", "Share", ["Sigmas", "n"]], found.rows.slice(0, 12).map((row) => [`${spaced(row.name)}${row.place ? `, ${row.place}` : ""}`, bar(row.share), row.sigmas === null ? "–" : row.sigmas.toFixed(1)])),
-  h("p", { class: "muted" }, "A negative share works against the others."), h("ul", { class: "plainlist" }, found.calibrate.map((one) => h("li", {}, sentence(one))))] : h("p", { class: "muted" }, "This diagnosis has none."));
+export const budget = (found) => panel("Budget", found ? [table("Parts of the gap", ["Part", "Share", ["Sigmas", "n"]], found.rows.slice(0, 12).map((row) => [`${spaced(row.name).replaceAll("+", " and ")}${row.place ? `, ${row.place}` : ""}`, bar(row.share), row.sigmas === null ? "–" : row.sigmas.toFixed(1)])),
+  h("p", { class: "muted" }, "Numbers whose shares cancel stand together, with what stays."), h("ul", { class: "plainlist" }, found.calibrate.map((one) => h("li", {}, sentence(one))))] : h("p", { class: "muted" }, "This diagnosis has none."));

@@ -120,14 +120,15 @@ export async function campaign(name) {
 
 /** The run that is on, or else the newest of the rig. */
 export async function newestRun(test) {
+  const fits = (run) => !test || [test].flat().includes(run.test);
   if (lab.rig?.run) {
     const run = await find(`runs/${lab.rig.run}`);
-    if (run && (!test || run.test === test)) return run;
+    if (run && fits(run)) return run;
   }
   for (const { runs } of (await get(`campaigns?rig=${encodeURIComponent(lab.rig.id)}&limit=10`)).items) {
     for (const id of [...runs].reverse()) {
       const run = await get(`runs/${id}`);
-      if (!test || run.test === test) return run;
+      if (fits(run)) return run;
     }
   }
   return null;

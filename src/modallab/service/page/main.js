@@ -6,7 +6,7 @@ import { listen, onConnection } from "./events.js";
 import { choose, lab, refresh, watch } from "./lab.js";
 import { stopButton } from "./stop.js";
 
-const VIEWS = { bench: "Bench", impact: "Impact test", sine: "Sine test", model: "Model", gap: "Gap", campaigns: "Campaigns" };
+const VIEWS = { bench: "Bench", impact: "Impact test", sine: "Sine test", broadband: "Broadband test", model: "Model", gap: "Gap", campaigns: "Campaigns" };
 const RETRY_MS = 1000;
 const always = new AbortController().signal;
 const view = document.getElementById("view");

@@ -11,8 +11,9 @@ export class ModesSoFar {
     Object.assign(this, { run, signal, changed, asked: "", busy: false, enough: false });
     this.verdict = h("p", { class: "verdict good", role: "status", hidden: true }, "Enough");
     this.words = h("p", { class: "muted", role: "status" }, "They come with the first good hits.");
+    this.agreement = h("p", { role: "status", hidden: true });
     this.list = h("div");
-    this.element = panel("Modes so far", this.verdict, this.words, this.list);
+    this.element = panel("Modes so far", this.agreement, this.verdict, this.words, this.list);
   }
 
   /** Look at the blocks of a `RunState`. */
@@ -29,7 +30,9 @@ export class ModesSoFar {
     this.busy = false;
   }
 
-  draw({ frequency_hz: hz, frequency_sigma_hz: hzSigma, damping_ratio: zeta, damping_sigma: zetaSigma, blocks, telling_point: point }, { precision }) {
+  draw({ frequency_hz: hz, frequency_sigma_hz: hzSigma, damping_ratio: zeta, damping_sigma: zetaSigma, blocks, telling_point: point, agreement }, { precision }) {
+    this.compare(agreement);
+    if (!hz.length) return say(this.words, "More good hits are needed for the modes.");
     const limits = [precision?.frequency_ratio, precision?.damping_ratio];
     const rows = hz.map((_, n) => [hzSigma[n] / hz[n], zetaSigma[n] / zeta[n]]);
     const met = rows.map((row) => row.every((ratio, k) => Number.isFinite(ratio) && ratio <= limits[k]));
@@ -40,6 +43,14 @@ export class ModesSoFar {
     const heads = [["Mode", "n"], ["Frequency [Hz]", "n"], ["± [%]", "n"], ["Damping [%]", "n"], ["± [%]", "n"], ...(precision ? ["Known well enough"] : [])];
     put(this.list, table("Modes so far, each with its standard deviation", heads, rows.map((row, n) => [n + 1, uncertain(hz[n], hzSigma[n]), number(100 * row[0], 2), uncertain(100 * zeta[n], 100 * zetaSigma[n]), number(100 * row[1], 2),
       ...(precision ? [h("span", { class: met[n] ? "good" : "warn" }, met[n] ? "yes" : "not yet")] : [])])));
+  }
+
+  /** Whether the simulation agrees with the hits at this point, so that a wrong sensor is seen before the next. */
+  compare(agreement) {
+    this.agreement.hidden = !agreement;
+    if (!agreement) return;
+    this.agreement.className = agreement.agrees ? "good" : "warn";
+    say(this.agreement, agreement.sentence);
   }
 
   goal([hz, zeta], met) {

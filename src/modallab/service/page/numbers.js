@@ -11,16 +11,8 @@ export function number(value, digits = 4) {
 
 const raised = (power) => [...power].map((one) => (one === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[one] ?? "")).join("");
 
-const PREFIXES = [[1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
-
-/** A number with its unit, by whichever prefix makes it short. */
-export function quantity(value, symbol, digits = 3) {
-  if (!Number.isFinite(value)) return "–";
-  const size = Math.abs(value);
-  const [factor, prefix] = size >= 0.1 && size < 1e4 ? [1, ""] : PREFIXES.find(([one]) => size >= one) ?? (value === 0 ? [1, ""] : PREFIXES.at(-1));
-  const scaled = Number((value / factor).toPrecision(digits));
-  return `${scaled.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(Math.abs(scaled) || 1))))} ${prefix}${unit(symbol)}`;
-}
+/** A number in its unit, never another one by a prefix: what stands in one column can be compared. */
+export const quantity = (value, symbol, digits = 3) => (Number.isFinite(value) ? `${number(value, digits)} ${unit(symbol)}` : "–");
 
 /** A value with its standard deviation, as 4.80(3). */
 export function uncertain(value, sigma) {

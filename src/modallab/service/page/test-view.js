@@ -1,4 +1,4 @@
-/** What impact and sine tests have in common: no run, a run that is on, a run that has ended. */
+/** What all tests have in common: no run, a run that is on, a run that has ended. */
 
 import { button, h, put } from "./dom.js";
 import { campaign, command, lab, newestRun } from "./lab.js";

@@ -148,23 +148,23 @@ class HeartbeatTimer:
         self._count_s = 2.0 * look_s
         self._clock = clock
         self._looked_s = clock()
-        self._heard_s = self._looked_s
+        self._received_s = self._looked_s
         self._used_s = 0.0
         self.counted_s = 0.0
 
-    def look(self, heard_s: float, used_s: float) -> bool:
+    def look(self, received_s: float, used_s: float) -> bool:
         """Look again. Whether the other has given no sign of life for too long.
 
         Args:
-            heard_s: when it was heard last.
+            received_s: when a message was received last.
             used_s: of the processor, by it and so far.
         """
         now = self._clock()
         passed = min(now - self._looked_s, self._count_s)
         self._looked_s = now
-        if heard_s != self._heard_s:
-            self._heard_s, self.counted_s = heard_s, 0.0
+        if received_s != self._received_s:
+            self._received_s, self.counted_s = received_s, 0.0
         elif used_s == self._used_s:
             self.counted_s += passed
         self._used_s = used_s
-        return self.counted_s > self._allowed_s or now - heard_s > AT_MOST * self._allowed_s
+        return self.counted_s > self._allowed_s or now - received_s > AT_MOST * self._allowed_s

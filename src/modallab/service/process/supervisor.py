@@ -33,8 +33,8 @@ from modallab.service.records.leases import Leases
 from modallab.service.records.sessions import make_link
 from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers, rig_ids
-from modallab.service.rigs.diary import Diary, Recovery
 from modallab.service.rigs.queue_runner import QueueRunner
+from modallab.service.rigs.run_log import Recovery, RunLog
 from modallab.storage import Store
 
 LOG = logging.getLogger(__name__)
@@ -83,12 +83,12 @@ class Supervisor:
         self._counter: Counter | None = None
         boot = secrets.token_hex(8)
         log = EventLog(self.store.catalogue.engine, self._new_events)
-        diary = Diary(self.store, log)
+        run_log = RunLog(self.store, log)
         jobs = self._queue = Jobs(self.store.catalogue.engine)
-        self._diary = diary
+        self._run_log = run_log
         self._watch = JobWatch(self.store.catalogue.engine, jobs, log)
         after = AfterRun(self.store, jobs)
-        self._recovery = Recovery(diary, after)
+        self._recovery = Recovery(run_log, after)
         self._recovery.look()
         self._purge = Purge(self.store)
         listener = bound(settings.host, settings.port)
@@ -96,7 +96,7 @@ class Supervisor:
         ids = rig_ids([rig.name for rig, _ in rigs])
         self.controllers = Controllers(
             [
-                Controller(Bench(i, diary.revisions.settle(i, rig), url, settings.data), diary, after)
+                Controller(Bench(i, run_log.revisions.settle(i, rig), url, settings.data), run_log, after)
                 for i, (rig, url) in zip(ids, rigs, strict=True)
             ],
             leases,
@@ -116,7 +116,7 @@ class Supervisor:
         self._computing: dict[str, int] = {}
         self._jobs_owner = ""
         self.controllers.others = self._processes
-        self._queued_runs = QueueRunner(self.controllers, diary, self._is_heard)
+        self._queued_runs = QueueRunner(self.controllers, run_log, self._is_connected)
         self._look_after(self._api)
         for work in (self._keep, self._guard):
             Thread(target=work, name=work.__name__.strip("_"), daemon=True).start()
@@ -152,7 +152,7 @@ class Supervisor:
             child.close()
         if self._jobs_owner:
             self._free_jobs(self._jobs_owner)
-        self._diary.close()
+        self._run_log.close()
         self._closed.set()
         self._orphans.close()
         self._lock.release()
@@ -207,7 +207,7 @@ class Supervisor:
                     self._look_after(self._jobs)
                 for name, pid in self.controllers.rig_processes().items():
                     self._orphans.note(name, pid, leaves=True)
-                self._diary.log.flush()
+                self._run_log.log.flush()
                 self._watch.look()
                 self._recovery.look()
                 self._purge.look()
@@ -234,18 +234,18 @@ class Supervisor:
         counter = self._counter
         if counter is None or not counter.began:
             return ""
-        timed_out = timer.look(counter.heard_s, self._api.used_s)
+        timed_out = timer.look(counter.received_s, self._api.used_s)
         # Started again it may be back within the second that it is given: its end alone is reason enough.
         return counter.gone or (
-            f"no sign of life of the REST process for {counter.since_heard_s:.1f} s" if timed_out else ""
+            f"no sign of life of the REST process for {counter.since_received_s:.1f} s" if timed_out else ""
         )
 
-    def _is_heard(self) -> bool:
+    def _is_connected(self) -> bool:
         """Whether somebody could see and command a run that begins now."""
         counter = self._counter
         if counter is None or not counter.began or counter.gone:
             return False
-        return counter.since_heard_s <= self._settings.heartbeat_timeout_s
+        return counter.since_received_s <= self._settings.heartbeat_timeout_s
 
     def _trip(self, trouble: str) -> None:
         try:

@@ -169,7 +169,7 @@ class Counter:
         self._connection = connection
         self._control = control
         self._sending = Lock()
-        self.heard_s = time.monotonic()
+        self.received_s = time.monotonic()
         self.began = False
         self._gone_s: float | None = None
         self._new: Queue[NewEvents | None] = Queue(1)
@@ -181,7 +181,7 @@ class Counter:
         try:
             while True:
                 message: Call | Sign = self._connection.recv()
-                self.heard_s = time.monotonic()
+                self.received_s = time.monotonic()
                 self.began = True
                 if isinstance(message, Call):
                     self._pool.submit(self._do, message)
@@ -206,9 +206,9 @@ class Counter:
                     self._connection.send(new)
 
     @property
-    def since_heard_s(self) -> float:
+    def since_received_s(self) -> float:
         """Since it was heard last."""
-        return time.monotonic() - self.heard_s
+        return time.monotonic() - self.received_s
 
     @property
     def gone(self) -> str:

@@ -12,7 +12,7 @@ from modallab.core.documents.campaigns import CampaignChange, CampaignNew, Campa
 from modallab.jobs import Job
 from modallab.service.errors import ChangedError, IdempotencyError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.set_aside import asides_of, bring_back, left_out, shown
+from modallab.service.records.archived import asides_of, bring_back, left_out, shown
 from modallab.storage.engine import next_number, reading, writing
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS, RUN_KEYS

@@ -17,7 +17,7 @@ from modallab.service.records import audit
 from modallab.service.records.event_log import Topic
 from modallab.service.records.repository import RunEntry, key_of_another
 from modallab.service.rigs.control import StartRun, require_action
-from modallab.service.rigs.diary import Diary
+from modallab.service.rigs.run_log import RunLog
 from modallab.storage.records import ENDED
 
 
@@ -89,12 +89,12 @@ LOG = logging.getLogger(__name__)
 class ActiveRun:
     """One run from its first event to its last."""
 
-    def __init__(self, rig: str, order: StartRun, operator: str, diary: Diary) -> None:
+    def __init__(self, rig: str, order: StartRun, operator: str, run_log: RunLog) -> None:
         self.plan: Plan = order.plan
         self.run = ""
         self.state: RunState = "created"
         self.operator = operator
-        self.diary = diary
+        self.run_log = run_log
         self._rig = rig
         self._order = order
 
@@ -105,7 +105,7 @@ class ActiveRun:
 
     def follow(self, process: RigProcess, begun: "Future[str]") -> ModallabError | None:
         """Run the plan to its end. `begun` gets the run's name; what kept it from beginning is returned, not raised."""
-        with self.diary.ends.following(self):
+        with self.run_log.ends.following(self):
             return self._follow(process, begun)
 
     def command(self, process: RigProcess, command: Command, operator: str) -> None:
@@ -126,10 +126,10 @@ class ActiveRun:
             process.accept(self._block_name(command.n), command.reason, operator)
         else:
             simple[command.kind]()
-        audit.enter(self.diary.engine, operator, command.kind, self.run, command.model_dump(mode="json"))
+        audit.enter(self.run_log.engine, operator, command.kind, self.run, command.model_dump(mode="json"))
 
     def _block_name(self, n: int) -> str:
-        for block in self.diary.store.catalogue.blocks(self.run):
+        for block in self.run_log.store.catalogue.blocks(self.run):
             if block.n == n:
                 return block.note.name
         raise NotFoundError(f"run {self.run} has no block {n}", where="n", remedy="look at the list of its blocks")
@@ -163,15 +163,15 @@ class ActiveRun:
         self.run = first.run
         order = self._order
         entry = RunEntry(self.run, order.campaign, self._rig, self.operator, order.continues)
-        self.diary.repository.add_run(entry, order.plan.model_dump(mode="json"), order.key)
+        self.run_log.repository.add_run(entry, order.plan.model_dump(mode="json"), order.key)
         self._note(first)
 
     def _note(self, event: Event) -> None:
         if isinstance(event, StateChanged):
             self.state = event.state
             if event.state in ENDED:
-                self.diary.ends.notify(self.run)
-        self.diary.log.append(event.kind, self.topic, event.model_dump(mode="json"))
+                self.run_log.ends.notify(self.run)
+        self.run_log.log.append(event.kind, self.topic, event.model_dump(mode="json"))
         if isinstance(event, Failed):
             self._keep_code(event.code)
 
@@ -181,12 +181,12 @@ class ActiveRun:
             return
         reason = error.what
         with suppress(ModallabError):
-            reason = self.diary.store.catalogue.run(self.run).reason or reason
+            reason = self.run_log.store.catalogue.run(self.run).reason or reason
         self._note(StateChanged(run=self.run, state="failed", reason=reason))
         self._note(Failed(run=self.run, code=error.code, what=error.what, remedy=error.remedy))
 
     def _keep_code(self, code: str) -> None:
         try:
-            self.diary.repository.set_code(self.run, code)
+            self.run_log.repository.set_code(self.run, code)
         except StorageError as error:
             LOG.warning("run %s: the code %s could not be kept: %s", self.run, code, error)

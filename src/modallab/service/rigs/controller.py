@@ -20,8 +20,8 @@ from modallab.core.rig import Rig
 from modallab.service.errors import ConflictError, NotFoundError, RigUnavailableError
 from modallab.service.rigs.active_run import ActiveRun, RequestedRun
 from modallab.service.rigs.control import ControllerState, StartRun
-from modallab.service.rigs.diary import Diary
 from modallab.service.rigs.emergency import EmergencyStop
+from modallab.service.rigs.run_log import RunLog
 from modallab.storage.recorder import utc_now
 
 LOG = logging.getLogger(__name__)
@@ -49,7 +49,7 @@ class Controller:
     def __init__(
         self,
         bench: Bench,
-        diary: Diary,
+        run_log: RunLog,
         ended: Callable[[str], None],
         begin_s: float = BEGIN_S,
     ) -> None:
@@ -57,15 +57,15 @@ class Controller:
 
         Args:
             bench: the rig.
-            diary: where it writes.
+            run_log: where it writes.
             ended: called with the name of every run that has ended.
             begin_s: until a run must have begun.
         """
         self._begin_s = begin_s
         self.bench = bench
         self.latch = TripLatch(bench.folder, bench.url)
-        self._diary = diary
-        self._stop = EmergencyStop(self.latch, partial(diary.tripped, bench.id))
+        self._run_log = run_log
+        self._stop = EmergencyStop(self.latch, partial(run_log.tripped, bench.id))
         self._ended = ended
         self._state: RigState = "starting"
         self._error = ""
@@ -130,7 +130,7 @@ class Controller:
         requested = self._last_requested
         if requested is not None and requested.is_of(order):
             return requested.wait(self._begin_s)
-        return None if order.key is None else self._diary.repository.run_of(order.key)
+        return None if order.key is None else self._run_log.repository.run_of(order.key)
 
     def _start(self, order: StartRun, operator: str) -> str:
         self._stop.require_latch()
@@ -174,7 +174,7 @@ class Controller:
         unwritten = self._stop.reset()
         if self.latch.reset() is None and not unwritten:
             raise NotFoundError("the rig is not tripped", where=self.bench.id, remedy="there is nothing to reset")
-        self._diary.reset(self.bench.id, reason, operator)
+        self._run_log.reset(self.bench.id, reason, operator)
 
     def revise(self, rig: Rig, reason: str, operator: str) -> None:
         """Go on with another description of what stands on the bench, which is opened again for it.
@@ -194,7 +194,7 @@ class Controller:
                 raise ConflictError("a run is going on", where=self.bench.id, remedy="wait for its end, or stop it")
             if rig == self.bench.rig:
                 return
-            self._diary.revisions.add(self.bench.id, rig, reason, operator)
+            self._run_log.revisions.add(self.bench.id, rig, reason, operator)
             self.bench = replace(self.bench, rig=rig)
             self._is("starting")
             process = self._process
@@ -250,7 +250,7 @@ class Controller:
 
     def _run(self, process: RigProcess, requested: RequestedRun) -> bool:
         """Whether the process is of use for another run."""
-        active = ActiveRun(self.bench.id, requested.order, requested.operator, self._diary)
+        active = ActiveRun(self.bench.id, requested.order, requested.operator, self._run_log)
         self._active = active
         self._is("running")
         try:
@@ -280,4 +280,4 @@ class Controller:
     def _is(self, state: RigState, error: str = "") -> None:
         if (state, error) != (self._state, self._error):
             self._state, self._error, self._since = state, error, utc_now()
-            self._diary.rig_state(self.bench.id, state, error)
+            self._run_log.rig_state(self.bench.id, state, error)

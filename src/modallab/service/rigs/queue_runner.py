@@ -16,8 +16,8 @@ from modallab.service.records.run_queue import RunQueue
 from modallab.service.rigs.consents import Consent
 from modallab.service.rigs.control import ControllerState, StartRun
 from modallab.service.rigs.controllers import Controllers
-from modallab.service.rigs.diary import Diary
 from modallab.service.rigs.queue_rules import obstacle
+from modallab.service.rigs.run_log import RunLog
 from modallab.storage.records import ENDED
 
 LOG = logging.getLogger(__name__)
@@ -28,17 +28,17 @@ QUEUE = "the queue"
 class QueueRunner:
     """Looks at the queues of all rigs on a thread of its own; what it knows is in the database, but for consents."""
 
-    def __init__(self, controllers: Controllers, diary: Diary, may_begin: Callable[[], bool] = lambda: True) -> None:
+    def __init__(self, controllers: Controllers, run_log: RunLog, may_begin: Callable[[], bool] = lambda: True) -> None:
         """Begin to look.
 
         Args:
             controllers: the rigs.
-            diary: where it writes.
+            run_log: where it writes.
             may_begin: whether anybody could see and command a run that begins now.
         """
         self._controllers = controllers
-        self._diary = diary
-        self._queue = RunQueue(diary.engine)
+        self._run_log = run_log
+        self._queue = RunQueue(run_log.engine)
         self._may_begin = may_begin
         self._closing = Flag()
         self._thread = Thread(target=self._work, name="queue", daemon=True)
@@ -112,7 +112,7 @@ class QueueRunner:
         if not item.run:
             self._find(item, state)
             return
-        record = self._diary.store.catalogue.run(item.run)
+        record = self._run_log.store.catalogue.run(item.run)
         if record.state not in ENDED:
             return
         if record.state == "done" and not record.reason:
@@ -123,7 +123,7 @@ class QueueRunner:
 
     def _find(self, item: QueueItem, state: ControllerState) -> None:
         # Its beginning was not heard of: this service, or the one before, was ended or kept waiting in between.
-        run = self._diary.repository.run_of(_key(item))
+        run = self._run_log.repository.run_of(_key(item))
         if run is not None:
             self._set(item, "running", run=run)
         elif state.state == "idle":
@@ -145,7 +145,7 @@ class QueueRunner:
 
     def _notify(self, rig: str, **content: str) -> None:
         said = QueueChanged.model_validate({"rig": rig} | content)
-        self._diary.log.append(said.kind, Topic(rig=rig), said.content())
+        self._run_log.log.append(said.kind, Topic(rig=rig), said.content())
 
 
 def _key(item: QueueItem) -> RunKey:

@@ -124,8 +124,8 @@ def _opening(element: Element, structure: Structure, modes: Modes) -> tuple[Arra
     if element.of_all_modes:
         return _by_moments(rows, element.x_m, structure)
     # Each mode at the same energy.
-    bent = rows @ np.real(modes.columns * np.sqrt(2j * modes.poles.imag)) / np.abs(modes.poles)
-    turned = np.linalg.svd(bent)[0]
+    curvatures = rows @ np.real(modes.columns * np.sqrt(2j * modes.poles.imag)) / np.abs(modes.poles)
+    turned = np.linalg.svd(curvatures)[0]
     return turned.T[:PATTERNS] @ rows, curvature_rows(element.x_m, structure.length_m)[0]
 
 
@@ -136,18 +136,18 @@ def _by_moments(rows: Array, x_m: float, structure: Structure) -> tuple[Array, A
     """
     rigidity, length = structure.bending_stiffness, structure.length_m
     # Of unit moments where the crack is closed, and where it is open.
-    closed = rows @ _bent(x_m, length) / rigidity
+    closed = rows @ _static_deflection(x_m, length) / rigidity
     opened = np.linalg.solve(np.eye(len(rows)) - rows @ (flexibility(length) / rigidity) @ rows.T, closed)
     turned = np.linalg.qr(opened)[0]
     channels = turned.T @ rows
     return channels, np.linalg.solve(turned.T @ closed, channels)[0]
 
 
-def _bent(x_m: float, length_m: float) -> Array:
+def _static_deflection(x_m: float, length_m: float) -> Array:
     """(n, MOMENTS) deflection of unit EI under moments (s - x)^j / L^j, s along the beam."""
     arm = np.linspace(0, length_m, ELEMENTS + 1) - x_m
-    bent = np.empty((2 * ELEMENTS + 2, MOMENTS))
+    curvatures = np.empty((2 * ELEMENTS + 2, MOMENTS))
     for j in range(MOMENTS):
-        bent[1::2, j] = arm ** (j + 1) / (j + 1) / length_m**j
-        bent[::2, j] = arm ** (j + 2) / (j + 1) / (j + 2) / length_m**j
-    return bent
+        curvatures[1::2, j] = arm ** (j + 1) / (j + 1) / length_m**j
+        curvatures[::2, j] = arm ** (j + 2) / (j + 1) / (j + 2) / length_m**j
+    return curvatures

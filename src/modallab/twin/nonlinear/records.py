@@ -95,5 +95,5 @@ def acceleration(modes: Modes, own: Coupling, psi: Complex, added: Fine, dt: flo
     total = 2 * np.real((psi[:, :p] * modes.poles[:p] ** 2) @ motion) + straight @ force.T
     # What follows at once: its static motion, twice differentiated.
     static = -2 * np.real((psi[:, p:] / modes.poles[p:]) @ own.shapes[:, p:].T)
-    bent = np.gradient(np.gradient(force, dt, axis=0), dt, axis=0)
-    return total + static @ bent.T
+    second_derivative = np.gradient(np.gradient(force, dt, axis=0), dt, axis=0)
+    return total + static @ second_derivative.T

@@ -138,7 +138,7 @@ def step_one(
     skip: int,
     begun: Array,
     pushed: Array,
-    bent: Array,
+    excess: Array,
 ) -> None:
     """Step a law of one motion.
 
@@ -159,7 +159,7 @@ def step_one(
         skip: steps before the first that is kept.
         begun: (2, p) state before the first step that is kept.
         pushed: (steps kept,) force of the element.
-        bent: (steps kept,) mean force that it has more than its straight line over each step.
+        excess: (steps kept,) mean force that it has more than its straight line over each step.
     """
     decay_r, decay_i, push_r, push_i = decay[0], decay[1], push[0], push[1]
     drive_r, drive_i, ahead_r, ahead_i = drive[0], drive[1], ahead[0], ahead[1]
@@ -187,7 +187,7 @@ def step_one(
         bend = -(new - 2.0 * g + g0) / CURVED if law == CUBIC else 0.0
         if n >= skip:
             pushed[n - skip] = new
-            bent[n - skip] = bend
+            excess[n - skip] = bend
         g0 = g
         g = new
 
@@ -268,7 +268,7 @@ def step_many(
     skip: int,
     begun: Array,
     pushed: Array,
-    bent: Array,
+    excess: Array,
 ) -> None:
     """Step a law of several motions: a crack, or a drag.
 
@@ -286,7 +286,7 @@ def step_many(
         skip: steps before the first that is kept.
         begun: (2, p) state before the first step that is kept.
         pushed: (steps kept, m) force of the element.
-        bent: (steps kept, m) mean force that it has more than its straight line over each step.
+        excess: (steps kept, m) mean force that it has more than its straight line over each step.
     """
     p, m = decay.shape[1], pushed.shape[1]
     real, imag = np.zeros(p), np.zeros(p)
@@ -307,7 +307,7 @@ def step_many(
         acting[m] = force[n]
         if n >= skip:
             for j in range(m):
-                pushed[n - skip, j], bent[n - skip, j] = acting[j], acting[m + 1 + j]
+                pushed[n - skip, j], excess[n - skip, j] = acting[j], acting[m + 1 + j]
 
 
 @compiled

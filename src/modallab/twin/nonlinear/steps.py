@@ -99,17 +99,17 @@ class Steps:
         """
         width, count = padded(self.decay).shape[-1], len(self.own.shapes)
         total, pushed = np.zeros((2, width)), np.zeros((len(force) - skip, count))
-        bent = np.zeros_like(pushed)
-        (self._run_one if self.own.law in OF_ONE_MOTION else self._run_many)(force, skip, total, pushed, bent)
+        excess = np.zeros_like(pushed)
+        (self._run_one if self.own.law in OF_ONE_MOTION else self._run_many)(force, skip, total, pushed, excess)
         state = np.empty(self.kept, dtype=complex)
         state.real, state.imag = total[:, : self.kept]
         state -= self.state_after(force[:skip])
-        if not np.any(bent):
+        if not np.any(excess):
             return Pushed(self.decay, self.push, self.late, state, pushed.T, count, self.left)
         acts, at_once = (np.concatenate(rows) for rows in ((self.push, self.decay * self.kick), (self.late, self.kick)))
-        return Pushed(self.decay, acts, at_once, state, np.concatenate([pushed, bent], axis=1).T, count, self.left)
+        return Pushed(self.decay, acts, at_once, state, np.concatenate([pushed, excess], axis=1).T, count, self.left)
 
-    def _run_one(self, force: Array, skip: int, begun: Array, pushed: Array, bent: Array) -> None:
+    def _run_one(self, force: Array, skip: int, begun: Array, pushed: Array, excess: Array) -> None:
         from modallab.twin.nonlinear.stepping import step_one
 
         seen, push, later = 2 * self.own.shapes[0, : self.kept], self.push[0], self.decay * self.kick[0]
@@ -131,10 +131,10 @@ class Steps:
             skip,
             begun,
             pushed.reshape(-1),
-            bent.reshape(-1),
+            excess.reshape(-1),
         )
 
-    def _run_many(self, force: Array, skip: int, begun: Array, pushed: Array, bent: Array) -> None:
+    def _run_many(self, force: Array, skip: int, begun: Array, pushed: Array, excess: Array) -> None:
         from modallab.twin.nonlinear.stepping import step_many
 
         cracked, shapes = self.own.law is Law.CRACK, self.own.shapes[:, : self.kept]
@@ -153,5 +153,5 @@ class Steps:
             skip,
             begun,
             pushed,
-            bent,
+            excess,
         )

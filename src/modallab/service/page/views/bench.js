@@ -3,7 +3,7 @@
 import { colour } from "../charts.js";
 import { button, h, panel, put, say, table } from "../dom.js";
 import { command, lab, lease, release, watch } from "../lab.js";
-import { duration, number, quantity } from "../numbers.js";
+import { duration, number, unit } from "../numbers.js";
 import { LiveStrips, drawStrip, sensitivity, stripCanvas, throttled } from "../strips.js";
 
 /** What the channel can show at most, in its unit. */
@@ -15,7 +15,7 @@ export function show(view, signal) {
   const condition = panel("Condition");
   const live = h("p", { class: "muted", "aria-live": "polite" });
   put(view, h("h1", {}, "Bench"), condition, panel("Channels", live,
-    table("Channels with their live levels", [["Channel"], ["Point", "n"], ["Last 6 s", "wide"], ["Level of full scale"], ["Peak", "n"], ["Noise", "n"], ["Bias", "n"], ["Full scale", "n"], ["State"], ["Calibrated"]],
+    table("Channels with their live levels", [["Channel"], ["Point", "n"], ["Unit"], ["Last 6 s", "wide"], ["Level of full scale"], ["Peak", "n"], ["Noise", "n"], ["Bias", "n"], ["Full scale", "n"], ["State"], ["Calibrated"]],
       [...rows.values()].map(({ cells }) => cells))));
   watch(() => put(condition, condition.firstChild, state()), signal);
   const strips = new LiveStrips(lab.description, lab.rig.id, throttled(() => draw(), signal), signal);
@@ -42,19 +42,19 @@ function row(channel, converter) {
   const lamp = h("span", { class: "lamp" }, "no signal");
   const full = h("span");
   const calibrated = channel.calibrated_on ?? "not stated";
-  function scale(test) { say(full, quantity(fullScale(channel, converter, test), channel.unit)); }
+  function scale(test) { say(full, number(fullScale(channel, converter, test), 3)); }
   function draw(strip, ink, test) {
     const { peak: most, mean, spread, overload } = strip.level;
     drawStrip(canvas, strip, ink);
     meter.value = Math.min(1, most / fullScale(channel, converter, test));
-    say(peak, quantity(most, channel.unit));
-    say(noise, `± ${quantity(spread, channel.unit, 2)}`);
-    say(bias, quantity(mean, channel.unit, 2));
+    say(peak, number(most, 3));
+    say(noise, `± ${number(spread, 2)}`);
+    say(bias, number(mean, 2));
     scale(test);
     lamp.className = `lamp ${overload ? "bad" : "good"}`;
     say(lamp, overload ? "overload" : "in range");
   }
-  const cells = [h("span", {}, channel.name, h("small", {}, ` ${channel.quantity} ${channel.direction}`)), channel.point ?? "–", canvas, meter, peak, noise, bias, full, lamp, `${calibrated}${channel.serial ? `, ${channel.serial}` : ""}`];
+  const cells = [h("span", {}, channel.name, h("small", {}, ` ${channel.quantity} ${channel.direction}`)), channel.point ?? "–", unit(channel.unit), canvas, meter, peak, noise, bias, full, lamp, `${calibrated}${channel.serial ? `, ${channel.serial}` : ""}`];
   scale("impact");
   return { cells, draw };
 }

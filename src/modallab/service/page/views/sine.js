@@ -1,19 +1,16 @@
 /** The sine test: how far it is, what each frequency gave, and the FRF as it fills. */
 
-import { Chart, colour, look } from "../charts.js";
-import { button, h, panel, put, say, sentence } from "../dom.js";
+import { Chart, look } from "../charts.js";
+import { button, h, panel, put, sentence } from "../dom.js";
+import { sayProgress, sayState, watchDrive } from "../driven.js";
 import { GrowingFrf } from "../growing-frf.js";
 import { lab } from "../lab.js";
-import { duration, number, quantity } from "../numbers.js";
-import { LiveStrips, drawStrip, stripCanvas, throttled } from "../strips.js";
+import { number } from "../numbers.js";
 import { order, runButtons, showTest } from "../test-view.js";
 
 const form = { name: "SinePlan", kind: "sine", first: ["frequencies_hz", "levels_v", "settle_s", "wait_s"], start: () => ({ levels_v: { low: 0.5 } }) };
 
 export const show = (view, signal, [like]) => showTest(view, signal, { like, test: "sine", title: "Sine test", form, parts });
-
-const WORDS = { created: "Preparing", arming: "Preparing", armed: "Ready", acquiring: "Measuring", paused: "Paused", processing: "Finishing", stopping: "Bringing the output to 0 V", done: "Done", failed: "Ended early", aborted: "Stopped" };
-const MOODS = { acquiring: "ready", done: "good", failed: "rejected", aborted: "rejected", paused: "waiting" };
 
 function parts(place, signal, id) {
   const { limits } = lab.description;
@@ -32,19 +29,13 @@ function parts(place, signal, id) {
   put(place, h("div", { class: "pair" }, prompt, h("section", { class: "prompt", "aria-label": "Progress" }, h("h2", {}, "Progress"), left, bar, h("p", { class: "buttons" }, common.elements), notices)),
     new GrowingFrf(id, signal, { points: true }).element,
     h("div", { class: "pair" }, h("section", { class: "panel", "aria-label": "Frequencies" }, h("h2", {}, "Frequencies"), frequencies), h("div", {}, drive, forces)));
-  watchDrive(drive, limits, signal);
+  watchDrive(drive, limits, signal, "sine");
 
   return (state) => {
-    const { done = 0, total = 0, what = "" } = state.progress ?? {};
-    prompt.dataset.mood = MOODS[state.state] ?? "waiting";
-    say(large, state.state === "acquiring" && what ? what.replace(/^level /, "") : WORDS[state.state] ?? state.state);
-    say(under, state.failed ? `${sentence(state.failed.what)} ${sentence(state.failed.remedy || "look at the bench")}` : state.ended ? sentence(state.reason || "all that the plan asks for is recorded") : state.state === "acquiring" && total ? `frequency ${Math.min(done + 1, total)} of ${total}` : "");
+    sayState([large, under], prompt, state, (done, total) => `frequency ${Math.min(done + 1, total)} of ${total}`);
     put(notices, state.ended ? [] : state.notices.map((notice) => h("p", { class: "muted" }, sentence(notice))));
     forces.hidden = !state.blocks.size;
-    bar.max = Math.max(1, total);
-    bar.value = done;
-    const remaining = state.remaining;
-    say(left, total ? `${done} of ${total} measured${Number.isFinite(remaining) ? `, about ${duration(remaining)} left` : ""}` : "Nothing is measured yet");
+    sayProgress(bar, left, state);
     common.draw(state);
     draw(state, list, force, id);
   };
@@ -63,24 +54,4 @@ function draw(state, list, force, id) {
   }));
   const lines = [...new Set([...found.values()].map((block) => block.frequency_hz))].sort((a, b) => a - b);
   if (lines.length) force.draw(levels.map((level, n) => ({ label: level, ...look(n) })), [lines, ...levels.map((level) => lines.map((hz) => found.get(`${level} ${hz}`)?.facts?.force_n ?? null))]);
-}
-
-/** The force as it is now, beside its limit. */
-function watchDrive(place, limits, signal) {
-  const others = (lab.description.shakers ?? []).map(({ force }) => force);
-  const { name } = lab.description.channels.find(({ quantity, name }) => quantity === "force" && !others.includes(name));
-  const response = lab.description.channels.find(({ quantity, point }) => quantity !== "force" && point === lab.description.shaker_point) ?? lab.description.channels.find(({ quantity }) => quantity !== "force");
-  const rows = [[name, limits?.force_n, "N"], [response.name, limits?.acceleration_m_s2, "m/s²"]].map(([channel, limit, unit]) => ({ channel, limit, unit, canvas: stripCanvas(channel), value: h("span", { class: "n" }, "–") }));
-  put(place, place.firstChild, h("ul", { class: "scope" }, rows.map(({ channel, canvas, value }) => h("li", {}, h("span", {}, channel), canvas, value))),
-    h("p", { class: "muted" }, limits ? `Limits: ${number(limits.drive_v, 3)} V drive, ${number(limits.force_n, 3)} N, ${number(limits.acceleration_m_s2, 3)} m/s². Beyond them the output goes to 0 V.` : "The rig file states no limits: nothing can be driven."));
-  const strips = new LiveStrips(lab.description, lab.rig.id, throttled(() => {
-    for (const { channel, limit, unit, canvas, value } of rows) {
-      const strip = strips.strips.get(channel);
-      if (!strip) continue;
-      const { peak } = strip.level;
-      drawStrip(canvas, strip, { ink: colour(limit && peak > 0.8 * limit ? "bad" : "trace"), line: colour("grid") });
-      say(value, quantity(peak, unit));
-    }
-  }, signal), signal);
-  strips.test = "sine";
 }

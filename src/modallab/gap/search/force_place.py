@@ -60,7 +60,7 @@ class Place:
     left: float
 
 
-def acting_at(bench: Bench, base: Fit, candidate: Candidate) -> Candidate | None:
+def placed_by_overtones(bench: Bench, base: Fit, candidate: Candidate) -> Candidate | None:
     """The effect, at the place that the overtones show where its law is rough; None where they show no such place.
 
     It stays as it is where it acts all along the beam, or where no overtone is clear.
@@ -114,8 +114,8 @@ def _rows(at: Array, twin: Twin, acts: Acts) -> Array:
         return shape_rows(at * length, length)
     about = np.linspace(-2, 2, 17)
     weights = np.exp(-(about**2)) / np.sum(np.exp(-(about**2)))
-    bent = np.clip(at[:, None] + SPREAD * about, 0.0, 1.0) * length
-    rows = curvature_rows(bent.ravel(), length).reshape(*bent.shape, -1)
+    about_place = np.clip(at[:, None] + SPREAD * about, 0.0, 1.0) * length
+    rows = curvature_rows(about_place.ravel(), length).reshape(*about_place.shape, -1)
     return np.einsum("w,pwn->pn", weights, rows)
 
 

@@ -21,7 +21,7 @@ from modallab.gap.model.nuisances import Nuisances, nuisances
 from modallab.gap.model.restored import begin_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import TOP_HZ, weights_of
-from modallab.gap.search.elsewhere import elsewhere
+from modallab.gap.search.best_place import at_best_place
 
 Array = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ def recorded(campaign: Campaign) -> Recorded:
     return Recorded(reduce(prepared.campaign, fitted, weights), weights, prepared)
 
 
-def left_standing(diagnosis: Diagnosis) -> list[CandidateSet]:
+def remaining_explanations(diagnosis: Diagnosis) -> list[CandidateSet]:
     """Explanations between which an experiment could decide, the likeliest first; a single one if there is none.
 
     One that contains a likelier one is no rival of it: what it has beyond is not needed, and nothing rules it out.
@@ -101,7 +101,7 @@ def to_decide(diagnosis: Diagnosis) -> list[CandidateSet]:
         PlanError: fewer than two are left standing, or one of them depends on the size of the motion.
         DataError: the diagnosis does not hold their numbers.
     """
-    sets = left_standing(diagnosis)
+    sets = remaining_explanations(diagnosis)
     if len(sets) < 2:
         raise PlanError(
             "the diagnosis leaves no two explanations between which an experiment could decide",
@@ -131,7 +131,7 @@ def explanations(
     names = Counter(frozenset(c.effects) for c in sets)
     fits = [minimise(*begin_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4) for c in sets]
     best = min(fits, key=lambda f: f.cost)
-    fits = [elsewhere(beside(f, best)) for f in fits]
+    fits = [at_best_place(beside(f, best)) for f in fits]
     return [
         Explanation(tuple(sorted(e.effect for e in c.fitted)), c.probability / total, fit)
         for c, fit in zip(sets, fits, strict=True)

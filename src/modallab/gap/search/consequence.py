@@ -42,7 +42,7 @@ class Dismissed:
         return f"Of no consequence: {spoken} moves the response on records held out by {self.moves:.2%}."
 
 
-def worthwhile(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, list[Dismissed]]:
+def of_consequence(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, list[Dismissed]]:
     """The fit with those of its effects that are worth a name, and the others.
 
     Args:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 Real = NDArray[np.float64]
 
 
-class OthersSay:
-    """Learns from stretches, each forgotten little by little, and foretells each channel from the others."""
+class ChannelPrediction:
+    """Learns from stretches, each forgotten little by little, and predicts each channel from the others."""
 
     def __init__(self, rows: int, forget: float) -> None:
         """For so many rows; `forget` is the part of what is known that each new stretch replaces."""
@@ -31,12 +31,12 @@ class OthersSay:
         self._moments = self._keep * self._moments + rows @ rows.T
         self._count = self._keep * self._count + rows.shape[1]
 
-    def foretell(self, rows: Real, channels: int, noise: float) -> tuple[Real, Real]:
+    def predict(self, rows: Real, channels: int, noise: float) -> tuple[Real, Real]:
         """What (rows, n) samples make the first `channels` read, and the rms that stays unexplained.
 
         Args:
             rows: channels, then the drive.
-            channels: how many of them are foretold.
+            channels: how many of them are predicted.
             noise: rms of each row that explains nothing.
         """
         count = max(self._count, 1.0)

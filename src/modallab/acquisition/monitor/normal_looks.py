@@ -1,8 +1,8 @@
-"""Which looks at a burst are calm: nothing in them is near any fault, so none needs to be looked at closer.
+"""Which looks at a burst are normal: nothing in them is near any fault, so none needs to be looked at closer.
 
 A chunk holds many looks where time is virtual, or where a device delivers late. Taken one by one they cost a third of
 the time in which a sine test is recorded; together they are a few products of matrices. The tests are those of
-`plausibility`, at the same thresholds: a look that is not calm is looked at there, with all that may excuse it.
+`plausibility`, at the same thresholds: a look that is not normal is looked at there, with all that may excuse it.
 """
 
 from dataclasses import dataclass
@@ -21,27 +21,27 @@ FEW = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class CalmLooks:
+class NormalLooks:
     """Some looks one after another.
 
     Attributes:
         first: number of the first.
-        calm: (looks,)
+        normal: (looks,)
         tone: (looks, channels) as `BurstLook.tone`.
         moments: (looks, channels, channels) what each adds to the moments of the motion.
         learned: samples of each that these hold.
     """
 
     first: int
-    calm: NDArray[np.bool_]
+    normal: NDArray[np.bool_]
     tone: NDArray[np.complex128]
     moments: Real
     learned: int
 
     def passes(self, look: BurstLook) -> bool:
-        """Whether the look that has just been gone on to is calm; if so, what it teaches is taken in."""
+        """Whether the look that has just been gone on to is normal; if so, what it teaches is taken in."""
         place = look.hop - self.first
-        if not self.calm[place]:
+        if not self.normal[place]:
             return False
         look.places.pass_over(self.moments[place], self.learned)
         look.tone = self.tone[place]
@@ -49,7 +49,7 @@ class CalmLooks:
         return True
 
 
-def calm_looks(look: BurstLook, force: ExpectedForce) -> CalmLooks | None:
+def normal_looks(look: BurstLook, force: ExpectedForce) -> NormalLooks | None:
     """Of all looks for which the samples have come; None where there are few, or not all windows lie in the burst."""
     ends = look.ends_ready()
     later, weak, learned = look.count(look.later_s), look.count(WEAK_LATER_S), look.count(HOP_S)
@@ -67,5 +67,5 @@ def calm_looks(look: BurstLook, force: ExpectedForce) -> CalmLooks | None:
         | at_noise(look.windows(ends, weak), look.white_v)
         | ~(size > SEEN)
     )
-    calm = kept & ~suspect.any(axis=1) & force.believes(look, foreseen) & driven(earlier)
-    return CalmLooks(look.hop + 1, calm, size * foreseen.phase, moments, learned)
+    normal = kept & ~suspect.any(axis=1) & force.believes(look, foreseen) & driven(earlier)
+    return NormalLooks(look.hop + 1, normal, size * foreseen.phase, moments, learned)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modallab.acquisition.monitor import plausibility
-from modallab.acquisition.monitor.calm_looks import CalmLooks, calm_looks
+from modallab.acquisition.monitor.normal_looks import NormalLooks, normal_looks
 from modallab.acquisition.monitor.plausibility import Plausibility
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.bench.protocol import Burst, Chunk
@@ -71,20 +71,20 @@ def verdict(fault: Fault, drawn: int) -> tuple[str, Plausibility]:
 
 @pytest.mark.parametrize("fault", [sound, frozen, noise_alone, no_force, exchanged, clipped, weak_lost])
 def test_many_looks_at_once_end_as_one_by_one(fault: Fault, monkeypatch: pytest.MonkeyPatch) -> None:
-    taken: list[CalmLooks | None] = []
+    taken: list[NormalLooks | None] = []
 
-    def counted(*args: object) -> CalmLooks | None:
-        taken.append(calm_looks(*args))
+    def counted(*args: object) -> NormalLooks | None:
+        taken.append(normal_looks(*args))
         return taken[-1]
 
-    monkeypatch.setattr(plausibility, "calm_looks", counted)
+    monkeypatch.setattr(plausibility, "normal_looks", counted)
     at_once, watch = verdict(fault, 5)
-    monkeypatch.setattr(plausibility, "calm_looks", lambda *_: None)
+    monkeypatch.setattr(plausibility, "normal_looks", lambda *_: None)
     one_by_one, other = verdict(fault, 5)
     assert at_once == one_by_one
     assert bool(at_once) == (fault is not sound)
-    calm = [looks.calm for looks in taken if looks is not None]
-    assert np.mean(np.concatenate(calm)) > (0.6 if fault is sound else 0.0)
+    normal = [looks.normal for looks in taken if looks is not None]
+    assert np.mean(np.concatenate(normal)) > (0.6 if fault is sound else 0.0)
     mine, theirs = watch._burst, other._burst
     assert mine is not None
     assert theirs is not None

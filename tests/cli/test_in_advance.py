@@ -4,26 +4,26 @@ import threading
 
 import pytest
 
-from modallab.cli.ahead import Ahead
+from modallab.cli.in_advance import InAdvance
 
 
 def test_it_is_computed_while_the_caller_goes_on() -> None:
     go_on = threading.Event()
-    ahead = Ahead(lambda: go_on.wait(10.0))
+    computed = InAdvance(lambda: go_on.wait(10.0))
     go_on.set()
-    assert ahead.result() is True
+    assert computed.result() is True
 
 
 def test_what_it_raised_is_raised_where_the_result_is_asked_for() -> None:
-    ahead = Ahead(lambda: 1 // 0)
+    computed = InAdvance(lambda: 1 // 0)
     with pytest.raises(ZeroDivisionError):
-        ahead.result()
+        computed.result()
 
 
 def test_nobody_who_leaves_waits_for_it() -> None:
     before = set(threading.enumerate())
     stop = threading.Event()
-    Ahead(stop.wait)
+    InAdvance(stop.wait)
     (own,) = set(threading.enumerate()) - before
     assert own.daemon
     stop.set()

@@ -18,11 +18,13 @@ from modallab.gap.search.fitting import Bench
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.gap.search.rough_fit import beam_of_hits
 
-HEARD = 0.8
+OVERTONE_SHARE = 0.8
 """Share of the overtones, on records it has not seen, that a law must make to be named for them alone."""
 
 
-def heard(bench: Bench, choice: Choice, levels: list[Level], prepared: Prepared, unseen: Reduced) -> Choice:
+def named_by_overtones(
+    bench: Bench, choice: Choice, levels: list[Level], prepared: Prepared, unseen: Reduced
+) -> Choice:
     """The choice with the law that makes the overtones, where nothing explains the gap and nothing else matters.
 
     Args:
@@ -32,10 +34,10 @@ def heard(bench: Bench, choice: Choice, levels: list[Level], prepared: Prepared,
         prepared: the records.
         unseen: records that no fit has seen.
     """
-    if (choice.explained and choice.calm is None) or not levels or not levels[-1].fits:
+    if (choice.explained and choice.tolerated is None) or not levels or not levels[-1].fits:
         return choice
     fit = levels[-1].fits[0]
-    if not stepped(fit) or not _matters(fit, unseen) or overtones_closed(fit, prepared, unseen) < HEARD:
+    if not stepped(fit) or not _matters(fit, unseen) or overtones_closed(fit, prepared, unseen) < OVERTONE_SHARE:
         return choice
     others = tuple(f for f in (*levels[-1].fits[1:], *choice.rivals) if names(f) != names(fit))
     best = min(fit, beam_of_hits(bench, fit), key=lambda f: f.cost)

@@ -1,8 +1,8 @@
-"""How stiff a joint at the root may be, where what the beam's higher modes give way there stands in series with it.
+"""The stiffness of a joint at the root, in series with the compliance of the modes above the band.
 
-A moment of the joint turns the root by the modes that are followed, and at once by all others. The latter is as a
-spring in series: it takes 1 / k of the joint's compliance over, and the records see the sum. A bench has all of them, a
-simulation as many as it was given.
+A moment of the joint turns the root through the modes that are computed, and without delay through all modes above. The
+latter act as a spring in series; the records determine the sum of both compliances. A real beam has infinitely many
+such modes, a simulation a given number.
 """
 
 from modallab.gap.model.fit import Fit
@@ -10,15 +10,15 @@ from modallab.twin.bench import Twin
 from modallab.twin.elements import slope_rows
 from modallab.twin.modes import solve
 
-HIDDEN = "a joint this stiff does not show beside what the higher modes of the beam give way"
+HIDDEN = "a joint this stiff cannot be distinguished from the compliance of the modes above the band"
 
 
-def behind(fit: Fit, within: tuple[float, float]) -> tuple[float, float] | None:
-    """The interval of a joint's stiffness in N m/rad whether none or all of the higher modes give way there.
+def interval_in_series(fit: Fit, within: tuple[float, float]) -> tuple[float, float] | None:
+    """The interval of a joint's stiffness in N m/rad for none and for all of the compliance of the modes above.
 
     Args:
         fit: of the effect.
-        within: the interval if as much of them does as in the fit.
+        within: the interval at the compliance that the fit has.
 
     Returns:
         the wider interval; None where it has no upper end.

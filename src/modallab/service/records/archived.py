@@ -54,7 +54,7 @@ def shown(aside: Aside | None) -> Shown:
     return {"deleted_utc": aside.utc, "purge_utc": aside.purge_utc}
 
 
-class SetAside:
+class Archive:
     """What is set aside. A run of a campaign that is, is so with it."""
 
     def __init__(self, engine: Engine) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import minimise
-from modallab.gap.search.lows import lows
+from modallab.gap.search.local_minima import local_minima
 
 PLACES: tuple[float, ...] = tuple(np.linspace(0.06, 0.99, 16).tolist())
 """Places over L that are tried."""
@@ -19,7 +19,7 @@ STEPS, LONG = 2, 8
 """Evaluations of the slopes at each place, and once it is free."""
 
 
-def elsewhere(fit: Fit) -> Fit:
+def at_best_place(fit: Fit) -> Fit:
     """The fit, or a better one of the same effect at another place; the fit where no single effect has a place."""
     candidates = fit.problem.candidates
     names = [s.name for c in candidates for s in c.slots]
@@ -30,6 +30,6 @@ def elsewhere(fit: Fit) -> Fit:
     tried = [
         minimise(replace(fit.problem, candidates=(candidates[0].held_at(p),)), others, STEPS, 1e-2) for p in PLACES
     ]
-    best = sorted(lows([f.cost for f in tried]), key=lambda k: tried[k].cost)[:LET_GO]
+    best = sorted(local_minima([f.cost for f in tried]), key=lambda k: tried[k].cost)[:LET_GO]
     begins = [np.insert(tried[k].u, at, x.coordinate(PLACES[k])) for k in best]
     return min([fit, *(minimise(fit.problem, u, LONG, 1e-4) for u in begins)], key=lambda f: f.cost)

@@ -25,7 +25,7 @@ LOOKS = 2
 """In so many looks in a row."""
 
 
-class ChangedPlaces:
+class ExchangedChannels:
     """Learns the shapes of one burst, and holds each window against them."""
 
     def __init__(self, rest: Real, noise: Real) -> None:

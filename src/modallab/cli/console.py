@@ -3,11 +3,15 @@
 import argparse
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
 from modallab.cli.outputs import OUT
 from modallab.formats.atomic import replacing
+
+if TYPE_CHECKING:
+    from modallab.reporting.modified_table import TableRows
 
 
 class _Nowhere:
@@ -36,3 +40,16 @@ def write_json(path: Path, document: object) -> None:
         return
     with replacing(path) as draft:
         draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+def show_rows(arguments: argparse.Namespace, rows: "TableRows") -> None:
+    """Print a table, and beneath it what is to be said."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(*map(escape, rows.headings), box=None, pad_edge=False)
+    for row in rows.rows:
+        table.add_row(*map(escape, row))
+    console = console_of(arguments)
+    console.print(table)
+    console.print(rows.caption, markup=False, highlight=False)

@@ -70,7 +70,7 @@ class Ends:
 LOG = logging.getLogger(__name__)
 
 
-class Diary:
+class RunLog:
     """Where a controller writes: the repository, the log of events, and who did what."""
 
     def __init__(self, store: Store, log: EventLog) -> None:
@@ -121,21 +121,21 @@ class Diary:
 class Recovery:
     """Looks now and then: a rig's process that outlived its service may die late, and a full disk may take no row."""
 
-    def __init__(self, diary: Diary, ended: Callable[[str], None] | None = None, look_s: float = LOOK_S) -> None:
+    def __init__(self, run_log: RunLog, ended: Callable[[str], None] | None = None, look_s: float = LOOK_S) -> None:
         """Begin with the runs whose end is not in the log of events.
 
         Args:
-            diary: where it writes.
+            run_log: where it writes.
             ended: called with the name of every run whose end is reported here.
             look_s: between two looks at least.
 
         Raises:
             StorageError: the log cannot be read.
         """
-        self._diary = diary
+        self._run_log = run_log
         self._ended = ended
         self._look_s = look_s
-        self._unreported = unreported(diary.engine)
+        self._unreported = unreported(run_log.engine)
         self._looked_s = float("-inf")
 
     def look(self) -> None:
@@ -148,26 +148,26 @@ class Recovery:
         if now - self._looked_s < self._look_s:
             return
         self._looked_s = now
-        self._unreported |= set(self._diary.store.recover())
+        self._unreported |= set(self._run_log.store.recover())
         for run in sorted(self._unreported):
             # Who follows a run hears of its recorder's death at the same moment, and reports it.
-            if self._diary.ends.left_alone(run):
+            if self._run_log.ends.left_alone(run):
                 self._notify(run)
 
     def _notify(self, run: str) -> None:
-        record = self._diary.store.catalogue.run(run)
+        record = self._run_log.store.catalogue.run(run)
         if record.state not in ENDED:
             return
         self._unreported.discard(run)
-        if not self._diary.ends.notify(run):
+        if not self._run_log.ends.notify(run):
             return
-        entry = self._diary.repository.entry(run)
+        entry = self._run_log.repository.entry(run)
         topic = Topic(run=run) if entry is None else Topic(entry.rig, entry.campaign, run)
         if record.state == "failed" and entry is not None and not entry.code:
             with suppress(StorageError):
-                self._diary.repository.set_code(run, CODE)
+                self._run_log.repository.set_code(run, CODE)
         said = StateChanged(run=run, state=record.state, reason=record.reason)
-        self._diary.log.append("state", topic, said.model_dump())
+        self._run_log.log.append("state", topic, said.model_dump())
         if self._ended is not None:
             self._ended(run)
 

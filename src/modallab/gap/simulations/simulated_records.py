@@ -32,7 +32,7 @@ FINER_SINE = 8
 """The same of a sine, whose frequency is lower."""
 
 
-def played(
+def simulated_records(
     simulate: Simulate, campaign: Campaign, records: Collection[str] | None = None, finer: int | None = None
 ) -> dict[str, Array]:
     """Record -> (channels, n): what a simulation says each response channel reads, in the channel's own unit.
@@ -40,7 +40,7 @@ def played(
     Args:
         simulate: the simulation.
         campaign: only its forces are read.
-        records: names of those to be played; None for all that say what drove them.
+        records: names of those to be simulated; None for all that say what drove them.
         finer: steps per sample; None for the usual.
 
     Raises:

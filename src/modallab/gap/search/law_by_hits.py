@@ -12,7 +12,7 @@ from modallab.gap.search.nonlinear import nonlinear_level
 from modallab.twin.effects import search_of
 
 
-def faint(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
+def law_by_hits(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
     """What such a law says; it must leave as little as a linear effect may.
 
     Args:
@@ -28,5 +28,5 @@ def faint(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
     before = [] if clocked is None else [Level(base, (clocked,))]
     level = nonlinear_level(replace(bench, allowed=allowed), clocked or base, "odd")
     choice = choose(bench, [*before, level], matters)
-    explained = choice.explained and choice.calm is None and stepped(choice.fit)
+    explained = choice.explained and choice.tolerated is None and stepped(choice.fit)
     return replace(choice, explained=explained, rivals=choice.rivals if explained else level.fits)

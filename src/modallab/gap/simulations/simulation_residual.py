@@ -19,7 +19,7 @@ from modallab.gap.report.measure import Squares, squares_of
 Array = NDArray[np.float64]
 
 
-def held_against(campaign: Campaign, records: Records, names: Collection[str] | None = None) -> Squares:
+def simulation_residual(campaign: Campaign, records: Records, names: Collection[str] | None = None) -> Squares:
     """Squares of measured less predicted in noise units; nothing is fitted.
 
     Args:

@@ -27,7 +27,7 @@ _CONTINUOUS, _SYSTEM_REQUIRED = 0x80000000, 0x00000001
 
 
 @contextmanager
-def kept_awake() -> Generator[str]:
+def without_sleep() -> Generator[str]:
     """While the context is open the machine does not fall asleep, where that can be had; yields what came of it.
 
     Enter and leave it in the same thread.

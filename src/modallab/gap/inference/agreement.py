@@ -1,0 +1,119 @@
+"""Whether the twin without effects agrees with records, and where it does not: within a second, from one hit on.
+
+No cause is searched for. The scales of the discrepancy say by how much of its response each channel differs.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.blas_threads import one_thread
+from modallab.core.block import Campaign
+from modallab.core.errors import DataError
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.inference.baseline import without_effects
+from modallab.gap.inference.settings import DEFAULT
+from modallab.gap.model.tolerances import with_tolerances
+from modallab.gap.report.initial_gap import bench_of, free_of
+
+SENSOR = "Check sensitivity, direction, place, mount and cable there."
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """How far the twin without effects agrees with records.
+
+    Attributes:
+        channels: name -> discrepancy as a share of the channel's response; channels without usable records are absent.
+        frequencies: relative discrepancy of the natural frequencies; None where no hits show any.
+        damping: the same of the damping ratios.
+        tolerated: share of the response below which a discrepancy does not matter, from the rig file.
+    """
+
+    channels: dict[str, float]
+    frequencies: float | None
+    damping: float | None
+    tolerated: float
+
+    @property
+    def differing(self) -> list[str]:
+        """Names of the channels whose discrepancy exceeds the tolerance, the largest first."""
+        found = [name for name, share in self.channels.items() if share > self.tolerated]
+        return sorted(found, key=lambda name: -self.channels[name])
+
+    @property
+    def modes_differ(self) -> bool:
+        """Whether the discrepancy of the modes exceeds the tolerance, on the scale of the modal constants."""
+        return self.frequencies is not None and self.frequencies > DEFAULT.frequency_share * self.tolerated
+
+    @property
+    def sentence(self) -> str:
+        """What agrees, what does not, and what to check."""
+        off = [f"{name} ({_percent(self.channels[name])})" for name in self.differing]
+        if self.frequencies is not None and self.damping is not None and self.modes_differ:
+            return (
+                f"Natural frequencies differ from the simulation by about {_percent(self.frequencies)}, or damping "
+                f"ratios by {_percent(self.damping)}. Check the clamp, added masses and the beam of the rig file."
+            )
+        if not off:
+            return (
+                f"The simulation agrees with all {len(self.channels)} channels within {_percent(self.tolerated)} of "
+                "their response."
+            )
+        if len(off) <= len(self.channels) // 2:
+            return f"The response of {', '.join(off)} differs from the simulation; the other channels agree. {SENSOR}"
+        return (
+            f"The response of {len(off)} of {len(self.channels)} channels differs from the simulation, most that of "
+            f"{off[0]}; the natural frequencies agree. Check the force sensor, the hit point and the timing."
+        )
+
+
+def latest(campaign: Campaign) -> Campaign:
+    """The records of the last record's test and drive point alone: what stands on the bench now."""
+    last = campaign.blocks[-1]
+    return replace(
+        campaign,
+        blocks=tuple(b for b in campaign.blocks if (b.test, b.drive_point) == (last.test, last.drive_point)),
+    )
+
+
+@one_thread()
+def agreement(campaign: Campaign) -> Agreement:
+    """Compare records with the twin without effects, its tolerances fitted.
+
+    Args:
+        campaign: one record or more; the rig as believed.
+
+    Raises:
+        DataError: the records show no natural frequency and contain no sine test.
+        RigError: the rig has no beam.
+    """
+    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
+    rig = prepared.campaign.rig
+    bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: False)
+    if not bench.points and bench.data.sines is None:
+        raise DataError(
+            "no natural frequency could be identified in these records",
+            where=rig.name,
+            remedy="record another hit, harder or at another point",
+        )
+    view, found = without_effects(bench)
+    scales = view.objective.values(found.levels)
+    groups = view.objective.rows.group[np.isfinite(view.objective.rows.sigma)]
+    share = {view.objective.rows.names[k]: float(scales[k]) for k in np.unique(groups)}
+    by_row = {c: max(s for n, s in share.items() if n in {f"impact {c}", f"sine {c}"}) for c in _rows(share)}
+    modes = share.get("poles")
+    return Agreement(
+        channels={rig.channels[c].name: s for c, s in by_row.items()},
+        frequencies=None if modes is None else modes * DEFAULT.frequency_share,
+        damping=None if modes is None else modes * DEFAULT.damping_share,
+        tolerated=rig.tolerance.response,
+    )
+
+
+def _rows(share: dict[str, float]) -> list[int]:
+    return sorted({int(name.split()[1]) for name in share if " " in name})
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"

@@ -1,0 +1,126 @@
+"""How a structure moves at one frequency: a mode's shape, or the operating deflection shape that FRFs show."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+from modallab.core.frf import UNIT, Frf
+from modallab.core.rig import Rig
+from modallab.modification.freedoms import Freedom
+from modallab.modification.structure import Structure
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Deflection:
+    """Motion of every freedom at one frequency.
+
+    Attributes:
+        what: it is, in words.
+        frequency_hz: at which.
+        freedoms: (freedoms,) point and axis.
+        values: (freedoms,) complex, in `unit`.
+        sigma: (freedoms,) one standard deviation of the complex number; NaN where not known.
+        unit: of values and sigma.
+    """
+
+    what: str
+    frequency_hz: float
+    freedoms: tuple[Freedom, ...]
+    values: Complex
+    sigma: Real
+    unit: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(freedoms,) as figures and tables call them: an axis only where a point moves along several."""
+        several = len({f[0] for f in self.freedoms}) < len(self.freedoms)
+        return tuple(f"{point}{axis}" if several else str(point) for point, axis in self.freedoms)
+
+
+def mode_deflection(structure: Structure, samples: Structure, mode: int) -> Deflection:
+    """The shape of a mode at unit modal mass, as real as a turn of its phase makes it.
+
+    Args:
+        structure: as the model has it.
+        samples: (samples, ...) of it, for the deviation.
+        mode: from 1.
+
+    Raises:
+        DataError: no such mode.
+    """
+    modes = len(structure.poles)
+    if not 1 <= mode <= modes:
+        raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {modes}")
+    pole = structure.poles[mode - 1]
+    phi, varied = (_turned(s.psi[..., mode - 1, :] * np.sqrt(2j * pole.imag)) for s in (structure, samples))
+    hz = float(np.abs(pole)) / (2 * np.pi)
+    return Deflection(f"mode {mode}", hz, structure.freedoms, phi, np.std(varied, axis=0), "kg^-1/2")
+
+
+def operating_deflection(frf: Frf, freedoms: tuple[Freedom, ...], hz: float, at: int) -> Deflection:
+    """The motion per newton at one point, as FRFs show it at their line nearest to a frequency.
+
+    Points that were only driven take part where a sensor stands at that point: a hit there moves the sensor as a hit at
+    the sensor moves that point (reciprocity).
+
+    Args:
+        frf: as measured.
+        freedoms: (outputs,) point and axis.
+        hz: frequency.
+        at: point of the force.
+
+    Raises:
+        DataError: no force acted at the point nor stood a sensor there, or a frequency outside the lines.
+    """
+    line = _line(frf, hz)
+    sigma = np.full(frf.values.shape, np.nan) if frf.variance is None else np.sqrt(frf.variance)
+    found: dict[Freedom, tuple[complex, float]] = {}
+    if at in frf.input_points:
+        column = frf.input_points.index(at)
+        seen = zip(frf.values[:, column, line], sigma[:, column, line], strict=True)
+        found = dict(zip(freedoms, seen, strict=True))
+    stands = [n for n, f in enumerate(freedoms) if f[0] == at]
+    if stands:
+        axis = freedoms[stands[0]][1]
+        row = zip(frf.values[stands[0], :, line], sigma[stands[0], :, line], strict=True)
+        for point, value in zip(frf.input_points, row, strict=True):
+            found.setdefault((int(point or 0), axis), value)
+    if not found:
+        driven = ", ".join(str(p) for p in frf.input_points)
+        raise DataError(f"no force acted at point {at}", remedy=f"name one that was driven: {driven}")
+    values, deviations = (np.array(part) for part in zip(*found.values(), strict=True))
+    what = f"operating deflection shape, force at point {at}"
+    return Deflection(what, float(frf.frequency_hz[line]), tuple(found), values, deviations, UNIT[frf.quantity])
+
+
+def _line(frf: Frf, hz: float) -> int:
+    low, high = frf.frequency_hz[0], frf.frequency_hz[-1]
+    if not low <= hz <= high:
+        raise DataError(f"{hz:g} Hz is outside the FRFs", remedy=f"stay within {low:.4g} to {high:.4g} Hz")
+    return int(np.argmin(np.abs(frf.frequency_hz - hz)))
+
+
+def _turned(values: Complex) -> Complex:
+    turned = values * np.exp(-0.5j * np.angle(np.sum(values**2, axis=-1, keepdims=True)))
+    largest = np.argmax(np.abs(turned), axis=-1)[..., None]
+    negative = np.real(np.take_along_axis(turned, largest, axis=-1)) < 0
+    return np.asarray(turned * np.where(negative, -1, 1))
+
+
+def spatial(rig: Rig, deflection: Deflection) -> NDArray[np.complex128]:
+    """(points, 3) the motion at the points of a rig along x, y, z; a point that is not known stays at rest."""
+    place = {p.id: n for n, p in enumerate(rig.points)}
+    motion = np.zeros((len(rig.points), 3), np.complex128)
+    drive = rig.drive_direction
+    for (point, axis), value in zip(deflection.freedoms, deflection.values, strict=True):
+        # Freedoms along the drive are positive along it.
+        sign = -1.0 if axis == drive[1] and drive[0] == "-" else 1.0
+        if point in place and np.isfinite(value):
+            motion[place[point], "xyz".index(axis or "z")] = sign * value
+    return motion

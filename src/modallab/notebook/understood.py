@@ -1,0 +1,135 @@
+"""How a structure behaves: which modes make a response, where they move, what the motion looks like."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf
+from modallab.core.units import Quantity
+from modallab.modification.deflection import Deflection, mode_deflection, operating_deflection, spatial
+from modallab.modification.freedoms import freedoms_of
+from modallab.modification.known import FRF_SAMPLES, Known
+from modallab.modification.nodes import ModePlaces, places_of_modes
+from modallab.modification.participation import ModalParticipation, participation
+from modallab.modification.structure import At
+from modallab.notebook.arguments import path_for
+from modallab.notebook.shown import Answered
+from modallab.reporting.understood_table import deflection_rows, node_rows, participation_rows
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from modallab.core.rig import Rig
+    from modallab.reporting.figures.deflection import Drawing
+
+
+class DeflectionShape(Answered[Deflection]):
+    """Amplitude and phase of every point at one frequency, which a file shows moving."""
+
+    def __init__(self, numbers: Deflection, rig: "Rig") -> None:
+        """With the places of a rig."""
+        super().__init__(numbers, *deflection_rows(numbers))
+        self._rig = rig
+
+    def plot(self) -> "Figure":
+        """The structure at its largest motion."""
+        return self._drawing().figure
+
+    def save(self, path: str | Path) -> Path:
+        """Write a picture that moves (.gif); returns the path.
+
+        Raises:
+            StorageError: the name ends otherwise, or the file cannot be written.
+        """
+        path = path_for(path, (".gif",))
+        self._drawing().save(path)
+        return path
+
+    def _drawing(self) -> "Drawing":
+        from modallab.reporting.figures.deflection import Drawing
+
+        return Drawing(self._rig, spatial(self._rig, self.numbers), self.caption)
+
+
+class Understood:
+    """What a model says of how its structure behaves."""
+
+    __slots__ = ()
+
+    @property
+    def known(self) -> Known:
+        """The structure that the model describes."""
+        raise NotImplementedError
+
+    @property
+    def measured(self) -> Frf:
+        """The mobility that was measured."""
+        raise NotImplementedError
+
+    def participation(
+        self,
+        at: At,
+        of: At,
+        band: tuple[float, float] | None = None,
+        *,
+        after_s: tuple[float, float] | None = None,
+        quantity: Quantity = "velocity",
+    ) -> Answered[ModalParticipation]:
+        """Which modes make the response at a point: the share of each, with its deviation.
+
+        Args:
+            at: point of the force.
+            of: point of the motion.
+            band: lower and upper edge in Hz of an even force; twice the same number for one frequency; None for the
+                band of the model.
+            after_s: instead of a band, begin and end in s of a time after a hit; twice the same number for an instant.
+            quantity: displacement, velocity or acceleration.
+
+        Raises:
+            DataError: a band or a time that cannot be, a point that the model does not know, or no driving point.
+        """
+        known = self.known
+        found = participation(known.structure, known.samples.first(FRF_SAMPLES), at, of, quantity, band, after_s)
+        return Answered(found, *participation_rows(found, known.model.frequency_hz.tolist()))
+
+    def nodes(self) -> Answered[ModePlaces]:
+        """Where each mode moves most and where its nodes are: where to hit, and where to mount.
+
+        Raises:
+            DataError: no driving point, or an output or input without a point.
+        """
+        known = self.known
+        found = places_of_modes(known.structure, known.samples, known.model, known.rig)
+        return Answered(found, *node_rows(found))
+
+    def shape(self, mode: int) -> DeflectionShape:
+        """The shape of a mode at unit modal mass, at every point that has a sensor or was driven.
+
+        Args:
+            mode: from 1.
+
+        Raises:
+            DataError: no such mode, no driving point, or no places of the points.
+        """
+        known = self.known
+        return DeflectionShape(mode_deflection(known.structure, known.samples, mode), _rig(known))
+
+    def deflection(self, hz: float, at: int) -> DeflectionShape:
+        """The operating deflection shape: motion per newton, from the measured FRFs at their line nearest to `hz`.
+
+        Args:
+            hz: frequency in Hz, within the FRFs.
+            at: point of the force.
+
+        Raises:
+            DataError: no measured FRF, none from that point, or another frequency.
+        """
+        known = self.known
+        freedoms = freedoms_of(known.model, _rig(known))[0]
+        return DeflectionShape(operating_deflection(self.measured, freedoms, hz, at), _rig(known))
+
+
+def _rig(known: Known) -> "Rig":
+    if known.rig is None:
+        raise DataError("the places of the points are not known", remedy="identify a campaign with its rig file")
+    return known.rig

@@ -1,0 +1,91 @@
+"""What a model says of how its structure behaves, as tables: the same words at every door."""
+
+import numpy as np
+
+from modallab.modification.deflection import Deflection
+from modallab.modification.freedoms import Freedom
+from modallab.modification.nodes import ModePlaces
+from modallab.modification.participation import ModalParticipation
+from modallab.modification.structure import At
+from modallab.reporting.digits import concise, listed
+from modallab.reporting.modified_table import TableRows
+
+MOST = 0.995
+"""Of a mode's largest motion: as much as that is all of it, in whole percent."""
+
+
+def participation_rows(found: ModalParticipation, frequency_hz: list[float]) -> TableRows:
+    """Each mode's share of a response, with one standard deviation."""
+    rows = [
+        (
+            str(r + 1),
+            f"{hz:.5g}",
+            concise(100 * float(found.share[r]), 100 * float(found.share_sigma[r])),
+            f"{100 * found.alone[r]:.3g}",
+        )
+        for r, hz in enumerate(frequency_hz)
+    ]
+    if found.band_hz is not None:
+        rows.append(("outside the band", "", f"{100 * found.outside:.2g}", ""))
+    over = _over(found)
+    said = (
+        f"{found.quantity.capitalize()} of point {_point(found.of)}, {over} at point {_point(found.at)}. Shares add up"
+        " to 100 %; one below 0 works against the others. Alone: the effective value of a mode by itself, of the whole."
+    )
+    return TableRows(("mode", "frequency [Hz]", "share [%]", "alone [%]"), tuple(rows), said)
+
+
+def _over(found: ModalParticipation) -> str:
+    if found.after_s is not None:
+        begin, end = found.after_s
+        when = f"{begin:g} s" if begin == end else f"{begin:g} to {end:g} s"
+        return f"{when} after a hit"
+    low, high = found.band_hz or (0.0, 0.0)
+    return f"{low:.5g} Hz under a force" if low == high else f"{low:.4g} to {high:.4g} Hz under an even force"
+
+
+def node_rows(found: ModePlaces, along: str = "x") -> TableRows:
+    """Where each mode moves most, and where its nodes are."""
+    headings = ("mode", "frequency [Hz]", "antinode", "points near a node")
+    between = bool(found.crossings)
+    axis = "xyz".index(along)
+    rows: list[tuple[str, ...]] = []
+    for r, hz in enumerate(found.frequency_hz):
+        places = [concise(float(c.place_m[axis]), c.sigma_m) for c in found.crossings if c.mode == r]
+        near = ", ".join(_named(found, f) for f in found.nodes[r]) or "none"
+        own = (str(r + 1), f"{hz:.5g}", _named(found, found.antinode[r]), near)
+        rows.append((*own, ", ".join(places) or "none") if between else own)
+    if between:
+        headings = (*headings, f"nodes at {along} [m]")
+    return TableRows(headings, tuple(rows), " ".join(advice_of(found)))
+
+
+def advice_of(found: ModePlaces) -> list[str]:
+    """Where to hit and where to mount, in sentences."""
+    where, least = found.best
+    how = "moves most" if least > MOST else f"has at least {100 * least:.0f} % of its largest motion"
+    said = [f"Hit or mount a sensor at point {_named(found, where)}: each mode {how} there."]
+    for r, near in enumerate(found.nodes):
+        if near:
+            points = f"point{'s' if len(near) > 1 else ''} {listed([_named(found, f) for f in near])}"
+            said.append(f"A hit or sensor at {points} misses mode {r + 1}.")
+    return [*said, "What shall not disturb a mode is mounted at one of its nodes."]
+
+
+def _named(found: ModePlaces, freedom: Freedom) -> str:
+    several = len({f[0] for f in found.freedoms}) < len(found.freedoms)
+    return f"{freedom[0]}{freedom[1]}" if several else str(freedom[0])
+
+
+def _point(at: At) -> str:
+    return f"{at[0]}{at[1]}" if isinstance(at, tuple) else str(at)
+
+
+def deflection_rows(found: Deflection) -> TableRows:
+    """Amplitude with one standard deviation, and phase, of every point."""
+    rows = tuple(
+        (name, concise(float(abs(value)), float(sigma)), f"{np.degrees(np.angle(value)):.0f}")
+        for name, value, sigma in zip(found.names, found.values, found.sigma, strict=True)
+    )
+    said = f"{found.what[0].upper()}{found.what[1:]}, {found.frequency_hz:.5g} Hz."
+    return TableRows(("point", f"amplitude [{found.unit}]", "phase [°]"), rows, said)

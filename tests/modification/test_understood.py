@@ -1,0 +1,157 @@
+"""What makes a response and where modes move, against closed forms and direct sums."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from chain import BARE
+from PIL import Image
+from scipy.linalg import expm
+
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf
+from modallab.core.model import ModalModel
+from modallab.formats.frf_file import bare_rig
+from modallab.modification.deflection import mode_deflection, operating_deflection, spatial
+from modallab.modification.known import Known
+from modallab.modification.nodes import places_of_modes
+from modallab.modification.participation import ModalParticipation, participation
+from modallab.reporting.figures.deflection import FRAMES, Drawing
+from modallab.reporting.understood_table import node_rows
+
+FREEDOMS = tuple((p, "z") for p in (1, 2, 3, 4))
+
+
+def parts(band: tuple[float, float] | None = None, after: tuple[float, float] | None = None) -> ModalParticipation:
+    known = Known(BARE.model())
+    return participation(known.structure, known.samples.first(5), 1, 3, "velocity", band, after)
+
+
+def test_shares_over_a_band_are_the_projections_of_the_modes_on_the_whole() -> None:
+    low, high = 3.0, 40.0
+    found = parts((low, high))
+    s = 2j * np.pi * np.linspace(low, high, 200_001)
+    model = BARE.model()
+    omega, zeta = 2 * np.pi * model.frequency_hz, model.damping_ratio
+    each = s[:, None] * model.modal_constants[:, 2, 0] / (s[:, None] ** 2 + 2 * zeta * omega * s[:, None] + omega**2)
+    whole = BARE.receptance(s)[:, 2, 0] * s
+    expected = np.sum(np.real(whole.conj()[:, None] * each), axis=0) / np.sum(np.abs(whole) ** 2)
+    np.testing.assert_allclose(found.share, expected, atol=2e-3)
+    assert found.share.sum() + found.outside == pytest.approx(1)
+
+
+def test_at_a_natural_frequency_its_mode_makes_the_response() -> None:
+    hz = float(BARE.model().frequency_hz[1])
+    assert parts((hz, hz)).share[1] == pytest.approx(1, abs=0.05)
+
+
+def test_shares_at_an_instant_after_a_hit_are_those_of_the_free_motion() -> None:
+    t, n, model = 0.037, 4, BARE.model()
+    omega, zeta = 2 * np.pi * model.frequency_hz, model.damping_ratio
+    damped = omega * np.sqrt(1 - zeta**2)
+    decay = np.exp(-zeta * omega * t)
+    each = model.modal_constants[:, 2, 0].real * decay
+    each = each * (np.cos(damped * t) - zeta * omega / damped * np.sin(damped * t))
+    inverse = np.linalg.inv(BARE.mass)
+    a = np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ BARE.stiffness, -inverse @ BARE.damping]])
+    moved = (expm(a * t) @ np.concatenate([np.zeros(n), inverse[:, 0]]))[n + 2]
+    np.testing.assert_allclose(parts(after=(t, t)).share, each / moved, rtol=1e-6)
+    # A time is the mean of its instants, weighted by the squares.
+    assert parts(after=(0, 0.5)).share.sum() == pytest.approx(1)
+
+
+def test_a_band_beyond_the_model_and_a_time_before_the_hit_are_rejected() -> None:
+    with pytest.raises(DataError, match="is not within that of the model"):
+        parts((3, 1e6))
+    with pytest.raises(DataError, match="is no time after a hit"):
+        parts(after=(-1, 1))
+
+
+def string(modes: int = 4, points: int = 9) -> tuple[ModalModel, Known]:
+    """A string from 0 to 10 m with sensors at 1 to 9 m: nodes of mode r are at 10 k / r."""
+    x = np.arange(1.0, points + 1)
+    phi = np.array([np.sin(np.pi * r * x / (points + 1)) for r in range(1, modes + 1)])
+    constants = (phi[:, :, None] * phi[:, None, :1]).astype(np.complex128)
+    none, zero = np.full(modes, np.nan), np.zeros(modes)
+    model = BARE.model().model_copy(
+        update={
+            "frequency_hz": 10.0 * np.arange(1, modes + 1),
+            "band_hz": (1.0, 10.0 * modes + 5),
+            "damping_ratio": np.full(modes, 0.01),
+            "frequency_sigma_hz": zero,
+            "damping_sigma": zero,
+            "outputs": tuple(f"a{p}" for p in range(1, points + 1)),
+            "output_points": tuple(range(1, points + 1)),
+            "modal_constants": constants,
+            "modal_constant_sigma": np.zeros(constants.shape),
+            "residuals": np.zeros((0, points, 1)),
+            "half_power": none,
+            "half_power_floor": none,
+        }
+    )
+    return model, Known(model, bare_rig(model.outputs, range(1, points + 1), [1], "inertance"))
+
+
+def test_nodes_between_points_lie_where_the_shape_is_zero() -> None:
+    model, known = string()
+    found = places_of_modes(known.structure, known.samples, model, known.rig)
+    for r in range(1, 5):
+        places = np.array([c.place_m[0] for c in found.crossings if c.mode == r - 1])
+        sigma = np.array([c.sigma_m for c in found.crossings if c.mode == r - 1])
+        truth = 10 * np.arange(1, r) / r
+        assert len(places) == len(truth)
+        assert np.all(np.abs(places - truth) < 2 * sigma + 1e-9)
+        assert np.all(sigma < 0.5)
+    assert found.nodes[1] == ((5, "z"),)
+    assert found.antinode[0] == (5, "z")
+
+
+def test_the_best_point_is_at_no_mode_s_node_and_the_words_name_the_points_that_miss_one() -> None:
+    model, known = string()
+    found = places_of_modes(known.structure, known.samples, model, known.rig)
+    point, least = found.best
+    assert least == pytest.approx(max(found.motion.min(axis=0)))
+    assert f"Hit or mount a sensor at point {point[0]}" in node_rows(found).caption
+    assert "point 5 misses mode 2" in node_rows(found).caption
+
+
+def test_without_places_no_node_between_points_is_named() -> None:
+    known = Known(BARE.model())
+    rows = node_rows(places_of_modes(known.structure, known.samples, known.model, None))
+    assert rows.headings[-1] == "points near a node"
+
+
+def measured(inputs: tuple[int, ...], outputs: tuple[int, ...]) -> Frf:
+    hz = np.arange(1.0, 50.0, 0.5)
+    s = 2j * np.pi * hz
+    values = (BARE.receptance(s) * s[:, None, None])[:, [p - 1 for p in outputs]][:, :, [p - 1 for p in inputs]]
+    names = tuple(f"a{p}" for p in outputs)
+    return Frf(hz, np.ascontiguousarray(np.moveaxis(values, 0, -1)), "mobility", names, outputs, inputs)
+
+
+def test_a_deflection_shape_is_the_column_of_the_driven_point_at_the_nearest_line() -> None:
+    frf = measured((1,), (1, 2, 3, 4))
+    found = operating_deflection(frf, FREEDOMS, 12.3, 1)
+    assert found.frequency_hz == 12.5
+    s = np.array([2j * np.pi * 12.5])
+    np.testing.assert_allclose(found.values, BARE.receptance(s)[0, :, 0] * s)
+
+
+def test_a_roving_hammer_shows_the_same_shape_by_reciprocity() -> None:
+    found = operating_deflection(measured((1, 2, 3, 4), (1,)), FREEDOMS[:1], 12.5, 1)
+    expected = operating_deflection(measured((1,), (1, 2, 3, 4)), FREEDOMS, 12.5, 1)
+    assert found.freedoms == expected.freedoms
+    np.testing.assert_allclose(found.values, expected.values)
+    with pytest.raises(DataError, match="no force acted at point 9"):
+        operating_deflection(measured((1,), (1, 2)), FREEDOMS[:2], 12.5, 9)
+
+
+def test_a_mode_is_drawn_moving_once_to_and_fro(tmp_path: Path) -> None:
+    _, known = string()
+    found = mode_deflection(known.structure, known.samples, 2)
+    np.testing.assert_allclose(np.abs(found.values), np.abs(np.sin(np.pi * np.arange(1, 10) / 5)), atol=1e-9)
+    assert known.rig is not None
+    Drawing(known.rig, spatial(known.rig, found), "mode 2").save(tmp_path / "mode.gif")
+    with Image.open(tmp_path / "mode.gif") as picture:
+        assert getattr(picture, "n_frames", 1) == FRAMES
+        assert picture.info["loop"] == 0
