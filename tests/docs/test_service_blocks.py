@@ -70,7 +70,8 @@ class Reader:
         """A run that was stopped after its first hit, by him who holds the lease."""
         service = self.lab.service
         lease = self.lab.lease()
-        plan = RunNew(plan=ImpactPlan(points=(10,), hits=2))
+        # So many that on a busy machine, too, it is stopped before it has them all.
+        plan = RunNew(plan=ImpactPlan(points=(10,), hits=8))
         run = begin(service, self.variables["CAMPAIGN"], plan, lease.id)
         self.lab.wait_for(lambda e: e.run == run and e.kind == "block")
         self.lab.controllers.command(RIG, run, Stop(), lease.id)

@@ -96,11 +96,10 @@ class Structure:
         left, right = whole if left is None else left, whole if right is None else right
         to, of = self.psi @ left, self.psi @ right
         up, down = self._kernels(s)
-        modes = np.einsum("...lr,...ro,...ri->...loi", up, to, of, optimize=True)
-        modes = modes + np.einsum("...lr,...ro,...ri->...loi", down, to.conj(), of.conj(), optimize=True)
-        powers = s[..., None] ** np.array(self.powers, np.float64)
-        terms = (left.T @ self.residual @ right).astype(np.complex128)
-        return np.asarray(modes + np.einsum("...lp,...poi->...loi", powers, terms))
+        shapes = to[..., :, None] * of[..., None, :]
+        powers: Complex = s[..., None] ** np.array(self.powers, np.float64)
+        terms: Complex = (left.T @ self.residual @ right).astype(np.complex128)
+        return _weighted(up, shapes) + _weighted(down, shapes.conj()) + _weighted(powers, terms)
 
     def motion(self, s: Complex, forces: Complex, left: Real, right: Real) -> Complex:
         """(left, lines) m, of forces (right, lines) N."""
@@ -108,6 +107,13 @@ class Structure:
 
     def _kernels(self, s: Complex) -> tuple[Complex, Complex]:
         return tuple(1 / _apart(s[..., :, None] - p[..., None, :], p) for p in (self.poles, self.poles.conj()))  # pyright: ignore[reportReturnType]
+
+
+def _weighted(weights: Complex, matrices: Complex) -> Complex:
+    """(..., lines, left, right) sums of matrices (..., terms, left, right) with weights (..., lines, terms)."""
+    *leading, left, right = matrices.shape
+    flat = weights @ matrices.reshape(*leading, left * right)
+    return flat.reshape(*flat.shape[:-1], left, right)
 
 
 def _apart(distance: Complex, poles: Complex) -> Complex:
