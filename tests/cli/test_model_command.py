@@ -8,6 +8,8 @@ import pytest
 from chain import BARE
 
 from modallab.cli import main
+from modallab.formats.frf_file import bare_rig
+from modallab.formats.rig.rig_file import write_rig
 from modallab.modification.attachments import Element
 from modallab.modification.known import Known
 from modallab.modification.participation import participation
@@ -64,3 +66,16 @@ def test_a_moving_picture_needs_the_places_of_the_points(
     assert "--rig" in capsys.readouterr().err
     assert main(["model", "shape", str(models), "--mode", "1"]) == 0
     assert "kg^-1/2" in capsys.readouterr().out
+
+
+def test_a_model_compared_with_itself_has_a_mac_of_one(
+    models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["model", "compare", str(models), "--other", str(models)]) != 0
+    assert "--rig" in capsys.readouterr().err
+    model, answer = BARE.model(), tmp_path / "answer.json"
+    write_rig(bare_rig(model.outputs, [1, 2, 3, 4], [1], "inertance"), tmp_path / "rig.yaml")
+    assert main(["model", "compare", str(models), "--other", str(models), "--json", str(answer)]) == 0
+    found = json.loads(answer.read_text())
+    assert found["pairs"] == [[1, 1], [2, 2], [3, 3], [4, 4]]
+    np.testing.assert_allclose(found["comac"], 1)

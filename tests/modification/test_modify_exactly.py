@@ -184,3 +184,13 @@ def test_the_best_absorber_of_a_structure_of_one_mode_is_den_hartogs() -> None:
     assert 1 / (1 + ratio) < absorber.frequency_hz / own < 1 / np.sqrt(1 + ratio)
     np.testing.assert_allclose(absorber.damping_ratio, np.sqrt(3 * ratio / (8 * (1 + ratio))), rtol=0.05)
     assert after < 0.01 * before
+
+
+@pytest.mark.parametrize("links", [[RigidLink(2), RigidLink(2)], [RigidLink(3, 3)]], ids=["twice", "to itself"])
+def test_rigid_links_that_hold_one_motion_twice_are_rejected(links: list[RigidLink]) -> None:
+    with pytest.raises(DataError, match="hold one motion twice"):
+        Known(BARE.model()).with_changes(links)
+
+
+def test_a_structure_held_everywhere_has_no_mode() -> None:
+    assert not Known(BARE.model()).with_changes([RigidLink(p) for p in (1, 2, 3, 4)]).modes.frequency_hz.size

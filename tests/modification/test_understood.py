@@ -12,12 +12,13 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.formats.frf_file import bare_rig
+from modallab.modification.correlation import correlate
 from modallab.modification.deflection import mode_deflection, operating_deflection, spatial
 from modallab.modification.known import Known
 from modallab.modification.nodes import places_of_modes
 from modallab.modification.participation import ModalParticipation, participation
 from modallab.reporting.figures.deflection import FRAMES, Drawing
-from modallab.reporting.understood_table import node_rows
+from modallab.reporting.understood_table import correlation_rows, node_rows
 
 FREEDOMS = tuple((p, "z") for p in (1, 2, 3, 4))
 
@@ -155,3 +156,32 @@ def test_a_mode_is_drawn_moving_once_to_and_fro(tmp_path: Path) -> None:
     with Image.open(tmp_path / "mode.gif") as picture:
         assert getattr(picture, "n_frames", 1) == FRAMES
         assert picture.info["loop"] == 0
+
+
+def test_modes_of_two_models_are_paired_by_their_shapes() -> None:
+    """The other has its modes in another order, 2 % higher, and a sensor at point 4 that shows another one."""
+    model, known = string()
+    order = [1, 0, 2]
+    constants = model.modal_constants[order].copy()
+    constants[:, 3] = constants[:, 1]
+    other = model.model_copy(
+        update={
+            "frequency_hz": 1.02 * model.frequency_hz[:3],
+            "damping_ratio": model.damping_ratio[:3],
+            "frequency_sigma_hz": np.zeros(3),
+            "damping_sigma": np.zeros(3),
+            "modal_constants": constants,
+        }
+    )
+    found = correlate(known, Known(other, known.rig))
+    assert found.pairs == ((0, 1), (1, 0), (2, 2))
+    assert found.alone == ((3,), ())
+    assert found.freedoms[int(np.argmin(found.comac))] == (4, "z")
+    np.testing.assert_allclose(found.frequency_hz[2], [30.0, 30.6])
+    assert "Modes of the first model alone: 4" in correlation_rows(found).caption
+
+
+def test_models_without_common_points_are_not_compared() -> None:
+    _, known = string()
+    with pytest.raises(DataError, match="share 0 points"):
+        correlate(known, Known(BARE.model()))

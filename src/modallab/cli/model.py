@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab.cli.console import console_of, show_rows, write_json
-from modallab.cli.model_understood import nodes, parts, shape
+from modallab.cli.model_understood import compare, nodes, parts, shape
 from modallab.core.errors import ConfigurationError, DataError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
@@ -36,9 +36,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.action == "shape":
         shape(known, measured, arguments)
     else:
-        {"modify": _modify, "tune": _tune, "frf": _frf, "participation": parts, "nodes": nodes}[arguments.action](
-            known, arguments
-        )
+        {"modify": _modify, "tune": _tune, "frf": _frf, "participation": parts, "nodes": nodes, "compare": compare}[
+            arguments.action
+        ](known, arguments)
     return 0
 
 

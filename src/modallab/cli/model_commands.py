@@ -17,7 +17,7 @@ def add_model_commands(commands: _Commands) -> None:
         "model", help="put a modal model to use: what makes a response, and what a change makes of it"
     )
     actions = model.add_subparsers(metavar="ACTION", required=True, dest="action")
-    understood = (_participation(actions), _nodes(actions), _shape(actions))
+    understood = (_participation(actions), _nodes(actions), _shape(actions), _compare(actions))
     for command in (*understood, _modify(actions), _tune(actions), _frf(actions)):
         command.add_argument(
             "model", type=Path, metavar="MODELS.json|FOLDER|CAMPAIGN.h5", help="models, or a campaign to identify"
@@ -51,6 +51,14 @@ def _shape(actions: _Commands) -> Any:
     which.add_argument("--hz", type=positive, help="frequency of an operating deflection shape")
     command.add_argument("--at", type=int, metavar="POINT", help="of the force, with --hz")
     command.add_argument("--out", type=Path, metavar="FILE.gif", help="a picture that moves")
+    return command
+
+
+def _compare(actions: _Commands) -> Any:
+    command = actions.add_parser("compare", help="pairs of modes with another model: MAC, frequencies, damping, COMAC")
+    command.add_argument(
+        "--other", type=Path, required=True, metavar="FILE", help="models, finite elements, a campaign"
+    )
     return command
 
 

@@ -9,12 +9,20 @@ from modallab.cli.console import console_of, show_rows, write_json
 from modallab.core.errors import ConfigurationError, DataError, StorageError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
+from modallab.modification.correlation import correlate
 from modallab.modification.deflection import Deflection, mode_deflection, operating_deflection, spatial
 from modallab.modification.freedoms import freedoms_of
 from modallab.modification.known import FRF_SAMPLES, Known
 from modallab.modification.nodes import places_of_modes
 from modallab.modification.participation import participation
-from modallab.reporting.understood_table import advice_of, deflection_rows, node_rows, participation_rows
+from modallab.pipelines.structure_gap import read_reference
+from modallab.reporting.understood_table import (
+    advice_of,
+    correlation_rows,
+    deflection_rows,
+    node_rows,
+    participation_rows,
+)
 
 
 def parts(known: Known, arguments: argparse.Namespace) -> None:
@@ -47,6 +55,16 @@ def shape(known: Known, measured: Frf | None, arguments: argparse.Namespace) -> 
     values = {"re": found.values.real.tolist(), "im": found.values.imag.tolist(), "sigma": sigma}
     about = {"frequency_hz": found.frequency_hz, "unit": found.unit, "freedoms": found.freedoms}
     _write(arguments, about | values)
+
+
+def compare(known: Known, arguments: argparse.Namespace) -> None:
+    """Pairs of modes with another model."""
+    other = Known(read_reference(arguments.other, _rig(known), known.model)[0], known.rig)
+    found = correlate(known, other)
+    show_rows(arguments, correlation_rows(found))
+    about = {"pairs": [[i + 1, j + 1] for i, j in found.pairs], "freedoms": found.freedoms}
+    arrays = {name: getattr(found, name).tolist() for name in ("mac", "frequency_hz", "damping_ratio", "comac")}
+    _write(arguments, about | arrays)
 
 
 def _deflection(known: Known, measured: Frf | None, arguments: argparse.Namespace) -> Deflection:

@@ -95,7 +95,8 @@ def residues_of(attached: Attached, poles: Complex) -> Complex:
     apart = np.abs(poles[:, None] - poles) + np.diag(np.full(len(poles), np.inf))
     radius = np.minimum(RADIUS * np.abs(poles), 0.2 * apart.min(axis=1, initial=np.inf))
     s = poles[:, None] + radius[:, None] * angles
-    values = attached.receptance(s.ravel()).reshape(len(poles), CIRCLE, len(attached.structure.freedoms), -1)
+    n = len(attached.structure.freedoms)
+    values = attached.receptance(s.ravel()).reshape(len(poles), CIRCLE, n, n)
     residue = np.einsum("pc,pcoi->poi", radius[:, None] * angles / CIRCLE, values)
     best = np.argmax(np.abs(np.einsum("poo->po", residue)), axis=1)
     column = residue[np.arange(len(poles)), :, best]

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from modallab.modification.attachments import Addition, together
+from modallab.core.errors import DataError
+from modallab.modification.attachments import Addition, RigidLink, together
 from modallab.modification.structure import Structure
 
 Real = NDArray[np.float64]
@@ -49,9 +50,10 @@ class Attached:
         """With the links looked up.
 
         Raises:
-            DataError: the model does not know a point.
+            DataError: the model does not know a point, or rigid links hold one motion twice.
         """
         kept = together(attachments)
+        _require_single([a.links(structure) for a in kept if isinstance(a, RigidLink)])
         b = [a.links(structure) for a in kept] or [np.zeros((len(structure.freedoms), 0))]
         return cls(structure, kept, np.concatenate(b, axis=1))
 
@@ -86,6 +88,14 @@ class Attached:
     def with_structure(self, structure: Structure) -> "Attached":
         """The same attachments on another structure, such as samples of this one."""
         return replace(self, structure=structure)
+
+
+def _require_single(rigid: Sequence[Real]) -> None:
+    if rigid and np.linalg.matrix_rank(np.concatenate(rigid, axis=1)) < len(rigid):
+        raise DataError(
+            f"{len(rigid)} rigid links hold one motion twice",
+            remedy="leave out a link that others make already, or that joins a point to itself",
+        )
 
 
 def poles_of(attached: Attached) -> Complex:
@@ -150,8 +160,8 @@ def _quadratic(mass: Real, damping: Real, stiffness: Real) -> Complex:
     scale = np.sqrt(np.abs(np.trace(stiffness)) / max(np.abs(np.trace(mass)), np.finfo(float).tiny)) or 1.0
     a = np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -damping * scale]])
     e = np.block([[np.eye(n), np.zeros((n, n))], [np.zeros((n, n)), mass * scale**2]])
-    roots = np.asarray(linalg.eigvals(a, e), np.complex128) * scale
-    roots = roots[np.isfinite(roots) & (np.abs(roots) < 1e6 * scale)]
+    roots = np.asarray(linalg.eigvals(a, e), np.complex128)
+    roots = scale * roots[np.isfinite(roots) & (np.abs(roots) < 1e6)]
     return roots[roots.imag > 1e-6 * np.abs(roots)]
 
 

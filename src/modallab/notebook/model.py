@@ -19,12 +19,13 @@ from modallab.core.verification import Verification
 from modallab.identification.estimator import USUAL
 from modallab.identification.options import Options
 from modallab.identification.selection.criteria import mac
+from modallab.modification.correlation import Correlation, correlate
 from modallab.modification.known import Known
 from modallab.notebook.arguments import band_of, frequencies_of, path_for
 from modallab.notebook.measured import MeasuredFrf, phase_rises
 from modallab.notebook.put_to_use import PutToUse
 from modallab.notebook.recording import Recording
-from modallab.notebook.shown import Shown
+from modallab.notebook.shown import Answered, Shown
 from modallab.notebook.understood import Understood
 from modallab.pipelines.identify import Identified, Result
 from modallab.pipelines.model_file import write_models
@@ -32,7 +33,9 @@ from modallab.pipelines.model_use import known_of
 from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
 from modallab.pipelines.response_setups import identify_response_setups
 from modallab.pipelines.setups import identify_setups
+from modallab.pipelines.structure_gap import read_reference
 from modallab.reporting.digits import concise
+from modallab.reporting.understood_table import correlation_rows
 from modallab.reporting.waiting import waiting
 from modallab.verification.comparison import common_shapes
 
@@ -171,6 +174,23 @@ class Model(PutToUse, Understood):
         if not isinstance(other, Model):
             raise DataError(f"{type(other).__name__} is no model", remedy="give what ml.identify gives")
         return mac(*common_shapes(self.modal, other.modal))
+
+    def correlation(self, other: "Model | str | Path") -> Answered[Correlation]:
+        """Beside another model of the structure: pairs by MAC, their frequencies and damping, COMAC.
+
+        Args:
+            other: a model, or a file of models or of a finite-element model, which is taken at the points of this one.
+
+        Raises:
+            DataError: fewer than two common points, no driving point, or no two modes that are alike.
+            FormatError: the file can be read as neither.
+        """
+        if isinstance(other, Model):
+            known = other.known
+        else:
+            known = Known(read_reference(Path(other), self.campaign.rig, self.modal)[0], self.campaign.rig)
+        found = correlate(self.known, known)
+        return Answered(found, *correlation_rows(found))
 
     def to_pandas(self) -> "pd.DataFrame":
         """A row for each mode: frequency, damping, their sigmas.

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from modallab.modification.correlation import Correlation
 from modallab.modification.deflection import Deflection
 from modallab.modification.freedoms import Freedom
 from modallab.modification.nodes import ModePlaces
@@ -89,3 +90,40 @@ def deflection_rows(found: Deflection) -> TableRows:
     )
     said = f"{found.what[0].upper()}{found.what[1:]}, {found.frequency_hz:.5g} Hz."
     return TableRows(("point", f"amplitude [{found.unit}]", "phase [°]"), rows, said)
+
+
+def correlation_rows(found: Correlation) -> TableRows:
+    """Pairs of modes of a test and of another model, with what they differ by."""
+    headings = (
+        "mode",
+        "of the other",
+        "frequency [Hz]",
+        "other [Hz]",
+        "difference [%]",
+        "damping [%]",
+        "other [%]",
+        "MAC",
+    )
+    rows = tuple(_pair(found, n) for n in range(len(found.pairs)))
+    worst = int(np.argmin(found.comac))
+    point, axis = found.freedoms[worst]
+    said = [f"Lowest COMAC of {len(found.freedoms)} points: {found.comac[worst]:.3f} at point {point}{axis}."]
+    for whose, modes in zip(("the first", "the other"), found.alone, strict=True):
+        if modes:
+            said.append(f"Modes of {whose} model alone: {', '.join(str(r + 1) for r in modes)}.")
+    return TableRows(headings, rows, " ".join(said))
+
+
+def _pair(found: Correlation, n: int) -> tuple[str, ...]:
+    i, j = found.pairs[n]
+    hz, zeta = found.frequency_hz[n], 100 * found.damping_ratio[n]
+    return (
+        str(i + 1),
+        str(j + 1),
+        concise(float(hz[0]), float(found.frequency_sigma_hz[n, 0])),
+        f"{hz[1]:.5g}",
+        f"{100 * (hz[1] / hz[0] - 1):+.2f}",
+        concise(float(zeta[0]), 100 * float(found.damping_sigma[n, 0])),
+        f"{zeta[1]:.3g}",
+        f"{found.mac[i, j]:.3f}",
+    )

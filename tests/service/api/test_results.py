@@ -267,3 +267,39 @@ def test_an_answer_to_a_change_without_an_operator_says_so(lab: Lab) -> None:
         )
     assert "Modallab-Operator" in unnamed.headers["Modallab-Notes"]
     assert "Modallab-Notes" not in named.headers
+
+
+def test_a_model_is_put_to_use(lab: Lab, campaign: str) -> None:
+    """Participation, nodes, deflection, FRFs, changes and responses are those of the same model in Python."""
+    at = f"{API}/campaigns/{campaign}/model"
+    with lab.client() as client:
+        shares = client.get(f"{at}/participation", params={"at": 10, "of": 3, "low_hz": 3, "high_hz": 200}).json()
+        assert sum(shares["share"]) + shares["outside"] == pytest.approx(1)
+        assert any("point 10" in said for said in client.get(f"{at}/nodes").json()["advice"])
+        shape = client.get(f"{at}/deflection", params={"hz": 30, "at": 10}).json()
+        assert len(shape["points"]) == len(shape["values"]["re"])
+        frf = client.get(f"{at}/frf", params={"outputs": [3, 8], "inputs": 6, "lines": 50}).json()
+        assert np.shape(frf["values"]["re"]) == (2, 1, 50)
+        mass = {"kind": "element", "at": 10, "mass_kg": 0.05}
+        before = client.get(f"{API}/campaigns/{campaign}/model").json()["models"][0]["model"]["frequency_hz"]
+        heavy = client.post(f"{at}/modifications", json={"changes": [mass]}).json()
+        assert all(a < b for a, b in zip(heavy["frequency_hz"], before, strict=False))
+        assert heavy["changes"] == ["mass 0.05 kg at 10"]
+        force = {"at": [10], "forces_n": [[0.0, 10.0, 0.0, 0.0]], "step_s": 5e-4, "of": [3, 8]}
+        moved = client.post(f"{at}/responses", json=force).json()
+        assert np.shape(moved["values"]) == (2, 4)
+        assert moved["peak"] == pytest.approx(np.abs(moved["values"]).max(axis=1))
+
+
+def test_what_a_model_cannot_be_asked_is_a_problem(lab: Lab, campaign: str) -> None:
+    at = f"{API}/campaigns/{campaign}/model"
+    with lab.client() as client:
+        assert client.get(f"{at}/nodes", params={"point": 3}).status_code == 422
+        assert "no model of the chirp test" in client.get(f"{at}/nodes", params={"test": "chirp"}).json()["detail"]
+        foreign = client.post(f"{at}/modifications", json={"changes": [{"kind": "link", "at": 77}]})
+        assert foreign.status_code < 500
+        assert "77" in foreign.json()["detail"]
+        one = client.get(f"{at}/participation", params={"at": 10, "of": 3, "low_hz": 3}).json()
+        assert one["remedy"] == "give both, or neither"
+        none = {"at": [10], "forces_n": [[0.0, 1.0], [0.0, 1.0]], "step_s": 5e-4}
+        assert "2 forces at 1 points" in client.post(f"{at}/responses", json=none).json()["detail"]

@@ -1,0 +1,101 @@
+"""A campaign's newest model put to use: what makes a response, where modes move, FRFs, responses, changes."""
+
+from typing import Annotated, Literal
+
+from fastapi import Body, Query
+
+from modallab.core.documents.model_use import (
+    DeflectionView,
+    ModificationNew,
+    ModifiedView,
+    NodesView,
+    ParticipationView,
+    PredictedFrf,
+    ResponseNew,
+    ResponseView,
+)
+from modallab.core.errors import DataError
+from modallab.core.frf import FrfQuantity
+from modallab.core.units import Test
+from modallab.service.api.problems import documented
+from modallab.service.api.request_context import ServiceOf
+from modallab.service.api.roles import needs
+from modallab.service.api.router import make_router
+from modallab.service.jobs.model_use import (
+    deflection_of,
+    frf_of,
+    modified,
+    nodes_of,
+    participation_of,
+    response_to,
+)
+
+router = make_router("model-use")
+OfTest = Annotated[Test | None, Query(description="Whose model; left out: the first.")]
+At = Annotated[int, Query(ge=1, description="Point of the force.")]
+Hz = Annotated[float | None, Query(gt=0, allow_inf_nan=False, description="Edge of the band; left out: the model's.")]
+Points = Annotated[list[int] | None, Query(max_length=100, description="Points; repeat it for several.")]
+Lines = Annotated[int, Query(ge=2, le=4000, description="Evenly over the band of the model.")]
+Motion = Literal["displacement", "velocity", "acceleration"]
+
+
+@router.get("/campaigns/{campaign}/model/participation", responses=documented(404))
+def get_participation(
+    campaign: str,
+    at: At,
+    of: Annotated[int, Query(ge=1, description="Point of the motion.")],
+    service: ServiceOf,
+    test: OfTest = None,
+    low_hz: Hz = None,
+    high_hz: Hz = None,
+    quantity: Annotated[Motion, Query(description="Of the motion.")] = "velocity",
+) -> ParticipationView:
+    """Which modes make the response at a point to an even force: the share of each."""
+    if (low_hz is None) != (high_hz is None):
+        raise DataError("one edge of the band is missing", where="low_hz, high_hz", remedy="give both, or neither")
+    band = () if low_hz is None or high_hz is None else (low_hz, high_hz)
+    return participation_of(service, campaign, test, at, of, quantity, band)
+
+
+@router.get("/campaigns/{campaign}/model/nodes", responses=documented(404))
+def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesView:
+    """Where each mode moves most and where its nodes are: where to hit, where to mount."""
+    return nodes_of(service, campaign, test)
+
+
+@router.get("/campaigns/{campaign}/model/deflection", responses=documented(404))
+def get_deflection(
+    campaign: str,
+    hz: Annotated[float, Query(gt=0, allow_inf_nan=False, description="Frequency in Hz.")],
+    at: At,
+    service: ServiceOf,
+    test: OfTest = None,
+) -> DeflectionView:
+    """The operating deflection shape that the measured FRFs show at their line nearest to a frequency."""
+    return deflection_of(service, campaign, test, hz, at)
+
+
+@router.get("/campaigns/{campaign}/model/frf", responses=documented(404))
+def get_model_frf(
+    campaign: str,
+    service: ServiceOf,
+    test: OfTest = None,
+    outputs: Points = None,
+    inputs: Points = None,
+    quantity: Annotated[FrfQuantity, Query(description="Of the FRFs.")] = "mobility",
+    lines: Lines = 1000,
+) -> PredictedFrf:
+    """FRFs of the model between points, measured pairs or not, with their deviation."""
+    return frf_of(service, campaign, test, outputs, inputs, quantity, lines)
+
+
+@router.post("/campaigns/{campaign}/model/modifications", responses=documented(404), openapi_extra=needs("observer"))
+def modify_model(campaign: str, new: Annotated[ModificationNew, Body()], service: ServiceOf) -> ModifiedView:
+    """Predict the modes after changes of the structure; nothing is kept."""
+    return modified(service, campaign, new)
+
+
+@router.post("/campaigns/{campaign}/model/responses", responses=documented(404), openapi_extra=needs("observer"))
+def predict_response(campaign: str, new: Annotated[ResponseNew, Body()], service: ServiceOf) -> ResponseView:
+    """Predict the motion that forces give, from rest; nothing is kept."""
+    return response_to(service, campaign, new)
