@@ -8,6 +8,7 @@ from scipy.linalg import eigh
 from modallab.gap.modal.compared import compared
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.free import Free
+from modallab.gap.modal.matching import Side
 from modallab.gap.modal.weights import Weights
 from modallab.modification.mesh import MOST, Mesh, on_surface
 from modallab.modification.shapes import shapes_of
@@ -23,7 +24,7 @@ def test_constants_hold_the_shapes_of_every_struck_point_and_what_lies_between()
 
 
 def test_the_derivatives_by_every_tolerance_are_those_of_differences() -> None:
-    free = Free(compared(REFERENCE, with_mass(0.02, 0.3, 0.2), rig()))
+    free = Free(compared(Side(REFERENCE), Side(with_mass(0.02, 0.3, 0.2)), rig()))
     u = 0.3 * np.random.default_rng(1).standard_normal(free.size)
     slopes = free.slopes(u)
     for k in (0, 1, 3, 5, 12, 15, 17, 18, 20, 40, 45, 60, 85, free.size - 1):

@@ -55,6 +55,11 @@ class Between:
         places = (places_m - self.middle) / self.size
         return self._terms(places) @ self.weights
 
+    def shares(self, places_m: Real) -> Real:
+        """(places, known) by which values at the known places add up to those at places (places, 3)."""
+        terms = self._terms((places_m - self.middle) / self.size)
+        return (terms @ self.inverse)[:, : len(self.known)]
+
     def spread(self, places_m: Real) -> Real:
         """(places, columns) deviation of the values there: that of kriging, whose scale is how rough the values are."""
         terms = self._terms((places_m - self.middle) / self.size)

@@ -25,20 +25,23 @@ DAMPING = 0.15
 """Relative change of a damping ratio: cables, clamps, the air."""
 
 
-def of_structure(reference: ModalModel, bench: ModalModel, rig: Rig) -> tuple[float, float, Real, Real]:
+def of_structure(
+    reference: ModalModel, bench: ModalModel, rig: Rig, wide: float = 1.0
+) -> tuple[float, float, Real, Real]:
     """Deviations of all stiffness, of all mass, of each of its places (modes, modes), and of each damping (modes,).
 
-    Relative; of damping that of its logarithm. By the rig's tolerances where the reference was computed.
+    Relative; of damping that of its logarithm. By the rig's tolerances where the reference was computed. Places and
+    damping differ by a factor `wide` more.
     """
     t, modes = rig.tolerance, reference.n_modes
     if not np.all(np.isfinite(reference.frequency_sigma_hz)):
-        of_place = np.full((modes, modes), np.hypot(t.stiffness_field, t.mass_field))
-        as_guessed = np.full(modes, log(rig.damping_ratio.factor))
+        of_place = np.full((modes, modes), wide * np.hypot(t.stiffness_field, t.mass_field))
+        as_guessed = np.full(modes, wide * log(rig.damping_ratio.factor))
         return np.hypot(t.youngs_modulus, 3 * t.thickness), np.hypot(t.density, t.thickness), of_place, as_guessed
     noise = _noise(reference, bench)
-    of_place = np.full((modes, modes), PLACE)
-    of_place[np.diag_indices(modes)] = np.hypot(PLACE, 2 * noise)
-    damping = np.hypot(DAMPING, np.nan_to_num(reference.damping_sigma / reference.damping_ratio))
+    of_place = np.full((modes, modes), wide * PLACE)
+    of_place[np.diag_indices(modes)] = np.hypot(wide * PLACE, 2 * noise)
+    damping = np.hypot(wide * DAMPING, np.nan_to_num(reference.damping_sigma / reference.damping_ratio))
     return WARMTH, MASS, of_place, damping
 
 
