@@ -79,6 +79,19 @@ def test_what_the_tolerances_explain_is_no_gap() -> None:
     assert (found.verdict, found.effects) == ("no_gap", [])
 
 
+@pytest.mark.thorough("a comparison for each of three draws")
+@pytest.mark.parametrize("seed", range(3))
+def test_shapes_poles_and_damping_each_off_by_their_own_share_are_no_gap(seed: int) -> None:
+    """Nothing says that they are off by the same share of what is usual: a scale for all of them would be bent."""
+    rng = np.random.default_rng(seed)
+    bench = model(OMEGA * (1 + 3e-3 * rng.standard_normal(OMEGA.size)), shapes(X, Y))
+    drawn = rng.standard_normal((2, *bench.modal_constants.shape))
+    constants = bench.modal_constants * (1 + 1e-3 * (drawn[0] + 1j * drawn[1]))
+    damping = bench.damping_ratio * np.exp(0.3 * rng.standard_normal(OMEGA.size))
+    other = bench.model_copy(update={"modal_constants": constants, "damping_ratio": damping})
+    assert diagnose_by_model(REFERENCE, other, rig()).verdict == "no_gap"
+
+
 def mesh() -> Mesh:
     """Nodes some 25 mm apart, the shapes with the signs that an eigensolver happens to give."""
     x, y = (v.ravel() for v in np.meshgrid(np.linspace(0, A, 21), np.linspace(0, B, 17), indexing="ij"))

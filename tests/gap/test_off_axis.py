@@ -58,3 +58,6 @@ def test_what_a_model_misses_is_missed_in_neither() -> None:
     assert effect.parameters["gain"] == pytest.approx(1.12, rel=1e-3)
     none = diagnose_by_model(two, two, rig(), frfs=(frfs(noise=1e-4), frfs(noise=1e-4, seed=3)))
     assert none.verdict == "no_gap"
+    assert none.nothing is not None
+    assert none.unknown is not None
+    assert none.nothing + none.unknown + sum(c.probability for c in none.candidates) == pytest.approx(1.0)

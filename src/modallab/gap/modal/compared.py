@@ -78,9 +78,9 @@ class Compared:
     noise: Complex | None
     weights: Weights
 
-    def scaled(self, scale: Real | float) -> "Compared":
-        """With models that differ by a factor more, (outputs, 1) or of all, though nothing was changed."""
-        own = weights(self.model, self.bench, self.s, self.measured, self.noise, scale)
+    def scaled(self, lines: Real | float, along: Real | float) -> "Compared":
+        """With lines that are off by a factor more, and what goes along whole FRFs, (outputs, 1) or of all."""
+        own = weights(self.model, self.bench, self.s, self.measured, self.noise, lines, along)
         return replace(self, weights=own)
 
     def thinned(self, lines: slice) -> "Compared":

@@ -117,6 +117,8 @@ def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
             for f, p in found.ranked
             if f.candidate is not None
         ],
+        nothing=found.nothing,
+        unknown=found.unknown,
         modes=modes,
         by_channel=by_channel(free, misses),
         by_mode=by_mode(free, misses),

@@ -41,7 +41,8 @@ def weights(
     s: Complex,
     measured: Complex,
     noise: Complex | None = None,
-    scale: Real | float = 1.0,
+    lines: Real | float = 1.0,
+    along: Real | float = 1.0,
 ) -> Weights:
     """Of misfits between the reference and FRFs `measured` (lines, outputs, inputs) of the bench.
 
@@ -51,7 +52,8 @@ def weights(
         s: (lines,) complex frequencies.
         measured: receptances of the bench there.
         noise: (lines, lines, outputs, inputs) covariance of what both are off by from noise, where it was measured.
-        scale: factor on by how much models of one structure differ, (outputs, 1) or of all.
+        lines: factor on by how much each line is off by itself, (outputs, 1) or of all.
+        along: the same of what goes along whole FRFs.
     """
     terms, of_terms = _of_residuals(reference, bench, s)
     constants = np.abs(bench.modal_constants)
@@ -60,7 +62,7 @@ def weights(
     modes = kernels(bench, s).T
     shapes = np.concatenate([terms, modes, 1j * modes])
     spread = np.concatenate([of_terms, of_modes, of_modes])
-    return Weights.of(ERROR * scale * sizes(measured), shapes, scale * spread, noise)
+    return Weights.of(ERROR * lines * sizes(measured), shapes, along * spread, noise)
 
 
 def _of_residuals(reference: ModalModel, bench: ModalModel, s: Complex) -> tuple[Complex, Real]:

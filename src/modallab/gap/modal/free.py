@@ -158,21 +158,26 @@ class Free:
             hung=change.hung,
         )
 
+    def predicted(self, u: Real, change: Change = NOTHING) -> Complex:
+        """(lines, outputs, inputs) receptances."""
+        return self.state(u, change).receptance(self.of.s, self.of.outside)
+
+    def derivatives(self, u: Real, change: Change = NOTHING) -> Complex:
+        """(numbers, lines, outputs, inputs) of what is predicted, by each number in its own unit."""
+        return derivatives(self.of, self.state(u, change), self.sizes)
+
     def residual(self, u: Real, change: Change = NOTHING) -> Real:
         """(2 lines outputs inputs,) predicted less measured, in deviations."""
-        c = self.of
-        predicted = self.state(u, change).receptance(c.s, c.outside)
-        return np.asarray(c.weights.weighed((predicted - c.measured)[None])[:, 0] / self.loose, np.float64)
+        misfit = self.predicted(u, change) - self.of.measured
+        return np.asarray(self.of.weights.weighed(misfit[None])[:, 0] / self.loose, np.float64)
 
     def slopes(self, u: Real, change: Change = NOTHING) -> Real:
         """(2 lines outputs inputs, numbers) derivatives of `residual`."""
-        found = derivatives(self.of, self.state(u, change), self.sizes)
-        return self.of.weights.weighed(found) * (self.deviations / self.loose)
+        return self.of.weights.weighed(self.derivatives(u, change)) * (self.deviations / self.loose)
 
     def missed(self, u: Real, change: Change = NOTHING) -> Real:
         """(lines, outputs, inputs) |predicted less measured| over measured; small FRFs count as in `Compared.sizes`."""
-        c = self.of
-        return np.abs(self.state(u, change).receptance(c.s, c.outside) - c.measured) / c.sizes
+        return np.abs(self.predicted(u, change) - self.of.measured) / self.of.sizes
 
     def share(self, u: Real, change: Change = NOTHING) -> float:
         """Rms over all of them."""

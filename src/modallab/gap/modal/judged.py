@@ -5,14 +5,17 @@ scales stands on what is usual. What needs more than the usual is a gap. If a ch
 change is the larger one; else that of the structure, of one channel, or of everything being otherwise: *unknown*.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Verdict
+from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.errors import sizes
+from modallab.gap.modal.free import Free
+from modallab.gap.modal.linear import Linear
 from modallab.gap.modal.search import Fitted, fit
 from modallab.modification.synthesis import beside
 
@@ -24,6 +27,8 @@ UNUSUAL = (4.0, 16.0, 64.0)
 """Scales of what has no name."""
 PRIOR = {"no_gap": 0.5, "known": 0.4, "unknown": 0.1}
 """Probabilities before the comparison."""
+TURNS = 2
+"""Times that scales are inferred, and numbers fitted at them."""
 SUSPECTS = 2
 """Channels of which it is asked whether they do something else."""
 
@@ -37,6 +42,7 @@ class Judged:
         base: the fit without any change, at what is usual.
         best: the explanation that counts, or leaves least where none does; the base where there is no gap.
         ranked: the best fit of each kind of change with its probability, the most probable first.
+        nothing: probability that nothing was changed.
         unknown: probability that something without a name is the cause.
         where: what that would be: "structure", "everything" or the name of a channel.
         strains: of the tolerances without and with the best explanation, at what is usual.
@@ -47,6 +53,7 @@ class Judged:
     base: Fitted
     best: Fitted
     ranked: list[tuple[Fitted, float]]
+    nothing: float
     unknown: float
     where: str
     strains: tuple[float, float]
@@ -65,22 +72,25 @@ def judged(base: Fitted, tried: list[Fitted]) -> Judged:
         base: fitted without a change, at what is usual.
         tried: fitted so, the best of each kind.
     """
-    usual = [_on_ladder(f) for f in (base, *tried)]
-    least = int(np.argmin([f.evidence for ladder in usual for f in ladder])) % len(USUAL)
-    others = _nameless(usual[0][least], USUAL[least])
-    nothing, *names, unknown = _posterior(usual, others)
-    order = np.argsort(-np.array(names), kind="stable")
-    ranked = [(_best(usual[1 + n]), names[n]) for n in order]
-    where = min(others, key=lambda name: min(f.evidence for f in others[name]))
-    first = usual[1 + int(order[0])] if ranked else usual[0]
-    found = Judged("known", base, _best(first), ranked, unknown, where, (strain(base), strain(first[0])), [])
-    return _decided(found, nothing)
+    c = base.free.of
+    # What models leave of FRFs is as usual: it is inferred where FRFs were measured, of which models are no sample.
+    steps = (1.0,) if c.noise is None else USUAL
+    even = {(a, b): c.scaled(a, b) for a in steps for b in steps}
+    nothing, *names = (_settled(f, even, USUAL) for f in (base, *tried))
+    least = min((nothing, *names), key=lambda f: f.evidence)
+    others = _nameless(nothing, even, least.free)
+    none, *each, unknown = _posterior(nothing, names, list(others.values()))
+    ranked = sorted(zip(names, each, strict=True), key=lambda pair: -pair[1])
+    where = min(others, key=lambda name: others[name].evidence)
+    first = ranked[0][0] if ranked else base
+    strains = strain(base), strain(tried[names.index(first)] if ranked else base)
+    return _decided(Judged("known", base, first, ranked, none, unknown, where, strains, []))
 
 
-def _decided(found: Judged, nothing: float) -> Judged:
+def _decided(found: Judged) -> Judged:
     name = found.ranked[0][1] if found.ranked else 0.0
     none = replace(found, verdict="no_gap", best=found.base, strains=(found.strains[0],) * 2)
-    if nothing >= max(name, found.unknown):
+    if found.nothing >= max(name, found.unknown):
         return none
     if found.unknown >= name:
         return replace(found, verdict="unknown")
@@ -90,49 +100,53 @@ def _decided(found: Judged, nothing: float) -> Judged:
     return found
 
 
-def _on_ladder(fitted: Fitted) -> list[Fitted]:
-    """It at every scale of what is usual."""
-    found = [fitted]
-    for scale in USUAL[1:]:
-        found.append(_again(found[-1], scale, scale))
-    return found
+def _settled(fitted: Fitted, even: Mapping[tuple[float, float], Compared], structure: Sequence[float]) -> Fitted:
+    """It fitted at its most probable scales, which its linearisation tells."""
+    for _ in range(TURNS):
+        linear = Linear.about(fitted)
+        tried: list[tuple[float, Compared, float]] = []
+        for own in even.values():
+            weighed = linear.weighed(own.weights)
+            tried += [(weighed.evidence(wide), own, wide) for wide in structure]
+        _, own, wide = min(tried, key=lambda t: t[0])
+        fitted = _at(fitted, own, wide)
+    return fitted
 
 
-def _again(fitted: Fitted, scale: Real | float, wide: float) -> Fitted:
-    free = fitted.free
-    there = replace(free, of=free.of.scaled(scale), wide=wide)
+def _at(fitted: Fitted, there: Compared, wide: float) -> Fitted:
+    """It fitted at other scales."""
+    free = replace(fitted.free, of=there, wide=wide)
     # The numbers stay what they are, in other deviations.
-    before, after = free.deviations, there.deviations
+    before, after = fitted.free.deviations, free.deviations
     u = fitted.u * np.divide(before, after, out=np.ones_like(after), where=after > 0)
-    return fit(there, fitted.candidate, u, fitted.v)
+    return fit(free, fitted.candidate, u, fitted.v)
 
 
-def _nameless(base: Fitted, usual: float) -> dict[str, list[Fitted]]:
+def _nameless(base: Fitted, even: Mapping[tuple[float, float], Compared], usual: Free) -> dict[str, Fitted]:
     """Fits without a change where the structure, everything, or a channel differs by more than is usual."""
-    found = {"structure": [_again(base, usual, wide) for wide in UNUSUAL]}
-    found["everything"] = [_again(base, scale, scale) for scale in UNUSUAL]
-    missed = np.sqrt(np.mean(base.missed**2, axis=(0, 2)))
+    c, missed = base.free.of, np.sqrt(np.mean(base.missed**2, axis=(0, 2)))
+    lines, shapes = next(key for key, own in even.items() if own is usual.of)
+    found = {"structure": _settled(base, even, UNUSUAL)}
+    found["everything"] = min(
+        (_at(base, c.scaled(a, x), x) for x in UNUSUAL for a in (lines, x)), key=lambda f: f.evidence
+    )
     for o in np.argsort(-missed)[:SUSPECTS]:
-        only = np.where(np.arange(missed.size) == o, 1.0, 0.0)[:, None]
-        ladder = [_again(base, np.where(only, scale, usual), usual) for scale in UNUSUAL]
-        found[base.free.of.model.outputs[int(o)]] = ladder
+        there = np.arange(missed.size)[:, None] == o
+        ladder = [c.scaled(np.where(there, a, lines), np.where(there, x, shapes)) for x in UNUSUAL for a in (lines, x)]
+        fits = (_at(base, own, usual.wide) for own in ladder)
+        found[c.model.outputs[int(o)]] = min(fits, key=lambda f: f.evidence)
     return found
 
 
-def _posterior(usual: Sequence[Sequence[Fitted]], others: dict[str, list[Fitted]]) -> list[float]:
+def _posterior(nothing: Fitted, names: Sequence[Fitted], others: Sequence[Fitted]) -> list[float]:
     """Of nothing, of each kind of change, and of what has no name."""
-    kinds = max(len(usual) - 1, 1)
-    ways = sum(len(ladder) for ladder in others.values())
-    groups = [[(f, PRIOR["no_gap"] / len(USUAL)) for f in usual[0]]]
-    groups += [[(f, PRIOR["known"] / kinds / len(USUAL)) for f in ladder] for ladder in usual[1:]]
-    groups.append([(f, PRIOR["unknown"] / ways) for ladder in others.values() for f in ladder])
-    least = min(f.evidence for group in groups for f, _ in group)
-    mass = np.array([sum(p * np.exp(-(f.evidence - least) / 2) for f, p in group) for group in groups])
-    return (mass / mass.sum()).tolist()
-
-
-def _best(ladder: Sequence[Fitted]) -> Fitted:
-    return min(ladder, key=lambda f: f.evidence)
+    fits = [nothing, *names, *others]
+    named, nameless = PRIOR["known"] / max(len(names), 1), PRIOR["unknown"] / len(others)
+    prior = np.array([PRIOR["no_gap"], *(named for _ in names), *(nameless for _ in others)])
+    evidence = np.array([f.evidence for f in fits])
+    mass = prior * np.exp(-(evidence - evidence.min()) / 2)
+    each = mass / mass.sum()
+    return [*each[: len(names) + 1].tolist(), float(each[len(names) + 1 :].sum())]
 
 
 def moves(fitted: Fitted) -> float:

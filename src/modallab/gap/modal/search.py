@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from modallab.gap.modal.free import NOTHING, Change, Free
 from modallab.gap.modal.hanging import nearby
 
 Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 STEPS = 20
 FIRST_STEPS = 6
@@ -88,13 +90,13 @@ def fit(
             break
     cost = min(cost, before)
     normal, _ = _system(free, candidate, u, v)
-    covariance, logdet = _inverse(normal)
+    covariance, logdet = inverse(normal)
     open_ = 0.0 if candidate is None else candidate.room
     return Fitted(free, candidate, u, v, cost, covariance, cost + free.of.weights.logdet + logdet + open_)
 
 
-def _inverse(normal: Real) -> tuple[Real, float]:
-    """The inverse, and the logarithm of the determinant."""
+def inverse(normal: Real) -> tuple[Real, float]:
+    """The inverse of a normal matrix, which it may change, and the logarithm of its determinant."""
     scale = np.sqrt(np.diag(normal))
     # A number that moves nothing is not known at all.
     unseen = np.flatnonzero(scale == 0)
@@ -127,16 +129,22 @@ def _system(free: Free, candidate: Candidate | None, u: Real, v: Real) -> tuple[
     prior = np.ones(u.size)
     off = u.copy()
     if candidate is not None:
-        steps = 1e-4 * np.maximum(np.abs(v), np.where(np.isfinite(candidate.prior), candidate.prior, 1e-2))
-        own = [
-            (free.residual(u, candidate.make(v + step * np.eye(v.size)[k], free.of)) - left) / step
-            for k, step in enumerate(steps)
-        ]
-        jacobian = np.concatenate([jacobian, np.stack(own, axis=1)], axis=1)
+        predicted = free.predicted(u, change)
+        own = free.of.weights.weighed(own_slopes(free, candidate, u, v, predicted)) / free.loose
+        jacobian = np.concatenate([jacobian, own], axis=1)
         weight = 1 / candidate.prior**2
         prior = np.concatenate([prior, weight])
         off = np.concatenate([off, v - candidate.centre])
     return jacobian.T @ jacobian + np.diag(prior), jacobian.T @ left + prior * off
+
+
+def own_slopes(free: Free, candidate: Candidate | None, u: Real, v: Real, predicted: Complex) -> Complex:
+    """(numbers of the change, lines, outputs, inputs) derivatives of what is predicted, by differences."""
+    if candidate is None:
+        return np.zeros((0, *predicted.shape), np.complex128)
+    steps = 1e-4 * np.maximum(np.abs(v), np.where(np.isfinite(candidate.prior), candidate.prior, 1e-2))
+    moved = (free.predicted(u, candidate.make(v + by, free.of)) for by in np.diag(steps))
+    return np.stack([(there - predicted) / step for there, step in zip(moved, steps, strict=True)])
 
 
 def screened(free: Free) -> list[tuple[float, Candidate, Real]]:
