@@ -25,7 +25,7 @@ from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.distinguishability import advice, distinguishability
 from modallab.gap.design.prediction import predict, predicted_campaign
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.modal.said import sentence_by_model
+from modallab.gap.modal.sentence import sentence_by_model
 from modallab.gap.report.summary import in_percent, sentence
 from modallab.gap.simulations.compare import compare
 from modallab.gap.simulations.sentence import sentence_of

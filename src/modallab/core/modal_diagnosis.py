@@ -63,6 +63,8 @@ class ModalDiagnosis(Frozen):
         strain_after: the same with the change.
         effects: the change that causes it.
         candidates: all explanations, the most probable first; `gap` is the share that each leaves.
+        nothing: probability that nothing was changed; None in older files.
+        unknown: probability that something without a name is the cause; None in older files.
         modes: numbers of modes of the reference and of the bench.
         by_channel: the gap of each output that both models have; [] in older files.
         by_mode: the gap on the lines nearest to each mode of the bench; [] in older files.
@@ -79,6 +81,8 @@ class ModalDiagnosis(Frozen):
     strain_after: float
     effects: list[FoundChange]
     candidates: list[CandidateSet]
+    nothing: float | None = None
+    unknown: float | None = None
     modes: tuple[int, int]
     by_channel: list[PartOfGap] = Field(default_factory=list)
     by_mode: list[PartOfGap] = Field(default_factory=list)

@@ -56,7 +56,7 @@ class Between:
         return self._terms(places) @ self.weights
 
     def rows(self, places_m: Real) -> Real:
-        """(places, known) what the values at the known places give at places (places, 3)."""
+        """(places, known) by which values at the known places add up to those at places (places, 3)."""
         return self._terms((places_m - self.middle) / self.size) @ self.inverse[:, : len(self.known)]
 
     def spread(self, places_m: Real) -> Real:

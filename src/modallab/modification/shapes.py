@@ -24,7 +24,7 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 NEIGHBOURS = 8
-FLAT = 0.5
+FLAT = 0.2
 """A direction in which a point's neighbours spread less than this share of their widest is not resolved."""
 
 

@@ -9,11 +9,13 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.fem.fem_file import is_fem, read_fem
+from modallab.frf.estimate import group_by_point
 from modallab.gap.modal.diagnosis import Explained, explained_by_model
+from modallab.identification.impact import start_frf
 from modallab.identification.options import Options
 from modallab.modification.mesh import Mesh
 from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
-from modallab.pipelines.identify import Identified, Result, identify_campaign
+from modallab.pipelines.identify import Identified, Result, identify_campaign, usable
 from modallab.pipelines.model_file import read_models
 from modallab.reporting.structure_report import StructureGap
 
@@ -79,17 +81,20 @@ def gap_between(
     """
     bench = identified.identified[0]
     own = None if before is None else before.rig
-    frfs = _frfs(before, campaign, bench)
+    frfs = _frf_of(before, reference), _frf_of(campaign, bench.model, bench.index)
     explained = explained_by_model(reference, bench.model, campaign.rig, mesh, own, frfs)
     records = None if bench.verification is None else bench.verification.measured
     return StructureGap(campaign.rig, explained, named, records, _beside(identified, explained, bench))
 
 
-def _frfs(before: Campaign | None, campaign: Campaign, bench: Identified) -> tuple[Frf, Frf] | None:
-    """FRFs of both that came as such from the same channels; those of records hold the end of a block."""
-    if before is None or not before.frfs or not campaign.frfs or before.rig.channels != campaign.rig.channels:
+def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf | None:
+    """The FRFs that a model was identified from; None of a drive's, which hold the leakage of their blocks."""
+    if campaign is None:
         return None
-    return before.frfs[0], campaign.frfs[bench.index]
+    if model.test == "impact":
+        groups = group_by_point(usable(campaign, campaign.of("impact"))[0])
+        return start_frf(groups, campaign.rig, model.band_hz)
+    return campaign.frfs[index] if model.test is None and campaign.frfs else None
 
 
 def _what(path: Path) -> str:

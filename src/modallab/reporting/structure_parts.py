@@ -22,13 +22,15 @@ def candidates_section(explained: Explained) -> Markup | None:
     listed = explained.ranked
     if not listed:
         return None
-    left = [c.gap for c in explained.diagnosis.candidates]
-    rows = [["no change", "", percent(explained.diagnosis.before), ""]]
+    found, judged = explained.diagnosis, explained.judged
+    left = [c.gap for c in found.candidates]
+    rows = [["no change", sure(judged.nothing), percent(found.before), ""]]
     rows += [[spoken(c), sure(c.probability), percent(gap), _numbers(c)] for c, gap in zip(listed, left, strict=True)]
+    rows.append(["something without a name", sure(judged.unknown), "", f"most likely in {judged.where}"])
     head = ["explanation", "probability", "leaves", "numbers (95 %)"]
-    known = explained.diagnosis.verdict == "known"
+    known = found.verdict == "known"
     said = (
-        "Probabilities are of these explanations among one another. One that leaves the percentage as it is may still "
+        "Probabilities are of all that stands here, and add up to 1. One that leaves the percentage as it is may still "
         "relieve the tolerances, which count as well."
     )
     none = "" if known else " Here none was needed, or none was enough, however probable it is beside the others."

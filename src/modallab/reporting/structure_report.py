@@ -10,7 +10,7 @@ from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
 from modallab.gap.modal.diagnosis import Explained
-from modallab.gap.modal.said import sentence_by_model
+from modallab.gap.modal.sentence import sentence_by_model
 from modallab.reporting.figures.structure_curves import structure_curves
 from modallab.reporting.figures.structure_picture import Marked, structure_picture
 from modallab.reporting.gap_page import captioned, page, section

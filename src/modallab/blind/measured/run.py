@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from modallab.blind.measured.draw import MeasuredRequest, drawn, places_of
-from modallab.blind.measured.noise import variance_of, with_noise
+from modallab.blind.measured.noise import with_noise
 from modallab.blind.measured.put import Put, with_effect
 from modallab.blind.measured.score import MeasuredOutcome, Truth, figures, judged
 from modallab.blind.seal import opened, publish, seal
@@ -16,6 +16,7 @@ from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.core.model import ModalModel
 from modallab.core.progress import part, report
 from modallab.core.rig import Rig
+from modallab.frf.line_noise import variance_of
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options

@@ -13,14 +13,16 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.gap.modal.errors import ERROR, sizes, weights
-from modallab.gap.modal.matching import in_common
+from modallab.gap.modal.errors import sizes, weights
+from modallab.gap.modal.matching import Side, in_common
+from modallab.gap.modal.off_axis import Means, MeasuredFrfs
 from modallab.gap.modal.same_form import in_form_of
+from modallab.gap.modal.state import Hung
 from modallab.gap.modal.weights import Weights
 from modallab.modification.freedoms import freedoms_of
 from modallab.modification.mesh import Mesh
 from modallab.modification.shapes import Shapes, shapes_of
-from modallab.modification.synthesis import beside, synthesised
+from modallab.modification.synthesis import kernels, synthesised
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -52,10 +54,12 @@ class Compared:
         into_slopes: (inputs, 2, modes).
         s: (lines,) complex frequencies.
         outside: (lines, outputs, inputs) all that the reference holds beside the products of its shapes: what lies
-            outside the band; m/N.
-        measured: (lines, outputs, inputs) the bench's receptances.
+            outside the band, and what its model leaves of the measured FRFs; m/N.
+        known: (lines, outputs, inputs) the reference's receptances.
+        measured: (lines, outputs, inputs) the bench's.
+        frfs: of the reference, where those of both were measured.
+        noise: (lines, lines, outputs, inputs) covariance of the noise of both where it was measured, else None.
         weights: of misfits.
-        error: share of its size by which a line is off by itself, (outputs, inputs) or of all FRFs.
     """
 
     rig: Rig
@@ -68,20 +72,32 @@ class Compared:
     into_slopes: Complex
     s: Complex
     outside: Complex
+    known: Complex
     measured: Complex
+    frfs: Means | None
+    noise: Complex | None
     weights: Weights
-    error: Real | float = ERROR
 
-    def off_by(self, error: Real) -> "Compared":
-        """With errors of the lines that were measured, (outputs, inputs)."""
-        own = weights(self.model, self.bench, self.s, self.measured, error)
-        return replace(self, error=error, weights=own)
+    def scaled(self, lines: Real | float, along: Real | float) -> "Compared":
+        """With lines that are off by a factor more, and what goes along whole FRFs, (outputs, 1) or of all."""
+        own = weights(self.model, self.bench, self.s, self.measured, self.noise, lines, along)
+        return replace(self, weights=own)
 
     def thinned(self, lines: slice) -> "Compared":
         """On some of the lines."""
         s, measured = self.s[lines], self.measured[lines]
-        own = weights(self.model, self.bench, s, measured, self.error)
-        return replace(self, s=s, outside=self.outside[lines], measured=measured, weights=own)
+        noise = None if self.noise is None else self.noise[lines, lines]
+        own = weights(self.model, self.bench, s, measured, noise)
+        parts = {"s": s, "outside": self.outside[lines], "known": self.known[lines], "measured": measured}
+        frfs = None if self.frfs is None else self.frfs.thinned(lines)
+        return replace(self, **parts, frfs=frfs, noise=noise, weights=own)
+
+    def by_lines(self, hung: Hung) -> Hung:
+        """What hangs at a driven point where a sensor stands, coupled line by line if the FRFs were measured."""
+        if self.frfs is None:
+            return hung
+        of_lines = self.frfs.mean(hung.coupled(self.frfs.of.receptances, self.frfs.of.s))
+        return replace(hung, extra=of_lines - hung.coupled(self.known, self.s))
 
     @property
     def close_pairs(self) -> list[tuple[int, int]]:
@@ -100,6 +116,25 @@ class Compared:
         unknown = off * self.shapes.uncertain(freedom, places[:1])[0]
         return np.asarray(there - here + unknown)
 
+    def rows_of(self, output: int, along_m: Real) -> Real:
+        """(outputs,) by which FRFs of other outputs come into that of a sensor that sits (2,) metres from its point.
+
+        Between sensors FRFs go along as shapes do. Where a mesh tells the shapes, none come in.
+        """
+        freedoms = freedoms_of(self.model, self.rig)[0]
+        freedom = freedoms[output]
+        same = [f for f in self.shapes.freedoms if f[1] == freedom[1]]
+        between, found = self.shapes.between[freedom[1]], np.zeros(len(freedoms))
+        if len(between.known) != len(same):
+            return found
+        at = self.shapes.at_m[self.shapes.index(freedom)]
+        there, here = between.rows(np.stack([at + along_m @ self.shapes.tangents(freedom), at]))
+        share = dict(zip(same, there - here, strict=True))
+        for o, f in enumerate(freedoms):
+            if freedoms.index(f) == o:
+                found[o] = share.get(f, 0.0)
+        return found
+
     @property
     def sizes(self) -> Real:
         """(lines, outputs, inputs) of the measured FRFs, the small ones as if they were a share of their line's rms."""
@@ -117,14 +152,14 @@ class Compared:
 
 
 def compared(
-    reference: ModalModel,
-    bench: ModalModel,
+    reference: Side,
+    bench: Side,
     rig: Rig,
     smooth: float = SMOOTH,
     mesh: Mesh | None = None,
     own: Rig | None = None,
 ) -> Compared:
-    """Both models on common lines, for the outputs and inputs that both have; between the points by the mesh, if any.
+    """Both on common lines, for the outputs and inputs that both have; between the points by the mesh, if any.
 
     Args:
         reference: of the rig `own`, or of the bench's where that is None.
@@ -137,6 +172,47 @@ def compared(
     Raises:
         DataError: they share no band, no output or no input.
     """
+    low, high = band_of(reference.model, bench.model, rig)
+    before, after = in_common(reference, own or rig, bench, rig)
+    # FRFs count where both sides have them: those of one alone would pass for a gap.
+    both = None not in (before.measured, after.measured)
+    model = before.model if both else in_form_of(after.model, before.model)
+    shapes = shapes_of(model, rig, mesh)
+    outputs, inputs = freedoms_of(model, rig)
+    s = _lines(after.model, max(low, 0.3 * float(model.frequency_hz[0])), high, smooth)
+    out_psi = np.array([shapes.seen[:, shapes.index(f)] for f in outputs])
+    into_psi = np.array([shapes.driven[:, shapes.index(f)] for f in inputs]) * shapes.turn
+    means = _means(s, (before.measured, after.measured))
+    if means is None:
+        known, measured, noise = synthesised(model, s), synthesised(after.model, s), None
+    else:
+        s, (known, measured) = means[0].s, (m.mean(m.of.receptances) for m in means)
+        noise = means[0].noise() + means[1].noise()
+    return Compared(
+        rig=rig,
+        model=model,
+        bench=after.model,
+        shapes=shapes,
+        out_psi=out_psi,
+        into_psi=into_psi,
+        out_slopes=np.array([shapes.slopes(f) for f in outputs]),
+        into_slopes=np.array([shapes.slopes(f) for f in inputs]) * shapes.turn,
+        s=s,
+        outside=known - np.einsum("lr,or,ir->loi", kernels(model, s), out_psi, into_psi),
+        known=known,
+        measured=measured,
+        frfs=None if means is None else means[0],
+        noise=noise,
+        weights=weights(model, after.model, s, measured, noise),
+    )
+
+
+def band_of(reference: ModalModel, bench: ModalModel, rig: Rig) -> tuple[float, float]:
+    """The band that both models cover, Hz.
+
+    Raises:
+        DataError: there is none.
+    """
     low = max(reference.band_hz[0], bench.band_hz[0])
     high = min(reference.band_hz[1], bench.band_hz[1])
     if not low < high:
@@ -145,28 +221,7 @@ def compared(
             where=rig.name,
             remedy="identify both in one band",
         )
-    reference, bench = in_common(reference, own or rig, bench, rig)
-    reference = in_form_of(bench, reference)
-    shapes = shapes_of(reference, rig, mesh)
-    outputs, inputs = freedoms_of(reference, rig)
-    s = _lines(bench, max(low, 0.3 * float(reference.frequency_hz[0])), high, smooth)
-    measured = synthesised(bench, s)
-    out_psi = np.array([shapes.seen[:, shapes.index(f)] for f in outputs])
-    into_psi = np.array([shapes.driven[:, shapes.index(f)] for f in inputs]) * shapes.turn
-    return Compared(
-        rig=rig,
-        model=reference,
-        bench=bench,
-        shapes=shapes,
-        out_psi=out_psi,
-        into_psi=into_psi,
-        out_slopes=np.array([shapes.slopes(f) for f in outputs]),
-        into_slopes=np.array([shapes.slopes(f) for f in inputs]) * shapes.turn,
-        s=s,
-        outside=beside(reference, s, out_psi, into_psi),
-        measured=measured,
-        weights=weights(reference, bench, s, measured),
-    )
+    return low, high
 
 
 def _lines(bench: ModalModel, low: float, high: float, smooth: float) -> Complex:
@@ -174,3 +229,14 @@ def _lines(bench: ModalModel, low: float, high: float, smooth: float) -> Complex
     hz = np.concatenate([np.linspace(low, high, BETWEEN), *(modes * (1 + a * smooth) for a in ABOUT)])
     hz = np.unique(np.round(hz[(hz >= low) & (hz <= high)], 6))
     return np.asarray(2 * np.pi * hz * (smooth + 1j))
+
+
+def _means(s: Complex, frfs: tuple[MeasuredFrfs | None, MeasuredFrfs | None]) -> tuple[Means, Means] | None:
+    """Of the FRFs of both, near s, where both were measured."""
+    before, after = frfs
+    if before is None or after is None:
+        return None
+    omega, wanted = np.asarray(s.imag, np.float64), np.asarray(s.real, np.float64)
+    each = np.array([side.sigma_at(omega, wanted) for side in (before, after)])
+    there = np.asarray((each.max(axis=0) + 1j * omega)[np.all(each > 0, axis=0)])
+    return before.means_at(there), after.means_at(there)

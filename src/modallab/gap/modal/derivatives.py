@@ -19,7 +19,7 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     """
     s, omega, modes = c.s, state.omega, state.omega.size
     x, y, whole = state.paths(s, c.outside)
-    read = state.gain[:, None]
+    read = state.read(s)[:, :, None]
     x, y, whole = read * x, y * state.applied, read * whole * state.applied
     squared = (s**2)[:, None, None]
     found = np.zeros((sum(sizes), *whole.shape), np.complex128)
@@ -41,7 +41,7 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     force[0] = -whole
     for o in range(len(state.out)):
         gains[o, :, o] = whole[:, o]
-        at[2 * o : 2 * o + 2, :, o] = state.gain[o] * np.einsum("jm,lmi->jli", c.out_slopes[o], y)
+        at[2 * o : 2 * o + 2, :, o] = read[:, o] * np.einsum("jm,lmi->jli", c.out_slopes[o], y)
     for i in range(len(state.into)):
         hits[i, :, :, i] = whole[:, :, i]
         struck[2 * i : 2 * i + 2, :, :, i] = state.applied[i] * (x @ c.into_slopes[i].T).transpose(2, 0, 1)

@@ -1,6 +1,7 @@
 """The diagnosis of a structure that no beam describes: its modal model stands for the simulation."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,10 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
-from modallab.gap.modal.coupled import CoupledPair, pair_of, refined, unlike
 from modallab.gap.modal.free import Free
-from modallab.gap.modal.judged import Judged, judged, strain
+from modallab.gap.modal.judged import Judged, judged
+from modallab.gap.modal.matching import Side
+from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.gap.modal.parts import Misses, by_channel, by_mode
 from modallab.gap.modal.search import Fitted, explanations
 from modallab.gap.model.tolerances import with_tolerances
@@ -57,7 +59,7 @@ def diagnose_by_model(
     rig: Rig,
     mesh: Mesh | None = None,
     own: Rig | None = None,
-    frfs: tuple[Frf, Frf] | None = None,
+    frfs: tuple[Frf | None, Frf | None] = (None, None),
 ) -> ModalDiagnosis:
     """What differs between a structure's modal model and the structure as it is, beyond the rig's tolerances.
 
@@ -67,7 +69,7 @@ def diagnose_by_model(
         rig: points, channels and tolerances; the usual ones where it states none.
         mesh: the reference's shapes at nodes between the points, where it was computed.
         own: the reference's rig, where it is another.
-        frfs: of reference and bench, as they were measured, where nothing of a block's end is in them.
+        frfs: measured, that reference and bench were identified from.
 
     Raises:
         DataError: the two share no band, output or driven point.
@@ -81,7 +83,7 @@ def explained_by_model(
     rig: Rig,
     mesh: Mesh | None = None,
     own: Rig | None = None,
-    frfs: tuple[Frf, Frf] | None = None,
+    frfs: tuple[Frf | None, Frf | None] = (None, None),
 ) -> Explained:
     """The same with the fits behind it, from which FRFs can be drawn.
 
@@ -89,30 +91,12 @@ def explained_by_model(
         DataError: as `diagnose_by_model`.
     """
     known = with_tolerances(rig)
-    free = Free(compared(reference, bench, known, mesh=mesh, own=own))
-    pair = None if frfs is None else pair_of(*frfs, free.of)
-    if pair is not None:
-        free = Free(free.of.off_by(unlike(pair, free.of)))
-    base, tried = explanations(levels(reference, bench, known, free, mesh, own))
-    found = _from_frfs(free, judged(free, base, tried), pair)
-    return Explained(free, found, _said(free, found, (reference.n_modes, bench.n_modes)))
-
-
-def _from_frfs(free: Free, found: Judged, pair: CoupledPair | None) -> Judged:
-    """The same with the size of what hangs at a driven point from the FRFs themselves."""
-    if pair is None:
-        return found
-    better = {id(f): refined(free, f, pair) for f, _ in found.ranked}
-    ranked = [(better[id(f)], p) for f, p in found.ranked]
-    return replace(found, best=better.get(id(found.best), found.best), ranked=ranked)
-
-
-def levels(
-    reference: ModalModel, bench: ModalModel, rig: Rig, last: Free, mesh: Mesh | None = None, own: Rig | None = None
-) -> list[Free]:
-    """The comparison from the smoothest and loosest to the last."""
-    smoother = [Free(compared(reference, bench, rig, smooth, mesh, own), LOOSE) for smooth in SMOOTHER]
-    return [*smoother, Free(last.of, LOOSE), last]
+    before, after = (Side(m, MeasuredFrfs.of(frf, m)) for m, frf in zip((reference, bench), frfs, strict=True))
+    compare = partial(compared, before, after, known, mesh=mesh, own=own)
+    last = compare()
+    smoother = [Free(compare(smooth), LOOSE) for smooth in SMOOTHER]
+    found = judged(*explanations([*smoother, Free(last, LOOSE), Free(last)]))
+    return Explained(Free(last), found, _said(Free(last), found, (reference.n_modes, bench.n_modes)))
 
 
 def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
@@ -123,16 +107,18 @@ def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
         rig=free.of.rig.name,
         verdict=found.verdict,
         nominal=free.share(np.zeros(free.size)),
-        before=free.share(found.base.u),
-        after=free.share(best.u, best.change),
-        strain_before=strain(free, found.base),
-        strain_after=strain(free, best),
+        before=found.base.share,
+        after=best.share,
+        strain_before=found.strains[0],
+        strain_after=found.strains[1],
         effects=[changed(free.of, best, probable[id(best)])] if known else [],
         candidates=[
-            CandidateSet(effects=[f.candidate.effect], probability=p, gap=free.share(f.u, f.change))
+            CandidateSet(effects=[f.candidate.effect], probability=p, gap=f.share)
             for f, p in found.ranked
             if f.candidate is not None
         ],
+        nothing=found.nothing,
+        unknown=found.unknown,
         modes=modes,
         by_channel=by_channel(free, misses),
         by_mode=by_mode(free, misses),
@@ -144,10 +130,11 @@ def changed(c: Compared, fitted: Fitted, probability: float) -> FoundChange:
     """A fitted change with its numbers, their intervals and its place."""
     candidate = fitted.candidate
     assert candidate is not None
-    # What the best explanation leaves is the scale of an error, as in the probabilities.
-    widened = 1.0 if fitted.measured else max(1.0, np.sqrt(fitted.cost / fitted.u.size))
+    # What the best explanation leaves is the scale of an error.
+    widened = max(1.0, np.sqrt(fitted.cost / fitted.u.size))
     sigma = np.sqrt(np.diag(fitted.covariance))[fitted.u.size :] * widened
-    if candidate.freedoms and not fitted.measured:
+    hung = fitted.change.hung
+    if hung is not None and None in (*hung.outputs, *hung.inputs):
         sigma[0] = np.hypot(sigma[0], TRUNCATED)
     values, spread = _numbers(c, fitted, sigma)
     within = {
@@ -191,7 +178,7 @@ def _place(c: Compared, fitted: Fitted) -> dict[str, object]:
         force = c.rig.force_channel.name
         return {"channel": force if candidate.channel is None else c.model.outputs[candidate.channel]}
     freedom = candidate.freedoms[0]
-    at = c.shapes.at_m[c.shapes.index(freedom)] + v[1:3] @ c.shapes.tangents(freedom)
+    at = c.shapes.at_m[c.shapes.index(freedom)] + candidate.offset(v) @ c.shapes.tangents(freedom)
     nearest = int(np.argmin(np.linalg.norm(c.shapes.at_m - at, axis=1)))
     place: dict[str, object] = {"point": c.shapes.freedoms[nearest][0], "at_m": at.tolist()}
     return place | ({"axis": freedom[1]} if candidate.effect != "added_mass" else {})

@@ -36,16 +36,24 @@ def sizes(measured: Complex) -> Real:
 
 
 def weights(
-    reference: ModalModel, bench: ModalModel, s: Complex, measured: Complex, error: Real | float = ERROR
+    reference: ModalModel,
+    bench: ModalModel,
+    s: Complex,
+    measured: Complex,
+    noise: Complex | None = None,
+    lines: Real | float = 1.0,
+    along: Real | float = 1.0,
 ) -> Weights:
-    """Of misfits between the reference and FRFs `measured` (lines, outputs, inputs) of the bench's model.
+    """Of misfits between the reference and FRFs `measured` (lines, outputs, inputs) of the bench.
 
     Args:
         reference: of the comparison.
         bench: of the comparison.
         s: (lines,) complex frequencies.
-        measured: receptances of the bench's model there.
-        error: share of its size by which a line is off by itself, (outputs, inputs) or of all FRFs.
+        measured: receptances of the bench there.
+        noise: (lines, lines, outputs, inputs) covariance of what both are off by from noise, where it was measured.
+        lines: factor on by how much each line is off by itself, (outputs, 1) or of all.
+        along: the same of what goes along whole FRFs.
     """
     terms, of_terms = _of_residuals(reference, bench, s)
     constants = np.abs(bench.modal_constants)
@@ -53,7 +61,8 @@ def weights(
     # A modal constant is complex: it may be off in size and in phase.
     modes = kernels(bench, s).T
     shapes = np.concatenate([terms, modes, 1j * modes])
-    return Weights.of(error * sizes(measured), shapes, np.concatenate([of_terms, of_modes, of_modes]))
+    spread = np.concatenate([of_terms, of_modes, of_modes])
+    return Weights.of(ERROR * lines * sizes(measured), shapes, along * spread, noise)
 
 
 def _of_residuals(reference: ModalModel, bench: ModalModel, s: Complex) -> tuple[Complex, Real]:

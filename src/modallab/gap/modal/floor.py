@@ -1,8 +1,7 @@
-"""By how much two measurements of one structure differ though nothing was changed, where the reference was measured.
+"""By how much two tests of one structure differ though nothing was changed: the rig's tolerances, at most.
 
-What a rig file says of E, density and thickness is how well a structure is known before it is tested. A reference that
-was measured is that very structure: between the two tests only its temperature and how it is held are others, and each
-model holds the noise of its records.
+How much less it is, where the reference was measured, is inferred with everything else (`judged`). Each model holds
+the noise of its records besides.
 """
 
 from math import log
@@ -15,35 +14,28 @@ from modallab.core.rig import Rig
 
 Real = NDArray[np.float64]
 
-WARMTH = 0.002
-"""Relative change of all stiffness together: aluminium and steel, some degrees."""
-MASS = 0.001
-"""Relative change of all mass together: moisture, what lies on it."""
-PLACE = 0.002
-"""How stiffness and mass differ from place to place: how it is held, and cables."""
-DAMPING = 0.15
-"""Relative change of a damping ratio: cables, clamps, the air."""
 
-
-def of_structure(reference: ModalModel, bench: ModalModel, rig: Rig) -> tuple[float, float, Real, Real]:
+def of_structure(
+    reference: ModalModel, bench: ModalModel, rig: Rig, wide: float = 1.0
+) -> tuple[float, float, Real, Real]:
     """Deviations of all stiffness, of all mass, of each of its places (modes, modes), and of each damping (modes,).
 
-    Relative; of damping that of its logarithm. By the rig's tolerances where the reference was computed.
+    Relative; of damping that of its logarithm. All differ by a factor `wide` of what the rig's tolerances say.
     """
     t, modes = rig.tolerance, reference.n_modes
-    if not np.all(np.isfinite(reference.frequency_sigma_hz)):
-        of_place = np.full((modes, modes), np.hypot(t.stiffness_field, t.mass_field))
-        as_guessed = np.full(modes, log(rig.damping_ratio.factor))
-        return np.hypot(t.youngs_modulus, 3 * t.thickness), np.hypot(t.density, t.thickness), of_place, as_guessed
-    noise = _noise(reference, bench)
-    of_place = np.full((modes, modes), PLACE)
-    of_place[np.diag_indices(modes)] = np.hypot(PLACE, 2 * noise)
-    damping = np.hypot(DAMPING, np.nan_to_num(reference.damping_sigma / reference.damping_ratio))
-    return WARMTH, MASS, of_place, damping
+    frequency = np.hypot(_share(reference.frequency_sigma_hz, reference.frequency_hz), _usual(bench))
+    of_place = np.full((modes, modes), wide * np.hypot(t.stiffness_field, t.mass_field))
+    of_place[np.diag_indices(modes)] = np.hypot(np.diag(of_place), 2 * frequency)
+    damping = np.hypot(wide * log(rig.damping_ratio.factor), _share(reference.damping_sigma, reference.damping_ratio))
+    stiffness, mass = np.hypot(t.youngs_modulus, 3 * t.thickness), np.hypot(t.density, t.thickness)
+    return wide * stiffness, wide * mass, of_place, damping
 
 
-def _noise(reference: ModalModel, bench: ModalModel) -> Real:
-    """(modes,) relative deviation between the frequencies of two models by their own sigmas."""
-    own = np.nan_to_num(reference.frequency_sigma_hz / reference.frequency_hz)
-    other = np.nan_to_num(bench.frequency_sigma_hz / bench.frequency_hz)
-    return np.asarray(np.hypot(own, np.median(other) if other.size else 0.0))
+def _share(sigma: Real, of: Real) -> Real:
+    """Relative sigmas; 0 where none is known."""
+    return np.where(np.isfinite(sigma), sigma, 0.0) / of
+
+
+def _usual(bench: ModalModel) -> float:
+    """Median relative sigma of its frequencies."""
+    return float(np.median(_share(bench.frequency_sigma_hz, bench.frequency_hz))) if bench.n_modes else 0.0

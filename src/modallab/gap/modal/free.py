@@ -4,7 +4,7 @@ Stiffness and mass of the whole, how they are spread (a symmetric matrix in moda
 sensitivities, the force of each driven point, where sensors and hits really are, and what cables add at each sensor.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -49,10 +49,18 @@ class Free:
     Attributes:
         of: what is compared.
         loose: factor on by how much FRFs may be off. While a model is wrong the tolerances must not be bent to it.
+        wide: factor on by how much the structure itself is another in two tests.
+        deviations: (numbers,) what one unit of each stands for; 0 for what is not free.
     """
 
     of: Compared
     loose: float = 1.0
+    wide: float = 1.0
+    deviations: Real = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Compute the deviations once: every prediction needs them."""
+        object.__setattr__(self, "deviations", self._deviations())
 
     @property
     def modes(self) -> int:
@@ -77,11 +85,9 @@ class Free:
             len(self.of.close_pairs),
         )
 
-    @property
-    def deviations(self) -> Real:
-        """(numbers,) what one unit of each stands for; 0 for what is not free."""
+    def _deviations(self) -> Real:
         t = self.of.rig.tolerance
-        stiffness, mass, of_place, damping = of_structure(self.of.model, self.of.bench, self.of.rig)
+        stiffness, mass, of_place, damping = of_structure(self.of.model, self.of.bench, self.of.rig, self.wide)
         pairs = [(damping[r] + damping[q]) / 4 for r, q in self.of.close_pairs]
         each = (
             stiffness,
@@ -115,11 +121,17 @@ class Free:
         for o, factor in change.gains:
             gain[o] *= factor
         moved = c.out_psi + np.einsum("oj,ojm->om", at.reshape(-1, 2), c.out_slopes)
+        mixed = np.eye(len(gain))
         for o, along_m, off in change.shifts:
             moved[o] += c.shifted(o, along_m, off)
-        # A delay turns what is identified as the shape at an output, mode by mode.
+            mixed[o] += c.rows_of(o, along_m)
+        late = np.zeros(len(gain))
         for o, late_s in change.delays:
-            moved[o] = moved[o] * np.exp(-2j * np.pi * c.model.frequency_hz * late_s)
+            if c.noise is not None:
+                late[o] += late_s
+            else:
+                # Of a model alone: what an identification makes of a delay is a shape that is turned mode by mode.
+                moved[o] = moved[o] * np.exp(-2j * np.pi * c.model.frequency_hz * late_s)
         driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(-1, 2), c.into_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
         upper = np.triu_indices(self.modes)
@@ -134,6 +146,8 @@ class Free:
             out=moved,
             into=driven,
             gain=gain,
+            delay=late,
+            mixed=mixed,
             applied=applied,
             stiffness=float(np.exp(kappa[0])),
             mass=float(np.exp(mu[0])),
@@ -144,21 +158,26 @@ class Free:
             hung=change.hung,
         )
 
+    def predicted(self, u: Real, change: Change = NOTHING) -> Complex:
+        """(lines, outputs, inputs) receptances."""
+        return self.state(u, change).receptance(self.of.s, self.of.outside)
+
+    def derivatives(self, u: Real, change: Change = NOTHING) -> Complex:
+        """(numbers, lines, outputs, inputs) of what is predicted, by each number in its own unit."""
+        return derivatives(self.of, self.state(u, change), self.sizes)
+
     def residual(self, u: Real, change: Change = NOTHING) -> Real:
         """(2 lines outputs inputs,) predicted less measured, in deviations."""
-        c = self.of
-        predicted = self.state(u, change).receptance(c.s, c.outside)
-        return np.asarray(c.weights.weighed((predicted - c.measured)[None])[:, 0] / self.loose, np.float64)
+        misfit = self.predicted(u, change) - self.of.measured
+        return np.asarray(self.of.weights.weighed(misfit[None])[:, 0] / self.loose, np.float64)
 
     def slopes(self, u: Real, change: Change = NOTHING) -> Real:
         """(2 lines outputs inputs, numbers) derivatives of `residual`."""
-        found = derivatives(self.of, self.state(u, change), self.sizes)
-        return self.of.weights.weighed(found) * (self.deviations / self.loose)
+        return self.of.weights.weighed(self.derivatives(u, change)) * (self.deviations / self.loose)
 
     def missed(self, u: Real, change: Change = NOTHING) -> Real:
         """(lines, outputs, inputs) |predicted less measured| over measured; small FRFs count as in `Compared.sizes`."""
-        c = self.of
-        return np.abs(self.state(u, change).receptance(c.s, c.outside) - c.measured) / c.sizes
+        return np.abs(self.predicted(u, change) - self.of.measured) / self.of.sizes
 
     def share(self, u: Real, change: Change = NOTHING) -> float:
         """Rms over all of them."""

@@ -1,6 +1,7 @@
 """Which outputs and driven points of two models are the same: by place and axis, not by the name of a channel."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
+from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.modification.freedoms import Freedom, freedoms_of, senses_of, with_points
 
 Real = NDArray[np.float64]
@@ -19,7 +21,20 @@ EXTENT = 1e-3
 """The same over the structure's extent, where that is more: places are rounded."""
 
 
-def in_common(reference: ModalModel, own: Rig, bench: ModalModel, rig: Rig) -> tuple[ModalModel, ModalModel]:
+@dataclass(frozen=True, eq=False, slots=True)
+class Side:
+    """One side of a comparison.
+
+    Attributes:
+        model: modal.
+        measured: FRFs that it was identified from; None where they are not known.
+    """
+
+    model: ModalModel
+    measured: MeasuredFrfs | None = None
+
+
+def in_common(reference: Side, own: Rig, bench: Side, rig: Rig) -> tuple[Side, Side]:
     """Both on the freedoms that both have, positive along the bench's freedoms, with the bench's names.
 
     Args:
@@ -32,21 +47,21 @@ def in_common(reference: ModalModel, own: Rig, bench: ModalModel, rig: Rig) -> t
         DataError: they share no output or no driven point, or several shakers drove the bench at once.
     """
     points = _points(own, rig)
-    reference, bench = with_points(reference, own), with_points(bench, rig)
-    outputs, inputs = ([(points.get(p, -p), axis) for p, axis in of] for of in freedoms_of(reference, own))
-    wanted, driven = freedoms_of(bench, rig)
+    there, here = with_points(reference.model, own), with_points(bench.model, rig)
+    outputs, inputs = ([(points.get(p, -p), axis) for p, axis in of] for of in freedoms_of(there, own))
+    wanted, driven = freedoms_of(here, rig)
     rows = [o for o, f in enumerate(wanted) if f in outputs]
     columns = [i for i, f in enumerate(driven) if f in inputs and f not in driven[:i]]
-    _require(rows, columns, bench, rig)
-    found = _chosen(bench, rows, columns, senses_of(bench, rig), 1.0)
-    same = [_named(reference.outputs, outputs, bench.outputs[o], wanted[o]) for o in rows]
+    _require(rows, columns, here, rig)
+    found = _chosen(replace(bench, model=here), rows, columns, senses_of(here, rig))
+    same = [_named(there.outputs, outputs, here.outputs[o], wanted[o]) for o in rows]
     # A motion along the drive is positive along it, as the force is: where the drives are opposite, both are.
     opposite = -1.0 if own.drive_direction[0] != rig.drive_direction[0] else 1.0
     along = np.array([opposite if axis == rig.drive_direction[1] else 1.0 for _, axis in outputs])
-    known = _chosen(
-        reference, same, [inputs.index(driven[i]) for i in columns], senses_of(reference, own) * along, opposite
-    )
-    return known.model_copy(update={n: getattr(found, n) for n in ("outputs", "output_points", "input_points")}), found
+    turned = senses_of(there, own) * along * opposite
+    known = _chosen(replace(reference, model=there), same, [inputs.index(driven[i]) for i in columns], turned)
+    names = {n: getattr(found.model, n) for n in ("outputs", "output_points", "input_points")}
+    return replace(known, model=known.model.model_copy(update=names)), found
 
 
 def _require(rows: Sequence[int], columns: Sequence[int], bench: ModalModel, rig: Rig) -> None:
@@ -70,10 +85,10 @@ def _named(names: Sequence[str], freedoms: Sequence[Freedom], name: str, freedom
     return next((o for o in there if names[o] == name), there[0])
 
 
-def _chosen(model: ModalModel, rows: Sequence[int], columns: Sequence[int], senses: Real, driven: float) -> ModalModel:
-    """Some outputs and inputs, each turned by its sign."""
-    turned = senses[list(rows), None] * driven
-    return model.model_copy(
+def _chosen(side: Side, rows: list[int], columns: list[int], turns: Real) -> Side:
+    """Some outputs and inputs, each output turned by its sign (outputs,)."""
+    turned, model = turns[rows, None], side.model
+    chosen = model.model_copy(
         update={
             "outputs": tuple(model.outputs[r] for r in rows),
             "output_points": tuple(model.output_points[r] for r in rows),
@@ -83,6 +98,7 @@ def _chosen(model: ModalModel, rows: Sequence[int], columns: Sequence[int], sens
             "residuals": model.residuals[:, rows][:, :, columns] * turned,
         }
     )
+    return Side(chosen, None if side.measured is None else side.measured.chosen(rows, columns, turned))
 
 
 def _points(own: Rig, rig: Rig) -> Mapping[int, int]:

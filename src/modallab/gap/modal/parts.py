@@ -29,7 +29,7 @@ class Misses:
     @classmethod
     def of(cls, free: Free, base: Fitted, best: Fitted) -> "Misses":
         """Of a comparison, its fit without a change, and the explanation that counts."""
-        return cls(free.missed(np.zeros(free.size)), free.missed(base.u, base.change), free.missed(best.u, best.change))
+        return cls(free.missed(np.zeros(free.size)), base.missed, best.missed)
 
     def part(self, name: str, of: tuple[slice | NDArray[np.bool_], ...], hz: float | None = None) -> PartOfGap:
         """The rms of some of them."""

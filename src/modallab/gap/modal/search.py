@@ -2,27 +2,30 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.modal.candidates import Candidate, candidates, nearby
+from modallab.gap.modal.candidate import Candidate
+from modallab.gap.modal.candidates import candidates
 from modallab.gap.modal.free import NOTHING, Change, Free
+from modallab.gap.modal.hanging import nearby
 
 Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
-STEPS = 8
-FIRST_STEPS = 4
-"""Of a fit that only says which of one kind is worth another."""
+STEPS = 20
+FIRST_STEPS = 6
+"""Of a fit from which another one begins."""
 THIN = slice(None, None, 2)
 """Lines on which the search begins."""
 REFINED = 2
 """Candidates of each kind that are fitted where the search begins."""
-LIKELY = 3
-"""Kinds that are fitted to the end."""
 NEARBY = 3
 """Points about the place that was found, from which it is looked for again."""
-ENOUGH = 1e-3
+ENOUGH = 1e-4
+"""Relative decrease of the cost at which a fit ends."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -30,37 +33,37 @@ class Fitted:
     """An explanation.
 
     Attributes:
+        free: the numbers of the comparison.
         candidate: the change; None for none.
         u: (numbers,) of the tolerances, in deviations.
         v: (numbers of the change,).
         cost: sum of squares of misfit and priors.
         covariance: of u and v.
-        measured: whether the size comes from the measured FRFs themselves.
+        evidence: -2 ln of it, by Laplace, but for what all explanations of one comparison have in common.
     """
 
+    free: Free
     candidate: Candidate | None
     u: Real
     v: Real
     cost: float
     covariance: Real
-    measured: bool = False
-
-    @property
-    def counted(self) -> float:
-        """The cost, and what the numbers beside the change could have been over what they are found to be.
-
-        That is what their evidence adds (Laplace): numbers that fit anything explain little.
-        """
-        beside = 0 if self.candidate is None else self.candidate.beside
-        if not beside:
-            return self.cost
-        prior = 2 * np.sum(np.log(self.candidate.prior[-beside:])) if self.candidate is not None else 0.0
-        return self.cost + float(prior - np.linalg.slogdet(self.covariance[-beside:, -beside:])[1])
+    evidence: float
 
     @property
     def change(self) -> Change:
         """What was changed."""
-        return NOTHING if self.candidate is None else self.candidate.make(self.v)
+        return NOTHING if self.candidate is None else self.candidate.make(self.v, self.free.of)
+
+    @property
+    def missed(self) -> Real:
+        """(lines, outputs, inputs) as `Free.missed`."""
+        return self.free.missed(self.u, self.change)
+
+    @property
+    def share(self) -> float:
+        """Its rms."""
+        return float(np.sqrt(np.mean(self.missed**2)))
 
 
 def fit(
@@ -87,13 +90,21 @@ def fit(
             break
     cost = min(cost, before)
     normal, _ = _system(free, candidate, u, v)
+    covariance, logdet = inverse(normal)
+    open_ = 0.0 if candidate is None else candidate.room
+    return Fitted(free, candidate, u, v, cost, covariance, cost + free.of.weights.logdet + logdet + open_)
+
+
+def inverse(normal: Real) -> tuple[Real, float]:
+    """The inverse of a normal matrix, which it may change, and the logarithm of its determinant."""
     scale = np.sqrt(np.diag(normal))
     # A number that moves nothing is not known at all.
     unseen = np.flatnonzero(scale == 0)
     scale[unseen] = normal[unseen, unseen] = 1.0
-    covariance = np.linalg.inv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    even = normal / np.outer(scale, scale)
+    covariance = np.linalg.inv(even) / np.outer(scale, scale)
     covariance[unseen, unseen] = np.inf
-    return Fitted(candidate, u, v, cost, covariance)
+    return covariance, float(np.linalg.slogdet(even)[1] + 2 * np.sum(np.log(scale)))
 
 
 def _step(normal: Real, gradient: Real, damping: float) -> Real:
@@ -105,29 +116,35 @@ def _step(normal: Real, gradient: Real, damping: float) -> Real:
 
 
 def _cost(free: Free, candidate: Candidate | None, u: Real, v: Real) -> float:
-    change = NOTHING if candidate is None else candidate.make(v)
+    change = NOTHING if candidate is None else candidate.make(v, free.of)
     left = free.residual(u, change)
     believed = 0.0 if candidate is None else float(np.sum(((v - candidate.centre) / candidate.prior) ** 2))
     return float(left @ left + u @ u) + believed
 
 
 def _system(free: Free, candidate: Candidate | None, u: Real, v: Real) -> tuple[Real, Real]:
-    change = NOTHING if candidate is None else candidate.make(v)
+    change = NOTHING if candidate is None else candidate.make(v, free.of)
     left = free.residual(u, change)
     jacobian = free.slopes(u, change)
     prior = np.ones(u.size)
     off = u.copy()
     if candidate is not None:
-        steps = 1e-4 * np.maximum(np.abs(v), np.where(np.isfinite(candidate.prior), candidate.prior, 1e-2))
-        own = [
-            (free.residual(u, candidate.make(v + step * np.eye(v.size)[k])) - left) / step
-            for k, step in enumerate(steps)
-        ]
-        jacobian = np.concatenate([jacobian, np.stack(own, axis=1)], axis=1)
+        predicted = free.predicted(u, change)
+        own = free.of.weights.weighed(own_slopes(free, candidate, u, v, predicted)) / free.loose
+        jacobian = np.concatenate([jacobian, own], axis=1)
         weight = 1 / candidate.prior**2
         prior = np.concatenate([prior, weight])
         off = np.concatenate([off, v - candidate.centre])
     return jacobian.T @ jacobian + np.diag(prior), jacobian.T @ left + prior * off
+
+
+def own_slopes(free: Free, candidate: Candidate | None, u: Real, v: Real, predicted: Complex) -> Complex:
+    """(numbers of the change, lines, outputs, inputs) derivatives of what is predicted, by differences."""
+    if candidate is None:
+        return np.zeros((0, *predicted.shape), np.complex128)
+    steps = 1e-4 * np.maximum(np.abs(v), np.where(np.isfinite(candidate.prior), candidate.prior, 1e-2))
+    moved = (free.predicted(u, candidate.make(v + by, free.of)) for by in np.diag(steps))
+    return np.stack([(there - predicted) / step for there, step in zip(moved, steps, strict=True)])
 
 
 def screened(free: Free) -> list[tuple[float, Candidate, Real]]:
@@ -137,7 +154,7 @@ def screened(free: Free) -> list[tuple[float, Candidate, Real]]:
     normal = np.linalg.inv(jacobian.T @ jacobian + np.eye(free.size))
     found: list[tuple[float, Candidate, Real]] = []
     for candidate in candidates(free.of):
-        left = np.stack([free.residual(u, candidate.make(start)) for start in candidate.starts], axis=1)
+        left = np.stack([free.residual(u, candidate.make(start, free.of)) for start in candidate.starts], axis=1)
         gradient = jacobian.T @ left
         costs = np.sum(left**2, axis=0) - np.sum(gradient * (normal @ gradient), axis=0)
         best = int(np.argmin(costs))
@@ -146,7 +163,7 @@ def screened(free: Free) -> list[tuple[float, Candidate, Real]]:
 
 
 def explanations(levels: Sequence[Free]) -> tuple[Fitted, list[Fitted]]:
-    """The fit without any change, and the best of the likely kinds; the one that leaves least first.
+    """The fit without any change, and the best of each kind.
 
     Args:
         levels: the comparison from the smoothest, where modes overlap with where they were, to the one that counts.
@@ -154,23 +171,32 @@ def explanations(levels: Sequence[Free]) -> tuple[Fitted, list[Fitted]]:
     thin = Free(levels[0].of.thinned(THIN), levels[0].loose)
     ways = (thin, *levels[1:])
     base = _followed(ways, None, None)
+    # A large change is seen from afar, a small one on the lines that count.
+    far, near = _begun(thin), _begun(levels[-1])
+    found: dict[str, list[Fitted]] = {}
+    for fitted in [*(_followed(ways[1:], f, f.candidate) for f in far), *near]:
+        assert fitted.candidate is not None
+        found.setdefault(fitted.candidate.effect, []).append(fitted)
+    best = [min(group, key=lambda f: f.evidence) for group in found.values()]
+    return base, [_from_nearby(levels[-2], levels[-1], f) for f in best]
+
+
+def _begun(free: Free) -> list[Fitted]:
+    """The likely candidates of each kind, fitted from their best starts."""
     tried: dict[str, list[Fitted]] = {}
-    for _, candidate, start in screened(thin):
+    for _, candidate, start in screened(free):
         of_kind = tried.setdefault(candidate.effect, [])
-        if len(of_kind) < (REFINED if candidate.freedoms else 1):
-            of_kind.append(fit(thin, candidate, None, start, FIRST_STEPS))
-    likely = sorted((min(group, key=lambda f: f.cost) for group in tried.values()), key=lambda f: f.cost)
-    final = sorted((_followed(ways[1:], f, f.candidate) for f in likely[:LIKELY]), key=lambda f: f.counted)
-    final[0] = _from_nearby(levels[-2], levels[-1], final[0])
-    return base, final
+        if len(of_kind) < REFINED:
+            of_kind.append(fit(free, candidate, None, start, FIRST_STEPS))
+    return [f for group in tried.values() for f in group]
 
 
 def _followed(levels: Sequence[Free], start: Fitted | None, candidate: Candidate | None) -> Fitted:
     """A fit from level to level, to its end at the last."""
     found = start
-    for n, level in enumerate(levels):
+    for level in levels:
         u, v = (None, None) if found is None else (found.u, found.v)
-        found = fit(level, candidate, u, v, STEPS if n == len(levels) - 1 else FIRST_STEPS)
+        found = fit(level, candidate, u, v, FIRST_STEPS)
     assert found is not None
     return found
 
@@ -180,6 +206,6 @@ def _from_nearby(closer: Free, fine: Free, best: Fitted) -> Fitted:
     if best.candidate is None or not best.candidate.freedoms:
         return best
     starts = nearby(fine.of, best.candidate, best.v, NEARBY)
-    nearly = [fit(closer, candidate, best.u, v, FIRST_STEPS) for candidate, v in starts]
+    nearly = [fit(closer, candidate, best.u, v) for candidate, v in starts]
     other = min(nearly, key=lambda f: f.cost, default=best)
     return min(best, fit(fine, other.candidate, other.u, other.v), key=lambda f: f.cost)

@@ -33,6 +33,8 @@ class Hung:
         compliance: of the modes outside the band at this place where it was not measured, m/N.
         near: share of what lies outside the band that counts: 1 at the very place, 0 far from it.
         turn: phase of the chain, exp(j phase), that measured FRFs have and what hangs there has not.
+        extra: (lines, outputs, inputs) m/N that FRFs coupled line by line have over what is coupled off the axis; None
+            where they were not measured.
     """
 
     seen: Complex
@@ -45,6 +47,7 @@ class Hung:
     compliance: float = 0.0
     near: float = 1.0
     turn: complex = 1.0
+    extra: Complex | None = None
 
     def dynamic_stiffness(self, s: Complex) -> Complex:
         """(lines,) of what hangs there, N/m."""
@@ -74,6 +77,15 @@ class Hung:
                 of[:, k] = outside[:, o]
         return self.near * to, self.near * of, self.near * here
 
+    def coupled(self, frfs: Complex, s: Complex) -> Complex:
+        """(lines, outputs, inputs) receptances of a structure with it, where one sensor stands at one driven point."""
+        (o,), (i,) = self.outputs, self.inputs
+        assert o is not None
+        assert i is not None
+        z = self.dynamic_stiffness(s) / self.turn
+        through = z / (1 + z * frfs[:, o, i])
+        return np.asarray(frfs - frfs[:, :, [i]] * through[:, None, None] * frfs[:, [o]])
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class State:
@@ -85,6 +97,8 @@ class State:
         out: (outputs, modes) shapes at the outputs.
         into: (inputs, modes) shapes at the inputs.
         gain: (outputs,) factors on what the outputs read.
+        delay: (outputs,) s by which they read late.
+        mixed: (outputs, outputs) of what lies beside the shapes: a sensor that moved shows that of its new place.
         applied: (inputs,) force that acts over the force that is read.
         stiffness: kappa.
         mass: mu.
@@ -100,6 +114,8 @@ class State:
     out: Complex
     into: Complex
     gain: Real
+    delay: Real
+    mixed: Real
     applied: Real
     stiffness: float
     mass: float
@@ -128,6 +144,7 @@ class State:
         """
         flexibility = self.flexibility(s)
         x, y = self.out @ flexibility, flexibility @ self.into.T
+        outside = np.asarray(self.mixed @ outside)
         whole = x @ self.into.T + outside
         if self.hung is None:
             return x, y, whole
@@ -139,8 +156,13 @@ class State:
         through = z * np.linalg.inv(np.eye(len(hung.seen)) + z * (seen @ hung.driven.T + here))
         x_changed = x - to @ through @ seen
         y_changed = y - (flexibility @ hung.driven.T) @ through @ of
-        return x_changed, y_changed, whole - to @ through @ of
+        changed = whole - to @ through @ of
+        return x_changed, y_changed, changed if hung.extra is None else changed + hung.extra
+
+    def read(self, s: Complex) -> Complex:
+        """(lines, outputs) what the outputs read over what they should."""
+        return np.asarray(self.gain * np.exp(-s[:, None] * self.delay), np.complex128)
 
     def receptance(self, s: Complex, outside: Complex) -> Complex:
         """(lines, outputs, inputs), with the reference's part `outside` the band, (lines, outputs, inputs)."""
-        return np.asarray(self.gain[:, None] * self.paths(s, outside)[2] * self.applied)
+        return np.asarray(self.read(s)[:, :, None] * self.paths(s, outside)[2] * self.applied, np.complex128)

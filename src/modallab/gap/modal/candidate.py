@@ -1,0 +1,51 @@
+"""One kind of change at one place, with what is believed of its numbers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.modal.compared import Compared
+from modallab.gap.modal.free import Change
+from modallab.modification.freedoms import Freedom
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Candidate:
+    """A kind of change at a place.
+
+    Attributes:
+        effect: its name in the catalogue.
+        freedoms: it acts on; none where it is a channel's.
+        channel: output number; None for the force and the structure.
+        make: numbers and the lines that are compared -> the change.
+        starts: numbers to begin with.
+        prior: (numbers,) deviation of each about its start's, infinite where nothing is believed.
+        centre: (numbers,) about which.
+        width: of the range within which a number without a deviation is believed to lie, one after the other.
+        places: so many candidates of this kind there are.
+    """
+
+    effect: str
+    freedoms: tuple[Freedom, ...]
+    channel: int | None
+    make: Callable[[Real, Compared], Change] = field(repr=False)
+    starts: tuple[Real, ...]
+    prior: Real
+    centre: Real
+    width: tuple[float, ...]
+    places: int = 1
+
+    def offset(self, v: Real) -> Real:
+        """(2,) m along the tangents from its point, of what hangs on the structure."""
+        return v[1:3] if v.size > 2 else np.zeros(2)
+
+    @property
+    def room(self) -> float:
+        """-2 ln of the prior density of its numbers, as it adds to -2 ln of the evidence (Laplace)."""
+        known = self.prior[np.isfinite(self.prior)]
+        spread = np.sum(np.log(known)) + np.sum(np.log(self.width)) - len(self.width) * np.log(2 * np.pi) / 2
+        return float(2 * (spread + np.log(self.places)))

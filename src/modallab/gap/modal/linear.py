@@ -1,0 +1,86 @@
+"""The evidence of an explanation at any scale of what two tests differ by, from one linearisation.
+
+Three things differ from test to test though nothing was changed, and one says nothing of another: each line by itself,
+the shapes and what lies outside the band along whole FRFs, and the structure. Each has a scale of its own.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.modal.free import Free
+from modallab.gap.modal.search import Fitted, inverse, own_slopes
+from modallab.gap.modal.weights import Weights
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Linear:
+    """An explanation about where it was fitted.
+
+    Attributes:
+        of: it.
+        misfit: (lines, outputs, inputs) predicted less measured.
+        slopes: (numbers, lines, outputs, inputs) of it by the tolerances, in their own units, and by the change.
+    """
+
+    of: Fitted
+    misfit: Complex
+    slopes: Complex
+
+    @classmethod
+    def about(cls, fitted: Fitted) -> "Linear":
+        """Of a fit."""
+        free = fitted.free
+        predicted = free.predicted(fitted.u, fitted.change)
+        by_tolerances = free.derivatives(fitted.u, fitted.change)
+        own = own_slopes(free, fitted.candidate, fitted.u, fitted.v, predicted)
+        return cls(fitted, predicted - free.of.measured, np.concatenate([by_tolerances, own]))
+
+    def weighed(self, weights: Weights) -> "Weighed":
+        """With its squares."""
+        slopes = weights.weighed(self.slopes)
+        misfit = weights.weighed(self.misfit[None])[:, 0]
+        return Weighed(self.of, slopes.T @ slopes, slopes.T @ misfit, float(misfit @ misfit), weights.logdet)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Weighed:
+    """The squares of a linearised misfit.
+
+    Attributes:
+        of: the fit.
+        normal: (numbers, numbers) in own units.
+        gradient: (numbers,).
+        cost: of the misfit where it was fitted.
+        logdet: of the covariance of lines.
+    """
+
+    of: Fitted
+    normal: Real
+    gradient: Real
+    cost: float
+    logdet: float
+
+    def evidence(self, structure: float) -> float:
+        """-2 ln of it where the structure differs by that factor more, at the best numbers there."""
+        free: Free = replace(self.of.free, wide=structure)
+        candidate, known = self.of.candidate, self.of.free.deviations
+        unit = np.append(free.deviations, np.ones(self.of.v.size))
+        weight = np.ones(free.size)
+        off = self.of.u * np.divide(known, free.deviations, out=np.zeros_like(known), where=known > 0)
+        room = 0.0
+        if candidate is not None:
+            weight = np.append(weight, 1 / candidate.prior**2)
+            off = np.append(off, self.of.v - candidate.centre)
+            room = candidate.room
+        normal = self.normal * np.outer(unit, unit) + np.diag(weight)
+        gradient = self.gradient * unit + weight * off
+        covariance, logdet = inverse(normal)
+        covariance[~np.isfinite(covariance)] = 0.0
+        cost = self.cost + weight @ off**2 - gradient @ covariance @ gradient
+        return float(cost + self.logdet + logdet + room)

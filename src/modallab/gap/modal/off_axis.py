@@ -1,0 +1,116 @@
+"""MeasuredFrfs FRFs off the frequency axis, by no model.
+
+An FRF H is analytic where Re s > 0, so that its lines give it there. At s0 = sigma + j omega0 it is the mean of its
+lines with weights sigma / pi / (sigma^2 + d^2), d = omega - omega0 (Poisson's integral of a half plane). So is H g for
+any other analytic g. With g = (1 + (s - s0) / c)^-2 far lines count little: the band has to hold the near ones only.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from modallab.core.frf import DERIVATIVES, Frf
+from modallab.core.model import ModalModel
+from modallab.frf.line_noise import variance_of
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+REACH = 4.0
+"""c over sigma."""
+INSIDE = 5.0
+"""A line stays so many sigma from the ends of the band: what lies beyond counts for 1 %."""
+FAR = 1e-6
+"""Weights below that share of the largest do not count."""
+CELLS = 1.5
+"""Least sigma, in distances between the lines that were measured."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MeasuredFrfs:
+    """FRFs of one side of a comparison, in the quantity that was measured.
+
+    Attributes:
+        s: (lines,) where they were measured: damping shift + j omega.
+        power: times the displacement is differentiated.
+        values: (lines, outputs, inputs).
+        variance: (lines, outputs, inputs) of the complex numbers.
+    """
+
+    s: Complex
+    power: int
+    values: Complex
+    variance: Real
+
+    @classmethod
+    def of(cls, frf: Frf | None, model: ModalModel) -> "MeasuredFrfs | None":
+        """In the band of the model that was identified from them; None where they are not its own, or not there."""
+        if frf is None or frf.outputs != model.outputs or frf.values.shape[:2] != model.modal_constants.shape[1:]:
+            return None
+        low, high = model.band_hz
+        inside = (frf.frequency_hz >= low) & (frf.frequency_hz <= high) & (frf.frequency_hz > 0)
+        s = frf.damping_shift + 2j * np.pi * frf.frequency_hz[inside]
+        values, variance = frf.values[..., inside], variance_of(frf)[..., inside]
+        return cls(np.asarray(s), DERIVATIVES[frf.quantity], np.moveaxis(values, -1, 0), np.moveaxis(variance, -1, 0))
+
+    def sigma_at(self, omega: Real, wanted: Real) -> Real:
+        """(lines,) Re s at which they are known at omega (lines,), as near to what is wanted as can be; 0 for none."""
+        ends = np.minimum(omega - self.s[0].imag, self.s[-1].imag - omega)
+        cell = np.interp(omega, self.s.imag, np.gradient(self.s.imag))
+        found = np.minimum(wanted, ends / INSIDE) + self.s[0].real
+        return np.where(ends >= INSIDE * CELLS * cell, np.maximum(found, CELLS * cell + self.s[0].real), 0.0)
+
+    @property
+    def receptances(self) -> Complex:
+        """(lines, outputs, inputs) m/N."""
+        return np.asarray(self.values / self.s[:, None, None] ** self.power)
+
+    def chosen(self, rows: list[int], columns: list[int], turned: Real) -> "MeasuredFrfs":
+        """Some outputs and inputs, each turned by its sign (outputs, inputs)."""
+        values = self.values[:, rows][:, :, columns] * turned
+        return MeasuredFrfs(self.s, self.power, values, self.variance[:, rows][:, :, columns])
+
+    def means_at(self, s: Complex) -> "Means":
+        """What gives FRFs at complex frequencies (lines,)."""
+        omega = self.s.imag
+        edges = np.concatenate([omega[:1], (omega[1:] + omega[:-1]) / 2, omega[-1:]])
+        sigma = (s.real - self.s[0].real)[:, None]
+        poisson = np.diff(np.arctan((edges - s.imag[:, None]) / sigma), axis=1) / np.pi
+        whole = poisson / (1 + (self.s - s[:, None]) / (REACH * sigma)) ** 2
+        whole[np.abs(whole) < FAR * np.abs(whole).max(axis=1, keepdims=True)] = 0.0
+        return Means(self, s, sparse.csr_array(whole))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Means:
+    """FRFs off the axis as means of measured lines.
+
+    Attributes:
+        of: what was measured.
+        s: (lines,) complex frequencies.
+        weights: (lines, lines that were measured).
+    """
+
+    of: MeasuredFrfs
+    s: Complex
+    weights: sparse.csr_array
+
+    def thinned(self, lines: slice) -> "Means":
+        """At some of the lines."""
+        return Means(self.of, self.s[lines], self.weights[lines])
+
+    def mean(self, receptances: Complex) -> Complex:
+        """(lines, outputs, inputs) of receptances (measured lines, outputs, inputs)."""
+        flat = (receptances * self.of.s[:, None, None] ** self.of.power).reshape(self.of.s.size, -1)
+        found = np.asarray(self.weights @ flat).reshape(self.s.size, *receptances.shape[1:])
+        return found / self.s[:, None, None] ** self.of.power
+
+    def noise(self) -> Complex:
+        """(lines, lines, outputs, inputs) covariance of the noise of receptances."""
+        weights = sparse.csr_array(sparse.diags_array(1 / self.s**self.of.power) @ self.weights)
+        variance = self.of.variance.reshape(self.of.s.size, -1)
+        pairs = [weights.multiply(np.conj(weights[[m]].toarray())) @ variance for m in range(self.s.size)]
+        return np.stack(pairs, axis=1).reshape(self.s.size, self.s.size, *self.of.variance.shape[1:])

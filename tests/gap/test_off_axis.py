@@ -1,0 +1,63 @@
+"""Measured FRFs off the frequency axis, against the closed form of the modes they were made of."""
+
+import numpy as np
+import pytest
+from phased_line import model, rig
+
+from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
+from modallab.gap.modal.diagnosis import diagnose_by_model
+from modallab.gap.modal.off_axis import MeasuredFrfs
+from modallab.modification.synthesis import synthesised
+
+HZ = np.arange(10.0, 95.0, 0.05)
+
+
+def frfs(quantity: FrfQuantity = "inertance", noise: float = 0.0, seed: int = 0) -> Frf:
+    s = np.asarray(2j * np.pi * HZ)
+    values = np.moveaxis(synthesised(model(), s) * (s ** DERIVATIVES[quantity])[:, None, None], 0, -1)
+    drawn = np.random.default_rng(seed).standard_normal((2, *values.shape)) * noise / np.sqrt(2)
+    known = np.full(values.shape, noise**2)
+    return Frf(HZ, values + drawn[0] + 1j * drawn[1], quantity, ("a1", "a2", "a3"), (1, 2, 3), (1,), variance=known)
+
+
+def at(frf: Frf, s: np.ndarray) -> np.ndarray:
+    measured = MeasuredFrfs.of(frf, model())
+    assert measured is not None
+    return measured.means_at(s).mean(measured.receptances)
+
+
+@pytest.mark.parametrize("quantity", ["receptance", "mobility", "inertance"])
+def test_lines_tell_the_frf_off_the_axis(quantity: FrfQuantity) -> None:
+    s = 2 * np.pi * np.array([21.4, 35.0, 50.0, 68.3]) * (0.01 + 1j)
+    expected = synthesised(model(), s)
+    off = np.linalg.norm(at(frfs(quantity), s) - expected, axis=(1, 2)) / np.linalg.norm(expected, axis=(1, 2))
+    assert np.all(off < 0.02), off
+
+
+def test_the_covariance_is_that_of_the_noise() -> None:
+    s = 2 * np.pi * np.array([35.0, 50.0, 50.3]) * (0.01 + 1j)
+    measured = MeasuredFrfs.of(frfs(noise=1e-3), model())
+    assert measured is not None
+    drawn = np.array([at(frfs(noise=1e-3, seed=n), s) for n in range(100)])
+    off = drawn - drawn.mean(axis=0)
+    found = np.einsum("nloi,nmoi->lm", off, np.conj(off)) / (100 * 3)
+    expected = measured.means_at(s).noise().mean(axis=(2, 3))
+    np.testing.assert_allclose(found, expected, atol=0.3 * np.abs(expected).max())
+
+
+@pytest.mark.thorough("two comparisons")
+def test_what_a_model_misses_is_missed_in_neither() -> None:
+    """Of three modes the models hold two: with the FRFs a gain is exact all the same, and nothing is no gap."""
+    whole = model()
+    part = {n: getattr(whole, n)[:2] for n in ("frequency_hz", "damping_ratio", "frequency_sigma_hz", "damping_sigma")}
+    two = whole.model_copy(update=part | {"modal_constants": whole.modal_constants[:2]})
+    gain = frfs(noise=1e-4, seed=2)
+    gain.values[1] *= 1.12
+    (effect,) = diagnose_by_model(two, two, rig(), frfs=(frfs(noise=1e-4), gain)).effects
+    assert (effect.effect, effect.place) == ("gain_error", {"channel": "a2"})
+    assert effect.parameters["gain"] == pytest.approx(1.12, rel=1e-3)
+    none = diagnose_by_model(two, two, rig(), frfs=(frfs(noise=1e-4), frfs(noise=1e-4, seed=3)))
+    assert none.verdict == "no_gap"
+    assert none.nothing is not None
+    assert none.unknown is not None
+    assert none.nothing + none.unknown + sum(c.probability for c in none.candidates) == pytest.approx(1.0)
