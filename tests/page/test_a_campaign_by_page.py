@@ -112,6 +112,8 @@ def test_poles_are_chosen_on_the_diagram(recorded: Watched, campaign: str, serve
     recorded.view("Model")
     rows = recorded.page.locator("[aria-labelledby=p-modes-of-the-impact-test] tbody tr")
     recorded.page.wait_for_selector("canvas.diagram")
+    # The diagram may be drawn before the table is.
+    rows.first.wait_for()
     modes = rows.count()
     recorded.page.click("canvas.diagram", position=recorded.page.evaluate(POLE, [campaign, 2]))
     listed = "Poles that hold are listed as the estimator found them, not refined."

@@ -216,9 +216,15 @@ def test_every_route_says_which_role_it_needs(lab: Lab) -> None:
     assert said["open"] == {"get /health", f"post {API}/session", f"delete {API}/session"}
     assert f"post {API}/rigs/{{rig}}/emergency-stop" in said["observer"]
     assert all(route.split()[1].startswith(f"{API}/users") for route in said["admin"])
-    # Besides the stop, what an observer may send changes nothing for anybody else.
-    rig = f"post {API}/rigs/{{rig}}"
-    harmless = {f"{rig}/emergency-stop", f"{rig}/plan-checks", f"post {API}/login-links"}
+    # Besides the stop, what an observer may send changes nothing for anybody else: a model answers, and is as before.
+    rig, model = f"post {API}/rigs/{{rig}}", f"post {API}/campaigns/{{campaign}}/model"
+    harmless = {
+        f"{rig}/emergency-stop",
+        f"{rig}/plan-checks",
+        f"post {API}/login-links",
+        f"{model}/modifications",
+        f"{model}/responses",
+    }
     assert {route for route in said["observer"] if not route.startswith("get ")} == harmless
 
 
