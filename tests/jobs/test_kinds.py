@@ -64,8 +64,8 @@ def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp
     so_far = estimated.result["document"]
     assert so_far["blocks"] == 6
     assert so_far["frequency_hz"][0] == pytest.approx(4.97, abs=0.01)
-    # This rig file describes no beam to compare with.
-    assert so_far["agreement"] is None
+    assert so_far["agreement"]["agrees"]
+    assert so_far["agreement"]["sentence"].startswith("The simulation agrees with all 10 channels")
     # At the tip no mode has a node.
     assert so_far["telling_point"] == max(link().points, key=lambda point: point.x_m).id
     assert (wrong.state, absent.state) == ("failed", "failed")

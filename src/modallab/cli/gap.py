@@ -25,12 +25,12 @@ from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.distinguishability import advice, distinguishability
 from modallab.gap.design.prediction import predict, predicted_campaign
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.modal.sentence import sentence_by_model
 from modallab.gap.report.summary import in_percent, sentence
 from modallab.gap.simulations.compare import compare
 from modallab.gap.simulations.sentence import sentence_of
 from modallab.reporting.gap_report import write_gap_report
 from modallab.reporting.simulation_report import write_simulation_report
+from modallab.reporting.structure_words import sentence_by_model
 from modallab.reporting.waiting import waiting
 from modallab.service.campaigns.begin import require_reasonable
 

@@ -10,7 +10,6 @@ from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
 from modallab.gap.modal.diagnosis import Explained
-from modallab.gap.modal.sentence import sentence_by_model
 from modallab.reporting.figures.structure_curves import structure_curves
 from modallab.reporting.figures.structure_picture import Marked, structure_picture
 from modallab.reporting.gap_page import captioned, page, section
@@ -18,7 +17,7 @@ from modallab.reporting.gap_words import percent, sure, typeset
 from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.sections.section import plate
 from modallab.reporting.structure_parts import candidates_section, parts_section
-from modallab.reporting.structure_words import at_of_change, numbers_of, place_of_change
+from modallab.reporting.structure_words import at_of_change, numbers_of, place_of_change, sentence_by_model
 from modallab.twin.effects import model_of
 
 

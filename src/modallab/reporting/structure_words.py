@@ -4,12 +4,36 @@ from collections.abc import Mapping
 from typing import cast
 
 from modallab.core.effects import kind_of
-from modallab.core.modal_diagnosis import FoundChange
-from modallab.reporting.gap_words import in_between
+from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
+from modallab.reporting.gap_words import in_between, percent, sure
 from modallab.twin.effects import model_of
 
 OPEN = 100.0
 """End of an interval over its beginning, from which a number is not known to within a factor of ten."""
+
+
+def sentence_by_model(found: ModalDiagnosis) -> str:
+    """The verdict of a comparison with a modal model, with its probability."""
+    before = f"{percent(found.before)} of the response differs"
+    differs = f"{before}, by {found.strain_before:.2g} deviations of the tolerances"
+    if found.verdict == "no_gap":
+        return f"No gap beyond the tolerances{_probable(found.nothing)}: {differs} (rms; 1 is ordinary)."
+    if found.verdict == "unknown":
+        gap = f"A gap that no effect of the catalogue explains{_probable(found.unknown)}"
+        return f"{gap}: {differs} (rms; 1 is ordinary)."
+    said = " and ".join(_with_numbers(change) for change in found.effects)
+    left = f"{percent(found.after)}, by {found.strain_after:.2g}"
+    return f"{said[0].upper()}{said[1:]}. Without it {differs} (rms; 1 is ordinary); with it {left}."
+
+
+def _probable(probability: float | None) -> str:
+    """Files of earlier versions state none."""
+    return "" if probability is None else f", probability {sure(probability)}"
+
+
+def _with_numbers(change: FoundChange) -> str:
+    numbers = (f"{name} = {value} ({interval})" for name, value, interval in numbers_of(change))
+    return f"{spoken(change)}: {', '.join(numbers)}, probability {sure(change.probability)}"
 
 
 def spoken(change: FoundChange) -> str:
