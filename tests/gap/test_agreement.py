@@ -19,7 +19,8 @@ def test_a_sound_bench_agrees_after_one_hit(make) -> None:
     found = of_first_hit(make())
     assert not found.differing
     assert not found.modes_differ
-    assert found.sentence.startswith("The simulation agrees with all 10 channels")
+    assert found.agrees
+    assert found.sentence.startswith("The simulation agrees with all 10 channels within 2 %")
 
 
 @pytest.mark.parametrize(
@@ -62,6 +63,8 @@ def test_sines_alone_are_compared_too(make) -> None:
     found = agreement(replace(campaign, blocks=sines))
     assert found.frequencies is None
     assert [name[-2:] for name in found.differing] == ["03"]
+    # A sensor upside down differs by all of its response and more: no exponent.
+    assert f"{found.differing[0]} (100 %)" in found.sentence
 
 
 def test_the_latest_records_are_those_of_the_last_point(make) -> None:

@@ -145,8 +145,7 @@ def _agreement(campaign: Campaign) -> dict[str, Any] | None:
         found = agreement(latest(campaign))
     except ModallabError:
         return None
-    agrees = not found.differing and not found.modes_differ
-    return {"sentence": found.sentence, "agrees": agrees, "channels": found.channels}
+    return {"sentence": found.sentence, "agrees": found.agrees, "channels": found.channels}
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:

@@ -15,6 +15,7 @@ from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.report.summary import as_percent
 
 SENSOR = "Check sensitivity, direction, place, mount and cable there."
 
@@ -47,17 +48,22 @@ class Agreement:
         return self.frequencies is not None and self.frequencies > DEFAULT.frequency_share * self.tolerated
 
     @property
+    def agrees(self) -> bool:
+        """Whether neither a channel nor the modes differ by more than is tolerated."""
+        return not self.differing and not self.modes_differ
+
+    @property
     def sentence(self) -> str:
         """What agrees, what does not, and what to check."""
-        off = [f"{name} ({_percent(self.channels[name])})" for name in self.differing]
+        off = [f"{name} ({as_percent(self.channels[name])})" for name in self.differing]
         if self.frequencies is not None and self.damping is not None and self.modes_differ:
             return (
-                f"Natural frequencies differ from the simulation by about {_percent(self.frequencies)}, or damping "
-                f"ratios by {_percent(self.damping)}. Check the clamp, added masses and the beam of the rig file."
+                f"Natural frequencies differ from the simulation by about {as_percent(self.frequencies)}, or damping "
+                f"ratios by {as_percent(self.damping)}. Check the clamp, added masses and the beam of the rig file."
             )
         if not off:
             return (
-                f"The simulation agrees with all {len(self.channels)} channels within {_percent(self.tolerated)} of "
+                f"The simulation agrees with all {len(self.channels)} channels within {as_percent(self.tolerated)} of "
                 "their response."
             )
         if len(off) <= len(self.channels) // 2:
@@ -101,19 +107,11 @@ def agreement(campaign: Campaign) -> Agreement:
     scales = view.objective.values(found.levels)
     groups = view.objective.rows.group[np.isfinite(view.objective.rows.sigma)]
     share = {view.objective.rows.names[k]: float(scales[k]) for k in np.unique(groups)}
-    by_row = {c: max(s for n, s in share.items() if n in {f"impact {c}", f"sine {c}"}) for c in _rows(share)}
+    tests = {c: [share[n] for n in (f"impact {c}", f"sine {c}") if n in share] for c in bench.data.channels}
     modes = share.get("poles")
     return Agreement(
-        channels={rig.channels[c].name: s for c, s in by_row.items()},
+        channels={rig.channels[c].name: max(each) for c, each in tests.items() if each},
         frequencies=None if modes is None else modes * DEFAULT.frequency_share,
         damping=None if modes is None else modes * DEFAULT.damping_share,
         tolerated=rig.tolerance.response,
     )
-
-
-def _rows(share: dict[str, float]) -> list[int]:
-    return sorted({int(name.split()[1]) for name in share if " " in name})
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"

@@ -71,16 +71,17 @@ def own_error(gap: Gap) -> str:
     if not left.worst:
         return "Beyond noise nothing is left of any record."
     return (
-        f"Beyond noise, {_share(left.median)} of a record is left unexplained (median); at worst {_share(left.worst)}, "
-        f"of {left.record}."
+        f"Beyond noise, {as_percent(left.median)} of a record is left unexplained (median); "
+        f"at worst {as_percent(left.worst)}, of {left.record}."
     )
 
 
 def _sides(share: Percent) -> str:
-    return " and ".join(_share(v) for v in (share.at_resonance, share.away) if v is not None)
+    return " and ".join(as_percent(v) for v in (share.at_resonance, share.away) if v is not None)
 
 
-def _share(value: float) -> str:
+def as_percent(value: float) -> str:
+    """A share of the response in percent, without an exponent: "below 0.01 %", "3.2 %", "100 %"."""
     percent = 100 * value
     return "below 0.01 %" if percent < 0.01 else f"{percent:.2g} %" if percent < 10 else f"{percent:.0f} %"
 
