@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
+from modallab.core.digits import concise
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.extras import optional_package
 from modallab.core.frf import Frf
@@ -34,7 +35,6 @@ from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, ide
 from modallab.pipelines.response_setups import identify_response_setups
 from modallab.pipelines.setups import identify_setups
 from modallab.pipelines.structure_gap import read_reference
-from modallab.reporting.digits import concise
 from modallab.reporting.understood_table import correlation_rows
 from modallab.reporting.waiting import waiting
 from modallab.verification.comparison import common_shapes

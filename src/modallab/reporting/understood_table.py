@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from modallab.core.digits import concise, listed
 from modallab.modification.correlation import Correlation
 from modallab.modification.deflection import Deflection
 from modallab.modification.freedoms import Freedom
 from modallab.modification.nodes import ModePlaces
 from modallab.modification.participation import ModalParticipation
 from modallab.modification.structure import At
-from modallab.reporting.digits import concise, listed
 from modallab.reporting.modified_table import TableRows
 
 MOST = 0.995
