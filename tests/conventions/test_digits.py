@@ -121,7 +121,7 @@ def test_a_gap_has_three_digits_and_no_exponent_below_a_million(value, said):
     ("value", "said"),
     [
         (0.94, "94 %"), (0.071, "7.1 %"), (0.05, "5 %"), (0.0996, "10 %"), (1.0, "100 %"), (12.5, "1250 %"),
-        (0.00005, "below 0.01 %"), (-0.012, "−1.2 %"), (nan, "unknown"), (None, "–"),
+        (0.00005, "below 0.01 %"), (0.0, "0 %"), (-0.012, "−1.2 %"), (nan, "unknown"), (None, "–"),
     ],
 )  # fmt: skip
 def test_a_share_is_in_percent_to_two_digits(value, said):

@@ -99,7 +99,7 @@ def percent(share: float | None, digits: int = 2) -> str:
     if not math.isfinite(share):
         return UNKNOWN
     value = 100 * share
-    if abs(value) < LEAST_PERCENT:
+    if 0 < abs(value) < LEAST_PERCENT:
         return f"below {LEAST_PERCENT} %"
     shown = plain(value, digits)
     return f"{shown.rstrip('0').rstrip('.') if '.' in shown else shown} %"
