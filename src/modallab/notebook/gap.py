@@ -16,8 +16,9 @@ from modallab.gap.inference.agreement import agreement as compare_with_simulatio
 from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.report.summary import place_in_words, sentence
 from modallab.notebook.arguments import path_for
+from modallab.notebook.identify import campaign_in
 from modallab.notebook.measured import MeasuredFrf
-from modallab.notebook.model import Model, campaign_in
+from modallab.notebook.model import Model
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
 from modallab.notebook.twin import DiagnosedTwin

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from modallab.modification.correlation import Correlation
 from modallab.modification.deflection import Deflection
 from modallab.modification.freedoms import Freedom
 from modallab.modification.nodes import ModePlaces
@@ -10,6 +9,7 @@ from modallab.modification.participation import ModalParticipation
 from modallab.modification.structure import At
 from modallab.reporting.digits import concise, listed
 from modallab.reporting.modified_table import TableRows
+from modallab.updating.correlation import Correlation
 
 MOST = 0.995
 """Of a mode's largest motion: as much as that is all of it, in whole percent."""
