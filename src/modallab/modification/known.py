@@ -132,7 +132,7 @@ class Known:
         of: Sequence[At],
         quantity: Quantity = "acceleration",
         between: Between = "band-limited",
-        start: dict[str, dict[At, float]] | None = None,
+        start: dict[Quantity, dict[At, float]] | None = None,
     ) -> Real:
         """(outputs, samples) motion that forces give.
 
@@ -175,7 +175,7 @@ class Known:
         poles = 2 * np.pi * m.frequency_hz * (-m.damping_ratio + 1j * np.sqrt(1 - m.damping_ratio**2))
         return poles, residues_of(self.attached, poles)
 
-    def _started(self, start: dict[str, dict[At, float]]) -> Complex:
+    def _started(self, start: dict[Quantity, dict[At, float]]) -> Complex:
         poles, psi = self._poles_and_shapes
         at = {name: psi @ self.structure.columns(list(values)) for name, values in start.items()}
         return modal_states(at, poles, {name: np.array(list(values.values())) for name, values in start.items()})

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 from datetime import date
 
 from modallab.core.rounded import rounded
@@ -88,7 +89,7 @@ def deviations(count: float) -> str:
     return f"{count:.1f} σ" if count < 10 else f"{count:.0f} σ"
 
 
-def listed(items: list[str]) -> str:
+def listed(items: Sequence[str]) -> str:
     """`a, b and c`."""
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}" if items else ""
 

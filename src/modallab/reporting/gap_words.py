@@ -70,8 +70,9 @@ def place_of(found: Found, rig: Rig) -> tuple[str, str]:
 
 
 def _name(row: object, rig: Rig) -> str:
-    known = isinstance(row, int) and 0 <= row < len(rig.channels)
-    return rig.channels[cast("int", row)].name if known else f"channel {row}"
+    if isinstance(row, int) and 0 <= row < len(rig.channels):
+        return rig.channels[row].name
+    return f"channel {row}"
 
 
 def sure(probability: float) -> str:

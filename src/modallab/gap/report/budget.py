@@ -138,7 +138,7 @@ def _numbers(fit: Fit, problem: Problem, u: Array, explained: Array, split: _Spl
             _together([numbers[k].said for k in group]),
             shares[group].sum(axis=0),
             ", ".join(dict.fromkeys(numbers[k].place for k in group if numbers[k].place)),
-            max(u[group].tolist(), key=abs),
+            float(u[group][np.argmax(np.abs(u[group]))]),
         )
         for group in cancelled(shares[:, 0], parts @ parts.T)
     ]

@@ -100,7 +100,7 @@ def _rows_of(found: Found, force: int, channels: tuple[int, ...]) -> list[int]:
     if isinstance(channel, int):
         return [channel]
     if isinstance(channel, list | tuple):
-        return [int(c) for c in channel]  # pyright: ignore[reportUnknownVariableType]
+        return [int(c) for c in channel]
     return list(channels) if channel == "all" else []
 
 
