@@ -20,7 +20,7 @@ from modallab.gap.modal.judged import Judged, judged
 from modallab.gap.modal.matching import Side
 from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.gap.modal.parts import Misses, by_channel, by_mode
-from modallab.gap.modal.search import Search
+from modallab.gap.modal.search import ModalSearch
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
@@ -96,7 +96,7 @@ def explained_by_model(
     compare = partial(compared, before, after, known, mesh=mesh, own=own)
     last = compare()
     smooth, closer = (Free(compare(width), LOOSE) for width in SMOOTHER)
-    found = judged(Search.begun(smooth, closer, Free(last)))
+    found = judged(ModalSearch.begun(smooth, closer, Free(last)))
     return Explained(Free(last), found, _said(Free(last), found, (reference.n_modes, bench.n_modes)))
 
 

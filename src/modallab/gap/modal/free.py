@@ -4,7 +4,7 @@ Stiffness and mass of the whole, how they are spread (a symmetric matrix in moda
 sensitivities, the force of each driven point, where sensors and hits really are, and what cables add at each sensor.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -110,6 +110,10 @@ class Free:
     def size(self) -> int:
         """How many numbers."""
         return sum(self.sizes)
+
+    def at(self, s: Complex, outside: Complex) -> "Free":
+        """The same at other lines (lines,), with the reference's part `outside` its shapes there, to predict alone."""
+        return replace(self, of=replace(self.of, s=s, outside=outside))
 
     def parts(self, u: Real) -> list[Real]:
         """The numbers by part, in their own units."""

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from modallab.core.diagnosis import Verdict
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import Fitted
-from modallab.gap.modal.scales import Scales, estimated, settled
-from modallab.gap.modal.search import Search, best_first
+from modallab.gap.modal.scales import ScaleLadder, estimated, settled
+from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import beside
 
 Real = NDArray[np.float64]
@@ -56,9 +56,9 @@ def strain(fitted: Fitted) -> float:
     return float(np.sqrt(fitted.cost / fitted.u.size))
 
 
-def judged(search: Search) -> Judged:
+def judged(search: ModalSearch) -> Judged:
     """What the explanations amount to: where it is not nothing, the best is fitted until it stays the best."""
-    base, scales = search.base, Scales.about(search.base.free.of)
+    base, scales = search.base, ScaleLadder.about(search.base.free.of)
     nothing = settled(base, scales.usual)
     names = [min((estimated(f, scales.usual) for f in kind), key=_evidence) for kind in search.kinds]
     others = {name: estimated(nothing, rungs) for name, rungs in scales.nameless(nothing, nothing).items()}
@@ -122,6 +122,6 @@ def moves(fitted: Fitted) -> float:
     change = fitted.change
     # What was measured line by line is not known between the lines.
     hung = None if change.hung is None else replace(change.hung, extra=None)
-    there = replace(free, of=replace(c, s=s, outside=outside))
+    there = free.at(s, outside)
     moved, without = there.predicted(fitted.u, replace(change, hung=hung)), there.predicted(fitted.u)
     return float(np.sqrt(np.max(np.mean((np.abs(moved - without) / sizes(without)) ** 2, axis=(0, 2)))))

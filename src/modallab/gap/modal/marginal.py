@@ -35,7 +35,7 @@ class Marginal:
         """About numbers of the tolerances."""
         jacobian = free.slopes(u)
         normal = jacobian.T @ jacobian + np.eye(free.size)
-        return cls(free, u, jacobian, normal, np.linalg.inv(np.linalg.cholesky(normal)))
+        return cls(free, u, jacobian, normal, np.asarray(np.linalg.inv(np.linalg.cholesky(normal)), np.float64))
 
     def _taken(self, misfits: Real, off: Real) -> Real:
         """(numbers, any) what the tolerances take of misfits (misfits, any) from where they are off by (numbers, 1)."""

@@ -15,9 +15,9 @@ from modallab.gap.modal.fitting import Fitted, fit
 from modallab.gap.modal.linear import Linear
 
 USUAL = (1.0, 0.25, 0.0625)
-"""Scales of what two tests of a structure differ by, over what is usual, at most."""
+"""ScaleLadder of what two tests of a structure differ by, over what is usual, at most."""
 UNUSUAL = (4.0, 16.0, 64.0)
-"""Scales of what has no name."""
+"""ScaleLadder of what has no name."""
 TURNS = 2
 """Times that scales are inferred, and numbers fitted at them."""
 SUSPECTS = 2
@@ -28,7 +28,7 @@ Rung = tuple[Compared, float]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Scales:
+class ScaleLadder:
     """The scales of one comparison.
 
     Attributes:
@@ -40,7 +40,7 @@ class Scales:
     even: Mapping[tuple[float, float], Compared]
 
     @classmethod
-    def about(cls, c: Compared) -> "Scales":
+    def about(cls, c: Compared) -> "ScaleLadder":
         """Of lines and shapes they are inferred where FRFs were measured: what models leave of them is no sample."""
         steps = (1.0,) if c.noise is None else USUAL
         return cls(c, {(a, b): c.scaled(a, b) for a, b in product(steps, steps)})

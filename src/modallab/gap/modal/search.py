@@ -24,7 +24,7 @@ NEARBY = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Search:
+class ModalSearch:
     """What a search has begun with.
 
     Attributes:
@@ -38,12 +38,12 @@ class Search:
     kinds: list[list[Fitted]]
 
     @classmethod
-    def begun(cls, smooth: Free, closer: Free, last: Free) -> "Search":
+    def begun(cls, smooth: Free, closer: Free, last: Free) -> "ModalSearch":
         """From the comparison where modes overlap with where they were to the one that counts."""
         thin = Free(smooth.of.thinned(THIN), smooth.loose)
         afar = fit(thin, steps=FIRST_STEPS)
         base = fit(last, None, fit(closer, None, afar.u, steps=FIRST_STEPS).u, steps=FIRST_STEPS)
-        # A large change is seen from afar, a small one on the lines that count, where the tolerances follow it linearly.
+        # A large change is seen from afar, a small one on the lines that count: there tolerances follow it linearly.
         far, near = Marginal.about(thin, np.zeros(thin.size)), Marginal.about(last, base.u)
         begun = _likely(far, lambda candidate, start: fit(thin, candidate, None, start, FIRST_STEPS))
         seen = _by_kind(f for f in begun if f.evidence < afar.evidence)
