@@ -32,13 +32,8 @@ check: $(VENV)/.tools
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
-	@$(MAKE) --no-print-directory $(VENV)/.typed
+	$(BIN)/pyrefly check
 	$(BIN)/python docs/reference/check_words.py
-
-# It takes minutes and keeps nothing between runs: only what has changed since it was last good is a reason for another.
-$(VENV)/.typed: $(VENV)/.tools $(shell find src drivers simulators -name '*.py' -o -type d -not -name __pycache__)
-	$(BIN)/basedpyright
-	@touch $@
 
 # Puts the command on the path of every terminal, not only of one that has activated .venv.
 command: $(VENV)/.ready
@@ -64,7 +59,7 @@ $(VENV)/.ready: pyproject.toml constraints.txt
 	@touch $@
 
 $(VENV)/.tools: $(VENV)/.ready
-	@echo "installing the development tools, about 650 MB; this takes some minutes ..."
+	@echo "installing the development tools, about 450 MB; this takes some minutes ..."
 	@$(INSTALL) -e '.[dev]'
 	@touch $@
 

@@ -15,7 +15,7 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Tolerance
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.summary import sentence
+from modallab.gap.words.verdicts import sentence
 from modallab.service.campaigns.local_session import record_campaign
 
 NEAR = 0.05

@@ -43,7 +43,7 @@ def listed(trials: int, none: int, seed: int) -> list[Draw]:
 def trial(draw: Draw) -> dict[str, Any]:
     """One trial: what is hidden, and what is said of it."""
     made = make(draw, later=False)
-    hidden = [_effect(e) for e in made.truth["effects"]]  # pyright: ignore[reportGeneralTypeIssues]  # as reported
+    hidden = [_effect(e) for e in made.truth["effects"]]
     rig = made.campaign.rig
     campaign, _ = trial_bench().make_trial(rig, draw.seed, (), draw.tolerances)
     records = Simulator(rig, tuple(hidden), draw.seed + 500_000).records(campaign)

@@ -43,7 +43,7 @@ def test_a_step_is_legal_exactly_if_the_table_has_it(current: RunState, target: 
 @given(st.lists(states, max_size=30))
 def test_every_walk_is_reported_as_committed_and_ends_through_stopping_or_processing(walk: list[RunState]) -> None:
     repository, reported = CampaignRepository(), []
-    life = Lifecycle(repository, reported.append)  # pyright: ignore[reportArgumentType]
+    life = Lifecycle(repository, reported.append)
     for state in walk:
         try:
             life.enter(state)

@@ -53,8 +53,8 @@ def struck(
 
     bench = Misled(open_bench(url, rig), points)
     expected = expected_modes(rig) if model else None
-    with store.begin(plan, rig, bench.info) as recorder:  # pyright: ignore[reportArgumentType]
-        run_plan(bench, rig, plan, recorder, emit, requests=requests, expected=expected)  # pyright: ignore[reportArgumentType]
+    with store.begin(plan, rig, bench.info) as recorder:
+        run_plan(bench, rig, plan, recorder, emit, requests=requests, expected=expected)
     return list(store.catalogue.blocks(recorder.run)), events
 
 

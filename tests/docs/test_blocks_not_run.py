@@ -11,7 +11,7 @@ from modallab.cli.parser import build_parser
 
 NOT_RUN = {
     "README.md": ["changes the terminal and the user's folders", "needs Windows and a network", "runs this very test"],
-    "docs/explanation/identification-uncertainty.md": ["takes hours"],
+    "docs/explanation/uncertainty.md": ["takes hours"],
     "docs/explanation/simulated-bench.md": ["takes minutes"],
     HOW_TO + "check-the-diagnosis.md": ["takes hours"],
     HOW_TO + "check-on-your-own-structure.md": ["needs a campaign of yours"],

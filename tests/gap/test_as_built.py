@@ -14,7 +14,7 @@ from modallab.core.rig import Rig, Tolerance
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.tolerances import applied, by_tolerance, deviations, with_tolerances
 from modallab.gap.report.calibrated import diagnosed_twin
-from modallab.gap.report.summary import in_percent, sentence
+from modallab.gap.words.verdicts import in_percent, sentence
 from modallab.reporting.gap_report import render
 from modallab.twin.bench import Twin
 

@@ -18,7 +18,7 @@ from modallab.gap.conditioning.split import split
 from modallab.gap.design.prediction import predict, predicted_campaign
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.predicted_records import predict_record
-from modallab.gap.report.summary import sentence
+from modallab.gap.words.verdicts import sentence
 from modallab.signals.signals import to_signals
 
 Make = Callable[..., Campaign]

@@ -7,9 +7,9 @@ from made_diagnosis import made_diagnosis
 from modallab.core.diagnosis import Found
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.gap.report.summary import sentence
 from modallab.gap.search.intervals import NO_ORDER, NO_PLACE, NO_SHARE, NOT_FELT, UNFELT, interval, not_known
-from modallab.reporting.gap_words import of_parameter, place_of
+from modallab.gap.words.effects import of_parameter, place_of
+from modallab.gap.words.verdicts import sentence
 from modallab.twin.candidate import Slot, along_beam
 from modallab.twin.effects import model_of
 
@@ -60,8 +60,8 @@ def test_the_sentence_says_no_number_that_is_not_known(rig: Rig) -> None:
 
 def test_the_report_says_why(rig: Rig) -> None:
     (k3,) = model_of("cubic_spring").kind.parameters
-    assert of_parameter(opened(rig), k3) == ("about 7e+07 N/m^3", f"not known: {NO_ORDER}")
-    assert place_of(opened(rig), rig) == ("somewhere along the beam", f"not known: {NO_PLACE}")
+    assert of_parameter(opened(rig), k3) == ("about 7×10⁷ N/m^3", f"not known: {NO_ORDER}")
+    assert place_of(opened(rig)) == ("somewhere along the beam", f"not known: {NO_PLACE}")
 
 
 def test_the_document_says_null_and_why(rig: Rig) -> None:

@@ -27,9 +27,9 @@ from modallab.gap.exported.state_space import state_space
 from modallab.gap.exported.state_space_file import read_state_space
 from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.simulations.compare import Compared, as_measured, compare, differences
-from modallab.gap.simulations.sentence import sentence_of
 from modallab.gap.simulations.simulated_records import simulated_records
 from modallab.gap.simulations.simulation_residual import simulation_residual
+from modallab.gap.words.verdicts import sentence_of_simulation
 from modallab.reporting.simulation_report import write_simulation_report
 from modallab.twin.modes import solve
 
@@ -165,7 +165,7 @@ def test_what_the_bench_has_and_the_simulation_lacks_is_named_with_how_far_it_sh
     assert (compared.has, compared.differs) == ([], [])
     assert compared.closed is not None
     assert compared.closed > 0.99
-    assert "it lacks added mass (mass = 0.050 kg" in sentence_of(compared)
+    assert "it lacks added mass (mass = 0.050 kg" in sentence_of_simulation(compared)
 
 
 def test_one_effect_in_two_sizes_differs(rig: Rig) -> None:

@@ -61,7 +61,7 @@ def test_all_numbers_at_once_are_those_one_by_one(u: float) -> None:
 )
 def test_first_order_modes_follow_a_small_change(change: dict[str, object]) -> None:
     here = replace(Structure.of(BEAM, 0.006), dampers=((0.6, 0.5),))
-    there = replace(here, **change)  # pyright: ignore[reportArgumentType]
+    there = replace(here, **change)
     exact, near, before = solve(there), Neighbours(here).solve([there])[0], solve(here)
     x = np.linspace(0.1, 0.9, 5)
     moved = exact.poles[:8] - before.poles[:8]

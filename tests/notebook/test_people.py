@@ -167,20 +167,20 @@ MISTAKES = {
     "words for frequencies": (lambda: ml.frf(["a", "b"], [1j, 2j]), "f is no array of numbers"),
     "rows of two lengths": (lambda: ml.frf([1, 2], [[1j, 2j], [1j]]), "H is no array of numbers"),
     "values that are not finite": (lambda: ml.frf(f, np.where(f == 30, np.nan, H)), "H holds 2 values"),
-    "outputs by name": (lambda: ml.frf(f, H, outputs=["tip", "root"]), "are no numbers of points"),  # pyright: ignore[reportArgumentType]
+    "outputs by name": (lambda: ml.frf(f, H, outputs=["tip", "root"]), "are no numbers of points"),
     "inputs for outputs": (lambda: ml.frf(f, H, inputs=[1, 2], outputs=[10]), r"outputs=\[10\] for 2 outputs"),
     "a conjugated FRF": (lambda: ml.identify(ml.frf(f, one_mode().conj())), "the phase of H rises"),
-    "one edge for a band": (lambda: ml.identify(ml.frf(f, H), band=3), "band=3 is no pair"),  # pyright: ignore[reportArgumentType]
-    "three edges": (lambda: ml.identify(ml.frf(f, H), band=(3, 50, 90)), "is no pair"),  # pyright: ignore[reportArgumentType]
-    "a band as text": (lambda: ml.identify(ml.frf(f, H), band="3 110"), "is no pair"),  # pyright: ignore[reportArgumentType]
-    "a pick as text": (lambda: ml.identify(ml.frf(f, H), pick="30"), "pick='30' is no list"),  # pyright: ignore[reportArgumentType]
+    "one edge for a band": (lambda: ml.identify(ml.frf(f, H), band=3), "band=3 is no pair"),
+    "three edges": (lambda: ml.identify(ml.frf(f, H), band=(3, 50, 90)), "is no pair"),
+    "a band as text": (lambda: ml.identify(ml.frf(f, H), band="3 110"), "is no pair"),
+    "a pick as text": (lambda: ml.identify(ml.frf(f, H), pick="30"), "pick='30' is no list"),
     "every mode dropped": (lambda: ml.identify(ml.frf(f, one_mode()), drop=(30,)), "no mode is left"),
-    "a number for a file": (lambda: ml.load(3), "3 is no name of a file"),  # pyright: ignore[reportArgumentType]
+    "a number for a file": (lambda: ml.load(3), "3 is no name of a file"),
     "a file that is no table": (lambda: ml.load(__file__), "holds no numbers"),
     "an option that is none": (lambda: ml.load(__file__, rig=demo_rig(), rate=2000), "did you mean rate_hz?"),
-    "a plan that is none": (lambda: ml.simulate(plan=3), "3 is no plan"),  # pyright: ignore[reportArgumentType]
+    "a plan that is none": (lambda: ml.simulate(plan=3), "3 is no plan"),
     "a plan with a wrong field": (lambda: ml.simulate(plan={"kind": "impact", "points": 10}), "points is 10"),
-    "an effect without numbers": (lambda: ml.simulate(effect={"added_mass": 0.05}), "is no effect"),  # pyright: ignore[reportArgumentType]
+    "an effect without numbers": (lambda: ml.simulate(effect={"added_mass": 0.05}), "is no effect"),
     "a diagnosis without a beam": (lambda: ml.diagnose(ml.frf(f, H)), "beam"),
 }
 
@@ -200,4 +200,4 @@ def test_results_go_only_where_their_name_says(recorded: ml.Model, demo: Path, t
     with pytest.raises(PlanError, match=r"'point:99' holds out 0 of 47 records"):
         ml.diagnose(ml.load(demo), "point:99")
     with pytest.raises(DataError, match="str is no model"):
-        recorded.mac("x")  # pyright: ignore[reportArgumentType]
+        recorded.mac("x")

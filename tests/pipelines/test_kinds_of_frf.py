@@ -87,7 +87,7 @@ def test_sines_have_no_h2() -> None:
 
 def test_an_frf_of_no_known_kind_is_rejected() -> None:
     with pytest.raises(IdentificationError, match="no FRF is called 'H3'"):
-        Options(frf="H3")  # pyright: ignore[reportArgumentType]
+        Options(frf="H3")
 
 
 @pytest.mark.thorough("records minutes of a random force")

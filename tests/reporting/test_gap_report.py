@@ -10,11 +10,12 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Budget, BudgetRow, CandidateSet, Diagnosis, Percent
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.gap.report.summary import sentence
+from modallab.gap.words.effects import place_of
+from modallab.gap.words.verdicts import sentence
 from modallab.reporting.bars import Bar, bars
 from modallab.reporting.figures.gap_curves import gap_curves
+from modallab.reporting.gap_page import typeset
 from modallab.reporting.gap_report import render
-from modallab.reporting.gap_words import in_between, part_of, percent, place_of, sure, typeset
 
 MASS = Effect(effect="added_mass", parameters={"mass": 0.049321648}, place={"x": 0.8})
 SWAP = Effect(effect="swap", place={"channel": (3, 7)})
@@ -79,8 +80,8 @@ def page(diagnosis: Diagnosis, campaign: Campaign) -> str:
     return render(diagnosis, campaign).replace("\u00a0", " ")
 
 
-def test_a_place_stands_in_words_with_its_interval(diagnosis: Diagnosis, rig: Rig, page: str) -> None:
-    assert place_of(diagnosis.effects[0], rig) == ("0.8000 m from the clamp", "0.7980 to 0.8020 m")
+def test_a_place_stands_in_words_with_its_interval(diagnosis: Diagnosis, page: str) -> None:
+    assert place_of(diagnosis.effects[0]) == ("0.8000 m from the clamp", "0.7980 to 0.8020 m")
     assert "0.8000 m from the clamp (95 %: 0.7980 to 0.8020 m)" in page
     assert "{" not in re.sub(r"<style>.*?</style>", "", page, flags=re.DOTALL)
 
@@ -88,35 +89,28 @@ def test_a_place_stands_in_words_with_its_interval(diagnosis: Diagnosis, rig: Ri
 def test_channels_have_names(rig: Rig) -> None:
     found = made_diagnosis(rig, SWAP)
     names = [c.name for c in rig.channels]
-    assert place_of(found.effects[0], rig) == (f"on {names[3]} and {names[7]}", "")
+    assert place_of(found.effects[0], names) == (f"on {names[3]} and {names[7]}", "")
     assert f"on {names[3]} and {names[7]}" in sentence(found, names)
     assert "on channels 3 and 7" in sentence(found)
 
 
 def test_an_answer_has_one_probability(page: str) -> None:
     assert set(re.findall(r"probability (\d\.\d+)", page)) <= {"0.99", "0.00"}
-    assert sure(1.0) == sure(0.995) == "0.99"
-    assert sure(0.899999) == "0.89"
 
 
 def test_numbers_have_the_digits_that_their_intervals_bear(page: str) -> None:
     assert "0.0493 kg" in page
     assert "0.0488 to 0.0498 kg" in page
     assert "0.049321" not in page
-    assert in_between(1.7512345, (1.7508, 1.7516), "m") == ("1.7512 m", "1.7508 to 1.7516 m")
-    assert in_between(1.7512345, None) == ("1.751", "")
 
 
 def test_the_gap_stands_in_noise_units_and_in_percent(page: str) -> None:
     assert "% at resonance" in page
-    assert all(said in page for said in ("94 %", "7.1 %", "&lt; 0.01 %"))
-    assert percent(None) == "–"
+    assert all(said in page for said in ("94 %", "7.1 %", "below 0.01 %"))
 
 
 def test_percent_and_minus_are_set_alike() -> None:
     assert typeset("a02 reads -1.8% low, 50-120 Hz").replace("\u00a0", " ") == "a02 reads \u22121.8 % low, 50-120 Hz"
-    assert part_of(-0.0004) == "0.0 %"
-    assert part_of(-0.012) == "\u22121.2 %"
 
 
 def test_bars_begin_at_zero_to_either_side() -> None:

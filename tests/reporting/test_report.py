@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from page_reader import Page
 
+from modallab.core.digits import alike, relative, with_sigma
 from modallab.core.errors import StorageError
 from modallab.reporting.content import Hit, Outcome, ReportContent
-from modallab.reporting.digits import alike, relative, with_sigma
 from modallab.reporting.figures.style import grid
 from modallab.reporting.figures.svg import panels
 from modallab.reporting.report import render, write_report

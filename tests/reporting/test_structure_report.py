@@ -11,11 +11,11 @@ from modallab.core.modal_diagnosis import FoundChange
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.diagnosis import Explained, explained_by_model
+from modallab.gap.words.effects import numbers_of
 from modallab.reporting.figures.structure_curves import worst
 from modallab.reporting.figures.structure_picture import Marked, structure_picture
 from modallab.reporting.figures.wireframe import projection
 from modallab.reporting.structure_report import StructureGap, render
-from modallab.reporting.structure_words import numbers_of
 from modallab.verification.verify import synthesised
 
 AT = (0.31, 0.17, 0.0)

@@ -47,7 +47,7 @@ here counts none."""
 
 
 def effect(name: str, place: dict[str, object] | None = None, **parameters: float) -> Effect:
-    return Effect(effect=name, parameters=parameters, place=place or {})  # pyright: ignore[reportArgumentType]
+    return Effect(effect=name, parameters=parameters, place=place or {})
 
 
 EFFECTS = (

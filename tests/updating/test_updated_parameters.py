@@ -118,11 +118,11 @@ def test_a_model_with_too_few_modes_says_so() -> None:
 
 
 @pytest.mark.parametrize("wrong", [Prior, lambda v, s: Prior(v, s, True)])
-def test_a_prior_without_a_deviation_is_refused(wrong: type[Prior]) -> None:
+def test_a_prior_without_a_deviation_is_rejected(wrong: type[Prior]) -> None:
     with pytest.raises(DataError, match="is none"):
         wrong(1.0, 0.0)
 
 
-def test_matrices_of_another_size_are_refused() -> None:
+def test_matrices_of_another_size_are_rejected() -> None:
     with pytest.raises(DataError, match="tip mass is"):
         replace(CHAIN, mass_by={"tip mass": np.eye(3)})

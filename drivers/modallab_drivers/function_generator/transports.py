@@ -87,9 +87,10 @@ class VisaResource:
         self._timed_out: Any = constants.StatusCode.error_timeout
         milliseconds = round(1000 * timeout_s)
         with self._as_os_error():
-            self._resource: Any = pyvisa.ResourceManager("@py").open_resource(
+            resource: Any = pyvisa.ResourceManager("@py").open_resource(
                 address, open_timeout=milliseconds, timeout=milliseconds
             )
+        self._resource = resource
         self._messages = not address.upper().endswith("::SOCKET")
         if not self._messages:
             # A bare socket has no end of a message but the line feed.

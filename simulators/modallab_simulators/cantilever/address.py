@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from math import inf, isfinite
+from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
 from modallab.core.effects import Effect
@@ -73,11 +74,11 @@ def parse(url: str) -> Settings:
         raise ConfigurationError(
             "\n".join(problems), where=url, remedy="correct what is named, or leave it out to have the default"
         )
-    return Settings(**values)  # pyright: ignore[reportArgumentType]  # each reader returns the field's type
+    return Settings(**values)  # each reader returns the field's type
 
 
-def _read(pairs: list[tuple[str, str]]) -> tuple[dict[str, object], list[str]]:
-    values: dict[str, object] = {}
+def _read(pairs: list[tuple[str, str]]) -> tuple[dict[str, Any], list[str]]:
+    values: dict[str, Any] = {}
     effects: list[Effect] = []
     problems: list[str] = []
     named = [text for name, text in pairs if name == "effect"]

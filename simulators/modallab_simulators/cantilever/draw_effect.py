@@ -85,6 +85,7 @@ class _Shape:
         self._others = self._drawn_others()
         self._tied = self._drawn_ties(rig)
         self._sign = float(self._rng.choice([-1.0, 1.0])) if self.main and self.main.signed else 1.0
+        self.span = (0.0, 0.0)
         if self.main:
             low, high = self.main.bounds(rig.beam)
             top = allowed(part, self.main.name)[1]

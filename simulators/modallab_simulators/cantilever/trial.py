@@ -204,7 +204,7 @@ class Operator:
             test,
             self._order - 1,
             delivery.rate_hz,
-            samples,  # pyright: ignore[reportArgumentType]  # whole counts, as the chain of this bench delivers them
+            samples,  # pyrefly: ignore[bad-argument-type]  # whole counts, as the chain of this bench delivers them
             delivery.scale,
             delivery.units,
             tuple(c.name for c in self._rig.channels),

@@ -86,7 +86,7 @@ def _obey(system: SimulatedSystem, word: str, rest: str) -> dict[str, object]:
     if word == "strike":
         system.plant.strike(int(rest), system.clock.now())
     elif word == "preamplifiers" and rest in ("impact", "sine"):
-        system.plant.set_preamplifiers(rest)  # pyright: ignore[reportArgumentType]  # just compared
+        system.plant.set_preamplifiers(rest)  # just compared
     elif word == "signal":
         terminal, frequency_hz = rest.split()
         system.connected[f"/{terminal}"] = Pulses(0.0, float(frequency_hz))

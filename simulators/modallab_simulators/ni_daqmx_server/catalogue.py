@@ -1,5 +1,8 @@
 """The products that can be simulated, each with what its manual says of it."""
 
+from dataclasses import replace
+from typing import Any
+
 from modallab_simulators.ni_daqmx_server.modules import Module
 
 X_SERIES, C_SERIES, CHASSIS, DSA, M_SERIES = 15858, 14659, 14658, 14649, 14643
@@ -21,13 +24,12 @@ _DYNAMIC = Module("", "", 0, bits=24, clock="fine", min_rate_hz=1000.0, delta_si
                   bus=PXIE)  # fmt: skip
 
 
-def _c(product: str, **facts: object) -> Module:
-    return Module("", product, 0, category=C_SERIES, bus=CDAQ, **facts)  # pyright: ignore[reportArgumentType]
+def _c(product: str, **facts: Any) -> Module:
+    return Module("", product, 0, category=C_SERIES, bus=CDAQ, **facts)
 
 
-def _other(base: Module, product: str, **facts: object) -> Module:
-    known = {name: getattr(base, name) for name in Module.__slots__}
-    return Module(**(known | {"product": product} | facts))  # pyright: ignore[reportArgumentType]
+def _other(base: Module, product: str, **facts: Any) -> Module:
+    return replace(base, product=product, **facts)
 
 
 PRODUCTS: dict[str, Module] = {

@@ -32,7 +32,7 @@ def read(files: list[Path]) -> tuple[Layout, Saved]:
     saved = Saved()
     for file in files:
         parser = ConfigParser(interpolation=None, strict=False)
-        parser.optionxform = str  # pyright: ignore[reportAttributeAccessIssue]  # names keep their case
+        parser.optionxform = str  # pyrefly: ignore[method-assign, bad-assignment]  # names keep their case
         parser.read_string(file.read_text(encoding="utf-8-sig"))
         for title in parser.sections():
             kind, _, name = title.partition(" ")

@@ -58,7 +58,7 @@ class _Calls(grpc.GenericRpcHandler):
         if not method.startswith(SERVICE) or request is None:
             return None
         if name in STREAMS:
-            return grpc.unary_stream_rpc_method_handler(_streamed(self._system, name), request.FromString, _encode)
+            return grpc.unary_stream_rpc_method_handler(_streamed(self._system, name), request.FromString, _encode)  # pyrefly: ignore[bad-argument-type]
         answer = _answerer(self._system, name)
         if answer is None:
             return None
@@ -72,7 +72,7 @@ class _Calls(grpc.GenericRpcHandler):
                 found = grpc.StatusCode.ALREADY_EXISTS if error.exists else grpc.StatusCode.FAILED_PRECONDITION
                 context.abort(found, error.text)
 
-        return grpc.unary_unary_rpc_method_handler(call, request.FromString, _encode)
+        return grpc.unary_unary_rpc_method_handler(call, request.FromString, _encode)  # pyrefly: ignore[bad-argument-type]
 
 
 def _answerer(system: SimulatedSystem, name: str) -> Callable[[Any], Any] | None:

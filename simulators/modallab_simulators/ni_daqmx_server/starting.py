@@ -61,12 +61,13 @@ def _go(system: "SimulatedSystem", task: Task, begun: Task | None) -> bool:
 
 def _moment(system: "SimulatedSystem", task: Task, begun: Task | None) -> Moment | None:
     """When a task begins, and the rate of a clock that is not its own; None: not yet."""
-    at_s: float | None = system.clock.now()
+    now_s = system.clock.now()
     source = _trigger(task)
+    at_s: float | None = now_s
     if isinstance(task, InputTask) and not source:
-        at_s = system.clock.now() + system.clocks.software_s()
+        at_s = now_s + system.clocks.software_s()
     if source:
-        at_s = _edge(system, source, at_s, begun, rising=task.get("DIG_EDGE_START_TRIG_EDGE") != FALLING)
+        at_s = _edge(system, source, now_s, begun, rising=task.get("DIG_EDGE_START_TRIG_EDGE") != FALLING)
     if at_s is None:
         return None
     clock = _external_clock(task)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from modallab.blind.outcome import BlindOutcome, OfEffect, Share, Shrunk
+from modallab.core.digits import part_of, percent
 from modallab.reporting.gap_page import captioned, page, section
 from modallab.reporting.markup import Markup, table, tag
 
@@ -43,8 +44,8 @@ def _effects(effects: Sequence[OfEffect]) -> Markup:
             str(e.trials),
             str(e.right),
             "" if e.stage is None else str(e.stage),
-            "" if e.parameter is None else f"{e.parameter:.2%}",
-            "" if e.closed is None else f"{e.closed:.2%}",
+            "" if e.parameter is None else percent(e.parameter),
+            "" if e.closed is None else part_of(e.closed),
             _number(e.shrink_error),
         ]
         for e in effects

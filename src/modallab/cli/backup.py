@@ -7,6 +7,7 @@ from pathlib import Path
 from rich.console import Console
 
 from modallab.core.errors import StorageError
+from modallab.core.events import RunState
 from modallab.jobs.table import METADATA as JOBS
 from modallab.storage import Store
 from modallab.storage.address import ADDRESS, DATABASE
@@ -34,7 +35,7 @@ def _restore(arguments: argparse.Namespace) -> int:
 def _retention(arguments: argparse.Namespace) -> int:
     require_data(arguments.data)
     days = arguments.older_than
-    states = tuple(arguments.state or ("failed", "aborted"))
+    states: tuple[RunState, ...] = tuple(arguments.state or ("failed", "aborted"))
     rule = Rule(timedelta(days=days), states, arguments.valid)
     console = Console()
     with Store(arguments.data) as store:

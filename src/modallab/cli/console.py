@@ -24,7 +24,7 @@ class _Nowhere:
 def console_of(arguments: argparse.Namespace) -> Console:
     """Standard output; standard error where that takes JSON; nothing at all with `--quiet`."""
     if arguments.hush:
-        return Console(file=_Nowhere())  # pyright: ignore[reportArgumentType]  # all of a file that rich asks for
+        return Console(file=_Nowhere())  # pyrefly: ignore[bad-argument-type]  # all of a file that rich asks for
     return Console(stderr=getattr(arguments, "json", None) == OUT)
 
 

@@ -25,12 +25,10 @@ from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.distinguishability import advice, distinguishability
 from modallab.gap.design.prediction import predict, predicted_campaign
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.summary import in_percent, sentence
 from modallab.gap.simulations.compare import compare
-from modallab.gap.simulations.sentence import sentence_of
+from modallab.gap.words.verdicts import in_percent, sentence, sentence_by_model, sentence_of_simulation
 from modallab.reporting.gap_report import write_gap_report
 from modallab.reporting.simulation_report import write_simulation_report
-from modallab.reporting.structure_words import sentence_by_model
 from modallab.reporting.waiting import waiting
 from modallab.service.campaigns.begin import require_reasonable
 
@@ -77,7 +75,7 @@ def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace
     known = None if arguments.diagnosis is None else read_diagnosis(arguments.diagnosis)
     with waiting("reading the records", progress=not arguments.hush):
         found = compare(campaign, records, known, arguments.hold_out)
-    for line in (sentence_of(found), *(f"  {note}" for note in found.notes)):
+    for line in (sentence_of_simulation(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)
     if arguments.json is not None:
         write_json(arguments.json, found.model_dump(mode="json"))

@@ -6,9 +6,9 @@ from rich.console import Console
 
 from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import only_with
+from modallab.core.digits import part_of, rounded
 from modallab.core.errors import PlanError
 from modallab.core.progress import reported_to
-from modallab.core.rounded import rounded
 from modallab.core.units import Test
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def said(found: InForm) -> str:
     """How far the form is from the bench, in one sentence."""
-    share = "" if found.closed is None else f", {found.closed:.1%} closed"
+    share = "" if found.closed is None else f", {part_of(found.closed)} closed"
     return (
         f"In this form the gap is {rounded(found.before)} noise units before and {rounded(found.after)} after{share}; "
         f"that of the twin itself is {rounded(found.twin_after)}. On {len(found.records)} records."

@@ -10,6 +10,7 @@ from modallab.cli.options import only_with
 from modallab.cli.progress import Display
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
+from modallab.core.digits import percent, probability
 from modallab.core.errors import PlanError, RigError
 from modallab.core.progress import reported_to
 from modallab.formats.atomic import replacing
@@ -19,7 +20,7 @@ from modallab.gap.design.continued import FITTED, continued
 from modallab.gap.design.experiments import DECIDES, Experiment, next_experiments
 from modallab.gap.design.explanations import remaining_explanations
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.summary import sentence
+from modallab.gap.words.verdicts import sentence
 from modallab.service.campaigns.local_session import record_campaign
 
 SHOWN = 6
@@ -70,14 +71,9 @@ def _go_on(
 
 def _said(best: Experiment) -> str:
     return (
-        f"{best.says} Expected: the right explanation gets a probability of {_probability(best.expected)};"
+        f"{best.says} Expected: the right explanation gets a probability of {probability(best.expected)};"
         f" {_long(best.seconds)} at the bench."
     )
-
-
-def _probability(value: float) -> str:
-    # Of certainty there is none.
-    return f"{value:.2f}" if value < 0.995 else "over 0.99"
 
 
 def _long(seconds: float) -> str:
@@ -94,5 +90,5 @@ def _table(found: list[Experiment]) -> Table:
         title=f"likeliest explanation so far: {now}",
     )
     for e in found[:SHOWN]:
-        table.add_row(e.name, _long(e.seconds), _probability(e.expected), f"{e.alone:.0%}")
+        table.add_row(e.name, _long(e.seconds), probability(e.expected), percent(e.alone))
     return table

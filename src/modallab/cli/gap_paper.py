@@ -5,6 +5,7 @@ import argparse
 from rich.console import Console
 from rich.table import Table
 
+from modallab.core.digits import percent
 from modallab.formats.atomic import replacing
 from modallab.pipelines.paper import Paper, paper
 
@@ -27,7 +28,7 @@ def _modes(found: Paper) -> Table:
     for mode in found.modes:
         line = f"{mode.line}{'' if mode.on_line else ' (between)'}"
         plain, hann = (f"{100 * low:.2f} to {100 * high:.2f} %" for low, high in (mode.plain, mode.hann))
-        table.add_row(f"{mode.printed_hz} Hz", f"{mode.printed_damping:.2%}", line, plain, hann)
+        table.add_row(f"{mode.printed_hz} Hz", percent(mode.printed_damping, 3), line, plain, hann)
     return table
 
 

@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.table import Table
 
 from modallab.cli.gap import read_diagnosis
+from modallab.core.digits import rounded
 from modallab.core.progress import reported_to
-from modallab.core.rounded import rounded
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig, write_rig

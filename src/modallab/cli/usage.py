@@ -41,7 +41,7 @@ class Parser(argparse.ArgumentParser):
         what, remedy = self._said(message)
         raise UsageError(what, remedy=remedy)
 
-    def parse_known_args(  # pyright: ignore[reportIncompatibleMethodOverride]  # its overloads differ in types only
+    def parse_known_args(  # its overloads differ in types only
         self, args: Any = None, namespace: Any = None
     ) -> tuple[Any, list[str]]:
         """As argparse's own, but what is left over is rejected by the command that does not know it."""
@@ -59,7 +59,8 @@ class Parser(argparse.ArgumentParser):
         for pattern, what, remedy in _RULES:
             if found := re.fullmatch(pattern, message):
                 return what.format(*found.groups()), remedy or self._form(found[1])
-        argument, said = re.fullmatch(r"(?:argument (.+?): )?(.*)", message, re.DOTALL).groups()  # pyright: ignore[reportOptionalMemberAccess]
+        found = re.fullmatch(r"(?:argument (.+?): )?(.*)", message, re.DOTALL)
+        argument, said = found.groups() if found else (None, message)
         return f"{argument} {said}" if argument else said, self._help()
 
     def _of_choice(self, argument: str, value: str, listed: str) -> tuple[str, str]:

@@ -14,7 +14,6 @@ from importlib import import_module
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from threading import Event, Thread
-from typing import cast
 
 from modallab.core.blas_threads import say_one_thread
 
@@ -54,7 +53,7 @@ def start_owned(
     )
     process.start()
     watched.close()
-    return process, cast("Connection", life)
+    return process, life
 
 
 def run_owned(life: Connection, owner: int, grace_s: float, target: str, arguments: bytes, *handles: object) -> None:

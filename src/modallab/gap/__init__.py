@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from modallab.gap.design.prediction import predict, predicted_campaign
     from modallab.gap.diagnosis import diagnose
     from modallab.gap.report.calibrated import diagnosed_twin
-    from modallab.gap.report.summary import sentence
+    from modallab.gap.words.verdicts import sentence
 
 __all__ = [
     "Distinguishability",
@@ -29,6 +29,6 @@ __getattr__ = lazily(
         "design.prediction": ("predict", "predicted_campaign"),
         "report.calibrated": ("diagnosed_twin",),
         "diagnosis": ("diagnose",),
-        "report.summary": ("sentence",),
+        "words.verdicts": ("sentence",),
     },
 )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.blas_threads import one_thread
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, Percent, Shrink, Verdict
+from modallab.core.digits import percent
 from modallab.core.effects import kind_of
 from modallab.core.progress import part, report
 from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
@@ -44,7 +45,7 @@ Array = NDArray[np.float64]
 
 SEED = 20240501
 USUAL = "The rig file states no tolerances: a lab's usual ones stand for them; the budget lists them."
-TOLERATED = "No effect explains the remaining {:.2%} of the response on held-out records; the rig file tolerates them."
+TOLERATED = "No effect explains the remaining {} of the response on held-out records; the rig file tolerates them."
 LOOSE_ASSEMBLY = (
     "Together, the parameters of the assembly deviate more than the tolerances of the rig; none does alone."
 )
@@ -128,7 +129,7 @@ def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool,
         *([] if choice.tolerated is None else [TOLERATED.format(choice.tolerated)]),
         *([LOOSE_ASSEMBLY] if choice.flat and not ordinary(choice.base) else []),
         *(
-            f"Does no harm: {f.effect.replace('_', ' ')}, {harm(prepared, f):.1%} of the response."
+            f"Does no harm: {f.effect.replace('_', ' ')}, {percent(harm(prepared, f))} of the response."
             for f in shows
             if _harmless(prepared, f)
         ),

@@ -157,7 +157,7 @@ class Cluster:
             try:
                 if part is not None:
                     part.close(timeout=CLOSE_S)
-            except (OSError, TimeoutError):
+            except OSError:
                 # The other side is gone already; its processes end by themselves.
                 continue
         if self._own is not None:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
-from typing import Any, cast
+from typing import Any
 
 from dask import config
 from distributed import Scheduler
@@ -55,7 +55,7 @@ class SchedulerProcess(ProcessInterface):
         """
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
-        self._connection = cast("Connection", ours)
+        self._connection = ours
         self._process = context.Process(
             target=run_scheduler, args=(theirs, self._settings), name="scheduler", daemon=True
         )

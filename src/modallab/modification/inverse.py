@@ -91,7 +91,7 @@ def _at_point(known: Known, mode: int, to_hz: float, by: By, at: At) -> Answer:
     def off(log_size: float) -> float:
         return _hz(known, mode, by, at, float(np.exp(log_size))) - to_hz
 
-    size = float(np.exp(brentq(off, np.log(low), np.log(high), xtol=1e-9)))  # pyright: ignore[reportArgumentType]
+    size = float(np.exp(brentq(off, np.log(low), np.log(high), xtol=1e-9)))
     return Answer(at, size, _sigma(known, to_hz, by, at, size), *reached)
 
 

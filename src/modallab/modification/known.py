@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
@@ -57,6 +58,20 @@ class Known:
         """
         self.model, self.rig, self.hits, self.changes = model, rig, hits, tuple(changes)
         self.structure = structure_of(model, rig)
+
+    @property
+    def stated_rig(self) -> Rig:
+        """The rig, with the places of its points.
+
+        Raises:
+            DataError: none is known.
+        """
+        if self.rig is None:
+            raise DataError(
+                "the places of the points are not known",
+                remedy="name the rig file (--rig), or identify a campaign with one",
+            )
+        return self.rig
 
     @cached_property
     def samples(self) -> Structure:
@@ -132,7 +147,7 @@ class Known:
         of: Sequence[At],
         quantity: Quantity = "acceleration",
         between: Between = "band-limited",
-        start: dict[str, dict[At, float]] | None = None,
+        start: dict[Quantity, dict[At, float]] | None = None,
     ) -> Real:
         """(outputs, samples) motion that forces give.
 
@@ -175,7 +190,7 @@ class Known:
         poles = 2 * np.pi * m.frequency_hz * (-m.damping_ratio + 1j * np.sqrt(1 - m.damping_ratio**2))
         return poles, residues_of(self.attached, poles)
 
-    def _started(self, start: dict[str, dict[At, float]]) -> Complex:
+    def _started(self, start: dict[Quantity, dict[At, float]]) -> Complex:
         poles, psi = self._poles_and_shapes
         at = {name: psi @ self.structure.columns(list(values)) for name, values in start.items()}
         return modal_states(at, poles, {name: np.array(list(values.values())) for name, values in start.items()})

@@ -172,7 +172,7 @@ def ramp_weights(pole: complex, dt: float) -> tuple[complex, complex]:
     return complex((grows - 1) / pole - after), complex(after)
 
 
-def modal_states(modes_at: Mapping[str, Complex], poles: Complex, given: Mapping[str, Real]) -> Complex:
+def modal_states(modes_at: Mapping[Quantity, Complex], poles: Complex, given: Mapping[Quantity, Real]) -> Complex:
     """(modes,) modal states of the smallest size that give displacements and velocities at some places.
 
     Args:
@@ -182,7 +182,7 @@ def modal_states(modes_at: Mapping[str, Complex], poles: Complex, given: Mapping
     """
     rows, wanted = [], []
     for quantity, psi in modes_at.items():
-        order = DERIVATIVE[quantity]  # pyright: ignore[reportArgumentType]
+        order = DERIVATIVE[quantity]
         shape = (psi * poles[:, None] ** order).T
         rows.append(np.concatenate([2 * shape.real, -2 * shape.imag], axis=1))
         wanted.append(given[quantity])

@@ -102,7 +102,8 @@ class Structure:
         return np.einsum("loi,il->ol", self.receptance(s, left, right), forces, optimize=True)
 
     def _kernels(self, s: Complex) -> tuple[Complex, Complex]:
-        return tuple(1 / _apart(s[..., :, None] - p[..., None, :], p) for p in (self.poles, self.poles.conj()))  # pyright: ignore[reportReturnType]
+        p, q = self.poles, self.poles.conj()
+        return 1 / _apart(s[..., :, None] - p[..., None, :], p), 1 / _apart(s[..., :, None] - q[..., None, :], q)
 
 
 def _weighted(weights: Complex, matrices: Complex) -> Complex:

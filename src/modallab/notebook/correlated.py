@@ -4,8 +4,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from modallab.core.block import Campaign
-from modallab.core.model import ModalModel
 from modallab.formats.fem.matrix_model import MatrixModel
 from modallab.modification.known import Known
 from modallab.notebook.put_to_use import PutToUse
@@ -39,12 +37,6 @@ class Correlated:
     """What a measured model says of another model of its structure."""
 
     __slots__ = ()
-    campaign: Campaign
-
-    @property
-    def modal(self) -> ModalModel:
-        """Every array of the model."""
-        raise NotImplementedError
 
     @property
     def known(self) -> Known:
@@ -64,7 +56,8 @@ class Correlated:
         if isinstance(other, PutToUse):
             known = other.known
         else:
-            known = Known(read_reference(Path(other), self.campaign.rig, self.modal)[0], self.campaign.rig)
+            rig = self.known.stated_rig
+            known = Known(read_reference(Path(other), rig, self.known.model)[0], rig)
         found = correlate(self.known, known)
         return Answered(found, *correlation_rows(found))
 

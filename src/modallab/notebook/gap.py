@@ -7,6 +7,7 @@ from modallab.cli.gap import read_diagnosis
 from modallab.core.blas_threads import one_thread
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.digits import probability
 from modallab.core.effects import kind_of
 from modallab.core.errors import FormatError
 from modallab.core.modal_diagnosis import ModalDiagnosis
@@ -14,7 +15,8 @@ from modallab.gap.diagnosis import diagnose as diagnose_campaign
 from modallab.gap.inference.agreement import Agreement
 from modallab.gap.inference.agreement import agreement as compare_with_simulation
 from modallab.gap.report.calibrated import diagnosed_twin
-from modallab.gap.report.summary import place_in_words, sentence
+from modallab.gap.words.effects import of_parameter, place_of
+from modallab.gap.words.verdicts import sentence
 from modallab.notebook.arguments import path_for
 from modallab.notebook.identify import campaign_in
 from modallab.notebook.measured import MeasuredFrf
@@ -57,12 +59,12 @@ class GapFound:
     def table(self) -> Shown:
         """The effects, a row for each of their numbers, with the interval of 95 %."""
         rows: list[tuple[str, str, str, str, str]] = []
+        names = [c.name for c in self.campaign.rig.channels]
         for found in self.diagnosis.effects:
+            place = place_of(found, names)[0]
             for number in kind_of(found.effect).parameters:
-                within = found.interval.get(number.name)
-                value = f"{number.name} = {found.parameters[number.name]:.4g} {number.unit}"
-                between = "{:.4g} to {:.4g}".format(*within) if within is not None else "not known"
-                rows.append((found.effect, place_in_words(found), value, between, f"{found.probability:.2f}"))
+                value, between = of_parameter(found, number)
+                rows.append((found.effect, place, f"{number.name} = {value}", between, probability(found.probability)))
         return Shown(("effect", "place", "number", "95 %", "probability"), rows, self.sentence)
 
     def save(self, path: str | Path) -> Path:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
+from modallab.core.digits import concise
 from modallab.core.errors import DataError
 from modallab.core.extras import optional_package
 from modallab.core.frf import Frf
@@ -24,7 +25,6 @@ from modallab.notebook.understood import Understood
 from modallab.pipelines.identify import Identified, Result
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.model_use import known_of
-from modallab.reporting.digits import concise
 from modallab.verification.comparison import common_shapes
 
 if TYPE_CHECKING:

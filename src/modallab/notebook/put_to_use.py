@@ -93,7 +93,7 @@ class PutToUse:
                 f"{len(forces)} forces at {len(points)} points", remedy="give a row of force for each point"
             )
         asked = self._sensors() if of is None else _places(of)
-        begin = None if start is None else {str(k): dict(v) for k, v in start.items()}
+        begin = None if start is None else {k: dict(v) for k, v in start.items()}
         motion = self.known.response(forces, dt, points, asked, quantity, between, begin)
         return PredictedMotion(motion, dt, tuple(asked), quantity)
 

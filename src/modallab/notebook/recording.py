@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from modallab.core.block import Campaign
 from modallab.core.errors import FormatError, RigError
@@ -118,14 +118,14 @@ def _paths(path: object) -> list[Path]:
     return [Path(one) for one in cast("list[str | Path]", listed)]
 
 
-def _options(given: dict[str, object]) -> ImportOptions:
+def _options(given: dict[str, Any]) -> ImportOptions:
     known = [field.name for field in fields(ImportOptions)]
     for name in given:
         if name not in known:
             near = get_close_matches(name, known, n=1)
             remedy = f"did you mean {near[0]}?" if near else f"use one of {', '.join(known)}"
             raise FormatError(f"ml.load has no option {name!r}", remedy=remedy)
-    return ImportOptions(**given)  # pyright: ignore[reportArgumentType]
+    return ImportOptions(**given)
 
 
 def _require(path: Path) -> None:

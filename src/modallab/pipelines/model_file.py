@@ -1,6 +1,7 @@
 """Models as JSON, for other programs."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
 from itertools import combinations
 from pathlib import Path
@@ -116,7 +117,7 @@ def _assessment(found: Assessment) -> dict[str, object]:
     }
 
 
-def _finite(values: dict[str, object]) -> dict[str, object]:
+def _finite(values: Mapping[str, object]) -> dict[str, object]:
     return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.digits import percent
 from modallab.core.frozen import Frozen
 from modallab.core.plan import BLOCK_S
 from modallab.core.rig import Beam
@@ -142,6 +143,10 @@ def _scaled(own_hz: Array) -> tuple[list[float], float]:
     return (scales[k] * own_hz).tolist(), float(off[k])
 
 
+def _range(low: float, high: float) -> str:
+    return f"{percent(low)} to {percent(high)}"
+
+
 def _said(modes: list[PaperMode], listed: list[Explanation], apart: float) -> list[str]:
     first, second, third = modes
     rigid, spring, mass = listed
@@ -149,13 +154,13 @@ def _said(modes: list[PaperMode], listed: list[Explanation], apart: float) -> li
     said = [
         f"A block of {BLOCK_S} s has lines {LINE_HZ:.3f} Hz apart: a frequency read off a peak is known to half of "
         f"that, {LINE_HZ / 2:.2f} Hz. Lines {' and '.join(lines)} are in the table.",
-        f"Mode 1, {first.printed_damping:.2%}: any beam of {DAMPING[0]:.1%} to {DAMPING[-1]:.0%} reads "
-        f"{first.plain[0]:.1%} to {first.plain[1]:.1%} in such a block without a window, and {first.hann[0]:.1%} to "
-        f"{first.hann[1]:.1%} under a Hann window. As a relative width it is a damping ratio of {first.as_width:.2%}, "
-        "as a damping ratio it is what the window leaves: either way it is the block, not the beam.",
-        f"Of mode 2's {second.printed_damping:.2%} and mode 3's {third.printed_damping:.2%} the block alone makes "
-        f"{second.plain[0]:.1%} and {third.plain[0]:.1%}, under a Hann window {second.hann[0]:.1%} and "
-        f"{third.hann[0]:.1%}: the rest may be the beam's.",
+        f"Mode 1, {percent(first.printed_damping, 3)}: any beam of {_range(DAMPING[0], DAMPING[-1])} reads "
+        f"{_range(*first.plain)} in such a block without a window, and {_range(*first.hann)} under a Hann window. As a "
+        f"relative width it is a damping ratio of {percent(first.as_width, 3)}, as a damping ratio it is what the "
+        "window leaves: either way it is the block, not the beam.",
+        f"Of mode 2's {percent(second.printed_damping, 3)} and mode 3's {percent(third.printed_damping, 3)} the block "
+        f"alone makes {percent(second.plain[0])} and {percent(third.plain[0])}, under a Hann window "
+        f"{percent(second.hann[0])} and {percent(third.hann[0])}: the rest may be the beam's.",
         f"The frequencies' ratios are not those of an ideal clamp. A root spring of {spring.best:.3g} EI/L and a tip "
         f"mass of 1/{1 / (mass.best or 1):.0f} of the beam fit equally: their frequencies differ by {apart:.2g} Hz at "
         f"most, {apart / LINE_HZ:.2g} of a line. Frequencies alone cannot decide; shapes and residues can.",

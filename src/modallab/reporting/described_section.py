@@ -2,19 +2,18 @@
 
 from modallab.core.described import Learned
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.rounded import rounded
+from modallab.core.digits import rounded, with_interval
 from modallab.reporting.gap_candidates import closed_bar
 from modallab.reporting.gap_page import captioned, section
 from modallab.reporting.markup import Markup, table, tag
 from modallab.twin.effects import model_of
 
 
-def _between(element: Learned, name: str) -> str:
-    """The interval of a number; why there is none, where it is not known."""
-    within, why = element.interval.get(name), element.not_known.get(name)
-    if within is not None:
-        return f"{within[0]:.5g} to {within[1]:.5g}"
-    return f"not known: {why}" if why else ""
+def _number(element: Learned, name: str) -> tuple[str, str]:
+    """A number and its interval; why there is none, where it is not known."""
+    value, between = with_interval(element.parameters[name], element.interval.get(name))
+    why = element.not_known.get(name)
+    return value, f"not known: {why}" if why else between
 
 
 def described_section(diagnosis: Diagnosis) -> Markup | None:
@@ -25,13 +24,11 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
     rows: list[list[str]] = []
     for element in described.elements:
         kind = model_of(element.element).kind
-        for name, value in element.parameters.items():
+        for name in element.parameters:
             unit = kind.parameter(name).unit
-            between = _between(element, name)
-            rows.append([f"{name} {f'({unit})' if unit else ''}".strip(), f"{value:.5g}", between])
+            rows.append([f"{name} {f'({unit})' if unit else ''}".strip(), *_number(element, name)])
     if described.x_m is not None:
-        between = "{:.4f} to {:.4f}".format(*described.x_m_interval) if described.x_m_interval is not None else ""
-        rows.append(["place (m from the clamp)", f"{described.x_m:.4f}", between])
+        rows.append(["place (m from the clamp)", *with_interval(described.x_m, described.x_m_interval)])
     shrink = described.shrink
     said = (
         f"Share of the reducible gap that this closes on {len(shrink.held_out)} records no fit has seen: from "

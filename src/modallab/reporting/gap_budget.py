@@ -1,9 +1,9 @@
 """The budget of a gap on its page: where it comes from, part by part."""
 
 from modallab.core.diagnosis import Budget, BudgetRow, Diagnosis
+from modallab.core.digits import part_of
 from modallab.reporting.bars import Bar, bars
-from modallab.reporting.gap_page import captioned, section
-from modallab.reporting.gap_words import mostly, part_of, typeset
+from modallab.reporting.gap_page import captioned, section, typeset
 from modallab.reporting.markup import Markup, table, tag
 
 LEAST_SHARE = 0.005
@@ -37,7 +37,14 @@ def _table(budget: Budget) -> Markup:
 
 def _row(row: BudgetRow) -> list[str]:
     moved = "" if row.sigmas is None else f"{row.sigmas:+.1f}".replace("-", "\u2212")
-    return [typeset(row.said), part_of(row.share), moved, mostly(row)]
+    return [typeset(row.said), part_of(row.share), moved, _mostly(row)]
+
+
+def _mostly(row: BudgetRow) -> str:
+    """Test, channel, band and mode with the most of a part."""
+    most = {division: max(by, key=lambda name: abs(by[name])) for division, by in row.by.items() if by}
+    spoken = {"test": "{} test", "channel": "{}", "band": "{} Hz", "mode": "mode {}"}
+    return ", ".join(spoken[division].format(name) for division, name in most.items()).replace("-", " to ")
 
 
 def _usual(budget: Budget) -> Markup | None:

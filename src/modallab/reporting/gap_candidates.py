@@ -1,12 +1,12 @@
 """What a diagnosis compared: explanations with what they leave, and the residual before and after."""
 
-from modallab.core.diagnosis import Diagnosis, Shrink
-from modallab.core.rounded import rounded
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Shrink
+from modallab.core.digits import part_of, probability, rounded
+from modallab.gap.words.effects import named
 from modallab.reporting.bars import Bar, bars
 from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import Row, log_bars
 from modallab.reporting.gap_page import captioned, section
-from modallab.reporting.gap_words import named, part_of, probability_of, sure
 from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.sections.section import plate
 
@@ -19,7 +19,7 @@ def candidates_section(diagnosis: Diagnosis) -> Markup | None:
         return None
     rows = [Row("no effect", (diagnosis.gap.before,))]
     rows += [
-        Row(named(c.effects), (c.gap,), f", probability {sure(probability_of(c, diagnosis))}")
+        Row(named(c.effects), (c.gap,), f", probability {probability(_stated(c, diagnosis))}")
         for c in diagnosis.candidates
     ]
     said = (
@@ -27,6 +27,12 @@ def candidates_section(diagnosis: Diagnosis) -> Markup | None:
     )
     figure = log_bars(rows, ("gap",), (style.MEASURED,), above=True)
     return section("The candidates", plate(figure, "candidates", said, said, columns=1))
+
+
+def _stated(candidate: CandidateSet, diagnosis: Diagnosis) -> float:
+    """The probability of an explanation; where it is the one effect that was found, what is stated of that effect."""
+    one = diagnosis.effects[0] if len(diagnosis.effects) == 1 else None
+    return one.probability if one is not None and candidate.effects == [one.effect] else candidate.probability
 
 
 def shrink_section(diagnosis: Diagnosis) -> Markup | None:

@@ -1,10 +1,20 @@
 """The frame of a page about the gap: head, style and sections."""
 
+import re
 from collections.abc import Sequence
 from importlib.resources import files
 
+from modallab.core.digits import glued
 from modallab.reporting.figures import style
 from modallab.reporting.markup import Markup, tag, trusted
+
+_PERCENT = re.compile(r"(?<=\d)%")
+_MINUS = re.compile(r"(?<![\w\d])-(?=\d)")
+
+
+def typeset(text: str) -> str:
+    """A sentence of a diagnosis with a blank before `%` and true minus signs; older files have neither."""
+    return glued(_MINUS.sub("\u2212", _PERCENT.sub(" %", text)))
 
 
 def page(title: str, said: str | Sequence[str], *sections: Markup | None) -> str:

@@ -3,20 +3,20 @@
 from pathlib import Path
 
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.diagnosis import Diagnosis, Found, Percent
+from modallab.core.digits import percent, probability, rounded
 from modallab.core.effects import kind_of
 from modallab.core.rig import Rig
-from modallab.core.rounded import rounded
 from modallab.formats.atomic import replacing
-from modallab.gap.report.summary import own_error, sentence
 from modallab.gap.revisions.history import history
+from modallab.gap.words.effects import FROM_CLAMP, interval_m, of_parameter, place_of
+from modallab.gap.words.verdicts import own_error, sentence
 from modallab.reporting.described_section import described_section
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
 from modallab.reporting.gap_budget import budget_section
 from modallab.reporting.gap_candidates import candidates_section, residual_section, shrink_section
-from modallab.reporting.gap_page import captioned, page, section
-from modallab.reporting.gap_words import both, of_parameter, place_of, sure, typeset
+from modallab.reporting.gap_page import captioned, page, section, typeset
 from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.revisions_report import revisions_section
 from modallab.reporting.sections.section import plate
@@ -38,7 +38,7 @@ def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
     """The whole page as text."""
     return page(
         f"The gap of {campaign.rig.name}",
-        typeset(sentence(diagnosis, [c.name for c in campaign.rig.channels])),
+        typeset(sentence(diagnosis, _names(campaign.rig))),
         _width(diagnosis),
         _place(diagnosis, campaign.rig),
         _effects(diagnosis, campaign.rig),
@@ -57,11 +57,11 @@ def _width(diagnosis: Diagnosis) -> Markup:
     """The gap in both its measures: noise units, and percent of the response."""
     gap = diagnosis.gap
     rows = [
-        ["as the rig file describes the bench", "–", *both(gap.share_nominal)],
-        ["the same, as near as its tolerances allow", rounded(gap.before), *both(gap.share_before)],
+        ["as the rig file describes the bench", "–", *_sides(gap.share_nominal)],
+        ["the same, as near as its tolerances allow", rounded(gap.before), *_sides(gap.share_before)],
     ]
     if diagnosis.effects:
-        rows.append(["with what was found", rounded(gap.after), *both(gap.share_after)])
+        rows.append(["with what was found", rounded(gap.after), *_sides(gap.share_after)])
     head = ["simulation", "noise units", "% at resonance", "% away from it"]
     said = table("Measured less simulated", head, rows, numeric=(1, 2, 3))
     note = (
@@ -71,17 +71,23 @@ def _width(diagnosis: Diagnosis) -> Markup:
     return tag("section", said, tag("p", note + typeset(own_error(gap))))
 
 
+def _sides(share: Percent | None) -> tuple[str, str]:
+    """At resonance and away from it."""
+    at, away = (None, None) if share is None else (share.at_resonance, share.away)
+    return percent(at), percent(away)
+
+
 def _place(diagnosis: Diagnosis, rig: Rig) -> Markup:
     where = diagnosis.where
     within = None
     if where.stage is None:
         said = "Nothing stands out: what is left lies within noise and tolerances."
     else:
-        placed = [place_of(f, rig) for f in diagnosis.effects if f.place.get("x_m") == where.x_m is not None]
+        placed = [place_of(f, _names(rig)) for f in diagnosis.effects if f.place.get("x_m") == where.x_m is not None]
         at = f", {where.x_m:.3f} m from the clamp" if where.x_m is not None else ""
         if placed:
             at = f", {placed[0][0]}" + (f" (95 %: {placed[0][1]})" if placed[0][1] else "")
-            within = _within_m(diagnosis)
+            within = next(filter(None, map(interval_m, diagnosis.effects)), None)
         channels = f" Channels: {', '.join(where.channels)}." if where.channels else ""
         tests = f" Seen in the {' and the '.join(where.tests)} test." if where.tests else ""
         said = f"Stage: {where.stage}{at}.{channels}{tests}"
@@ -90,12 +96,8 @@ def _place(diagnosis: Diagnosis, rig: Rig) -> Markup:
     return section("Where it lies", captioned(picture, typeset(said)), why)
 
 
-def _within_m(diagnosis: Diagnosis) -> tuple[float, float] | None:
-    for found in diagnosis.effects:
-        x, x_m, share = found.place.get("x"), found.place.get("x_m"), found.interval.get("x")
-        if share is not None and isinstance(x, float) and isinstance(x_m, float) and x:
-            return share[0] * x_m / x, share[1] * x_m / x
-    return None
+def _names(rig: Rig) -> list[str]:
+    return [c.name for c in rig.channels]
 
 
 def _effects(diagnosis: Diagnosis, rig: Rig) -> Markup | None:
@@ -107,11 +109,11 @@ def _effects(diagnosis: Diagnosis, rig: Rig) -> Markup | None:
 
 def _effect(found: Found, rig: Rig) -> Markup:
     """A table of one effect: its place and its numbers, each with its interval."""
-    place, interval = place_of(found, rig)
-    tail = " from the clamp"
+    place, interval = place_of(found, _names(rig))
+    tail = FROM_CLAMP
     rows = [["place" + tail * place.endswith(tail), place.removesuffix(tail), interval]] if place else []
     rows += [[p.name, *of_parameter(found, p)] for p in kind_of(found.effect).parameters]
-    caption = f"{model_of(found.effect).spoken}, probability {sure(found.probability)}"
+    caption = f"{model_of(found.effect).spoken}, probability {probability(found.probability)}"
     return table(caption[0].upper() + caption[1:], ["", "value", "95 % interval"], rows, numeric=(1, 2))
 
 

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from modallab.core.digits import concise
 from modallab.core.errors import StorageError
 from modallab.core.model import ModalModel
 from modallab.formats.atomic import replacing
 from modallab.modification.inverse import Answer, By
 from modallab.modification.modified import ModesAfter
-from modallab.reporting.digits import concise
 
 SAME = 0.5
 """MAC above which a mode after a change is called by the number of the one before."""

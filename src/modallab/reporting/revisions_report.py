@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from math import log10
 from pathlib import Path
 
+from modallab.core.digits import rounded
 from modallab.core.rig import Rig
-from modallab.core.rounded import rounded
 from modallab.formats.atomic import replacing
 from modallab.gap.revisions.history import Step
 from modallab.reporting.gap_page import captioned, page, section

@@ -3,12 +3,14 @@
 from pathlib import Path
 
 from modallab.core.diagnosis import Found
+from modallab.core.digits import probability
+from modallab.core.effects import kind_of
 from modallab.formats.atomic import replacing
 from modallab.gap.simulations.compare import Compared
-from modallab.gap.simulations.sentence import sentence_of
+from modallab.gap.words.effects import of_parameter, place_of
+from modallab.gap.words.verdicts import sentence_of_simulation
 from modallab.reporting.gap_candidates import channel_bars
 from modallab.reporting.gap_page import page, section
-from modallab.reporting.gap_words import sure
 from modallab.reporting.markup import Markup, table, tag
 from modallab.twin.effects import model_of
 
@@ -19,7 +21,9 @@ def write_simulation_report(path: Path, found: Compared) -> None:
     Raises:
         StorageError: the file can't be written.
     """
-    text = page(f"A simulation of {found.rig}", sentence_of(found), _effects(found), _channels(found), _notes(found))
+    text = page(
+        f"A simulation of {found.rig}", sentence_of_simulation(found), _effects(found), _channels(found), _notes(found)
+    )
     with replacing(path) as draft:
         draft.write_text(text, encoding="utf-8", newline="\n")
 
@@ -36,9 +40,8 @@ def _effects(found: Compared) -> Markup | None:
 
 
 def _row(whose: str, found: Found) -> list[str]:
-    numbers = ", ".join(f"{name} = {value:.5g}" for name, value in found.parameters.items())
-    place = ", ".join(f"{name} {value}" for name, value in found.place.items() if name != "x")
-    return [whose, model_of(found.effect).spoken, numbers, place, sure(found.probability)]
+    numbers = ", ".join(f"{p.name} = {of_parameter(found, p)[0]}" for p in kind_of(found.effect).parameters)
+    return [whose, model_of(found.effect).spoken, numbers, place_of(found)[0], probability(found.probability)]
 
 
 def _channels(found: Compared) -> Markup:

@@ -1,15 +1,14 @@
 """What a structure's diagnosis tried, and its gap channel by channel and mode by mode, before and after."""
 
+from modallab.core.digits import percent, plain, probability
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis, PartOfGap
 from modallab.gap.modal.diagnosis import Explained
-from modallab.reporting.digits import plain
+from modallab.gap.words.effects import numbers_of, spoken_change
 from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import Row, Scale, log_bars
 from modallab.reporting.gap_page import section
-from modallab.reporting.gap_words import percent, sure
 from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.sections.section import plate
-from modallab.reporting.structure_words import numbers_of, spoken
 
 SHARE = Scale("rms of measured less predicted [% of the response]", 0.1, 10.0, "{:.2g} %".format)
 """From a thousandth of the response."""
@@ -24,9 +23,12 @@ def candidates_section(explained: Explained) -> Markup | None:
         return None
     found, judged = explained.diagnosis, explained.judged
     left = [c.gap for c in found.candidates]
-    rows = [["no change", sure(judged.nothing), percent(found.before), ""]]
-    rows += [[spoken(c), sure(c.probability), percent(gap), _numbers(c)] for c, gap in zip(listed, left, strict=True)]
-    rows.append(["something without a name", sure(judged.unknown), "", f"most likely in {judged.where}"])
+    rows = [["no change", probability(judged.nothing), percent(found.before), ""]]
+    rows += [
+        [spoken_change(c), probability(c.probability), percent(gap), _numbers(c)]
+        for c, gap in zip(listed, left, strict=True)
+    ]
+    rows.append(["something without a name", probability(judged.unknown), "", f"most likely in {judged.where}"])
     head = ["explanation", "probability", "leaves", "numbers (95 %)"]
     known = found.verdict == "known"
     said = (

@@ -5,19 +5,20 @@ from pathlib import Path
 
 import numpy as np
 
+from modallab.core.digits import percent, probability
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
 from modallab.gap.modal.diagnosis import Explained
+from modallab.gap.words.effects import at_of_change, numbers_of, place_of_change
+from modallab.gap.words.verdicts import sentence_by_model
 from modallab.reporting.figures.structure_curves import structure_curves
 from modallab.reporting.figures.structure_picture import Marked, structure_picture
-from modallab.reporting.gap_page import captioned, page, section
-from modallab.reporting.gap_words import percent, sure, typeset
+from modallab.reporting.gap_page import captioned, page, section, typeset
 from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.sections.section import plate
 from modallab.reporting.structure_parts import candidates_section, parts_section
-from modallab.reporting.structure_words import at_of_change, numbers_of, place_of_change, sentence_by_model
 from modallab.twin.effects import model_of
 
 
@@ -129,7 +130,7 @@ def _what(found: ModalDiagnosis) -> Markup | None:
         return None
     tables = [
         table(
-            f"{model_of(c.effect).spoken.capitalize()} {place_of_change(c)}, probability {sure(c.probability)}",
+            f"{model_of(c.effect).spoken.capitalize()} {place_of_change(c)}, probability {probability(c.probability)}",
             ["", "value", "95 % interval"],
             numbers_of(c),
             numeric=(1, 2),

@@ -6,10 +6,10 @@ from math import isfinite
 from rich import box
 from rich.table import Table
 
+from modallab.core.digits import UNKNOWN, alike, concise, plain, probability
 from modallab.core.model import ModalModel
 from modallab.reporting.compare import Confidence, Mode, Reading, modes
 from modallab.reporting.content import Truth
-from modallab.reporting.digits import UNKNOWN, alike, concise, confident, plain
 
 # No Greek letters: a terminal that knows only its country's letters would stop at them.
 VALUES = ("frequency\n[Hz]", "damping\n[%]", "half-power\n[%]")
@@ -42,7 +42,7 @@ def modal_table(
         for reading in mode.readings:
             cells = _cells(mode, reading, truth is not None)
             if known:
-                cells.append(confident(reading.confidence))
+                cells.append(probability(reading.confidence))
             table.add_row(*cells, end_section=reading is mode.readings[-1])
     return table
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from modallab.core.digits import concise, listed
 from modallab.modification.deflection import Deflection
 from modallab.modification.freedoms import Freedom
 from modallab.modification.nodes import ModePlaces
 from modallab.modification.participation import ModalParticipation
 from modallab.modification.structure import At
-from modallab.reporting.digits import concise, listed
 from modallab.reporting.modified_table import TableRows
 from modallab.updating.correlation import Correlation
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from modallab.reporting.digits import concise, listed, plain
+from modallab.core.digits import concise, listed, plain
 from modallab.reporting.modified_table import TableRows
 from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters

@@ -38,7 +38,7 @@ def _copy(source: Connection, target: Connection, table: Table) -> None:
     columns = [column for column in table.columns if column.name in known]
     rows = source.execution_options(yield_per=BATCH).execute(select(*columns)).mappings()
     for part in rows.partitions(BATCH):
-        target.execute(insert(table), [dict(row) for row in part])
+        target.execute(insert(table), [{str(name): value for name, value in row.items()} for row in part])
     _go_on_counting(target, table)
 
 

@@ -84,7 +84,7 @@ def _postgresql(url: str) -> Engine:
 
 def _prepare_sqlite(connection: DBAPIConnection, _record: object) -> None:
     # The driver would otherwise begin by itself, deferred: a reader that turns writer meets BUSY without a wait.
-    connection.isolation_level = None  # pyright: ignore[reportAttributeAccessIssue]
+    connection.isolation_level = None
     cursor = connection.cursor()
     cursor.execute("PRAGMA journal_mode=WAL")
     cursor.execute("PRAGMA synchronous=FULL")

@@ -148,7 +148,8 @@ def transfer(chain: Chain, channels: tuple[int, ...], s: Complex) -> Complex:
 
     At s = 0 a high-pass and an integral have no answer; there it is 0.
     """
-    total = np.ones((len(channels), *s.shape), dtype=np.complex128) / chain.force_gain
+    total: Complex = np.ones((len(channels), *s.shape), dtype=np.complex128)
+    total /= chain.force_gain
     if chain.corner_hz:
         total *= s / (s + 2 * np.pi * chain.corner_hz)
     if chain.delay_s:

@@ -162,9 +162,9 @@ def over(value: float, tolerance: float) -> float:
 def x_of(effect: Effect, rig: Rig) -> float:
     """Where an effect on the beam is, in m from the clamp."""
     assert rig.beam is not None
-    return float(effect.place["x"]) * rig.beam.length_m  # pyright: ignore[reportArgumentType]
+    return float(effect.place["x"]) * rig.beam.length_m  # pyrefly: ignore[bad-argument-type]
 
 
 def channel_of(effect: Effect) -> int:
     """The row of an effect on one channel."""
-    return int(effect.place["channel"])  # pyright: ignore[reportArgumentType]
+    return int(effect.place["channel"])  # pyrefly: ignore[bad-argument-type]

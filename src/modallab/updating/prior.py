@@ -28,7 +28,7 @@ class Prior:
     unit: str = ""
 
     def __post_init__(self) -> None:
-        """Refuse what is no distribution."""
+        """Reject what is no distribution."""
         if not (isfinite(self.value) and isfinite(self.sigma) and self.sigma > 0):
             raise DataError(
                 f"a prior of {self.value:g} with deviation {self.sigma:g} is none",

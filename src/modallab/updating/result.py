@@ -72,7 +72,7 @@ class UpdatedParameters:
     @property
     def errors(self) -> tuple[Real, Real]:
         """(modes,) relative error of each frequency before and after."""
-        return tuple(check.frequency_hz / self.measured_hz - 1 for check in (self.before, self.after))  # pyright: ignore[reportReturnType]
+        return self.before.frequency_hz / self.measured_hz - 1, self.after.frequency_hz / self.measured_hz - 1
 
     def rms_error(self, modes: tuple[int, ...]) -> tuple[float, float]:
         """Root mean square of the errors of some modes, from 1, before and after."""

@@ -12,9 +12,9 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.design.prediction import predict
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.summary import sentence
 from modallab.gap.revisions.apply import with_diagnosis
 from modallab.gap.simulations.simulation_residual import simulation_residual
+from modallab.gap.words.verdicts import sentence
 from modallab.reporting.gap_report import render
 from modallab_simulators.cantilever import open_bench
 

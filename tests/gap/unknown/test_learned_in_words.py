@@ -4,7 +4,7 @@ import pytest
 
 from modallab.core.described import Learned
 from modallab.core.rig import Rig
-from modallab.gap.unknown.words import said
+from modallab.gap.words.learned import in_words
 
 
 @pytest.mark.parametrize(
@@ -28,15 +28,15 @@ from modallab.gap.unknown.words import said
         ("row_filter", {"gain": 0.9, "delay": -0.0002}, "a factor of 0.9 and a delay of -0.2 ms"),
         ("row_curve", {"knee_v": 2.0, "power": 8.0}, "a saturation that levels off at 2 V, with a knee of power 8,"),
         ("row_curve", {"square": 0.02, "cubic": -0.1}, "a bent scale, u + 0.02 u^2 + -0.1 u^3 of u in V,"),
-        ("row_hold", {"share": 0.05, "kept": 0.0}, "a loss of 5.00% of the samples, with 0 in their place,"),
+        ("row_hold", {"share": 0.05, "kept": 0.0}, "a loss of 5 % of the samples, with 0 in their place,"),
     ],
 )
 def test_each_number_is_said_in_its_unit(element: str, numbers: dict[str, float], words: str, rig: Rig) -> None:
-    assert said([Learned(element=element, parameters=numbers)], rig) == words
+    assert in_words([Learned(element=element, parameters=numbers)], rig) == words
 
 
 def test_where_it_acts_follows(rig: Rig) -> None:
     spring = Learned(element="point_law", parameters={"k": 120.0}, place={"x": 0.5, "x_m": 0.379})
-    assert said([spring], rig) == "a spring of 120 N/m to ground at 0.379 m"
+    assert in_words([spring], rig) == "a spring of 120 N/m to ground at 0.379 m"
     late = Learned(element="row_filter", parameters={"delay": 0.001}, place={"channel": "all"})
-    assert said([late], rig) == "a delay of 1 ms on all accelerometers"
+    assert in_words([late], rig) == "a delay of 1 ms on all accelerometers"

@@ -90,7 +90,7 @@ def test_a_block_that_is_judged_before_its_job_begins_is_not_passed_over(service
     (kind, *_) = kinds(campaigns_of(service.store), service.folder, service.store.revision)
     leases = Leases(service.engine, "a runner")
     (taken,) = leases.take(["identify"], 1)
-    Attempt(taken, kind, leases, client=None).run()  # pyright: ignore[reportArgumentType]
+    Attempt(taken, kind, leases, client=None).run()
     ended = service.jobs.get(job.id)
     assert ended.state == "failed"
     assert "blocks that count have changed" in str(ended.error)

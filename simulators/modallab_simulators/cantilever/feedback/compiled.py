@@ -17,4 +17,4 @@ def compiled(function: _Function) -> _Function:
     # Some install no numba.
     import numba
 
-    return numba.njit(cache=True)(function)  # pyright: ignore[reportReturnType]  # it is called as the function is
+    return numba.njit(cache=True)(function)  # pyrefly: ignore[bad-return]  # it is called as the function is

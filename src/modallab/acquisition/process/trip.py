@@ -13,8 +13,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal, cast
 
-from pydantic import ValidationError
-
 from modallab.core.errors import Http, SafetyError, StorageError
 from modallab.core.frozen import Frozen
 
@@ -95,7 +93,7 @@ class TripLatch:
             return _parsed(self._path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return None
-        except (OSError, ValueError, ValidationError):
+        except (OSError, ValueError):
             return Trip(url=self._url, cause="unreadable", what=f"{self._path} cannot be read", utc="")
 
     def reset(self) -> Trip | None:

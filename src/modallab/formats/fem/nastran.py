@@ -97,4 +97,4 @@ def _punched_rows(lines: Iterable[str]) -> Iterator[tuple[int, float, int, tuple
             elif line.startswith(("$TITLE", "$REAL-IMAGINARY", "$MAGNITUDE-PHASE")):
                 vectors = False
         elif vectors and line[17:18] == "G" and here[0]:
-            yield *here, int(line[:10]), (number(line[18:36]), number(line[36:54]), number(line[54:72]))
+            yield here[0], here[1], int(line[:10]), (number(line[18:36]), number(line[36:54]), number(line[54:72]))

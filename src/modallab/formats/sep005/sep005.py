@@ -86,7 +86,7 @@ def _series(block: Block, rig: Rig) -> list[dict[str, Any]]:
 def _load(path: Path) -> list[dict[str, Any]]:
     try:
         content: Any = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, UnicodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise FormatError(f"is no JSON: {error}", where=str(path), remedy="export the file again") from error
     if not isinstance(content, list) or not content:
         raise FormatError("holds no list of series", where=str(path), remedy=_REMEDY)

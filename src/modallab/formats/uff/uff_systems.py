@@ -75,7 +75,7 @@ class Nodes:
                 where=where,
                 remedy="export in the global coordinate system, or give a rig file with --rig",
             )
-        return f"{'+' if row[main] > 0 else '-'}{'xyz'[main]}"  # pyright: ignore[reportReturnType]
+        return f"{'+' if row[main] > 0 else '-'}{'xyz'[main]}"  # pyrefly: ignore[bad-return]
 
 
 def read_nodes(path: Path) -> Nodes:

@@ -9,13 +9,13 @@ import numpy as np
 
 from modallab.core.blas_threads import one_thread
 from modallab.core.block import Campaign
+from modallab.core.digits import percent
 from modallab.core.errors import DataError
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import bench_of, free_of
-from modallab.gap.report.summary import as_percent
 
 SENSOR = "Check sensitivity, direction, place, mount and cable there."
 
@@ -55,15 +55,15 @@ class Agreement:
     @property
     def sentence(self) -> str:
         """What agrees, what does not, and what to check."""
-        off = [f"{name} ({as_percent(self.channels[name])})" for name in self.differing]
+        off = [f"{name} ({percent(self.channels[name])})" for name in self.differing]
         if self.frequencies is not None and self.damping is not None and self.modes_differ:
             return (
-                f"Natural frequencies differ from the simulation by about {as_percent(self.frequencies)}, or damping "
-                f"ratios by {as_percent(self.damping)}. Check the clamp, added masses and the beam of the rig file."
+                f"Natural frequencies differ from the simulation by about {percent(self.frequencies)}, or damping "
+                f"ratios by {percent(self.damping)}. Check the clamp, added masses and the beam of the rig file."
             )
         if not off:
             return (
-                f"The simulation agrees with all {len(self.channels)} channels within {as_percent(self.tolerated)} of "
+                f"The simulation agrees with all {len(self.channels)} channels within {percent(self.tolerated)} of "
                 "their response."
             )
         if len(off) <= len(self.channels) // 2:

@@ -113,7 +113,7 @@ def _begins(d: ImpactData, hits: Sequence[Block], rig: Rig, channels: Sequence[i
 def _distinct(poles: Complex) -> Complex:
     """Poles sorted by frequency without those next to the one before."""
     found: list[complex] = []
-    for p in sorted(poles, key=abs):
+    for p in poles[np.argsort(np.abs(poles))].tolist():
         if not found or abs(p) > APART * abs(found[-1]):
             found.append(p)
     return np.array(found, dtype=np.complex128)

@@ -64,8 +64,9 @@ class Hung:
         """
         lines, n_out, n_in = outside.shape
         d = len(self.seen)
-        to, of = np.zeros((lines, n_out, d), np.complex128), np.zeros((lines, d, n_in), np.complex128)
-        here = np.zeros((lines, d, d), np.complex128)
+        to: Complex = np.zeros((lines, n_out, d), np.complex128)
+        of: Complex = np.zeros((lines, d, n_in), np.complex128)
+        here: Complex = np.zeros((lines, d, d), np.complex128)
         for k, (o, i) in enumerate(zip(self.outputs, self.inputs, strict=True)):
             here[:, k, k] = self.compliance if o is None or i is None else outside[:, o, i] / self.turn
             if i is not None:

@@ -38,7 +38,7 @@ def forward(twin: Twin, data: Reduced) -> list[Complex]:
 def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
     poles, residue = impact_residue(twin, modes, d, data)
     source = on_clock(d.source, twin)
-    total = np.zeros(d.rows.y.shape, dtype=np.complex128)
+    total: Complex = np.zeros(d.rows.y.shape, dtype=np.complex128)
     forced_sum = impact_residual(twin, modes, d, data)[:, None] * source.s**2
     for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
         forced, tail = source.kernel(pole, hit_ratios(twin, d, data))

@@ -47,7 +47,7 @@ class ManyModes:
     def of(cls, modes: Sequence[Modes], sensors: Array, count: int) -> Self:
         """Of twins whose accelerometers sit there, with so many modes as a rule."""
         poles = np.full((len(modes), count), np.nan, dtype=np.complex128)
-        columns = np.full((len(modes), sensors.shape[2], count), np.nan, dtype=np.complex128)
+        columns: Complex = np.full((len(modes), sensors.shape[2], count), np.nan, dtype=np.complex128)
         for k, own in enumerate(modes):
             if len(own.poles) == count:
                 poles[k], columns[k] = own.poles, own.columns

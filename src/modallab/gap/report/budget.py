@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Budget, BudgetRow, Division
+from modallab.core.digits import percent
 from modallab.core.quadrature import gauss_legendre
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit, Problem
@@ -138,7 +139,7 @@ def _numbers(fit: Fit, problem: Problem, u: Array, explained: Array, split: _Spl
             _together([numbers[k].said for k in group]),
             shares[group].sum(axis=0),
             ", ".join(dict.fromkeys(numbers[k].place for k in group if numbers[k].place)),
-            max(u[group].tolist(), key=abs),
+            float(u[group][np.argmax(np.abs(u[group]))]),
         )
         for group in cancelled(shares[:, 0], parts @ parts.T)
     ]
@@ -184,11 +185,13 @@ def _calibrate(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
     narrows = narrowing(fit)
     said = [m.said for m in moved(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]
-    return [f"The intervals would be {narrows[k]:.0%} narrower if this were measured: {said[k]}." for k in best]
+    return [f"The intervals would be {percent(narrows[k])} narrower if this were measured: {said[k]}." for k in best]
 
 
 def _within(row: BudgetRow) -> str:
-    return f"Within tolerance: {row.said} ({abs(row.sigmas or 0):.1f} sigma); it is {row.share:.0%} of what you see."
+    return (
+        f"Within tolerance: {row.said} ({abs(row.sigmas or 0):.1f} sigma); it is {percent(row.share)} of what you see."
+    )
 
 
 def narrowing(fit: Fit) -> Array:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.digits import change, percent
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.search.choose import Choice
 from modallab.twin.modes import solve
@@ -41,8 +42,9 @@ def _beam(choice: Choice, prepared: Prepared) -> list[str]:
     if share < 0.99 or abs(shift) < FAR * allowed:
         return []
     return [
-        f"All frequencies of the ring-down lie {np.expm1(shift):+.0%} off those of the rig file's beam, and its "
-        f"tolerances allow {allowed:.1%}: check length, thickness and material in the rig file before anything else."
+        f"All frequencies of the ring-down lie {change(np.expm1(shift))} off those of the rig file's beam, and its "
+        f"tolerances allow {percent(allowed)}: check length, thickness and material in the rig file before anything "
+        "else."
     ]
 
 
@@ -65,7 +67,7 @@ def _gains(choice: Choice, prepared: Prepared) -> list[str]:
     free = fit.problem.free
     factors = free.bare(fit.u[: free.size]).chain.gain
     return [
-        f"{rig.channels[channel].name} reads {factor - 1:+.1%} against its sensitivity, "
+        f"{rig.channels[channel].name} reads {change(factor - 1)} against its sensitivity, "
         f"{abs(np.log(factor)) / free.tolerance:.1f} deviations of the rig file's tolerance: calibrate it."
         for channel, factor in factors.items()
         if abs(np.log(factor)) > PULLED * free.tolerance

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.digits import change, part_of, percent, rounded
 from modallab.core.effects import Stage
-from modallab.core.rounded import rounded
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced, Rows
 from modallab.gap.model.fit import Fit, Problem, all_hz, all_rows
@@ -63,12 +63,12 @@ def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
         names = ", ".join(bench.data.rig.channels[c].name for c in alone)
         if held:
             return Location("acquisition", alone, tests, (f"{names} repeats samples that no motion repeats.",))
-        return Location("sensor", alone, tests, (f"Without {names} {1 - cured:.1%} of the gap is gone.",))
+        return Location("sensor", alone, tests, (f"Without {names} {part_of(1 - cured)} of the gap is gone.",))
     harmonic, driven = harmonic_shares(prepared)
     if driven > OFTEN:
         return Location("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
     if harmonic > OFTEN:
-        why = f"{harmonic:.0%} of the sine responses hold overtones of the drive that the force does not."
+        why = f"{percent(harmonic)} of the sine responses hold overtones of the drive that the force does not."
         said = (why, "The bench does not answer in proportion: it is in the beam.")
         return Location("structure", (), tests, said, nonlinear=True)
     return _of_beam_or_test(bench, base, tests)
@@ -78,7 +78,7 @@ def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Locatio
     """The beam if its poles or its levels say so, a test if only that one disagrees, else the chain of all channels."""
     shift = pole_spread(bench, base)
     by_test = {t: excess(_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
-    why = [f"The poles of the ring-down lie {shift:.2%} (rms) off those of the best beam."]
+    why = [f"The poles of the ring-down lie {percent(shift)} (rms) off those of the best beam."]
     if by_test:
         why.append(
             "Fitted alone: "
@@ -105,19 +105,21 @@ def _of_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -
     common, flat = alike(base)
     everywhere = bench.data.channels
     if common > ALIKE:
-        reason = f"The poles are a beam's, but on a line the channels are not off alike: {common:.0%} of the gap stays."
+        reason = (
+            f"The poles are a beam's, but on a line the channels are not off alike: {percent(common)} of the gap stays."
+        )
         return Location("structure", (), tests, (*why, reason))
     sines = bench.data.sines
     if sines is not None and abs(sines.ratio - 1) > CLOCK:
-        reason = f"The generator's lines stand {sines.ratio - 1:+.2%} off where it was set: a clock is wrong."
+        reason = f"The generator's lines stand {change(sines.ratio - 1)} off where it was set: a clock is wrong."
         return Location("acquisition", everywhere, tests, (*why, reason))
     if flat < ALIKE:
         force = bench.data.rig.force_channel.index
-        reason = f"One real factor on all channels and lines takes {1 - flat:.1%} of the gap away: the force's."
+        reason = f"One real factor on all channels and lines takes {part_of(1 - flat)} of the gap away: the force's."
         return Location("sensor", (force,), tests, (*why, reason))
     late = lateness(base)
     if late > LATE:
-        reason = f"All channels are off alike, and {late:.0%} of their phase grows with frequency: time runs late."
+        reason = f"All channels are off alike, and {percent(late)} of their phase grows with frequency: time runs late."
         return Location("acquisition", everywhere, tests, (*why, reason))
     reason = "The poles are those of a beam, all channels are off alike, and not by a delay: what is sensed is off."
     return Location("sensor", everywhere, tests, (*why, reason))

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from modallab.core.diagnosis import Found, Verdict, Where
+from modallab.core.digits import part_of
 from modallab.core.effects import Stage, kind_of
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
@@ -87,8 +88,8 @@ def _reasons(lead: Found, location: Location | None, choice: Choice) -> list[str
     other = [f for f in choice.rivals if kind_of(f.problem.candidates[-1].effect).stage != lead.stage]
     best = max((closed(choice.base.gap, f.gap) for f in other), default=0.0)
     return [
-        f"Models of the {lead.stage} explain {explained:.2%} of the gap, those of other stages no more than "
-        f"{max(best, 0.0):.2%}.",
+        f"Models of the {lead.stage} explain {part_of(explained)} of the gap, those of other stages no more than "
+        f"{part_of(max(best, 0.0))}.",
         residual_says,
     ]
 
@@ -100,7 +101,7 @@ def _rows_of(found: Found, force: int, channels: tuple[int, ...]) -> list[int]:
     if isinstance(channel, int):
         return [channel]
     if isinstance(channel, list | tuple):
-        return [int(c) for c in channel]  # pyright: ignore[reportUnknownVariableType]
+        return [int(c) for c in channel]
     return list(channels) if channel == "all" else []
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.digits import change
 from modallab.core.errors import DataError
 from modallab.core.frozen import Frozen
 from modallab.core.progress import part
@@ -208,5 +209,5 @@ def _notes(bench: Diagnosis, simulation: Diagnosis) -> list[str]:
     off = (other.youngs_modulus_pa * other.thickness_m**2 / other.density_kg_m3) / (
         one.youngs_modulus_pa * one.thickness_m**2 / one.density_kg_m3
     )
-    found.append(f"Within the tolerances, its beam's frequencies are {np.sqrt(off) - 1:+.3%} off the bench's.")
+    found.append(f"Within the tolerances, its beam's frequencies are {change(np.sqrt(off) - 1)} off the bench's.")
     return found

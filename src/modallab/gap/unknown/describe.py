@@ -24,7 +24,7 @@ from modallab.gap.unknown.description import Description, cost_per_number, of_fi
 from modallab.gap.unknown.fitted import fitted
 from modallab.gap.unknown.on_beam import on_all_rows, trials
 from modallab.gap.unknown.on_row import by_sample, linear, without
-from modallab.gap.unknown.words import said
+from modallab.gap.words.learned import in_words
 
 SEED = 20240503
 SOLVED = 0.01
@@ -115,7 +115,7 @@ def _described(
     length = rig.beam.length_m if rig.beam is not None else 1.0
     near = [o for o in others if excess(o.fit) < ABOUT * excess(best.fit)]
     return Described(
-        says=said(best.learned, rig),
+        says=in_words(best.learned, rig),
         stage=cast("Stage", stage_of(best)),
         elements=list(best.learned),
         x_m=x,
@@ -123,5 +123,5 @@ def _described(
         channels=[rig.channels[row].name for row in best.rows],
         shrink=closes,
         twin=calibrated(best.fit, everything),
-        alternatives=[Alternative(says=said(o.learned, rig), gap=o.fit.gap) for o in near[:ALTERNATIVES]],
+        alternatives=[Alternative(says=in_words(o.learned, rig), gap=o.fit.gap) for o in near[:ALTERNATIVES]],
     )

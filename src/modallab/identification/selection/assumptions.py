@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.digits import percent
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
@@ -78,18 +79,18 @@ def distorted(found: Distortions | LeftOut) -> Verdict:
     """
     level, noise = float(np.max(found.level)), float(np.max(found.noise_level)) / np.sqrt(found.periods * found.waves)
     if noise > CHANGE_LIMIT:
-        raise DataError(f"{CANNOT_BE_SAID}: noise of {100 * noise:.2g} % hides what is allowed")
+        raise DataError(f"{CANNOT_BE_SAID}: noise of {percent(noise)} hides what is allowed")
     if isinstance(found, LeftOut):
         most = int(np.argmax(found.level))
         words = (
-            f"Beyond noise, at most {100 * level:.2g} % of a response is distortion, by lines that the drive leaves"
+            f"Beyond noise, at most {percent(level)} of a response is distortion, by lines that the drive leaves"
             f" out: odd {_percent(found.odd[most], found.odd_sigma[most])} %, even "
             f"{_percent(found.even[most], found.even_sigma[most])} %"
         )
     else:
         what = "What changes from one random wave to the next, beyond noise,"
-        words = f"{what} is at most {100 * level:.2g} % of a response"
-    allowed = f"; up to {100 * CHANGE_LIMIT:.2g} % is allowed."
+        words = f"{what} is at most {percent(level)} of a response"
+    allowed = f"; up to {percent(CHANGE_LIMIT)} is allowed."
     return Verdict("linearity", level <= CHANGE_LIMIT, level, CHANGE_LIMIT, words + allowed)
 
 
@@ -192,10 +193,10 @@ def driving_point(frf: Frf) -> Verdict:
         known.append(float(np.mean(np.abs(value) > least)))
     worst = max(shares)
     if worst <= CHANGE_LIMIT and max(known) < LEAST_LINES:
-        raise _unsaid(f"{100 * max(known):.2g} % of the driving point's lines stand out of the noise")
+        raise _unsaid(f"{percent(max(known))} of the driving point's lines stand out of the noise")
     words = (
         "The real part of a driving-point mobility, which no passive structure can make negative, is negative at "
-        f"{100 * worst:.2g} % of the lines; up to {100 * CHANGE_LIMIT:.0f} % is allowed."
+        f"{percent(worst)} of the lines; up to {percent(CHANGE_LIMIT)} is allowed."
     )
     return Verdict("driving point", worst <= CHANGE_LIMIT, worst, CHANGE_LIMIT, words)
 
@@ -243,11 +244,9 @@ def _expected(frf: Frf, a: tuple[int, int], b: tuple[int, int]) -> float:
 def _verdict(assumption: Assumption, value: float, noise: float, subject: str, allowed: Allowance) -> Verdict:
     least = max(CHANGE_LIMIT, allowed.share)
     limit = max(least, SIGMAS * noise)
-    _require_a_limit(
-        value, limit, MOST_CHANGE, f"noise alone makes the FRFs differ by {100 * limit:.2g} % of their level"
-    )
+    _require_a_limit(value, limit, MOST_CHANGE, f"noise alone makes the FRFs differ by {percent(limit)} of their level")
     why = f", {allowed.why}" if allowed.why and limit == allowed.share else ""
-    words = f"{subject} differ by at most {100 * value:.2g} %; up to {100 * limit:.2g} % is allowed{why}."
+    words = f"{subject} differ by at most {percent(value)}; up to {percent(limit)} is allowed{why}."
     return Verdict(assumption, value <= limit, value, limit, words)
 
 

@@ -131,7 +131,8 @@ def _constants(
 ) -> tuple[NDArray[np.complex128], Real]:
     """(modes, outputs, inputs); what several set-ups have is averaged by its sigmas."""
     shape = (modes.shape[1], len(names), len(found[0].model.input_points))
-    total, weight = np.zeros(shape, dtype=np.complex128), np.zeros(shape)
+    total: NDArray[np.complex128] = np.zeros(shape, dtype=np.complex128)
+    weight = np.zeros(shape)
     for item, at, scale in zip(found, modes, scales, strict=True):
         rows, by = _rows(item, names), scale[:, None, None]
         a, s = item.model.modal_constants[at] / by, item.model.modal_constant_sigma[at] / np.abs(by)

@@ -32,11 +32,11 @@ def roved_axis(frf: Frf) -> int:
 def at_point(frf: Frf, k: int) -> Frf:
     """The FRFs of one roving point."""
     rows, columns = (slice(k, k + 1), slice(None)) if roved_axis(frf) == 0 else (slice(None), slice(k, k + 1))
-    known = {
-        name: None if values is None else np.ascontiguousarray(values[rows, columns])
-        for name, values in (("coherence", frf.coherence), ("variance", frf.variance))
-    }
-    frf = replace(frf, **known, averages=frf.averages[columns])
+
+    def at(values: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
+        return None if values is None else np.ascontiguousarray(values[rows, columns])
+
+    frf = replace(frf, coherence=at(frf.coherence), variance=at(frf.variance), averages=frf.averages[columns])
     if roved_axis(frf) == 0:
         return replace(
             frf,

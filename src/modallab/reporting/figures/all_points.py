@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from modallab.core.digits import share
 from modallab.core.frf import Frf
 from modallab.core.verification import Verification
-from modallab.reporting.digits import share
 from modallab.reporting.figures import style
 from modallab.reporting.figures.overview import FEW, positive, unit
 from modallab.reporting.figures.selection import place

@@ -5,9 +5,9 @@ import json
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.digits import glued, plain
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.reporting.digits import glued, plain
 from modallab.reporting.figures.moving import moving
 from modallab.reporting.figures.shape_data import Shape, line, shape
 from modallab.reporting.markup import Markup, tag, trusted

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from modallab.core.digits import plain
 from modallab.core.rig import Rig
 from modallab.identification.selection.pairing import SAME_MODE
 from modallab.reporting.compare import Mode, Reading
-from modallab.reporting.digits import plain
 from modallab.reporting.figures import style
 
 PAPER = ((4.8, 0.1250), (30.9, 0.0385), (87.8, 0.0103))

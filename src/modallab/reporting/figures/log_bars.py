@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from modallab.core.rounded import rounded
+from modallab.core.digits import rounded
 from modallab.reporting.figures import style
 
 SLIVER = 1.012

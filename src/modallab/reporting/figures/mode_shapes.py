@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
+from modallab.core.digits import plain
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.identification.selection.pairing import nearest
-from modallab.reporting.digits import plain
 from modallab.reporting.figures import style
 from modallab.reporting.figures.shape_data import Shape, line, shape
 

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from modallab.core.digits import short
 from modallab.identification.start.half_power import reading_near
 from modallab.reporting.compare import Mode, Reading
-from modallab.reporting.digits import short
 from modallab.reporting.figures import style
 from modallab.reporting.figures.damping import paper_value
 

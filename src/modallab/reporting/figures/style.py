@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from modallab.reporting.digits import superscript
+from modallab.core.digits import superscript
 
 PX_PER_INCH = 72
 LEFT, RIGHT, BOTTOM, TOP = 62, 18, 44, 28

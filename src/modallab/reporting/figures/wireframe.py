@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.digits import glued, plain
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.reporting.digits import glued, plain
 from modallab.reporting.figures.moving import moving
 from modallab.reporting.figures.shape_data import straighten
 from modallab.reporting.markup import Markup, tag, trusted

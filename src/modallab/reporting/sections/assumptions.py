@@ -4,8 +4,8 @@ from math import isfinite
 
 import numpy as np
 
+from modallab.core.digits import plain
 from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.digits import plain
 from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, paragraph
 from modallab.verification.assessment import Assessment

@@ -5,9 +5,9 @@ from math import isfinite
 
 import numpy as np
 
+from modallab.core.digits import deviations, glued, listed, plain, share
 from modallab.reporting.compare import Mode, verdict
 from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.digits import deviations, glued, listed, plain, share
 from modallab.reporting.markup import Markup, tag
 from modallab.reporting.sections.summary import MATCH, compare_tests, how_far
 

@@ -4,9 +4,9 @@ from math import isfinite
 
 import numpy as np
 
+from modallab.core.digits import plain, short
 from modallab.reporting.compare import Mode, Reading
 from modallab.reporting.content import ReportContent
-from modallab.reporting.digits import plain, short
 from modallab.reporting.figures.damping import damping, paper_value, papers_bench
 from modallab.reporting.figures.resolution import resolution
 from modallab.reporting.markup import Markup, join, tag

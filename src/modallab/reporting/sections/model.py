@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.digits import alike, plain, rounded, scientific
 from modallab.core.model import ModalModel
 from modallab.identification.estimator import estimator_of
 from modallab.reporting.content import ReportContent
-from modallab.reporting.digits import about, alike, plain, scientific
 from modallab.reporting.figures.selection import place
 from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, paragraph
@@ -40,7 +40,7 @@ def section(content: ReportContent) -> Section:
 
 def _model(model: ModalModel) -> list[Markup]:
     low, high = model.band_hz
-    head = f"{(model.test or 'FRFs').capitalize()}: {_method(model.method)}, {about(low)} to {about(high)} Hz"
+    head = f"{(model.test or 'FRFs').capitalize()}: {_method(model.method)}, {rounded(low)} to {rounded(high)} Hz"
     folds = [_fold("Modal constants", _constants(model))] if model.input_points else []
     if model.operating_shapes is not None:
         folds.append(_fold("Mode shapes without a scale", _operating(model, model.operating_shapes)))

@@ -2,9 +2,9 @@
 
 from math import isfinite
 
+from modallab.core.digits import UNKNOWN, alike, deviations, glued, listed, plain, probability, relative, with_sigma
 from modallab.reporting.compare import Mode, Reading, deviation, verdict
 from modallab.reporting.content import ReportContent
-from modallab.reporting.digits import UNKNOWN, alike, confident, deviations, glued, listed, plain, relative, with_sigma
 from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, paragraph
 from modallab.reporting.sections.summary import compare_tests
@@ -65,7 +65,7 @@ def _none(content: ReportContent) -> str:
 def _table(content: ReportContent, modes: tuple[Mode, ...]) -> Markup:
     true = content.truth is not None
     known = any(isfinite(r.confidence) for m in modes for r in m.readings)
-    rows = [[*_row(m, r, true), *([confident(r.confidence)] if known else [])] for m in modes for r in m.readings]
+    rows = [[*_row(m, r, true), *([probability(r.confidence)] if known else [])] for m in modes for r in m.readings]
     header = HEADER + (TRUTH if true else ()) + (("confidence",) if known else ())
     return table("Natural frequencies and damping", header, rows, range(2, len(header)), "modes")
 

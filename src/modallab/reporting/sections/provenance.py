@@ -1,9 +1,9 @@
 """What it takes to repeat this."""
 
 from modallab.core.block import Campaign
+from modallab.core.digits import UNKNOWN, listed
 from modallab.core.units import Test
 from modallab.reporting.content import ReportContent
-from modallab.reporting.digits import UNKNOWN, listed
 from modallab.reporting.markup import join, table, tag
 from modallab.reporting.sections.section import Section
 

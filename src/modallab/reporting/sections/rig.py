@@ -3,11 +3,11 @@
 from datetime import UTC, date, datetime
 
 from modallab.core.block import Block, Campaign
+from modallab.core.digits import counted, day, glued, listed, plain, short
 from modallab.core.metrology import Certificate
 from modallab.core.rig import Beam, Channel, Rig
 from modallab.core.units import BROADBAND, TESTS, Test
 from modallab.reporting.content import ReportContent
-from modallab.reporting.digits import counted, day, glued, listed, plain, short
 from modallab.reporting.markup import Markup, join, table
 from modallab.reporting.sections.section import Section, paragraph
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from modallab.reporting.digits import glued
+from modallab.core.digits import glued
 from modallab.reporting.figures.svg import panels
 from modallab.reporting.markup import Markup, tag
 

@@ -2,10 +2,10 @@
 
 from math import isfinite
 
+from modallab.core.digits import listed, relative, with_sigma
 from modallab.core.model import ModalModel
 from modallab.identification.setups.readings import SetUpReading
 from modallab.reporting.content import ReportContent
-from modallab.reporting.digits import listed, relative, with_sigma
 from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, paragraph
 

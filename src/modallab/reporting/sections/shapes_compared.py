@@ -2,10 +2,10 @@
 
 from itertools import combinations
 
+from modallab.core.digits import share
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.digits import share
 from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import paragraph
 from modallab.verification.comparison import Comparison, compare

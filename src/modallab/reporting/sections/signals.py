@@ -1,8 +1,8 @@
 """What was measured: one block of each test, every hit, all FRFs."""
 
+from modallab.core.digits import counted, plain
 from modallab.core.units import Test
 from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.digits import counted, plain
 from modallab.reporting.figures.hits import hits
 from modallab.reporting.figures.impact_block import impact_block
 from modallab.reporting.figures.overview import frf_overview

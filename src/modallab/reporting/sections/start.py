@@ -1,10 +1,10 @@
 """How the modes were found: the stabilisation diagram, the mode indicators, and what was picked."""
 
+from modallab.core.digits import counted
 from modallab.core.model import ModalModel
 from modallab.identification.estimator import USUAL, Order, estimator_of, find_estimator
 from modallab.identification.selection.diagram import Diagram
 from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.digits import counted
 from modallab.reporting.figures.stabilisation import stabilisation
 from modallab.reporting.markup import Markup, join, tag
 from modallab.reporting.sections.section import Section, paragraph, plate

@@ -4,9 +4,9 @@ from math import isfinite
 
 import numpy as np
 
+from modallab.core.digits import counted, deviations, glued, listed, plain, rounded, share
 from modallab.reporting.compare import Mode, deviation, verdict
 from modallab.reporting.content import ReportContent
-from modallab.reporting.digits import about, counted, deviations, glued, listed, plain, share
 
 MATCH = 0.9
 """A point with a lower FRAC is not matched by the model."""
@@ -22,9 +22,9 @@ def _sentence(content: ReportContent, modes: tuple[Mode, ...]) -> str:
         return "No modal model could be identified; what went wrong is said below."
     if not modes:
         low, high = content.models[0].band_hz
-        return f"No mode was found between {about(low)} and {about(high)} Hz."
+        return f"No mode was found between {rounded(low)} and {rounded(high)} Hz."
     low, high = (f(m.band_hz[i] for m in content.models) for i, f in enumerate((min, max)))
-    head = f"{counted(len(modes), 'mode')} between {about(low)} and {about(high)} Hz"
+    head = f"{counted(len(modes), 'mode')} between {rounded(low)} and {rounded(high)} Hz"
     return f"{head}{_unscaled(content)}: {_modes(modes)}{_agreement(modes)}{_mismatch(content)}."
 
 

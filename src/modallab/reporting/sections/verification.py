@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from modallab.core.digits import listed, share
 from modallab.core.verification import Verification
 from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.digits import listed, share
 from modallab.reporting.figures.all_points import all_points
 from modallab.reporting.figures.one_point import one_point
 from modallab.reporting.figures.selection import farthest, place

@@ -94,7 +94,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
             allow_headers=ASKED,
             expose_headers=ANSWERED,
         )
-    app.openapi = lambda: document_of(app)
+    app.openapi = lambda: document_of(app)  # pyrefly: ignore[method-assign]
     app.state.asyncapi = cache(lambda: asyncapi_of(app, API_VERSION))
     app.state.openapi_json = cache(lambda: JSONResponse(app.openapi()).body)
     app.state.asyncapi_json = cache(lambda: JSONResponse(app.state.asyncapi()).body)

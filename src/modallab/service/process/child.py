@@ -9,7 +9,6 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from threading import Lock
-from typing import cast
 
 import psutil
 
@@ -124,7 +123,7 @@ class Child:
         # Held as long as this process lives, and closed with it.
         self.process, self._life = start_owned(self.name, self._target, handles, self._arguments, grace_s=self._grace_s)
         theirs.close()
-        self._connection, self._began_s = cast("Connection", ours), time.monotonic()
+        self._connection, self._began_s = ours, time.monotonic()
         self._started(self._connection)
 
 

@@ -33,4 +33,4 @@ def entries(engine: Engine, before: int | None, limit: int) -> list[AuditEntry]:
     if before is not None:
         query = query.where(AUDIT.c.seq < before)
     with reading(engine) as connection:
-        return [AuditEntry(**row) for row in connection.execute(query).mappings()]
+        return [AuditEntry.model_validate(dict(row)) for row in connection.execute(query).mappings()]

@@ -112,7 +112,7 @@ class EventLog:
 
 
 def _view(row: RowMapping) -> EventView:
-    event = EventView(**row)
+    event = EventView.model_validate(dict(row))
     if event.kind not in RENAMED:
         return event
     kind = RENAMED[event.kind]

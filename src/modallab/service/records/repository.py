@@ -261,10 +261,12 @@ def _campaigns(connection: Connection, names: Sequence[str]) -> list[CampaignVie
     for campaign, run in connection.execute(recorded):
         runs[campaign].append(run)
     return [
-        CampaignView(
-            **{column: value for column, value in rows[name].items() if column != "seq"},
-            runs=tuple(runs[name]),
-            **shown(asides.get(name)),
+        CampaignView.model_validate(
+            {
+                **{str(column): value for column, value in rows[name].items() if column != "seq"},
+                "runs": tuple(runs[name]),
+                **shown(asides.get(name)),
+            }
         )
         for name in names
         if name in rows

@@ -39,7 +39,8 @@ class Users:
     def all(self) -> list[UserView]:
         """All users by name, revoked ones with them."""
         with reading(self._engine) as connection:
-            return [UserView(**row) for row in connection.execute(select(USERS).order_by(USERS.c.name)).mappings()]
+            rows = connection.execute(select(USERS).order_by(USERS.c.name)).mappings()
+            return [UserView.model_validate(dict(row)) for row in rows]
 
     def get(self, name: str) -> UserView:
         """One user.
@@ -148,7 +149,7 @@ def _user(connection: Connection, name: str) -> UserView:
     row = _user_row(connection, name)
     if row is None:
         raise NotFoundError(f"there is no user {name!r}", remedy="look at the list of users")
-    return UserView(**row)
+    return UserView.model_validate(dict(row))
 
 
 def _require_active(user: UserView) -> None:

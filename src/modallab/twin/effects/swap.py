@@ -13,7 +13,7 @@ from modallab.twin.effect_model import EffectModel, Search
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
-    first, second = effect.place["channel"]  # pyright: ignore[reportGeneralTypeIssues]
+    first, second = effect.place["channel"]  # pyrefly: ignore[not-iterable]
     pair = int(first), int(second)
     return replace(twin, chain=replace(twin.chain, swap=pair, swap_ratio=_ratio(rig, *pair)))
 

@@ -12,7 +12,7 @@ from modallab.twin.effect_model import EffectModel, Search
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     chain, law = twin.chain, effect.parameters
     everywhere = effect.place["channel"] == "all"
-    for row in [c.index for c in rig.responses] if everywhere else [int(effect.place["channel"])]:  # pyright: ignore[reportArgumentType]
+    for row in [c.index for c in rig.responses] if everywhere else [int(effect.place["channel"])]:  # pyrefly: ignore[bad-argument-type]
         if "gain" in law:
             chain = replace(chain, gain={**chain.gain, row: chain.gain.get(row, 1.0) * law["gain"]})
         if "delay" in law:

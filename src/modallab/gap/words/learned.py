@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from modallab.core.described import Learned
+from modallab.core.digits import percent
 from modallab.core.rig import Rig
 
 Numbers = Mapping[str, float]
@@ -20,9 +21,9 @@ class _Phrase:
     negative: str = ""
 
 
-def said(learned: Sequence[Learned], rig: Rig) -> str:
+def in_words(learned: Sequence[Learned], rig: Rig) -> str:
     """What they behave like, as the end of a sentence: "a spring of 120 N/m to ground at 0.379 m"."""
-    return " and ".join(f"{_SAID[one.element](one.parameters)}{_at(one, rig)}" for one in learned)
+    return " and ".join(f"{_PHRASES[one.element](one.parameters)}{_at(one, rig)}" for one in learned)
 
 
 def _at(one: Learned, rig: Rig) -> str:
@@ -88,10 +89,10 @@ def _curve(law: Numbers) -> str:
 
 def _hold(law: Numbers) -> str:
     instead = "the one before" if law["kept"] else "0"
-    return f"a loss of {law['share']:.2%} of the samples, with {instead} in their place,"
+    return f"a loss of {percent(law['share'])} of the samples, with {instead} in their place,"
 
 
-_SAID: dict[str, Callable[[Numbers], str]] = {
+_PHRASES: dict[str, Callable[[Numbers], str]] = {
     "point_law": partial(_joined, _POINT),
     "beam_law": partial(_joined, _BEAM),
     "side_modes": partial(_joined, _SIDE),

@@ -5,19 +5,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from modallab.reporting.digits import (
-    about,
+from modallab.core.digits import (
     alike,
     concise,
     counted,
     day,
     glued,
     listed,
+    part_of,
+    percent,
     plain,
+    probability,
     relative,
+    rounded,
     scientific,
     share,
     short,
+    with_interval,
     with_sigma,
 )
 
@@ -58,7 +62,7 @@ def test_the_concise_form_counts_in_the_last_places(value, sigma, text):
 
 def test_a_truth_is_written_to_the_places_of_the_reading():
     assert (alike(4.8029912, 0.0003), alike(4.8029912, nan), alike(nan, 1.0)) == ("4.8030", "4.8030", "unknown")
-    assert (about(2.44128), about(799.9), about(4997.0)) == ("2.44", "800", "5000")
+    assert (rounded(2.44128), rounded(799.9), rounded(4997.0)) == ("2.44", "800", "5000")
 
 
 @settings(derandomize=True)
@@ -103,3 +107,37 @@ def test_a_number_is_never_parted_from_its_unit():
         "3 to 110\u00a0Hz, 0.51\u00a0% in 1.024\u00a0s, 4\u00a0±\u00a01\u00a0kg"
     )
     assert glued("5 modes, 3 mice") == "5 modes, 3 mice"
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [(1.0234, "1.02"), (920.4, "920"), (2151.0, "2150"), (999.6, "1000"), (1.5e7, "1.5e+07"), (nan, "unknown")],
+)
+def test_a_gap_has_three_digits_and_no_exponent_below_a_million(value, said):
+    assert rounded(value) == said
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (0.94, "94 %"), (0.071, "7.1 %"), (0.05, "5 %"), (0.0996, "10 %"), (1.0, "100 %"), (12.5, "1250 %"),
+        (0.00005, "below 0.01 %"), (0.0, "0 %"), (-0.012, "−1.2 %"), (nan, "unknown"), (None, "–"),
+    ],
+)  # fmt: skip
+def test_a_share_is_in_percent_to_two_digits(value, said):
+    assert percent(value) == said
+
+
+def test_a_part_of_a_whole_has_tenths_of_a_percent():
+    assert (part_of(0.99972), part_of(-0.0004), part_of(-0.012)) == ("100.0 %", "0.0 %", "−1.2 %")
+    assert percent(0.07321, 3) == "7.32 %"
+
+
+def test_a_probability_is_never_rounded_up_to_a_certainty():
+    assert probability(1.0) == probability(0.995) == "0.99"
+    assert (probability(0.899999), probability(nan)) == ("0.89", "-")
+
+
+def test_an_interval_bears_the_digits():
+    assert with_interval(1.7512345, (1.7508, 1.7516), "m") == ("1.7512 m", "1.7508 to 1.7516 m")
+    assert with_interval(1.7512345, None) == ("1.751", "")

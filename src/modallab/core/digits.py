@@ -1,12 +1,21 @@
-"""Numbers for people: as many digits as the uncertainty bears, and no more."""
+"""Numbers for people, everywhere: as many digits as the uncertainty bears, and no more; shares in percent."""
 
 import math
 import re
+from collections.abc import Sequence
 from datetime import date
 
-from modallab.core.rounded import rounded
-
 UNKNOWN = "unknown"
+NONE = "–"
+"""In a table, where there is no number."""
+IN_95 = 2 * 1.96
+"""Standard deviations in a 95 % interval."""
+CERTAIN = 0.99
+"""No probability is stated higher."""
+LEAST_PERCENT = 0.01
+"""Below it no digits are given."""
+LARGE = 1e6
+"""From here on a number reads better with an exponent."""
 _UNIT = re.compile(r"(?<=[\d⁻⁰¹²³⁴⁵⁶⁷⁸⁹]) (?=(%|Hz|kHz|s|ms|m|mm|N|GPa|kg|V|sigmas?|bit|±|σ)(?![a-zA-Z]))|(?<=±) ")
 
 
@@ -34,6 +43,16 @@ def concise(value: float, sigma: float) -> str:
     return f"{_fixed(value, places)}({round(sigma * 10**places) if sigma < 1 else _fixed(sigma, places)})"
 
 
+def with_interval(value: float, interval: tuple[float, float] | None, unit: str = "") -> tuple[str, str]:
+    """A number and its 95 % interval to the digits that its uncertainty bears; "" for an interval that is not known."""
+    tail = f" {unit}" if unit else ""
+    if interval is None or not all(map(math.isfinite, interval)) or interval[1] <= interval[0]:
+        return f"{plain(value)}{tail}", ""
+    sigma = (interval[1] - interval[0]) / IN_95
+    low, high = (alike(v, sigma) for v in interval)
+    return f"{alike(value, sigma)}{tail}", f"{low} to {high}{tail}"
+
+
 def alike(value: float, sigma: float) -> str:
     """A value without uncertainty of its own, to the places of one that has the sigma."""
     if not math.isfinite(value):
@@ -48,7 +67,8 @@ def plain(value: float, digits: int = 4) -> str:
         return UNKNOWN
     if value == 0:
         return "0"
-    place = digits - 1 - math.floor(math.log10(abs(value)))
+    # Of what it rounds to: 9.96 to two digits is 10.
+    place = digits - 1 - int(f"{value:.{digits - 1}e}".split("e")[1])
     if -6 <= place <= 8:
         return _fixed(value, max(place, 0))
     return scientific(value, digits)
@@ -72,15 +92,41 @@ def superscript(number: int) -> str:
     return str(number).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
+def percent(share: float | None, digits: int = 2) -> str:
+    """A share as `3.2 %` or `5 %`, without an exponent: `100 %`, `below 0.01 %`; a dash where there is none."""
+    if share is None:
+        return NONE
+    if not math.isfinite(share):
+        return UNKNOWN
+    value = 100 * share
+    if 0 < abs(value) < LEAST_PERCENT:
+        return f"below {LEAST_PERCENT} %"
+    shown = plain(value, digits)
+    return f"{shown.rstrip('0').rstrip('.') if '.' in shown else shown} %"
+
+
+def part_of(share: float) -> str:
+    """A part of a whole, to a tenth of a percent: `99.7 %`."""
+    value = round(100 * share, 1)
+    return f"{_fixed(value if value else 0.0, 1)} %"
+
+
+def change(share: float) -> str:
+    """A relative change in percent with its sign, to two digits: `+0.40 %`."""
+    if not math.isfinite(share):
+        return UNKNOWN
+    value = 100 * share
+    if value == 0:
+        return "0 %"
+    places = min(max(1 - math.floor(math.log10(abs(value))), 0), 7)
+    return f"{value:+.{places}f} %".replace("-", "−")
+
+
 def relative(value: float, reference: float) -> str:
     """The signed difference from a reference, in percent of it."""
     if not (math.isfinite(value) and math.isfinite(reference)) or reference == 0:
         return UNKNOWN
-    percent = 100 * (value / reference - 1)
-    if percent == 0:
-        return "0 %"
-    places = min(max(1 - math.floor(math.log10(abs(percent))), 0), 7)
-    return f"{percent:+.{places}f} %".replace("-", "−")
+    return change(value / reference - 1)
 
 
 def deviations(count: float) -> str:
@@ -88,7 +134,7 @@ def deviations(count: float) -> str:
     return f"{count:.1f} σ" if count < 10 else f"{count:.0f} σ"
 
 
-def listed(items: list[str]) -> str:
+def listed(items: Sequence[str]) -> str:
     """`a, b and c`."""
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}" if items else ""
 
@@ -117,9 +163,12 @@ def short(value: float) -> str:
     return f"{value:.6g}".replace("-", "−") if math.isfinite(value) else UNKNOWN
 
 
-def about(value: float) -> str:
-    """A number to three digits, said shortly: 2.44, 800."""
-    return rounded(value).replace("-", "−") if math.isfinite(value) else UNKNOWN
+def rounded(value: float) -> str:
+    """Three digits, and no exponent below a million: 1.02, 920, 2150."""
+    if not math.isfinite(value):
+        return UNKNOWN
+    shown = f"{value:.3g}"
+    return (f"{float(shown):.0f}" if "e+" in shown and abs(float(shown)) < LARGE else shown).replace("-", "−")
 
 
 def _fixed(value: float, places: int) -> str:
@@ -131,6 +180,8 @@ def glued(text: str) -> str:
     return _UNIT.sub("\u00a0", text)
 
 
-def confident(value: float) -> str:
-    """A confidence, 0 to 1, never rounded up to a certainty that is not there."""
-    return f"{math.floor(100 * value) / 100:.2f}" if math.isfinite(value) else "-"
+def probability(value: float) -> str:
+    """To two digits, never rounded up, and never a certainty: 0.99 at most; `-` where there is none."""
+    if not math.isfinite(value):
+        return "-"
+    return f"{math.floor(100 * min(value, CERTAIN) + 1e-9) / 100:.2f}"
