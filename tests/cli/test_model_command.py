@@ -81,7 +81,7 @@ def test_a_model_compared_with_itself_has_a_mac_of_one(
     np.testing.assert_allclose(found["comac"], 1)
 
 
-def test_a_correction_holds_out_what_it_is_told_to(
+def test_a_correction_does_not_see_the_modes_held_out(
     models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     function = tmp_path / "chain_model.py"

@@ -70,8 +70,9 @@ class Correlated:
         """The parameters of a model of the structure, such as E or a spring, that this test leaves possible.
 
         Args:
-            model: `ml.MatrixModel`, a file of matrices with parameters, or a function from numbers by name to
-                frequencies (modes,) in Hz and shapes (modes, points) at unit modal mass; None for the rig's beam.
+            model: `ml.MatrixModel`, a file of matrices with parameters, or a function; None for the rig's beam. A
+                function takes numbers by name. It gives frequencies (modes,) in Hz, and shapes (modes, points) at
+                unit modal mass.
             priors: parameter -> `ml.Prior`, beside those that the model states itself.
             held_out: modes, from 1, that only check the estimate.
 
