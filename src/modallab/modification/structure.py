@@ -76,10 +76,6 @@ class Structure:
         """(freedoms, places) unit vectors at places."""
         return np.asarray(np.eye(len(self.freedoms))[:, [self.index(a) for a in at]], np.float64)
 
-    def seen_by(self, b: Real) -> tuple[Complex, Real]:
-        """Shapes (..., modes, links) and residual terms (..., terms, links, links) along the columns of b."""
-        return self.psi @ b, np.asarray(b.T @ self.residual @ b, np.float64)
-
     def first(self, count: int) -> "Structure":
         """Of samples of a structure the first ones."""
         return replace(self, poles=self.poles[:count], psi=self.psi[:count], residual=self.residual[:count])
