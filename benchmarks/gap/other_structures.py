@@ -31,7 +31,7 @@ from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
 from modallab.modification.mesh import Mesh
-from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
+from modallab.updating.elements import mesh_of_elements, model_of_elements
 
 Real = NDArray[np.float64]
 KINDS = ("added_mass", "ground_spring", "gain_error", "position_error")

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 from modallab.core.lazy import lazily
 
 if TYPE_CHECKING:
+    from modallab.formats.fem.matrix_model import MatrixModel
     from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
+    from modallab.notebook.correlated import Correlated, UpdatedModel
     from modallab.notebook.driven import driven
     from modallab.notebook.gap import Agreement, GapFound, agreement, diagnose, diagnose_by_model
+    from modallab.notebook.identify import identify
     from modallab.notebook.measured import MeasuredFrf, frf
-    from modallab.notebook.model import Model, identify
+    from modallab.notebook.model import Model
     from modallab.notebook.predicted_motion import PredictedMotion
     from modallab.notebook.put_to_use import ChangedModel, PutToUse
     from modallab.notebook.recording import Recording, load
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
     from modallab.notebook.simulate import simulate
     from modallab.notebook.twin import DiagnosedTwin
     from modallab.notebook.understood import DeflectionShape, Understood
+    from modallab.updating.prior import Prior
 
 __version__ = "0.1.0"
 
@@ -28,19 +32,23 @@ __all__ = [
     "Agreement",
     "Answered",
     "ChangedModel",
+    "Correlated",
     "Coupled",
     "DeflectionShape",
     "DiagnosedTwin",
     "Element",
     "GapFound",
+    "MatrixModel",
     "MeasuredFrf",
     "Model",
     "PredictedMotion",
+    "Prior",
     "PutToUse",
     "Recording",
     "RigidLink",
     "TunedAbsorber",
     "Understood",
+    "UpdatedModel",
     "__version__",
     "agreement",
     "diagnose",
@@ -63,7 +71,11 @@ __getattr__ = lazily(
         "notebook.put_to_use": ("ChangedModel", "PutToUse"),
         "notebook.gap": ("Agreement", "GapFound", "agreement", "diagnose", "diagnose_by_model"),
         "notebook.measured": ("MeasuredFrf", "frf"),
-        "notebook.model": ("Model", "identify"),
+        "notebook.model": ("Model",),
+        "notebook.identify": ("identify",),
+        "notebook.correlated": ("Correlated", "UpdatedModel"),
+        "updating.prior": ("Prior",),
+        "formats.fem.matrix_model": ("MatrixModel",),
         "notebook.recording": ("Recording", "load"),
         "notebook.driven": ("driven",),
         "notebook.response_records": ("responses",),

@@ -26,6 +26,7 @@ FACES = (
     "reporting",
     "storage",
     "twin",
+    "updating",
     "verification",
 )
 

@@ -12,13 +12,13 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.formats.frf_file import bare_rig
-from modallab.modification.correlation import correlate
 from modallab.modification.deflection import mode_deflection, operating_deflection, spatial
 from modallab.modification.known import Known
 from modallab.modification.nodes import places_of_modes
 from modallab.modification.participation import ModalParticipation, participation
 from modallab.reporting.figures.deflection import FRAMES, Drawing
 from modallab.reporting.understood_table import correlation_rows, node_rows
+from modallab.updating.correlation import correlate
 
 FREEDOMS = tuple((p, "z") for p in (1, 2, 3, 4))
 

@@ -15,7 +15,7 @@ from modallab.gap.modal.same_form import in_form_of
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
 from modallab.modification.synthesis import synthesised
-from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
+from modallab.updating.elements import mesh_of_elements, model_of_elements
 
 EI, PER_M, LENGTH, BAND = 70.0, 0.8, 0.9, (3.0, 250.0)
 K, M, FREEDOMS, NODES = beam(EI, PER_M, LENGTH, 12)

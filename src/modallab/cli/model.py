@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from modallab.cli.console import console_of, show_rows, write_json
-from modallab.cli.model_understood import compare, nodes, parts, shape
+from modallab.cli.model_other import compare, update
+from modallab.cli.model_understood import nodes, parts, shape
 from modallab.core.errors import ConfigurationError, DataError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
@@ -36,9 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.action == "shape":
         shape(known, measured, arguments)
     else:
-        {"modify": _modify, "tune": _tune, "frf": _frf, "participation": parts, "nodes": nodes, "compare": compare}[
-            arguments.action
-        ](known, arguments)
+        ACTIONS[arguments.action](known, arguments)
     return 0
 
 
@@ -117,3 +116,14 @@ def _frf(known: Known, arguments: argparse.Namespace) -> None:
     outputs, inputs, lines = found.values.shape
     said = f"{found.quantity}: {outputs} outputs, {inputs} inputs, {lines} lines: {arguments.out}"
     console_of(arguments).print(said, markup=False, highlight=False, soft_wrap=True)
+
+
+ACTIONS = {
+    "modify": _modify,
+    "tune": _tune,
+    "frf": _frf,
+    "participation": parts,
+    "nodes": nodes,
+    "compare": compare,
+    "update": update,
+}

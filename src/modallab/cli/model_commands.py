@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any, Protocol
 
-from modallab.cli.options import JSON_HELP, add_saying, positive
+from modallab.cli.options import JSON_HELP, add_saying, count, positive
 from modallab.core.units import TESTS
 
 
@@ -17,7 +17,7 @@ def add_model_commands(commands: _Commands) -> None:
         "model", help="put a modal model to use: what makes a response, and what a change makes of it"
     )
     actions = model.add_subparsers(metavar="ACTION", required=True, dest="action")
-    understood = (_participation(actions), _nodes(actions), _shape(actions), _compare(actions))
+    understood = (_participation(actions), _nodes(actions), _shape(actions), _compare(actions), _update(actions))
     for command in (*understood, _modify(actions), _tune(actions), _frf(actions)):
         command.add_argument(
             "model", type=Path, metavar="MODELS.json|FOLDER|CAMPAIGN.h5", help="models, or a campaign to identify"
@@ -59,6 +59,21 @@ def _compare(actions: _Commands) -> Any:
     command.add_argument(
         "--other", type=Path, required=True, metavar="FILE", help="models, finite elements, a campaign"
     )
+    return command
+
+
+def _update(actions: _Commands) -> Any:
+    command = actions.add_parser("update", help="estimate the parameters of a finite-element model, or of the beam")
+    command.add_argument("--fe", type=Path, metavar="FILE", help="matrices, or a function (default: the rig's beam)")
+    command.add_argument(
+        "--prior",
+        nargs=3,
+        action="append",
+        default=[],
+        metavar=("NAME", "VALUE", "SIGMA"),
+        help="of a parameter such as spring@8; 5%% is a deviation relative to the value",
+    )
+    command.add_argument("--hold-out", nargs="+", type=count, default=[], metavar="MODE", help="modes that only check")
     return command
 
 

@@ -9,16 +9,13 @@ from modallab.cli.console import console_of, show_rows, write_json
 from modallab.core.errors import ConfigurationError, DataError, StorageError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
-from modallab.modification.correlation import correlate
 from modallab.modification.deflection import Deflection, mode_deflection, operating_deflection, spatial
 from modallab.modification.freedoms import freedoms_of
 from modallab.modification.known import FRF_SAMPLES, Known
 from modallab.modification.nodes import places_of_modes
 from modallab.modification.participation import participation
-from modallab.pipelines.structure_gap import read_reference
 from modallab.reporting.understood_table import (
     advice_of,
-    correlation_rows,
     deflection_rows,
     node_rows,
     participation_rows,
@@ -49,22 +46,12 @@ def shape(known: Known, measured: Frf | None, arguments: argparse.Namespace) -> 
     """The shape of a mode, or an operating deflection shape."""
     found = _deflection(known, measured, arguments)
     if arguments.out is not None:
-        _draw(found, _rig(known), arguments)
+        _draw(found, rig_of_known(known), arguments)
     show_rows(arguments, deflection_rows(found))
     sigma = [None if np.isnan(s) else float(s) for s in found.sigma]
     values = {"re": found.values.real.tolist(), "im": found.values.imag.tolist(), "sigma": sigma}
     about = {"frequency_hz": found.frequency_hz, "unit": found.unit, "freedoms": found.freedoms}
     _write(arguments, about | values)
-
-
-def compare(known: Known, arguments: argparse.Namespace) -> None:
-    """Pairs of modes with another model."""
-    other = Known(read_reference(arguments.other, _rig(known), known.model)[0], known.rig)
-    found = correlate(known, other)
-    show_rows(arguments, correlation_rows(found))
-    about = {"pairs": [[i + 1, j + 1] for i, j in found.pairs], "freedoms": found.freedoms}
-    arrays = {name: getattr(found, name).tolist() for name in ("mac", "frequency_hz", "damping_ratio", "comac")}
-    _write(arguments, about | arrays)
 
 
 def _deflection(known: Known, measured: Frf | None, arguments: argparse.Namespace) -> Deflection:
@@ -74,7 +61,7 @@ def _deflection(known: Known, measured: Frf | None, arguments: argparse.Namespac
         raise ConfigurationError("the point of the force is missing", remedy="add --at POINT")
     if measured is None:
         raise DataError("a file of models holds no measured FRF", remedy="name the campaign instead of its models")
-    return operating_deflection(measured, freedoms_of(known.model, _rig(known))[0], arguments.hz, arguments.at)
+    return operating_deflection(measured, freedoms_of(known.model, rig_of_known(known))[0], arguments.hz, arguments.at)
 
 
 def _draw(found: Deflection, rig: Rig, arguments: argparse.Namespace) -> None:
@@ -87,7 +74,12 @@ def _draw(found: Deflection, rig: Rig, arguments: argparse.Namespace) -> None:
     console_of(arguments).print(f"moving picture: {path}", markup=False, highlight=False, soft_wrap=True)
 
 
-def _rig(known: Known) -> Rig:
+def rig_of_known(known: Known) -> Rig:
+    """The rig of a model.
+
+    Raises:
+        DataError: none is known.
+    """
     if known.rig is None:
         raise DataError("the places of the points are not known", remedy="name the rig file with --rig")
     return known.rig

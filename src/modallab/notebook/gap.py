@@ -18,8 +18,9 @@ from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.words.effects import of_parameter, place_of
 from modallab.gap.words.verdicts import sentence
 from modallab.notebook.arguments import path_for
+from modallab.notebook.identify import campaign_in
 from modallab.notebook.measured import MeasuredFrf
-from modallab.notebook.model import Model, campaign_in
+from modallab.notebook.model import Model
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
 from modallab.notebook.twin import DiagnosedTwin

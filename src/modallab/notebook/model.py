@@ -1,6 +1,5 @@
 """The modal model of a recording: found, shown, compared, kept."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -11,32 +10,22 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
 from modallab.core.digits import concise, probability
-from modallab.core.errors import DataError, IdentificationError
+from modallab.core.errors import DataError
 from modallab.core.extras import optional_package
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
-from modallab.core.units import FrfEstimator, Test
+from modallab.core.rig import Rig
 from modallab.core.verification import Verification
-from modallab.identification.estimator import USUAL
-from modallab.identification.options import Options
 from modallab.identification.selection.criteria import mac
-from modallab.modification.correlation import Correlation, correlate
 from modallab.modification.known import Known
-from modallab.notebook.arguments import band_of, frequencies_of, path_for
-from modallab.notebook.measured import MeasuredFrf, phase_rises
+from modallab.notebook.arguments import path_for
+from modallab.notebook.correlated import Correlated
 from modallab.notebook.put_to_use import PutToUse
-from modallab.notebook.recording import Recording
-from modallab.notebook.shown import Answered, Shown
+from modallab.notebook.shown import Shown
 from modallab.notebook.understood import Understood
 from modallab.pipelines.identify import Identified, Result
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.model_use import known_of
-from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
-from modallab.pipelines.response_setups import identify_response_setups
-from modallab.pipelines.setups import identify_setups
-from modallab.pipelines.structure_gap import read_reference
-from modallab.reporting.understood_table import correlation_rows
-from modallab.reporting.waiting import waiting
 from modallab.verification.comparison import common_shapes
 
 if TYPE_CHECKING:
@@ -48,7 +37,7 @@ Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class Model(PutToUse, Understood):
+class Model(PutToUse, Understood, Correlated):
     """A modal model with its uncertainty; of several tests, that of the first. `model["sine"]` is that of another.
 
     Attributes:
@@ -65,6 +54,11 @@ class Model(PutToUse, Understood):
     def found(self) -> Identified:
         """The test's model, its verification and its assessment."""
         return self.result.identified[self.place]
+
+    @property
+    def rig(self) -> Rig:
+        """The bench that the records are of."""
+        return self.campaign.rig
 
     @property
     def modal(self) -> ModalModel:
@@ -177,23 +171,6 @@ class Model(PutToUse, Understood):
             raise DataError(f"{type(other).__name__} is no model", remedy="give what ml.identify gives")
         return mac(*common_shapes(self.modal, other.modal))
 
-    def correlation(self, other: "Model | str | Path") -> Answered[Correlation]:
-        """Beside another model of the structure: pairs by MAC, their frequencies and damping, COMAC.
-
-        Args:
-            other: a model, or a file of models or of a finite-element model, which is taken at the points of this one.
-
-        Raises:
-            DataError: fewer than two common points, no driving point, or no two modes that are alike.
-            FormatError: the file can be read as neither.
-        """
-        if isinstance(other, Model):
-            known = other.known
-        else:
-            known = Known(read_reference(Path(other), self.campaign.rig, self.modal)[0], self.campaign.rig)
-        found = correlate(self.known, known)
-        return Answered(found, *correlation_rows(found))
-
     def to_pandas(self) -> "pd.DataFrame":
         """A row for each mode: frequency, damping, their sigmas.
 
@@ -255,94 +232,3 @@ class Model(PutToUse, Understood):
 
     def _repr_html_(self) -> str:
         return self.table().html()
-
-
-def identify(
-    measured: Recording | MeasuredFrf | list[Recording] | tuple[Recording, ...],
-    test: Test | None = None,
-    *,
-    band: tuple[float, float] | None = None,
-    method: str = USUAL,
-    pick: tuple[float, ...] = (),
-    drop: tuple[float, ...] = (),
-    refine: bool | None = None,
-    frf: FrfEstimator = "H1",
-    response_only: bool | None = None,
-    response_method: ResponseMethod = USUAL_RESPONSE,
-    progress: bool = True,
-) -> Model:
-    """The modal model of recordings or FRFs.
-
-    Args:
-        measured: what `simulate`, `load`, `frf` or `responses` gave; several recordings are set-ups of one test, and
-            are joined.
-        test: only this test; None for all there are.
-        band: in Hz; None for all that the data hold.
-        method: name of the estimator.
-        pick: frequencies in Hz of the modes to keep, by hand; the others are left out.
-        drop: frequencies in Hz of modes to leave out.
-        refine: whether a maximum-likelihood search follows; None for what is usual with the method.
-        frf: how FRFs are made of blocks: H2 takes the force for noisy and the responses for exact, Hv stands between it
-            and H1; of random drives, chirps, and several hits at each point.
-        response_only: whether the force is left out, and taken for random; None for where none was measured. Shapes
-            then have no scale: `modal.operating_shapes`, 1 at the largest.
-        response_method: how modes of the responses alone are found.
-        progress: show how far it is, where somebody looks.
-
-    Raises:
-        DataError: there is nothing to identify.
-        IdentificationError: no mode stands out, or a parameter that cannot be.
-    """
-    options = Options(
-        method=method,
-        band_hz=band_of(band),
-        pick_hz=frequencies_of(pick, "pick"),
-        drop_hz=frequencies_of(drop, "drop"),
-        refine=refine,
-        frf=frf,
-    )
-    if isinstance(measured, list | tuple):
-        with waiting("identifying", progress=progress):
-            return _joined(measured, options, test, response_only, response_method)
-    campaign = campaign_in(measured)
-    try:
-        with waiting("identifying", progress=progress):
-            result = identify_chosen(campaign, options, test, response_only=response_only, method=response_method)
-            return Model(campaign, result)
-    except IdentificationError as error:
-        if any(phase_rises(frf) for frf in campaign.frfs):
-            raise IdentificationError(
-                f"{error.what}; and the phase of H rises through its peaks, as it never does for exp(+i omega t)",
-                remedy="give H.conj()",
-            ) from error
-        raise
-
-
-def _joined(
-    measured: Sequence[Recording],
-    options: Options,
-    test: Test | None,
-    response_only: bool | None,
-    method: ResponseMethod,
-) -> Model:
-    campaigns = [campaign_in(one) for one in measured]
-    alone = all(c.rig.force is None for c in campaigns) if response_only is None else response_only
-    if alone:
-        merged = identify_response_setups(campaigns, options, test, method)
-        return Model(merged.campaign, merged.result)
-    joined = identify_setups(campaigns, options)
-    return Model(joined.campaign, joined.result)
-
-
-def campaign_in(measured: object) -> Campaign:
-    """The campaign of what `simulate`, `load` or `frf` gave.
-
-    Raises:
-        DataError: it is neither.
-    """
-    if isinstance(measured, Recording | MeasuredFrf):
-        return measured.campaign
-    if isinstance(measured, Campaign):
-        return measured
-    hint = f"ml.load({str(measured)!r})" if isinstance(measured, str | Path) else "ml.frf(f, H) for arrays"
-    raise DataError(f"{type(measured).__name__} is no recording", remedy=f"give what ml.load gives: {hint}")

@@ -14,10 +14,10 @@ from modallab.gap.modal.diagnosis import Explained, explained_by_model
 from modallab.identification.impact import start_frf
 from modallab.identification.options import Options
 from modallab.modification.mesh import Mesh
-from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
 from modallab.pipelines.identify import Identified, Result, identify_campaign, usable
 from modallab.pipelines.model_file import read_models
 from modallab.reporting.structure_report import StructureGap
+from modallab.updating.elements import mesh_of_elements, model_of_elements
 
 
 def gap_of(

@@ -3,13 +3,13 @@
 import numpy as np
 
 from modallab.core.digits import concise, listed
-from modallab.modification.correlation import Correlation
 from modallab.modification.deflection import Deflection
 from modallab.modification.freedoms import Freedom
 from modallab.modification.nodes import ModePlaces
 from modallab.modification.participation import ModalParticipation
 from modallab.modification.structure import At
 from modallab.reporting.modified_table import TableRows
+from modallab.updating.correlation import Correlation
 
 MOST = 0.995
 """Of a mode's largest motion: as much as that is all of it, in whole percent."""

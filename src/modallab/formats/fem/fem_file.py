@@ -12,15 +12,14 @@ from pydantic import Field, PositiveInt, ValidationError, model_validator
 from modallab.core.errors import DataError, FormatError
 from modallab.core.frozen import Frozen
 from modallab.formats.fem.calculix import read_calculix
-from modallab.formats.fem.matrices import modes_of
-from modallab.formats.fem.matrix_file import holds, read_matrix
+from modallab.formats.fem.matrix_file import READ, holds, read_matrix
+from modallab.formats.fem.matrix_model import DIRECTIONS, MatrixModel
 from modallab.formats.fem.nastran import read_nastran
 from modallab.formats.fem.nastran_op2 import read_op2
 from modallab.formats.fem.node_modes import NodeModes, Units, in_si
 from modallab.formats.fem.uff_modes import read_uff_modes
 
 K, M, FREEDOMS, NODES = ("K", "stiffness"), ("M", "mass"), ("freedoms", "dof"), ("nodes",)
-DIRECTIONS = {"x": 1, "y": 2, "z": 3, "rx": 4, "ry": 5, "rz": 6}
 RESULTS = {
     ".frd": read_calculix,
     ".f06": read_nastran,
@@ -32,6 +31,30 @@ RESULTS = {
 DESCRIBED = (".yaml", ".yml")
 EXAMPLE = "{stiffness: K.mtx, mass: M.mtx, freedoms: freedoms.csv, nodes: nodes.csv} or {results: plate.frd, units: mm}"
 _REMEDY = f"name a result file ({', '.join(RESULTS)}), matrices (.npz, .mat), or a YAML file such as {EXAMPLE}"
+
+
+class FemParameter(Frozen):
+    """A parameter of matrices, and what is believed of it; files are named beside this one.
+
+    Attributes:
+        stiffness: what one unit of it adds to K.
+        mass: what one unit of it adds to M.
+        value: most probable, in the unit of the matrices.
+        sigma: one standard deviation.
+        unit: in words.
+    """
+
+    stiffness: str = ""
+    mass: str = ""
+    value: Annotated[float, Field(allow_inf_nan=False)] = 0.0
+    sigma: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    unit: str = ""
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if not (self.stiffness or self.mass):
+            raise ValueError("names neither stiffness nor mass")
+        return self
 
 
 class FemFile(Frozen):
@@ -46,6 +69,7 @@ class FemFile(Frozen):
         units: of length; mm goes with tonnes.
         points: node of a point of the rig, where numbers and places do not say it.
         damping_ratio: of every mode; None: what the rig file believes.
+        parameters: what a test may correct, by name.
     """
 
     results: str = ""
@@ -56,9 +80,12 @@ class FemFile(Frozen):
     units: Units = "m"
     points: dict[int, PositiveInt] = Field(default_factory=dict)
     damping_ratio: Annotated[float, Field(gt=0, lt=1)] | None = None
+    parameters: dict[str, FemParameter] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        if self.results and self.parameters:
+            raise ValueError("parameters need matrices: results alone do not say what a parameter changes")
         if bool(self.results) == bool(self.stiffness or self.mass):
             raise ValueError("names neither or both of results and matrices")
         if not self.results and not (self.stiffness and self.mass and self.freedoms):
@@ -94,23 +121,48 @@ def read_fem(path: Path) -> FemModel:
     if ending in DESCRIBED:
         return _described(path)
     if holds(path, K):
-        return FemModel(_of_matrices(path, path, path, path if holds(path, NODES) else None), {})
+        return FemModel(_of_one_file(path).modes({}), {})
     raise FormatError(f"is no model: its ending is {ending or 'missing'}", where=str(path), remedy=_REMEDY)
+
+
+def read_matrix_model(path: Path) -> tuple[MatrixModel, dict[str, FemParameter]]:
+    """A model of matrices, and what its file believes of its parameters.
+
+    Raises:
+        FormatError: a file cannot be read, or it holds no matrices.
+        DataError: matrices that do not belong together.
+    """
+    if path.is_file() and path.suffix.lower() in DESCRIBED:
+        said = _said(path)
+        if not said.results:
+            return _matrices_of(path, said), said.parameters
+    elif path.is_file() and holds(path, K):
+        return _of_one_file(path), {}
+    raise FormatError("holds no matrices", where=str(path), remedy=f"name {', '.join(READ)}, or such as {EXAMPLE}")
 
 
 def _described(path: Path) -> FemModel:
     said = _said(path)
-    beside = {name: path.parent / str(getattr(said, name)) for name in ("results", "stiffness", "mass", "freedoms")}
     if said.results:
-        inner = read_fem(beside["results"])
-        modes = inner.modes
+        modes = in_si(read_fem(path.parent / said.results).modes, said.units)
     else:
-        nodes = path.parent / said.nodes if said.nodes else None
-        modes = _of_matrices(beside["stiffness"], beside["mass"], beside["freedoms"], nodes)
-    modes = in_si(modes, said.units)
+        modes = _matrices_of(path, said).modes({})
     if said.damping_ratio is not None:
         modes = replace(modes, damping_ratio=np.full(modes.frequency_hz.size, said.damping_ratio))
     return FemModel(modes, dict(said.points))
+
+
+def _matrices_of(path: Path, said: FemFile) -> MatrixModel:
+    here, believed = path.parent, said.parameters
+    stiff, heavy = here / said.stiffness, here / said.mass
+    whole = _of_matrices(stiff, heavy, here / said.freedoms, here / said.nodes if said.nodes else None)
+    return replace(
+        whole,
+        stiffness_by={n: read_matrix(here / p.stiffness, K) for n, p in believed.items() if p.stiffness},
+        mass_by={n: read_matrix(here / p.mass, M) for n, p in believed.items() if p.mass},
+        points=said.points,
+        units=said.units,
+    )
 
 
 def _said(path: Path) -> FemFile:
@@ -132,10 +184,14 @@ def _fault(error: dict[str, Any]) -> str:
     return f"{place}: {said}" if place else said
 
 
-def _of_matrices(stiffness: Path, mass: Path, freedoms: Path, nodes: Path | None) -> NodeModes:
-    rows = _table(freedoms, FREEDOMS, 2)
+def _of_one_file(path: Path) -> MatrixModel:
+    return _of_matrices(path, path, path, path if holds(path, NODES) else None)
+
+
+def _of_matrices(stiffness: Path, mass: Path, freedoms: Path, nodes: Path | None) -> MatrixModel:
+    rows = [(int(node), int(direction)) for node, direction in _table(freedoms, FREEDOMS, 2)]
     places = {int(n): (float(x), float(y), float(z)) for n, x, y, z in (_table(nodes, NODES, 4) if nodes else ())}
-    return modes_of(read_matrix(stiffness, K), read_matrix(mass, M), rows.astype(np.int64), places, stiffness.stem)
+    return MatrixModel(read_matrix(stiffness, K), read_matrix(mass, M), rows, places=places, title=stiffness.stem)
 
 
 def _table(path: Path, names: tuple[str, ...], columns: int) -> NDArray[np.float64]:

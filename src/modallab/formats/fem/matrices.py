@@ -39,7 +39,19 @@ def modes_of(
     Raises:
         DataError: sizes that do not fit, or matrices that are not symmetric or no mass and stiffness.
     """
-    k, m = _checked(stiffness, "stiffness", title), _checked(mass, "mass", title)
+    return modes_of_symmetric(
+        symmetric(stiffness, "stiffness", title), symmetric(mass, "mass", title), freedoms, places_m, title
+    )
+
+
+def modes_of_symmetric(
+    k: Any, m: Any, freedoms: Whole, places_m: dict[int, tuple[float, float, float]], title: str
+) -> NodeModes:
+    """The same of sparse matrices that are known to be symmetric.
+
+    Raises:
+        DataError: sizes that do not fit, or matrices that are no mass and stiffness.
+    """
     n = k.shape[0]
     if m.shape != k.shape or freedoms.shape != (n, 2):
         raise DataError(
@@ -77,7 +89,12 @@ def _solved(k: Any, m: Any, title: str) -> tuple[Real, Real]:
     return squares[order], vectors / np.sqrt(np.sum(vectors * (m @ vectors), axis=0))
 
 
-def _checked(matrix: Any, what: str, title: str) -> Any:
+def symmetric(matrix: Any, what: str, title: str) -> Any:
+    """A matrix as a sparse one, whole where one triangle alone was given.
+
+    Raises:
+        DataError: it is zero, not square, not finite or not symmetric.
+    """
     found = sparse.csc_array(matrix)
     size = abs(found).max() if found.nnz else 0.0
     if found.ndim != 2 or found.shape[0] != found.shape[1] or not size:

@@ -1,5 +1,7 @@
 """A finite-element model as the modal model that a test on the rig would give."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,6 +9,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
+from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
 
 Real = NDArray[np.float64]
@@ -69,6 +72,18 @@ def mesh_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inpu
     motion = np.array([fem.modes.at[node][kept] for node in nodes])
     places = np.array([fem.modes.places_m[node] for node in nodes])
     return Mesh(places, {a: turned[a] * motion[:, :, k] for k, a in enumerate("xyz")})
+
+
+def shapes_at(fem: FemModel, rig: Rig, freedoms: Sequence[Freedom]) -> tuple[Real, Real]:
+    """(modes,) Hz and (modes, freedoms) shapes at unit modal mass, without motions of the whole.
+
+    Raises:
+        DataError: a point is at no node.
+    """
+    kept = slice(_rigid(fem.modes.frequency_hz), None)
+    drive = rig.drive_direction
+    columns = [_along_axis(fem, rig, point, drive if axis == drive[1] else f"+{axis}") for point, axis in freedoms]
+    return fem.modes.frequency_hz[kept], np.stack(columns, axis=1)[kept]
 
 
 def _channels(rig: Rig) -> list[Channel]:
@@ -147,6 +162,10 @@ def _along(fem: FemModel, rig: Rig, point: int, channel: Channel | None) -> Real
     # What reads along the drive's axis has been turned to its sense.
     drive = rig.drive_direction
     direction = drive if channel is None or channel.direction[1] == drive[1] else channel.direction
+    return _along_axis(fem, rig, point, direction)
+
+
+def _along_axis(fem: FemModel, rig: Rig, point: int, direction: str) -> Real:
     sense = -1.0 if direction[0] == "-" else 1.0
     return sense * fem.modes.at[_node(fem, rig, point)][:, "xyz".index(direction[1])]
 

@@ -1,0 +1,47 @@
+"""`modallab model`: a measured model beside another one of its structure, which it corrects."""
+
+import argparse
+
+from modallab.cli.console import show_rows, write_json
+from modallab.cli.model_understood import rig_of_known
+from modallab.core.errors import ConfigurationError
+from modallab.modification.known import Known
+from modallab.pipelines.model_update import update_model
+from modallab.pipelines.structure_gap import read_reference
+from modallab.reporting.understood_table import correlation_rows
+from modallab.reporting.updated_table import parameter_rows, updated_document, updated_mode_rows
+from modallab.updating.correlation import correlate
+from modallab.updating.prior import Prior
+
+
+def compare(known: Known, arguments: argparse.Namespace) -> None:
+    """Pairs of modes with another model."""
+    other = Known(read_reference(arguments.other, rig_of_known(known), known.model)[0], known.rig)
+    found = correlate(known, other)
+    show_rows(arguments, correlation_rows(found))
+    about = {"pairs": [[i + 1, j + 1] for i, j in found.pairs], "freedoms": found.freedoms}
+    arrays = {name: getattr(found, name).tolist() for name in ("mac", "frequency_hz", "damping_ratio", "comac")}
+    if arguments.json is not None:
+        write_json(arguments.json, about | arrays)
+
+
+def update(known: Known, arguments: argparse.Namespace) -> None:
+    """Parameters of a model of the structure."""
+    priors = dict(_prior(*given) for given in arguments.prior)
+    found = update_model(known, arguments.fe, priors, arguments.hold_out)
+    show_rows(arguments, updated_mode_rows(found))
+    show_rows(arguments, parameter_rows(found))
+    if arguments.json is not None:
+        write_json(arguments.json, updated_document(found))
+
+
+def _prior(name: str, value: str, sigma: str) -> tuple[str, Prior]:
+    relative = sigma.endswith("%")
+    try:
+        spread = float(sigma.removesuffix("%")) / (100 if relative else 1)
+        return name, Prior(float(value), spread, relative)
+    except ValueError as error:
+        raise ConfigurationError(
+            f"--prior {name} {value} {sigma} is no number with its deviation",
+            remedy="write --prior spring@8 0 1000, or --prior density 7850 2%",
+        ) from error

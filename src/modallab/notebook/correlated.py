@@ -1,0 +1,94 @@
+"""A measured model beside other models of its structure: which modes are the same, and what corrects the other."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.formats.fem.matrix_model import MatrixModel
+from modallab.modification.known import Known
+from modallab.notebook.put_to_use import PutToUse
+from modallab.notebook.shown import Answered, Shown
+from modallab.pipelines.model_update import update_model
+from modallab.pipelines.structure_gap import read_reference
+from modallab.reporting.understood_table import correlation_rows
+from modallab.reporting.updated_table import parameter_rows, updated_mode_rows
+from modallab.updating.correlation import Correlation, correlate
+from modallab.updating.prior import Prior
+from modallab.updating.result import UpdatedParameters
+
+
+class UpdatedModel(Answered[UpdatedParameters]):
+    """Parameters of a model with their 95 % intervals; `numbers` holds all arrays."""
+
+    def __init__(self, numbers: UpdatedParameters) -> None:
+        super().__init__(numbers, *parameter_rows(numbers))
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Parameter -> the most probable value."""
+        return self.numbers.numbers
+
+    def modes(self) -> Shown:
+        """Each measured mode beside the model's, before and after."""
+        return Shown(*updated_mode_rows(self.numbers))
+
+
+class Correlated:
+    """What a measured model says of another model of its structure."""
+
+    __slots__ = ()
+
+    @property
+    def rig(self) -> Rig:
+        """The bench that the records are of."""
+        raise NotImplementedError
+
+    @property
+    def modal(self) -> ModalModel:
+        """Every array of the model."""
+        raise NotImplementedError
+
+    @property
+    def known(self) -> Known:
+        """The structure that the model describes."""
+        raise NotImplementedError
+
+    def correlation(self, other: PutToUse | str | Path) -> Answered[Correlation]:
+        """Beside another model of the structure: pairs by MAC, their frequencies and damping, COMAC.
+
+        Args:
+            other: a model, or a file of models or of a finite-element model, which is taken at the points of this one.
+
+        Raises:
+            DataError: fewer than two common points, no driving point, or no two modes that are alike.
+            FormatError: the file can be read as neither.
+        """
+        if isinstance(other, PutToUse):
+            known = other.known
+        else:
+            known = Known(read_reference(Path(other), self.rig, self.modal)[0], self.rig)
+        found = correlate(self.known, known)
+        return Answered(found, *correlation_rows(found))
+
+    def update(
+        self,
+        model: MatrixModel | Callable[..., Any] | str | Path | None = None,
+        priors: Mapping[str, Prior] | None = None,
+        held_out: Sequence[int] = (),
+    ) -> UpdatedModel:
+        """The parameters of a model of the structure, such as E or a spring, that this test leaves possible.
+
+        Args:
+            model: `ml.MatrixModel`, a file of matrices with parameters, or a function from numbers by name to
+                frequencies (modes,) in Hz and shapes (modes, points) at unit modal mass; None for the rig's beam.
+            priors: parameter -> `ml.Prior`, beside those that the model states itself.
+            held_out: modes, from 1, that only check the estimate.
+
+        Raises:
+            DataError: no such parameter or mode, no driving point, or a model without the points of the test.
+            FormatError: the file holds no matrices.
+        """
+        of = Path(model) if isinstance(model, str | Path) else model
+        return UpdatedModel(update_model(self.known, of, priors, held_out))

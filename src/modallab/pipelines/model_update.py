@@ -1,0 +1,88 @@
+"""A model of the structure corrected by a measured one: the beam of the rig, matrices, or a function."""
+
+import runpy
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from modallab.core.errors import DataError, FormatError
+from modallab.core.rig import Rig
+from modallab.formats.fem.fem_file import FemParameter, read_matrix_model
+from modallab.formats.fem.matrix_model import MASS, STIFFNESS, MatrixModel
+from modallab.modification.known import Known
+from modallab.updating.beam_model import BeamModel
+from modallab.updating.data import data_of
+from modallab.updating.posterior import update
+from modallab.updating.predictor import Predictor, of_matrices
+from modallab.updating.prior import Prior
+from modallab.updating.result import UpdatedParameters
+
+PREDICT, PRIORS = "predict", "priors"
+"""Names in a Python file that is a model."""
+
+
+def update_model(
+    known: Known,
+    of: Path | MatrixModel | Callable[..., Any] | None = None,
+    priors: Mapping[str, Prior] | None = None,
+    held_out: Sequence[int] = (),
+) -> UpdatedParameters:
+    """The parameters of a model that measured modes leave possible.
+
+    Factors on all stiffness and all mass are always free in matrices, as E and density are in the beam: what they
+    explain is no local fault.
+
+    Args:
+        known: the measured structure.
+        of: a file of matrices with parameters or a Python file; matrices; a function from numbers by name to
+            frequencies (modes,) in Hz and shapes (modes, points) at unit modal mass; None for the rig's beam.
+        priors: of parameters beside those that the model states, or instead of them.
+        held_out: modes, from 1, that only check the estimate.
+
+    Raises:
+        DataError: no rig, no such parameter or mode, or a model without the points of the test.
+        FormatError: the file holds no matrices and no function.
+    """
+    predict, stated = _model(known, of)
+    given = {n: p if p.unit else replace(p, unit=_unit_of(n, of, stated)) for n, p in (priors or {}).items()}
+    return update(predict, stated | given, data_of(known), held_out)
+
+
+def _unit_of(name: str, of: object, stated: Mapping[str, Prior]) -> str:
+    return BeamModel.unit_of(name) if of is None else stated[name].unit if name in stated else ""
+
+
+def _model(known: Known, of: Path | MatrixModel | Callable[..., Any] | None) -> tuple[Predictor, dict[str, Prior]]:
+    freedoms = known.structure.freedoms
+    if isinstance(of, Path) and of.suffix == ".py":
+        return _of_python(of)
+    if callable(of):
+        return of, {}
+    if known.rig is None:
+        raise DataError("the places of the points are not known", remedy="identify a campaign with its rig file")
+    if of is None:
+        beam = BeamModel(known.rig, freedoms)
+        return beam, beam.priors
+    matrices, stated = read_matrix_model(of) if isinstance(of, Path) else (of, dict[str, FemParameter]())
+    own = {name: Prior(p.value, p.sigma, unit=p.unit) for name, p in stated.items()}
+    return of_matrices(matrices, known.rig, freedoms), _of_the_whole(known.rig) | own
+
+
+def _of_the_whole(rig: Rig) -> dict[str, Prior]:
+    t = rig.tolerance
+    sizes = {STIFFNESS: np.hypot(t.youngs_modulus, 3 * t.thickness), MASS: np.hypot(t.density, t.thickness)}
+    return {name: Prior(1.0, float(sigma), True) for name, sigma in sizes.items() if sigma > 0}
+
+
+def _of_python(path: Path) -> tuple[Predictor, dict[str, Prior]]:
+    if not path.is_file():
+        raise FormatError("is not there, or no file", where=str(path), remedy="name a Python file with predict")
+    held = runpy.run_path(str(path))
+    if not callable(held.get(PREDICT)):
+        raise FormatError(
+            f"defines no function {PREDICT}", where=str(path), remedy="def predict(numbers): return hz, shapes"
+        )
+    return held[PREDICT], dict(held.get(PRIORS, {}))

@@ -1,0 +1,208 @@
+"""Parameters of a model estimated from measured modes: the most probable ones, and what stays possible.
+
+Frequencies and shapes of a model are never exact. By how much, relative and for each of the two, is inferred beside
+the parameters: a ladder of both is weighed by its evidence (Laplace) about the best fit, and the posterior is the
+mixture over it (Kennedy and O'Hagan, "Bayesian calibration of computer models", J. R. Stat. Soc. B 63, 2001, 425).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.optimize import least_squares
+
+from modallab.core.errors import DataError
+from modallab.updating.data import ModeData
+from modallab.updating.pairs import paired
+from modallab.updating.predictor import Predictor, checked
+from modallab.updating.prior import Prior
+from modallab.updating.result import ModeCheck, UpdatedParameters
+
+Real = NDArray[np.float64]
+
+OFF_HZ = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2)
+"""By how much a model's frequencies may be off, relative. No structure is as even as its model to less."""
+OFF_SHAPE = (1e-2, 3e-2, 0.1, 0.3)
+"""The same of its shapes, over their root mean square."""
+FIRST = ((0.1, 1.0), (3e-2, 0.3), (1e-2, 0.1))
+"""Where the search begins: narrow valleys are not followed from afar."""
+TRIED, STARTS = 64, 4
+"""Numbers drawn from the priors, and how many of them a search begins at: close modes leave several valleys."""
+TURNS = 3
+FEW, STEPS = 8, 60
+"""Steps of a search that others follow, and of one to the end."""
+STEP = 1e-4
+"""Of the derivatives, in standard deviations of the priors."""
+IMPOSSIBLE = 1e3
+"""Misfit of numbers that no structure can have."""
+DRAWS = 4000
+FARTHEST = 30.0
+"""Standard deviations of the prior from its centre that a search goes at most."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Fit:
+    """A linearisation about the best numbers.
+
+    Attributes:
+        u: (parameters,) in standard deviations of the priors.
+        misfit: (numbers,) predicted less measured.
+        slopes: (numbers, parameters) of it.
+    """
+
+    u: Real
+    misfit: Real
+    slopes: Real
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Problem:
+    """Measured modes, a model and what is believed of its parameters."""
+
+    predict: Predictor
+    priors: Mapping[str, Prior]
+    data: ModeData
+
+    def numbers(self, u: Real) -> dict[str, float]:
+        return {name: float(prior.at(x)) for (name, prior), x in zip(self.priors.items(), u, strict=True)}
+
+    def misfit(self, u: Real) -> Real:
+        try:
+            hz, shapes = self.predict(self.numbers(u))
+        except (DataError, np.linalg.LinAlgError):
+            # Such as a mass below 0 that is more than there is: a step to there is rejected.
+            return np.full(len(self.data.covariance), IMPOSSIBLE)
+        places, signs = paired(self.data, hz, shapes)
+        return self.data.misfit(hz[places], signs[:, None] * shapes[places])
+
+    def slopes(self, u: Real) -> Real:
+        here = self.misfit(u)
+        return np.stack([(self.misfit(u + h) - here) / STEP for h in STEP * np.eye(u.size)], axis=1)
+
+    def covariance(self, off: tuple[float, float]) -> Real:
+        own = np.repeat(np.square(off), (self.data.modes, self.data.shapes.size))
+        return self.data.covariance + np.diag(own)
+
+    def starts(self) -> list[Real]:
+        """The numbers that are believed, and those of many draws that are most like the test."""
+        draws = np.random.default_rng(0).standard_normal((TRIED, len(self.priors)))
+        factor = np.linalg.cholesky(self.covariance(FIRST[0]))
+        cost = [np.sum(solve_triangular(factor, self.misfit(u), lower=True) ** 2) + u @ u for u in draws]
+        return [np.zeros(len(self.priors)), *draws[np.argsort(cost)[: STARTS - 1]]]
+
+    def found(self) -> Real:
+        """The best numbers of several searches, each from where much may be off to where little is."""
+        ends = [self.fit(u, FIRST[0], FEW) for u in self.starts()]
+        for off in FIRST[1:]:
+            ends = [self.fit(end.u, off, FEW) for end in ends]
+        return min(ends, key=lambda end: self.weighed(end, FIRST[-1])[0]).u
+
+    def fit(self, u: Real, off: tuple[float, float], steps: int = STEPS) -> _Fit:
+        """The most probable numbers for what the model is off by."""
+        factor = np.linalg.cholesky(self.covariance(off))
+
+        def weighed(a: Real) -> Real:
+            return solve_triangular(factor, a, lower=True)
+
+        found = least_squares(
+            lambda v: np.concatenate([weighed(self.misfit(v)), v]),
+            u,
+            lambda v: np.concatenate([weighed(self.slopes(v)), np.eye(v.size)]),
+            bounds=(-FARTHEST, FARTHEST),
+            x_scale=1.0,
+            max_nfev=steps,
+        )
+        return _Fit(found.x, self.misfit(found.x), self.slopes(found.x))
+
+    def weighed(self, fit: _Fit, off: tuple[float, float]) -> tuple[float, Real, Real]:
+        """-2 ln of the evidence there, the mean and the covariance of u."""
+        factor = cho_factor(self.covariance(off), lower=True)
+        by, centre = cho_solve(factor, fit.slopes), fit.misfit - fit.slopes @ fit.u
+        curvature = fit.slopes.T @ by + np.eye(fit.u.size)
+        mean = -np.linalg.solve(curvature, by.T @ centre)
+        left = centre + fit.slopes @ mean
+        cost = left @ cho_solve(factor, left) + mean @ mean + 2 * np.sum(np.log(np.diag(factor[0])))
+        evidence = float(cost + np.linalg.slogdet(curvature)[1])
+        return evidence, np.asarray(mean, np.float64), np.asarray(np.linalg.inv(curvature), np.float64)
+
+    def mixture(self, fit: _Fit) -> tuple[tuple[float, float], list[tuple[float, Real, Real]]]:
+        """The most probable scales, and the weight, mean and covariance at each."""
+        ladder = [(a, b) for a in OFF_HZ for b in OFF_SHAPE]
+        each = [self.weighed(fit, off) for off in ladder]
+        evidence = np.array([e for e, _, _ in each])
+        weight = np.exp((evidence.min() - evidence) / 2)
+        best = ladder[int(np.argmin(evidence))]
+        return best, [(w / weight.sum(), mean, cov) for w, (_, mean, cov) in zip(weight, each, strict=True)]
+
+
+def update(
+    predict: Predictor, priors: Mapping[str, Prior], data: ModeData, held_out: Sequence[int] = ()
+) -> UpdatedParameters:
+    """The parameters of a model that measured modes leave possible.
+
+    Args:
+        predict: numbers by name -> frequencies and shapes at the freedoms of the data.
+        priors: what is believed of each parameter.
+        data: measured modes.
+        held_out: modes, from 1, that the estimate does not see, and that check it.
+
+    Raises:
+        DataError: no parameter, no such mode, fewer than two modes to learn from, or a model without enough modes.
+    """
+    if not priors:
+        raise DataError("there is no parameter to estimate", remedy="give priors")
+    predict = checked(predict, data.shapes.shape[1])
+    before = _check(predict, {name: prior.value for name, prior in priors.items()}, data)
+    problem = _Problem(predict, priors, data.only(_kept(data.modes, held_out)))
+    fit = problem.fit(problem.found(), FIRST[-1])
+    u, (off, parts) = fit.u, problem.mixture(fit)
+    for _ in range(TURNS - 1):
+        fit = problem.fit(u, off)
+        u, (off, parts) = fit.u, problem.mixture(fit)
+    drawn = _drawn(parts)
+    return UpdatedParameters(
+        priors=dict(priors),
+        numbers=problem.numbers(u),
+        interval={
+            name: tuple(np.quantile(prior.at(drawn[:, n]), (0.025, 0.975)).tolist())
+            for n, (name, prior) in enumerate(priors.items())
+        },
+        narrowed=np.std(drawn, axis=0),
+        correlation=np.atleast_2d(np.corrcoef(drawn.T)),
+        off=off,
+        measured_hz=data.frequency_hz,
+        measured_sigma_hz=data.frequency_sigma_hz,
+        before=before,
+        after=_check(predict, problem.numbers(u), data),
+        held_out=tuple(held_out),
+    )
+
+
+def _kept(modes: int, held_out: Sequence[int]) -> list[int]:
+    wrong = [r for r in held_out if not 1 <= r <= modes]
+    if wrong:
+        raise DataError(f"there is no mode {wrong[0]} to hold out", remedy=f"name modes from 1 to {modes}")
+    kept = [r for r in range(modes) if r + 1 not in held_out]
+    if len(kept) < 2:
+        raise DataError(f"{len(kept)} modes are left to learn from", remedy="hold out fewer modes")
+    return kept
+
+
+def _drawn(parts: list[tuple[float, Real, Real]]) -> Real:
+    """(draws, parameters) of a mixture of normal distributions."""
+    rng = np.random.default_rng(0)
+    counts = rng.multinomial(DRAWS, [w for w, _, _ in parts])
+    return np.concatenate(
+        [rng.multivariate_normal(mean, cov, n) for n, (_, mean, cov) in zip(counts, parts, strict=True) if n]
+    )
+
+
+def _check(predict: Predictor, numbers: Mapping[str, float], data: ModeData) -> ModeCheck:
+    hz, shapes = predict(numbers)
+    places, _ = paired(data, hz, shapes)
+    found = shapes[places]
+    alike = np.sum(found * data.shapes, axis=1) ** 2
+    mac = alike / np.sum(found**2, axis=1) / np.sum(data.shapes**2, axis=1)
+    return ModeCheck(hz[places], mac)

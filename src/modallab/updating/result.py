@@ -1,0 +1,81 @@
+"""What a test says of the parameters of a model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.updating.prior import Prior
+
+Real = NDArray[np.float64]
+
+DETERMINED = 0.5
+"""Of the prior's deviation: where more of it is left, the data have said little of a parameter."""
+TOGETHER = 0.9
+"""Correlation from which two parameters are known together, and neither alone."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ModeCheck:
+    """Predicted modes beside the measured ones.
+
+    Attributes:
+        frequency_hz: (modes,) of the pair of each measured mode.
+        mac: (modes,) of the two.
+    """
+
+    frequency_hz: Real
+    mac: Real
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class UpdatedParameters:
+    """Parameters estimated from measured modes.
+
+    Attributes:
+        priors: parameter -> what was believed of it.
+        numbers: parameter -> the most probable value.
+        interval: parameter -> 95 % interval.
+        narrowed: (parameters,) deviation that is left, over that of the prior.
+        correlation: (parameters, parameters) of what is left.
+        off: what the model's frequencies and shapes are off by with the best numbers, relative.
+        measured_hz: (modes,).
+        measured_sigma_hz: (modes,).
+        before: with what was believed.
+        after: with the estimate.
+        held_out: modes, from 1, that the estimate did not see.
+    """
+
+    priors: dict[str, Prior]
+    numbers: dict[str, float]
+    interval: dict[str, tuple[float, ...]]
+    narrowed: Real
+    correlation: Real
+    off: tuple[float, float]
+    measured_hz: Real
+    measured_sigma_hz: Real
+    before: ModeCheck
+    after: ModeCheck
+    held_out: tuple[int, ...]
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Parameters of which most of what is left open was open before."""
+        return tuple(n for n, left in zip(self.numbers, self.narrowed, strict=True) if left > DETERMINED)
+
+    @property
+    def together(self) -> tuple[tuple[str, str], ...]:
+        """Pairs of parameters that only a combination is known of."""
+        names, size = list(self.numbers), np.abs(self.correlation)
+        return tuple((names[i], names[j]) for i in range(len(names)) for j in range(i) if size[i, j] > TOGETHER)
+
+    @property
+    def errors(self) -> tuple[Real, Real]:
+        """(modes,) relative error of each frequency before and after."""
+        return self.before.frequency_hz / self.measured_hz - 1, self.after.frequency_hz / self.measured_hz - 1
+
+    def rms_error(self, modes: tuple[int, ...]) -> tuple[float, float]:
+        """Root mean square of the errors of some modes, from 1, before and after."""
+        chosen = [r - 1 for r in modes]
+        before, after = (float(np.sqrt(np.mean(e[chosen] ** 2))) for e in self.errors)
+        return before, after
