@@ -79,3 +79,28 @@ def test_a_model_compared_with_itself_has_a_mac_of_one(
     found = json.loads(answer.read_text())
     assert found["pairs"] == [[1, 1], [2, 2], [3, 3], [4, 4]]
     np.testing.assert_allclose(found["comac"], 1)
+
+
+def test_a_correction_does_not_see_the_modes_held_out(
+    models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    function = tmp_path / "chain_model.py"
+    function.write_text(
+        "import numpy as np\n"
+        "from scipy.linalg import eigh\n"
+        "from chain import BARE\n"
+        "from modallab import Prior\n"
+        "priors = {'k': Prior(1.2, 0.2, True)}\n"
+        "def predict(numbers):\n"
+        "    squares, shapes = eigh(numbers['k'] * BARE.stiffness, BARE.mass)\n"
+        "    return np.sqrt(squares) / 2 / np.pi, shapes.T\n"
+    )
+    answer = tmp_path / "answer.json"
+    given = ["--fe", str(function), "--hold-out", "2", "--json", str(answer)]
+    assert main(["model", "update", str(models), *given]) == 0
+    found = json.loads(answer.read_text())
+    assert found["parameters"]["k"]["found"] == pytest.approx(1.0, abs=0.01)
+    assert found["held_out"] == [2]
+    assert "held out" in capsys.readouterr().out
+    assert main(["model", "update", str(models), "--prior", "E", "one", "5%"]) != 0
+    assert "--prior density 7850 2%" in capsys.readouterr().err

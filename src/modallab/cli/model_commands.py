@@ -69,11 +69,10 @@ def _update(actions: _Commands) -> Any:
         "--prior",
         nargs=3,
         action="append",
-        default=[],
         metavar=("NAME", "VALUE", "SIGMA"),
         help="of a parameter such as spring@8; 5%% is a deviation relative to the value",
     )
-    command.add_argument("--hold-out", nargs="+", type=count, default=[], metavar="MODE", help="modes that only check")
+    command.add_argument("--hold-out", nargs="+", type=count, metavar="MODE", help="modes that only check")
     return command
 
 

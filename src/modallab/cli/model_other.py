@@ -3,7 +3,6 @@
 import argparse
 
 from modallab.cli.console import show_rows, write_json
-from modallab.cli.model_understood import rig_of_known
 from modallab.core.errors import ConfigurationError
 from modallab.modification.known import Known
 from modallab.pipelines.model_update import update_model
@@ -16,7 +15,7 @@ from modallab.updating.prior import Prior
 
 def compare(known: Known, arguments: argparse.Namespace) -> None:
     """Pairs of modes with another model."""
-    other = Known(read_reference(arguments.other, rig_of_known(known), known.model)[0], known.rig)
+    other = Known(read_reference(arguments.other, known.stated_rig, known.model)[0], known.rig)
     found = correlate(known, other)
     show_rows(arguments, correlation_rows(found))
     about = {"pairs": [[i + 1, j + 1] for i, j in found.pairs], "freedoms": found.freedoms}
@@ -27,8 +26,8 @@ def compare(known: Known, arguments: argparse.Namespace) -> None:
 
 def update(known: Known, arguments: argparse.Namespace) -> None:
     """Parameters of a model of the structure."""
-    priors = dict(_prior(*given) for given in arguments.prior)
-    found = update_model(known, arguments.fe, priors, arguments.hold_out)
+    priors = dict(_prior(*given) for given in arguments.prior or ())
+    found = update_model(known, arguments.fe, priors, arguments.hold_out or ())
     show_rows(arguments, updated_mode_rows(found))
     show_rows(arguments, parameter_rows(found))
     if arguments.json is not None:

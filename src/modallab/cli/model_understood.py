@@ -46,7 +46,7 @@ def shape(known: Known, measured: Frf | None, arguments: argparse.Namespace) -> 
     """The shape of a mode, or an operating deflection shape."""
     found = _deflection(known, measured, arguments)
     if arguments.out is not None:
-        _draw(found, rig_of_known(known), arguments)
+        _draw(found, known.stated_rig, arguments)
     show_rows(arguments, deflection_rows(found))
     sigma = [None if np.isnan(s) else float(s) for s in found.sigma]
     values = {"re": found.values.real.tolist(), "im": found.values.imag.tolist(), "sigma": sigma}
@@ -61,7 +61,7 @@ def _deflection(known: Known, measured: Frf | None, arguments: argparse.Namespac
         raise ConfigurationError("the point of the force is missing", remedy="add --at POINT")
     if measured is None:
         raise DataError("a file of models holds no measured FRF", remedy="name the campaign instead of its models")
-    return operating_deflection(measured, freedoms_of(known.model, rig_of_known(known))[0], arguments.hz, arguments.at)
+    return operating_deflection(measured, freedoms_of(known.model, known.stated_rig)[0], arguments.hz, arguments.at)
 
 
 def _draw(found: Deflection, rig: Rig, arguments: argparse.Namespace) -> None:
@@ -72,17 +72,6 @@ def _draw(found: Deflection, rig: Rig, arguments: argparse.Namespace) -> None:
         raise StorageError(f"{path.name} does not end with .gif", where=str(path), remedy="name it shape.gif")
     Drawing(rig, spatial(rig, found), deflection_rows(found).caption).save(path)
     console_of(arguments).print(f"moving picture: {path}", markup=False, highlight=False, soft_wrap=True)
-
-
-def rig_of_known(known: Known) -> Rig:
-    """The rig of a model.
-
-    Raises:
-        DataError: none is known.
-    """
-    if known.rig is None:
-        raise DataError("the places of the points are not known", remedy="name the rig file with --rig")
-    return known.rig
 
 
 def _write(arguments: argparse.Namespace, document: dict[str, Any]) -> None:

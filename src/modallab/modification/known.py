@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
@@ -57,6 +58,20 @@ class Known:
         """
         self.model, self.rig, self.hits, self.changes = model, rig, hits, tuple(changes)
         self.structure = structure_of(model, rig)
+
+    @property
+    def stated_rig(self) -> Rig:
+        """The rig, with the places of its points.
+
+        Raises:
+            DataError: none is known.
+        """
+        if self.rig is None:
+            raise DataError(
+                "the places of the points are not known",
+                remedy="name the rig file (--rig), or identify a campaign with one",
+            )
+        return self.rig
 
     @cached_property
     def samples(self) -> Structure:

@@ -4,8 +4,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from modallab.core.model import ModalModel
-from modallab.core.rig import Rig
 from modallab.formats.fem.matrix_model import MatrixModel
 from modallab.modification.known import Known
 from modallab.notebook.put_to_use import PutToUse
@@ -41,16 +39,6 @@ class Correlated:
     __slots__ = ()
 
     @property
-    def rig(self) -> Rig:
-        """The bench that the records are of."""
-        raise NotImplementedError
-
-    @property
-    def modal(self) -> ModalModel:
-        """Every array of the model."""
-        raise NotImplementedError
-
-    @property
     def known(self) -> Known:
         """The structure that the model describes."""
         raise NotImplementedError
@@ -68,7 +56,8 @@ class Correlated:
         if isinstance(other, PutToUse):
             known = other.known
         else:
-            known = Known(read_reference(Path(other), self.rig, self.modal)[0], self.rig)
+            rig = self.known.stated_rig
+            known = Known(read_reference(Path(other), rig, self.known.model)[0], rig)
         found = correlate(self.known, known)
         return Answered(found, *correlation_rows(found))
 
@@ -81,8 +70,9 @@ class Correlated:
         """The parameters of a model of the structure, such as E or a spring, that this test leaves possible.
 
         Args:
-            model: `ml.MatrixModel`, a file of matrices with parameters, or a function from numbers by name to
-                frequencies (modes,) in Hz and shapes (modes, points) at unit modal mass; None for the rig's beam.
+            model: `ml.MatrixModel`, a file of matrices with parameters, or a function; None for the rig's beam. A
+                function takes numbers by name. It gives frequencies (modes,) in Hz, and shapes (modes, points) at
+                unit modal mass.
             priors: parameter -> `ml.Prior`, beside those that the model states itself.
             held_out: modes, from 1, that only check the estimate.
 

@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.units import Quantity
 from modallab.modification.deflection import Deflection, mode_deflection, operating_deflection, spatial
@@ -112,7 +111,7 @@ class Understood:
             DataError: no such mode, no driving point, or no places of the points.
         """
         known = self.known
-        return DeflectionShape(mode_deflection(known.structure, known.samples, mode), _rig(known))
+        return DeflectionShape(mode_deflection(known.structure, known.samples, mode), known.stated_rig)
 
     def deflection(self, hz: float, at: int) -> DeflectionShape:
         """The operating deflection shape: motion per newton, from the measured FRFs at their line nearest to `hz`.
@@ -125,11 +124,5 @@ class Understood:
             DataError: no measured FRF, none from that point, or another frequency.
         """
         known = self.known
-        freedoms = freedoms_of(known.model, _rig(known))[0]
-        return DeflectionShape(operating_deflection(self.measured, freedoms, hz, at), _rig(known))
-
-
-def _rig(known: Known) -> "Rig":
-    if known.rig is None:
-        raise DataError("the places of the points are not known", remedy="identify a campaign with its rig file")
-    return known.rig
+        freedoms = freedoms_of(known.model, known.stated_rig)[0]
+        return DeflectionShape(operating_deflection(self.measured, freedoms, hz, at), known.stated_rig)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from modallab.core.errors import DataError, FormatError
+from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
 from modallab.formats.fem.fem_file import FemParameter, read_matrix_model
 from modallab.formats.fem.matrix_model import MASS, STIFFNESS, MatrixModel
@@ -61,14 +61,12 @@ def _model(known: Known, of: Path | MatrixModel | Callable[..., Any] | None) -> 
         return _of_python(of)
     if callable(of):
         return of, {}
-    if known.rig is None:
-        raise DataError("the places of the points are not known", remedy="identify a campaign with its rig file")
     if of is None:
-        beam = BeamModel(known.rig, freedoms)
+        beam = BeamModel(known.stated_rig, freedoms)
         return beam, beam.priors
     matrices, stated = read_matrix_model(of) if isinstance(of, Path) else (of, dict[str, FemParameter]())
     own = {name: Prior(p.value, p.sigma, unit=p.unit) for name, p in stated.items()}
-    return of_matrices(matrices, known.rig, freedoms), _of_the_whole(known.rig) | own
+    return of_matrices(matrices, known.stated_rig, freedoms), _of_the_whole(known.stated_rig) | own
 
 
 def _of_the_whole(rig: Rig) -> dict[str, Prior]:

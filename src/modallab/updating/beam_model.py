@@ -89,14 +89,13 @@ class BeamModel:
 
     def _structure(self, numbers: Mapping[str, float]) -> Structure:
         s = Structure.of(self.beam, self.rig.damping_ratio.guess)
-        stated = {"youngs_modulus", "density", "thickness"}
         s = replace(
             s,
             youngs_modulus_pa=numbers.get("youngs_modulus", s.youngs_modulus_pa),
             density_kg_m3=numbers.get("density", s.density_kg_m3),
             thickness_m=numbers.get("thickness", s.thickness_m),
         )
-        rest = {name: value for name, value in numbers.items() if name not in stated}
+        rest = {name: value for name, value in numbers.items() if name not in OF_BEAM}
         masses, springs = list(s.masses), list(s.springs)
         for name, value in rest.items():
             kind, _, point = name.partition("@")

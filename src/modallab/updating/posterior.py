@@ -116,16 +116,24 @@ class _Problem:
         )
         return _Fit(found.x, self.misfit(found.x), self.slopes(found.x))
 
+    def settled(self) -> tuple[Real, tuple[float, float], list[tuple[float, Real, Real]]]:
+        """The best numbers at the most probable scales, and the mixture about them."""
+        fit = self.fit(self.found(), FIRST[-1])
+        off, parts = self.mixture(fit)
+        for _ in range(TURNS - 1):
+            fit = self.fit(fit.u, off)
+            off, parts = self.mixture(fit)
+        return fit.u, off, parts
+
     def weighed(self, fit: _Fit, off: tuple[float, float]) -> tuple[float, Real, Real]:
         """-2 ln of the evidence there, the mean and the covariance of u."""
         factor = cho_factor(self.covariance(off), lower=True)
         by, centre = cho_solve(factor, fit.slopes), fit.misfit - fit.slopes @ fit.u
         curvature = fit.slopes.T @ by + np.eye(fit.u.size)
-        mean = -np.linalg.solve(curvature, by.T @ centre)
+        mean = -np.asarray(np.linalg.solve(curvature, by.T @ centre), np.float64)
         left = centre + fit.slopes @ mean
         cost = left @ cho_solve(factor, left) + mean @ mean + 2 * np.sum(np.log(np.diag(factor[0])))
-        evidence = float(cost + np.linalg.slogdet(curvature)[1])
-        return evidence, np.asarray(mean, np.float64), np.asarray(np.linalg.inv(curvature), np.float64)
+        return float(cost + np.linalg.slogdet(curvature)[1]), mean, np.asarray(np.linalg.inv(curvature), np.float64)
 
     def mixture(self, fit: _Fit) -> tuple[tuple[float, float], list[tuple[float, Real, Real]]]:
         """The most probable scales, and the weight, mean and covariance at each."""
@@ -156,11 +164,7 @@ def update(
     predict = checked(predict, data.shapes.shape[1])
     before = _check(predict, {name: prior.value for name, prior in priors.items()}, data)
     problem = _Problem(predict, priors, data.only(_kept(data.modes, held_out)))
-    fit = problem.fit(problem.found(), FIRST[-1])
-    u, (off, parts) = fit.u, problem.mixture(fit)
-    for _ in range(TURNS - 1):
-        fit = problem.fit(u, off)
-        u, (off, parts) = fit.u, problem.mixture(fit)
+    u, off, parts = problem.settled()
     drawn = _drawn(parts)
     return UpdatedParameters(
         priors=dict(priors),
