@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab import __version__
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.formats.sniff import sniff
 from modallab.formats.uff.uff_functions import read_functions
 from modallab.formats.uff.uff_results import NodeMode, Results, read_results
@@ -44,8 +44,7 @@ def import_results(path: Path, out: Path) -> tuple[str, ...]:
         FormatError, StorageError: it cannot be read, or the files cannot be written.
     """
     found = read_results(path)
-    with replacing(out.with_suffix(".json")) as draft:
-        draft.write_text(json.dumps(results_document(found, path), allow_nan=False) + "\n", encoding="utf-8")
+    write_text(out.with_suffix(".json"), json.dumps(results_document(found, path), allow_nan=False) + "\n")
     points, lines = found.geometry.points, found.geometry.lines
     said = [
         f"{path.name} holds no measurement: {len(points)} points, {len(lines)} lines and {len(found.modes)} modes",

@@ -7,7 +7,7 @@ from modallab.core.diagnosis import Diagnosis, Found, Percent
 from modallab.core.digits import percent, probability, rounded
 from modallab.core.effects import kind_of
 from modallab.core.rig import Rig
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import history
 from modallab.gap.words.effects import FROM_CLAMP, interval_m, of_parameter, place_of
 from modallab.gap.words.verdicts import own_error, sentence
@@ -30,8 +30,7 @@ def write_gap_report(path: Path, diagnosis: Diagnosis, campaign: Campaign) -> No
         StorageError: the file can't be written.
     """
     text = render(diagnosis, campaign)
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
 
 
 def render(diagnosis: Diagnosis, campaign: Campaign) -> str:

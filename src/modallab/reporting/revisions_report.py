@@ -6,7 +6,7 @@ from pathlib import Path
 
 from modallab.core.digits import rounded
 from modallab.core.rig import Rig
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import Step
 from modallab.reporting.gap_page import captioned, page, section
 from modallab.reporting.markup import Markup, table, tag
@@ -26,8 +26,7 @@ def write_revisions_report(path: Path, rig: Rig, steps: Sequence[Step]) -> None:
         StorageError: the file can't be written.
     """
     text = page(f"Revisions of {rig.name}", SAID, revisions_section(steps))
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
 
 
 def revisions_section(steps: Sequence[Step]) -> Markup:

@@ -9,7 +9,7 @@ from modallab.core.digits import percent, probability
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.rig import Rig
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.gap.modal.diagnosis import Explained
 from modallab.gap.words.effects import at_of_change, numbers_of, place_of_change
 from modallab.gap.words.verdicts import sentence_by_model
@@ -53,8 +53,7 @@ def write_structure_report(path: Path, gap: StructureGap) -> None:
         StorageError: the file can't be written.
     """
     text = render(gap)
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
 
 
 def render(gap: StructureGap) -> str:
