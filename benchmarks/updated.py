@@ -86,8 +86,8 @@ def drawn(priors: Mapping[str, Prior], rng: np.random.Generator) -> dict[str, fl
     """Two to five parameters that are wrong, the others as believed."""
     wrong = rng.choice(list(priors), min(int(rng.integers(2, 6)), len(priors)), replace=False)
     true = {n: float(p.at(rng.standard_normal() if n in wrong else 0.0)) for n, p in priors.items()}
-    # No structure has less mass than none.
-    return {n: abs(v) if "mass" in n else v for n, v in true.items()}
+    # No structure has less mass than none, nor falls over.
+    return {n: abs(v) if "mass" in n or "spring" in n else v for n, v in true.items()}
 
 
 def beam(rng: np.random.Generator) -> tuple[Known, None, dict[str, Prior], dict[str, float], str]:

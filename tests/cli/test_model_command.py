@@ -30,6 +30,15 @@ def test_a_mass_moves_modes_as_from_python(models: Path, tmp_path: Path, capsys:
     assert "mass 0.4 kg at 3" in capsys.readouterr().out
 
 
+def test_a_prediction_stands_beside_what_was_measured(
+    models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_rig(bare_rig(BARE.model().outputs, [1, 2, 3, 4], [1], "inertance"), tmp_path / "rig.yaml")
+    given = ["model", "modify", str(models), "--mass", "0.0001", "--at", "3", "--check", str(models)]
+    assert main(given) == 0
+    assert "Mode 1: predicted " in capsys.readouterr().out
+
+
 def test_a_table_says_at_which_points_a_mode_is_brought_to_a_frequency(
     models: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

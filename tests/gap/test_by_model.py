@@ -167,3 +167,15 @@ def test_at_the_edge_of_a_plate_both_directions_stay() -> None:
 @pytest.mark.parametrize("nodes", [LATTICE, LATTICE[:121:11]], ids=["body", "line"])
 def test_nodes_that_are_no_surface_say_no_tangents(nodes: np.ndarray) -> None:
     assert on_surface(nodes, nodes[len(nodes) // 2], "z", 0.1) is None
+
+
+@pytest.mark.thorough("two diagnoses of ten channels, 5 s each")
+@pytest.mark.parametrize(("factor", "said"), [(0.9, "stiffer"), (1.1, "softer")])
+def test_of_a_computed_reference_whose_only_fault_is_e_it_is_said(factor: float, said: str) -> None:
+    computed = {"method": "finite_elements"}
+    reference = model(OMEGA * np.sqrt(factor), shapes(X, Y)).model_copy(update=computed)
+    found = diagnose_by_model(reference, REFERENCE, rig())
+    assert found.verdict == "no_gap"
+    (note,) = (one for one in found.notes if "as a whole" in one)
+    assert said in note
+    assert "Young's modulus" in note

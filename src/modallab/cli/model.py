@@ -24,7 +24,8 @@ from modallab.modification.known import Known
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import read_models
 from modallab.pipelines.model_use import known_of
-from modallab.reporting.modified_table import modified_rows, tuned_rows
+from modallab.pipelines.structure_gap import read_reference
+from modallab.reporting.modified_table import checked, modified_rows, tuned_rows
 from modallab.reporting.waiting import waiting
 
 LOWEST = 1e-3
@@ -78,6 +79,9 @@ def _modify(known: Known, arguments: argparse.Namespace) -> None:
         )
     changed = known.with_changes(changes)
     show_rows(arguments, modified_rows(known.model, changed.modes, [c.words for c in changes]))
+    if arguments.check is not None:
+        for one in checked(changed.modes, read_reference(arguments.check, known.stated_rig, known.model)[0]):
+            console_of(arguments).print(one.words, markup=False, highlight=False, soft_wrap=True)
     if arguments.json is not None:
         m = changed.modes
         arrays = ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma", "outside", "mac")

@@ -85,6 +85,7 @@ def _modify(actions: _Commands) -> Any:
     command.add_argument("--damper", type=float, default=0.0, metavar="NS/M")
     command.add_argument("--absorber", nargs=4, type=float, metavar=("POINT", "KG", "HZ", "PERCENT"))
     command.add_argument("--ground", type=int, nargs="+", metavar="POINT", help="points that no longer move")
+    command.add_argument("--check", type=Path, metavar="FILE", help="models or campaign measured with the changes")
     command.add_argument("--link", type=int, nargs=2, metavar="POINT", help="two points that move as one")
     return command
 

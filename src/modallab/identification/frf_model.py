@@ -112,19 +112,21 @@ def identify_frf(frf: Frf, rig: Rig, options: Options, records: RecordSpectra | 
         fit, keep, lost = with_lost(used, fit, keep, estimate.orders, band)
     if not np.any(keep):
         raise _no_mode(fit, band)
-    seen, noise = None, ()
-    if records is not None and options.refined:
-        fit, seen, noise = on_records(fit, records, options.frf)
+    better = None if records is None or not options.refined else on_records(used, fit, keep, records, options.frf)
+    if better is not None:
+        fit, keep = better.fit, keep[better.stay]
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
     read = half_power_readings(used, found)
     notes = (
-        *(noise if seen else (NOT_FROM_RECORDS,)),
+        *(better.notes if better else (NOT_FROM_RECORDS,)),
         *_window_note(used, found),
         *lost,
         *(() if fit.refined.settled or not options.refined else (NOT_SETTLED,)),
     )
     floor = np.full(found.size, np.nan)
-    model = model_of_fit(fit, keep, rig, None, band, (read, floor), notes, options.method, seen)
+    model = model_of_fit(
+        fit, keep, rig, None, band, (read, floor), notes, options.method, better.seen if better else None
+    )
     return model if options.refined else without_sigma(model), fit
 
 

@@ -1,24 +1,46 @@
 """A fit of the FRFs of a random force, taken on to the records that they were made of."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.frf import Frf
 from modallab.core.units import FrfEstimator
 from modallab.frf.joined import RecordSpectra
 from modallab.identification.likelihood.driven_records import OF_H2, Driven, DrivenFit
 from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.projection import solve_at
 from modallab.identification.model.modal_model import Seen, seen_by
 
 
-def on_records(fit: Fit, records: RecordSpectra, estimator: FrfEstimator) -> tuple[Fit, Seen, tuple[str, ...]]:
-    """The most likely model of records, and what is to be said of the noise on the force.
+@dataclass(frozen=True, eq=False, slots=True)
+class OnRecords:
+    """The most likely model of records.
+
+    Attributes:
+        fit: of the FRFs, with the poles of the records and their covariance.
+        stay: (modes,) which modes of the fit of the FRFs it holds.
+        seen: what else a model takes.
+        notes: what is to be said of the noise on the force.
+    """
+
+    fit: Fit
+    stay: NDArray[np.int64]
+    seen: Seen
+    notes: tuple[str, ...]
+
+
+def on_records(
+    frf: Frf, fit: Fit, keep: NDArray[np.bool_], records: RecordSpectra, estimator: FrfEstimator
+) -> OnRecords:
+    """The most likely model of records, without the modes that only the fit of the FRFs needs.
 
     Args:
-        fit: of FRFs of one force.
+        frf: of one force.
+        fit: of them.
+        keep: (modes,) which poles are modes.
         records: of that force.
         estimator: whose the noise on the force is taken to be.
 
@@ -28,14 +50,14 @@ def on_records(fit: Fit, records: RecordSpectra, estimator: FrfEstimator) -> tup
     problem, at = fit.problem, fit.point.parameters
     driven = DrivenFit(records, problem.powers, problem.blocks[0].excitation.grid.p, estimator)
     found = driven.search(at.omega, at.zeta, fit.point.groups[0].coefficients)
-    point = solve_at(problem, replace(at, omega=found.omega, zeta=found.zeta))
-    n = 2 * at.omega.size
-    refined = replace(fit.refined, point=point, covariance=found.covariance[:n, :n], settled=True)
-    better = replace(fit, refined=refined)
+    found, stay = driven.needed(found, keep)
+    there, n = fit_frf(frf, poles_of(found.omega, found.zeta), 0), 2 * stay.size
+    refined = replace(there.refined, covariance=found.covariance[:n, :n], settled=True)
+    better = replace(there, refined=refined)
     constants, sigma = _constants(found)
     seen = replace(seen_by(better), constants=constants, sigma_of_parts=sigma, terms=found.coefficients[n:, :, None])
     known = float(np.min(np.abs(sigma) / np.maximum(np.abs(constants), np.finfo(float).tiny), initial=np.inf))
-    return better, seen, _noise_note(1 - driven.true_share(found.force_noise), estimator, known)
+    return OnRecords(better, stay, seen, _noise_note(1 - driven.true_share(found.force_noise), estimator, known))
 
 
 def _constants(found: Driven) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:

@@ -19,7 +19,7 @@ from modallab.modification.structure import At
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.predicted_motion import PredictedMotion
 from modallab.notebook.shown import Shown
-from modallab.reporting.modified_table import modified_rows, tuned_rows, write_rows
+from modallab.reporting.modified_table import checked, modified_rows, tuned_rows, write_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -229,6 +229,15 @@ class ChangedModel(PutToUse):
         """Frequency and damping of each mode before and after, with one standard deviation."""
         words = [change.words for change in self._known.changes]
         return Shown(*modified_rows(self._known.model, self._known.modes, words))
+
+    def check(self, measured: PutToUse) -> Shown:
+        """Each predicted mode beside that of a model that was measured with the changes.
+
+        Args:
+            measured: its model.
+        """
+        found = checked(self._known.modes, measured.known.model)
+        return Shown(("predicted and measured",), [(one.words,) for one in found])
 
     def plot(self, at: At, of: At | None = None) -> "Figure":
         """Mobility from one point to another before and after, over the band of the model.

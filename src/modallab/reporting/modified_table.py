@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
-from modallab.core.digits import concise
+from modallab.core.digits import alike, concise
 from modallab.core.errors import StorageError
 from modallab.core.model import ModalModel
 from modallab.formats.atomic import replacing
@@ -16,6 +17,9 @@ from modallab.modification.modified import ModesAfter
 
 SAME = 0.5
 """MAC above which a mode after a change is called by the number of the one before."""
+FARTHEST = 1.2
+"""Ratio of two frequencies from which they are of different modes."""
+TWO_SIDED = 1.96
 TRUSTED = 0.1
 """Of a shift: a larger part of it by what lies outside the band is said beneath the table."""
 
@@ -69,6 +73,36 @@ def notes_of(before: ModalModel, after: ModesAfter) -> list[str]:
     if after.hidden:
         sentences.append("What moved beyond the band is left out.")
     return sentences
+
+
+class Prediction(NamedTuple):
+    """A mode that was predicted and measured: both in Hz, whether they agree, and that in words."""
+
+    mode: int
+    predicted_hz: float
+    sigma_hz: float
+    measured_hz: float
+    inside: bool
+    words: str
+
+
+def checked(after: ModesAfter, measured: ModalModel) -> list[Prediction]:
+    """Each predicted mode beside the nearest one that was measured with the changes."""
+    apart = np.abs(np.log(after.frequency_hz[:, None] / measured.frequency_hz))
+    rows, columns = linear_sum_assignment(apart)
+    return [
+        _checked(after, measured, int(r), int(m))
+        for r, m in zip(rows, columns, strict=True)
+        if apart[r, m] < np.log(FARTHEST)
+    ]
+
+
+def _checked(after: ModesAfter, measured: ModalModel, r: int, m: int) -> Prediction:
+    hz, sigma = float(after.frequency_hz[r]), float(after.frequency_sigma_hz[r])
+    found, own = float(measured.frequency_hz[m]), float(np.nan_to_num(measured.frequency_sigma_hz[m]))
+    inside = bool(abs(found - hz) <= TWO_SIDED * np.hypot(sigma, own))
+    said = f"Mode {r + 1}: predicted {concise(hz, sigma)} Hz, measured {alike(found, sigma / 10)} Hz"
+    return Prediction(r + 1, hz, sigma, found, inside, said if inside else f"{said}, outside the 95 % interval")
 
 
 def tuned_rows(answers: Sequence[Answer], by: By, mode: int, to_hz: float) -> TableRows:

@@ -14,6 +14,8 @@ from modallab.modification.mesh import Mesh
 
 Real = NDArray[np.float64]
 
+COMPUTED = "finite_elements"
+"""The method of a model that was computed, and not measured."""
 ABOVE = 1.1
 """Modes up to this part of the band's end stay modes; of those above it there is what they move in the band."""
 NEAR = 0.03
@@ -129,7 +131,7 @@ def _model(
     zeta = fem.modes.damping_ratio[kept]
     nothing = np.full(int(kept.sum()), np.nan)
     return ModalModel(
-        method="finite_elements",
+        method=COMPUTED,
         band_hz=band_hz,
         frequency_hz=fem.modes.frequency_hz[kept],
         damping_ratio=np.where(np.isnan(zeta), rig.damping_ratio.guess, zeta),

@@ -294,10 +294,34 @@ def test_a_model_is_put_to_use(lab: Lab, campaign: str) -> None:
         heavy = client.post(f"{at}/modifications", json={"changes": [mass]}).json()
         assert all(a < b for a, b in zip(heavy["frequency_hz"], before, strict=False))
         assert heavy["changes"] == ["mass 0.05 kg at 10"]
+        assert heavy["frf"] is None
+        asked = {"changes": [mass], "frf": {"at": 10, "of": 3, "lines": 40}, "check": campaign}
+        looked = client.post(f"{at}/modifications", json=asked).json()
+        assert [len(looked["frf"][name]["re"]) for name in ("before", "after")] == [40, 40]
+        assert looked["checked"][0]["words"].startswith("Mode 1: predicted ")
+        assert not looked["checked"][0]["inside"]
         force = {"at": [10], "forces_n": [[0.0, 10.0, 0.0, 0.0]], "step_s": 5e-4, "of": [3, 8]}
         moved = client.post(f"{at}/responses", json=force).json()
         assert np.shape(moved["values"]) == (2, 4)
         assert moved["peak"] == pytest.approx(np.abs(moved["values"]).max(axis=1))
+
+
+def test_a_model_is_compared_coupled_and_tuned_over_rest(lab: Lab, campaign: str) -> None:
+    at = f"{API}/campaigns/{campaign}/model"
+    with lab.client() as client:
+        same = client.get(f"{at}/correlation", params={"other": campaign}).json()
+        assert [(p["mode"], p["other"]) for p in same["pairs"]] == [(n, n) for n in range(1, len(same["pairs"]) + 1)]
+        assert same["pairs"][0]["mac"] == pytest.approx(1)
+        twice = {"kind": "coupling", "campaign": campaign, "pairs": [[10, 10]]}
+        coupled = client.post(f"{at}/modifications", json={"changes": [twice, twice | {"remove": True}]})
+        assert coupled.status_code == 200
+        first = same["pairs"][0]["frequency_hz"][0]
+        found = client.post(f"{at}/tunings", json={"mode": 1, "to_hz": 0.98 * first, "by": "mass", "at": [10]}).json()
+        heavy = {"kind": "element", "at": 10, "mass_kg": found["tunings"][0]["size"]}
+        after = client.post(f"{at}/modifications", json={"changes": [heavy]}).json()
+        assert after["frequency_hz"][0] == pytest.approx(0.98 * first, rel=1e-3)
+        absorber = client.post(f"{at}/absorbers", json={"mode": 1, "at": 10, "mass_kg": 0.02}).json()
+        assert absorber["peak_after"] < absorber["peak_before"] / 2
 
 
 def test_what_a_model_cannot_be_asked_is_a_problem(lab: Lab, campaign: str) -> None:

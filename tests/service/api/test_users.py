@@ -224,6 +224,8 @@ def test_every_route_says_which_role_it_needs(lab: Lab) -> None:
         f"post {API}/login-links",
         f"{model}/modifications",
         f"{model}/responses",
+        f"{model}/tunings",
+        f"{model}/absorbers",
     }
     assert {route for route in said["observer"] if not route.startswith("get ")} == harmless
 

@@ -176,7 +176,38 @@ class LinkNew(Frozen):
     to: PositiveInt | None = None
 
 
-ChangeNew = Annotated[ElementNew | AbsorberNew | LinkNew, Field(discriminator="kind")]
+class CouplingNew(Frozen):
+    """Another structure, known by the newest model of its campaign, held to this one.
+
+    Attributes:
+        campaign: of the other structure.
+        pairs: each a point of this structure, and one of the other.
+        joint_n_per_m: stiffness of the joint at each pair; null for rigid ones.
+        remove: whether it is taken away from a measurement of both, such as a fixture.
+    """
+
+    kind: Literal["coupling"]
+    campaign: str
+    pairs: Annotated[tuple[tuple[PositiveInt, PositiveInt], ...], Field(min_length=1, max_length=100)]
+    joint_n_per_m: Annotated[float, Field(ge=1e-9, le=1e15)] | None = None
+    remove: bool = False
+
+
+ChangeNew = Annotated[ElementNew | AbsorberNew | LinkNew | CouplingNew, Field(discriminator="kind")]
+
+
+class PairNew(Frozen):
+    """An FRF that is asked for.
+
+    Attributes:
+        at: point of the force.
+        of: point of the motion.
+        lines: evenly over the band of the model.
+    """
+
+    at: PositiveInt
+    of: PositiveInt
+    lines: Annotated[int, Field(ge=2, le=4000)] = 500
 
 
 class ModificationNew(Frozen):
@@ -185,10 +216,48 @@ class ModificationNew(Frozen):
     Attributes:
         test: whose model; null for the first.
         changes: what is hung on the structure.
+        frf: whose mobility is asked for before and after; null for none.
+        check: campaign that was measured with the changes; null for none.
     """
 
     test: Test | None = None
     changes: Annotated[tuple[ChangeNew, ...], Field(min_length=1, max_length=20)]
+    frf: PairNew | None = None
+    check: str | None = None
+
+
+class MobilityView(Frozen):
+    """The mobility of one pair of points before and after a change, in m/(N s).
+
+    Attributes:
+        frequency_hz: (lines,) evenly over the band of the model.
+        before: (lines,) complex.
+        after: (lines,) complex.
+    """
+
+    frequency_hz: RealArray
+    before: ComplexArray
+    after: ComplexArray
+
+
+class CheckedMode(Frozen):
+    """A mode that was predicted, and then measured.
+
+    Attributes:
+        mode: of the prediction, from 1.
+        predicted_hz: of it.
+        predicted_sigma_hz: one standard deviation.
+        measured_hz: of the nearest mode of the model with the changes.
+        inside: whether it lies in the 95 % interval of both.
+        words: the same as a sentence.
+    """
+
+    mode: int
+    predicted_hz: float
+    predicted_sigma_hz: float
+    measured_hz: float
+    inside: bool
+    words: str
 
 
 class ModifiedView(Frozen):
@@ -205,6 +274,9 @@ class ModifiedView(Frozen):
         mac: (modes,) of the two shapes.
         outside: (modes,) part of the frequency that what lies outside the band moves it by.
         notes: how far it can be trusted.
+        before_hz: (modes before,) of the model without the changes.
+        frf: the mobility that was asked for.
+        checked: modes of the campaign that was measured with the changes.
     """
 
     test: Test | None
@@ -217,6 +289,9 @@ class ModifiedView(Frozen):
     mac: RealArray
     outside: RealArray
     notes: tuple[str, ...]
+    before_hz: RealArray
+    frf: MobilityView | None
+    checked: tuple[CheckedMode, ...]
 
 
 class ResponseNew(Frozen):

@@ -24,6 +24,7 @@ from modallab.gap.modal.search import ModalSearch
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
+from modallab.updating.elements import COMPUTED
 
 Real = NDArray[np.float64]
 
@@ -123,8 +124,19 @@ def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
         modes=modes,
         by_channel=by_channel(free, misses),
         by_mode=by_mode(free, misses),
-        notes=found.notes,
+        notes=[*found.notes, *_of_the_whole(best)],
     )
+
+
+def _of_the_whole(best: Fitted) -> list[str]:
+    """What is said of E, where a computed reference is off as a whole."""
+    log = float(best.free.parts(best.u)[0][0])
+    sigma = float(np.sqrt(best.covariance[0, 0]) * best.free.deviations[0])
+    if best.free.of.model.method != COMPUTED or abs(log) < TWO_SIDED * sigma:
+        return []
+    more = "stiffer" if log > 0 else "softer"
+    off = f"{100 * abs(np.expm1(log)):.2g} %"
+    return [f"The bench is {more} than the reference as a whole, by {off}: Young's modulus, or a thickness, is wrong."]
 
 
 def changed(c: Compared, fitted: Fitted, probability: float) -> FoundChange:

@@ -11,8 +11,13 @@ from numpy.typing import NDArray
 
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.updating.elements import COMPUTED
 
 Real = NDArray[np.float64]
+
+
+GUESSED = 0.1
+"""Deviation of the stiffness of a computed reference as a whole."""
 
 
 def of_structure(
@@ -27,8 +32,10 @@ def of_structure(
     of_place = np.full((modes, modes), wide * np.hypot(t.stiffness_field, t.mass_field))
     of_place[np.diag_indices(modes)] = np.hypot(np.diag(of_place), 2 * frequency)
     damping = np.hypot(wide * log(rig.damping_ratio.factor), _share(reference.damping_sigma, reference.damping_ratio))
-    stiffness, mass = np.hypot(t.youngs_modulus, 3 * t.thickness), np.hypot(t.density, t.thickness)
-    return wide * stiffness, wide * mass, of_place, damping
+    stiffness, mass = wide * np.hypot(t.youngs_modulus, 3 * t.thickness), np.hypot(t.density, t.thickness)
+    # E of a model that was computed is a guess: what it explains is no change at a place.
+    stiffness = np.hypot(stiffness, GUESSED if reference.method == COMPUTED else 0.0)
+    return float(stiffness), wide * mass, of_place, damping
 
 
 def _share(sigma: Real, of: Real) -> Real:

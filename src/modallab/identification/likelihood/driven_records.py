@@ -1,14 +1,15 @@
-"""The likelihood of records of one random force, noise on the force included.
+"""Records of one random force fitted as they are, noise on the force included.
 
 Noise on the force leaves a residual in all responses at once, as large as their FRF: near resonance it is by far the
-largest. About a line, given the measured force, the responses are normal with the mean H F and the covariance
-D + beta H H^H, D the noise of each response. What rings at a record's ends is a state of every mode. Poles, residues,
-states and both noises are those of the largest likelihood; all lines and all records count.
+largest. About a line, given the measured force, the responses have the mean H F and the covariance D + beta H H^H, D
+the noise of each response. What rings at a record's ends is a state of every mode. Each line of each response counts
+by its own variance; the covariance of what is found is that of these equations, with what responses share.
 
 Responses and force alone do not say whether the noise lies on the force channel or in a force that was not measured.
 H1 takes it for the latter and is right then, H2 for the former. With P the power of the measured force, S that of its
 noise and kappa = 1 - S / P, the force is kappa F of H2, sqrt(kappa) F of Hv, F of H1.
-Source: errors in the variables after Pintelon and Schoukens, "System Identification", 2nd ed. (2012), section 8.
+Sources: Pintelon and Schoukens, "System Identification", 2nd ed. (2012), section 8; for the covariance Liang and Zeger,
+"Longitudinal data analysis using generalized linear models", Biometrika 73 (1986).
 """
 
 from collections.abc import Sequence
@@ -28,16 +29,12 @@ from modallab.identification.likelihood.search import MIN_ZETA, covariance_of
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-STEPS = 12
+STEPS, TRIALS, LEAST_DAMPING = 40, 8, 1e-8
 SETTLED = 0.01
 """A step that lowers the cost by less, a sum of squares in noise units, ends the search."""
-HALVED = 5
-AT_ONCE = 2000
-"""Lines that are worked on at once."""
-SMOOTHED = 101
-"""Lines over which the force's power is averaged."""
-LEAST_NOISE, LEAST_TRUE = 1e-12, 0.05
-"""Shares of a force's power that are noise, and are not, at least."""
+AT_ONCE, SMOOTHED = 2000, 101
+"""Lines that are worked on at once, and over which the force's power is averaged."""
+LEAST_NOISE, LEAST_TRUE = 1e-12, 0.05  # Shares of a force's power that are noise, and are not.
 OF_H2 = {"H1": 0.0, "Hv": 0.5, "H2": 1.0}
 
 
@@ -72,44 +69,20 @@ class _Look:
         columns: of the record.
         left: (outputs, lines).
         frf: (outputs, lines).
-        common: (lines,) factor of the force's noise power.
-        weight: (lines,) 1 / (1 / beta + H^H H).
-        along: (lines,) H^H left.
+        beta: (lines,) power by which the force's noise enters.
+        common: (lines,) the same of a noise of power 1.
     """
 
     columns: BlockColumns
     left: Complex
     frf: Complex
+    beta: Real
     common: Real
-    weight: Real
-    along: Complex
 
     @property
-    def cost(self) -> float:
-        """Sum of squares in noise units, two for a complex number."""
-        return 2 * float(np.sum(np.abs(self.left) ** 2) - np.sum(self.weight * np.abs(self.along) ** 2))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Spread:
-    """What is left of all records, as `_Look` has it, and how likely it is for noises."""
-
-    left: Complex
-    frf: Complex
-    common: Real
-
-    def cost(self, logs: Real) -> tuple[float, Real]:
-        """Minus the logarithm of the likelihood by that of the noises' powers, the force's last, and its slope."""
-        power, beta = np.exp(logs[:-1])[:, None], np.exp(logs[-1]) * self.common
-        square = np.abs(self.frf) ** 2 / power
-        weight = beta / (1 + beta * square.sum(axis=0))
-        force = weight * np.sum(self.frf.conj() * self.left / power, axis=0)
-        own = np.abs(self.left) ** 2 / power
-        value = logs[:-1].sum() * beta.size - np.sum(np.log(weight / beta)) + own.sum()
-        value -= np.sum(np.abs(force) ** 2 / weight)
-        by_output = beta.size - np.sum(np.abs(self.left - self.frf * force) ** 2 / power + weight * square, axis=1)
-        by_force = beta.size - np.sum((np.abs(force) ** 2 + weight) / beta)
-        return float(value) / beta.size, np.append(by_output, by_force) / beta.size
+    def weight(self) -> Real:
+        """(outputs, lines)."""
+        return 1 / (1 + self.beta * np.abs(self.frf) ** 2)
 
 
 class DrivenFit:
@@ -130,22 +103,44 @@ class DrivenFit:
         self.power = ndimage.uniform_filter1d(power, min(SMOOTHED, power.size))
 
     def search(self, omega: Real, zeta: Real, coefficients: Real) -> Driven:
-        """The most likely model, from a model of FRFs.
+        """The model at which the equations hold, from a model of FRFs.
 
         Raises:
             IdentificationError: poles that cannot be distinguished.
         """
-        at = self._start(omega, zeta, coefficients)
+        at, damping = self._start(omega, zeta, coefficients), 1e-3
         for _ in range(STEPS):
             at = self._noises(at)
-            matrix, gradient = self._equations(at)
-            step = _solved(matrix, gradient)
-            after = self._shorter(at, step)
-            if after is None or step @ gradient < SETTLED:
+            after, damping, gain = self._descended(at, damping)
+            if after is None or gain < SETTLED:
                 break
             at = after
         at = self._noises(at)
-        return replace(at, covariance=covariance_of(self._equations(at)[0]))
+        return replace(at, covariance=self._covariance(at))
+
+    def needed(self, found: Driven, inside: NDArray[np.bool_]) -> tuple[Driven, NDArray[np.int64]]:
+        """The model without the modes that do not stand out of its noise, and which stay.
+
+        What noise on the force leaves looks like a mode beside each, in fits that take noise as even.
+
+        Args:
+            found: a model.
+            inside: (modes,) those to be asked for; the others stay.
+
+        Source: Schwarz, "Estimating the dimension of a model", Annals of Statistics 6 (1978), for the criterion.
+        """
+        stay = np.arange(found.omega.size)
+        price = 2 * (1 + found.noise.size) * np.log(self._force.size)
+        while np.count_nonzero(inside[stay]) > 1:
+            squares = np.where(inside[stay], _standing_out(found), np.inf)
+            if squares.min() > price:
+                break
+            left = np.delete(np.arange(stay.size), int(squares.argmin()))
+            rows = np.concatenate(
+                [(2 * left[:, None] + [0, 1]).ravel(), np.arange(2 * stay.size, len(found.coefficients))]
+            )
+            found, stay = self.search(found.omega[left], found.zeta[left], found.coefficients[rows]), stay[left]
+        return found, stay
 
     def true_share(self, force_noise: float) -> Real:
         """(lines,) of the measured force's power that is not noise."""
@@ -153,100 +148,129 @@ class DrivenFit:
 
     def _start(self, omega: Real, zeta: Real, coefficients: Real) -> Driven:
         state = np.zeros((len(self._force), omega.size), complex)
-        ones = np.ones(coefficients.shape[1])
-        at = Driven(omega, zeta, coefficients, state, ones, 0.0, np.zeros((0, 0)))
-        left = np.array([np.mean(np.abs(one.left) ** 2, axis=1) for one in self._looks(at)]).mean(axis=0)
-        noise = np.maximum(np.sqrt(left / 2), np.finfo(float).tiny)
+        at = Driven(omega, zeta, coefficients, state, np.ones(coefficients.shape[1]), 0.0, np.zeros((0, 0)))
+        left = np.mean([np.mean(np.abs(one.left) ** 2, axis=1) for one in self._looks(at)], axis=0)
+        noise = np.maximum(np.sqrt(left), np.finfo(float).tiny)
         return replace(at, noise=noise, force_noise=1e-3 * float(self.power.mean()))
 
-    def _looks(self, at: Driven, spread: Complex | None = None) -> list[_Look]:
-        """Of all records; `spread` is the FRF by which the force's noise enters, None for the model's own."""
-        return [self._look(at, k, spread) for k in range(len(self._force))]
+    def _looks(self, at: Driven) -> list[_Look]:
+        return [self._look(at, k) for k in range(len(self._force))]
 
-    def _look(self, at: Driven, record: int, spread: Complex | None) -> _Look:
+    def _look(self, at: Driven, record: int) -> _Look:
         true = self.true_share(at.force_noise)
-        force = self._force[record]
-        driven = RandomExcitation(self._grid, true**self._share * force)
+        driven = RandomExcitation(self._grid, true**self._share * self._force[record])
         found = columns(driven, at.omega, at.zeta, at.state[record], None, self._powers)
-        unit = columns(RandomExcitation(driven.grid, np.ones_like(force)), at.omega, at.zeta, None, None, self._powers)
+        unit = RandomExcitation(self._grid, np.ones_like(driven.force))
         scaled = (at.coefficients / at.noise).T
         left = self._response[record] / at.noise[:, None] - scaled @ unstack(found.phi)
-        frf = scaled @ unstack(unit.phi) if spread is None else spread
+        frf = scaled @ unstack(columns(unit, at.omega, at.zeta, None, None, self._powers).phi)
         common = true ** (2 * self._share - 1)
-        square = np.sum(np.abs(frf) ** 2, axis=0)
-        beta = at.force_noise * common
-        return _Look(found, left, frf, common, beta / (1 + beta * square), np.sum(frf.conj() * left, axis=0))
+        return _Look(found, left, frf, at.force_noise * common, common)
 
     def _noises(self, at: Driven) -> Driven:
         """The most likely noises for a model."""
         looks = self._looks(at)
-        spread = _Spread(*(np.concatenate([getattr(o, n) for o in looks], axis=-1) for n in ("left", "frf", "common")))
-        outputs, count = spread.left.shape
-        lost = (at.omega.size * (1 + len(looks)) / outputs + len(at.coefficients) / 2) / count
+        left = np.concatenate([np.abs(one.left) ** 2 for one in looks], axis=1)
+        spread = np.concatenate([one.common * np.abs(one.frf) ** 2 for one in looks], axis=1)
         least = np.log(LEAST_NOISE * float(self.power.mean()))
-        found = optimize.minimize(
-            spread.cost,
-            np.append(np.zeros(outputs), max(np.log(at.force_noise), least)),
-            jac=True,
-            method="L-BFGS-B",
-            bounds=[(-20.0, 20.0)] * outputs + [(least, None)],
-        ).x
-        free = max(1 - lost, 0.1)
-        return replace(
-            at, noise=at.noise * np.exp(found[:-1] / 2) / np.sqrt(free), force_noise=float(np.exp(found[-1]))
-        )
 
-    def _shorter(self, at: Driven, step: Real) -> Driven | None:
-        """The step, or as much of it as lowers the cost at the covariance there is."""
+        def unlikely(logs: Real) -> tuple[float, Real]:
+            own, of_force = np.exp(logs[:-1])[:, None], np.exp(logs[-1]) * spread
+            variance = own + of_force
+            slope = (1 - left / variance) / variance
+            value = np.mean(np.log(variance) + left / variance)
+            by_output = np.mean(slope * own, axis=1) / len(left)
+            return float(value), np.append(by_output, np.mean(slope * of_force))
+
+        start = np.append(np.zeros(len(left)), max(np.log(at.force_noise), least))
+        bounds = [(-20.0, 20.0)] * len(left) + [(least, None)]
+        logs = optimize.minimize(unlikely, start, jac=True, method="L-BFGS-B", bounds=bounds).x
+        return replace(at, noise=at.noise * np.exp(logs[:-1] / 2), force_noise=float(np.exp(logs[-1])))
+
+    def _descended(self, at: Driven, damping: float) -> tuple[Driven | None, float, float]:
+        """A step that lowers the cost at the variances there are, None without one; the next damping, and the gain."""
         looks = self._looks(at)
-        before = sum(one.cost for one in looks)
-        for k in range(HALVED):
-            trial = _moved(at, step / 2**k)
+        matrix, gradient, _ = self._equations(at, looks)
+        weights = [one.weight for one in looks]
+        before = _cost(looks, weights)
+        for _ in range(TRIALS):
+            trial = _moved(at, _solved(matrix, gradient, damping))
             with np.errstate(over="ignore", invalid="ignore"):
-                if sum(one.cost for one in self._looks(trial, looks[0].frf)) <= before:
-                    return trial
-        return None
+                gain = before - _cost(self._looks(trial), weights)
+            if gain >= 0:
+                return trial, max(damping / 10, LEAST_DAMPING), gain
+            damping *= 10
+        return None, damping, 0.0
 
-    def _equations(self, at: Driven) -> tuple[Real, Real]:
-        """Normal equations of all parameters, in noise units."""
+    def _covariance(self, at: Driven) -> Real:
+        matrix, _, spread = self._equations(at, self._looks(at))
+        inverse = covariance_of(matrix)
+        return inverse @ spread @ inverse
+
+    def _equations(self, at: Driven, looks: Sequence[_Look]) -> tuple[Real, Real, Real]:
+        """Normal equations of all parameters in noise units, and the covariance of their right-hand side."""
         modes, linear = at.omega.size, at.coefficients.size
         size = 2 * modes * (1 + len(at.state)) + linear
-        matrix, gradient = np.zeros((size, size)), np.zeros(size)
-        for k, look in enumerate(self._looks(at)):
+        matrix, gradient, spread = np.zeros((size, size)), np.zeros(size), np.zeros((size, size))
+        for k, look in enumerate(looks):
             state = 2 * modes * (1 + k) + linear + np.arange(2 * modes)
             index = np.concatenate([np.arange(2 * modes), state, 2 * modes + np.arange(linear)])
-            for first in range(0, look.along.size, AT_ONCE):
-                part, slope = _of_lines(look, at, slice(first, first + AT_ONCE))
+            for first in range(0, look.beta.size, AT_ONCE):
+                part, slope, noise = _of_lines(look, at, slice(first, first + AT_ONCE))
                 matrix[np.ix_(index, index)] += part
+                spread[np.ix_(index, index)] += noise
                 gradient[index] += slope
-        return matrix, gradient
+        return matrix, gradient, spread
 
 
-def _of_lines(look: _Look, at: Driven, lines: slice) -> tuple[Real, Real]:
+def _standing_out(found: Driven) -> Real:
+    """(modes,) sum of squares of the residues, in units of their noise."""
+    n, outputs = 2 * found.omega.size, found.noise.size
+    place = n + np.arange(found.coefficients.size).reshape(outputs, -1)
+    squares = []
+    for k in range(0, n, 2):
+        index = place[:, k : k + 2].ravel()
+        values = found.coefficients[k : k + 2].T.ravel()
+        squares.append(values @ covariance_of(found.covariance[np.ix_(index, index)]) @ values)
+    return np.array(squares)
+
+
+def _cost(looks: Sequence[_Look], weights: Sequence[Real]) -> float:
+    """Sum of squares in noise units, two for a complex number."""
+    return 2 * float(sum(np.sum(w * np.abs(one.left) ** 2) for one, w in zip(looks, weights, strict=True)))
+
+
+def _of_lines(look: _Look, at: Driven, lines: slice) -> tuple[Real, Real, Real]:
     """Of some lines of a record: poles, states, then coefficients output by output."""
-    left, frf, weight, along = look.left[:, lines], look.frf[:, lines], look.weight[lines], look.along[lines]
+    weight = look.weight[:, lines]
     slopes = np.concatenate([_slopes(v, at, lines) for v in (look.columns.poles, look.columns.local)])
     phi = unstack(look.columns.phi)[:, lines]
-    outputs, n, searched = len(left), len(phi), len(slopes)
+    weighted = weight * look.left[:, lines]
+    linear = ((weighted @ phi.conj().T).real / at.noise[:, None]).ravel()
+    gradient = np.concatenate([np.einsum("sol,ol->s", slopes.conj(), weighted).real, linear])
+    along = weight * look.frf[:, lines].conj()
     shared = np.concatenate(
         [
-            np.einsum("ol,sol->sl", frf.conj(), slopes),
-            (frf.conj()[:, None] * phi / at.noise[:, None, None]).reshape(outputs * n, -1),
+            np.einsum("ol,sol->sl", along, slopes),
+            (along[:, None] * phi / at.noise[:, None, None]).reshape(-1, phi.shape[1]),
         ]
     )
-    matrix = -((shared * weight) @ shared.conj().T).real
-    flat = slopes.reshape(searched, -1)
-    matrix[:searched, :searched] += (flat @ flat.conj().T).real
-    cross = ((slopes @ phi.conj().T).real / at.noise[:, None]).reshape(searched, -1)
-    matrix[:searched, searched:] += cross
-    matrix[searched:, :searched] += cross.T
-    gram = (phi @ phi.conj().T).real
+    spread = _gram(slopes, phi, weight**2, at.noise) + ((shared * look.beta[lines]) @ shared.conj().T).real
+    return 2 * _gram(slopes, phi, weight, at.noise), 2 * gradient, 2 * spread
+
+
+def _gram(slopes: Complex, phi: Complex, weight: Real, noise: Real) -> Real:
+    """Products of the slopes by poles and states (parameters, outputs, lines) and of the columns phi / noise."""
+    searched, outputs, n = len(slopes), len(noise), len(phi)
+    weighted = slopes * weight
+    matrix = np.zeros((searched + outputs * n,) * 2)
+    matrix[:searched, :searched] = (weighted.reshape(searched, -1) @ slopes.reshape(searched, -1).conj().T).real
+    cross = ((weighted @ phi.conj().T).real / noise[:, None]).reshape(searched, -1)
+    matrix[:searched, searched:], matrix[searched:, :searched] = cross, cross.T
     for o in range(outputs):
         own = slice(searched + o * n, searched + (o + 1) * n)
-        matrix[own, own] += gram / at.noise[o] ** 2
-    linear = ((left @ phi.conj().T).real / at.noise[:, None]).ravel()
-    gradient = np.concatenate([(flat.conj() @ left.ravel()).real, linear])
-    return 2 * matrix, 2 * (gradient - (shared.conj() @ (weight * along)).real)
+        matrix[own, own] = ((phi * weight[o]) @ phi.conj().T).real / noise[o] ** 2
+    return matrix
 
 
 def _slopes(vectors: Vectors, at: Driven, lines: slice) -> Complex:
@@ -257,9 +281,9 @@ def _slopes(vectors: Vectors, at: Driven, lines: slice) -> Complex:
     return np.add.reduceat(each, starts, axis=0)
 
 
-def _solved(matrix: Real, gradient: Real) -> Real:
+def _solved(matrix: Real, gradient: Real, damping: float) -> Real:
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    scaled = matrix * np.outer(scale, scale) + 1e-10 * np.eye(len(scale))
+    scaled = matrix * np.outer(scale, scale) + damping * np.eye(len(scale))
     return scale * linalg.solve(scaled, scale * gradient, assume_a="sym")
 
 

@@ -4,6 +4,13 @@ from typing import Annotated, Literal
 
 from fastapi import Body, Query
 
+from modallab.core.documents.model_other import (
+    BestAbsorberNew,
+    BestAbsorberView,
+    CorrelationView,
+    TuningNew,
+    TuningsView,
+)
 from modallab.core.documents.model_use import (
     DeflectionView,
     ModificationNew,
@@ -21,6 +28,7 @@ from modallab.service.api.problems import documented
 from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.roles import needs
 from modallab.service.api.router import make_router
+from modallab.service.jobs.model_other import absorber_of, correlation_of, tunings_of
 from modallab.service.jobs.model_use import (
     deflection_of,
     frf_of,
@@ -99,3 +107,27 @@ def modify_model(campaign: str, new: Annotated[ModificationNew, Body()], service
 def predict_response(campaign: str, new: Annotated[ResponseNew, Body()], service: ServiceOf) -> ResponseView:
     """Predict the motion that forces give, from rest; nothing is kept."""
     return response_to(service, campaign, new)
+
+
+@router.get("/campaigns/{campaign}/model/correlation", responses=documented(404))
+def get_correlation(
+    campaign: str,
+    other: Annotated[str, Query(description="Campaign of the other model.")],
+    service: ServiceOf,
+    test: OfTest = None,
+    other_test: Annotated[Test | None, Query(description="Of the other campaign; left out: the first.")] = None,
+) -> CorrelationView:
+    """Which modes of two campaigns' models are the same: pairs by MAC, frequencies, damping, COMAC."""
+    return correlation_of(service, campaign, test, other, other_test)
+
+
+@router.post("/campaigns/{campaign}/model/tunings", responses=documented(404), openapi_extra=needs("observer"))
+def tune_model(campaign: str, new: Annotated[TuningNew, Body()], service: ServiceOf) -> TuningsView:
+    """Find the mass or spring that brings a mode to a frequency, at each point; nothing is kept."""
+    return tunings_of(service, campaign, new)
+
+
+@router.post("/campaigns/{campaign}/model/absorbers", responses=documented(404), openapi_extra=needs("observer"))
+def find_absorber(campaign: str, new: Annotated[BestAbsorberNew, Body()], service: ServiceOf) -> BestAbsorberView:
+    """Find the absorber of a mass that leaves the least peak about a mode; nothing is kept."""
+    return absorber_of(service, campaign, new)

@@ -8,12 +8,16 @@ import numpy as np
 from modallab.core.documents.model_use import (
     AbsorberNew,
     ChangeNew,
+    CheckedMode,
+    CouplingNew,
     CrossingView,
     DeflectionView,
     ElementNew,
+    MobilityView,
     ModificationNew,
     ModifiedView,
     NodesView,
+    PairNew,
     ParticipationView,
     PredictedFrf,
     ResponseNew,
@@ -31,6 +35,9 @@ if TYPE_CHECKING:
     from modallab.modification.attachments import Addition
     from modallab.modification.known import Known
 
+KEPT = 8
+"""Models that stay ready for use: their samples take longer than what is asked of them."""
+_READY: dict[tuple[str, Test | None, tuple[str, ...]], "Known"] = {}
 LOWEST = 1e-3
 """Of the upper edge of a band that begins at 0 Hz: the first line of FRFs."""
 
@@ -157,11 +164,13 @@ def modified(service: Service, campaign: str, new: ModificationNew) -> ModifiedV
         NotFoundError: no such campaign, or no model of this test.
         DataError: a change that is none, a point that the model does not know, or no driving point.
     """
-    from modallab.reporting.modified_table import notes_of
+    from modallab.reporting.modified_table import checked, notes_of
 
     known = known_of_campaign(service, campaign, new.test)
-    changes = [_addition(change) for change in new.changes]
-    after = known.with_changes(changes).modes
+    changes = [_addition(service, change) for change in new.changes]
+    changed = known.with_changes(changes)
+    after = changed.modes
+    measured = None if new.check is None else _chosen(service, new.check, new.test).model
     return ModifiedView(
         test=known.model.test,
         changes=tuple(change.words for change in changes),
@@ -173,16 +182,41 @@ def modified(service: Service, campaign: str, new: ModificationNew) -> ModifiedV
         mac=after.mac,
         outside=after.outside,
         notes=tuple(notes_of(known.model, after)),
+        before_hz=known.model.frequency_hz,
+        frf=None if new.frf is None else _mobility(known, changed, new.frf),
+        checked=()
+        if measured is None
+        else tuple(
+            CheckedMode(
+                mode=c.mode,
+                predicted_hz=c.predicted_hz,
+                predicted_sigma_hz=c.sigma_hz,
+                measured_hz=c.measured_hz,
+                inside=c.inside,
+                words=c.words,
+            )
+            for c in checked(after, measured)
+        ),
     )
 
 
-def _addition(new: ChangeNew) -> "Addition":
-    from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
+def _mobility(known: "Known", changed: "Known", pair: PairNew) -> MobilityView:
+    low, high = known.model.band_hz
+    f = np.linspace(max(low, LOWEST * high), high, pair.lines)
+    before, after = (one.frf(f, [pair.of], [pair.at], sigma=False).values[0, 0] for one in (known, changed))
+    return MobilityView(frequency_hz=f, before=before, after=after)
+
+
+def _addition(service: Service, new: ChangeNew) -> "Addition":
+    from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
 
     if isinstance(new, ElementNew):
         return Element(new.at, new.to, new.mass_kg, new.spring_n_per_m, new.damper_n_s_per_m)
     if isinstance(new, AbsorberNew):
         return TunedAbsorber(new.at, new.mass_kg, new.frequency_hz, new.damping_ratio)
+    if isinstance(new, CouplingNew):
+        other = known_of_campaign(service, new.campaign, None).structure
+        return Coupled(other, new.pairs, new.joint_n_per_m, -1 if new.remove else 1)
     return RigidLink(new.at, new.to)
 
 
@@ -223,10 +257,16 @@ def known_of_campaign(service: Service, campaign: str, test: Test | None) -> "Kn
     from modallab.modification.known import Known
 
     found = _chosen(service, campaign, test)
+    key = (found.job, found.model.test, found.runs)
+    if key in _READY:
+        return _READY[key]
     rows = [row.note for run in found.runs for row in service.store.catalogue.blocks(run)]
     hits = Counter(note.drive_point for note in rows if note.accepted and note.test == "impact")
     counted = [max(1, hits[point]) if found.model.test == "impact" else 1 for point in found.model.input_points]
-    return Known(found.model, service.store.catalogue.run(found.runs[0]).rig, counted)
+    known = Known(found.model, service.store.catalogue.run(found.runs[0]).rig, counted)
+    while len(_READY) >= KEPT:
+        _READY.pop(next(iter(_READY)))
+    return _READY.setdefault(key, known)
 
 
 def _chosen(service: Service, campaign: str, test: Test | None) -> TestModel:

@@ -9,6 +9,7 @@ import { onEvent } from "../events.js";
 import { Stabilisation } from "../stabilisation.js";
 import { Regenerated } from "../regenerated.js";
 import { ShapeView } from "../shape.js";
+import { Workbench } from "../workbench.js";
 
 export async function show(view, signal, [wanted]) {
   const campaigns = (await get(`campaigns?limit=50${wanted ? "" : `&rig=${encodeURIComponent(lab.rig.id)}`}`)).items.filter(({ runs }) => runs.length);
@@ -43,10 +44,10 @@ async function draw(place, id, signal, again) {
   if (signal.aborted) return;
   put(place, !found.current && h("p", { class: "alarm" }, "The accepted blocks have changed since: compute the model again.", button("Identify again", () => identify())), ordering,
     found.without_model.map(({ test, error }) => h("p", { class: "warn" }, `The ${test} test gave no model: ${error}`)),
-    found.models.map((one, n) => modelPart(one, curves?.tests[n] ?? null, identify, signal)));
+    found.models.map((one, n) => modelPart(id, one, curves?.tests[n] ?? null, identify, signal)));
 }
 
-function modelPart({ model, frac, assessment }, curves, identify, signal) {
+function modelPart(campaign, { model, frac, assessment }, curves, identify, signal) {
   const name = model.test ?? "FRFs";
   const modes = model.frequency_hz.map((_, n) => n);
   const heads = [["Mode", "n"], ["Frequency [Hz]", "n"], ["Damping [%]", "n"], ["Half-power [%]", "n"], ["Confidence", "n"], ["MPC", "n"], ["Phase deviation [°]", "n"]];
@@ -57,7 +58,8 @@ function modelPart({ model, frac, assessment }, curves, identify, signal) {
     h("div", {}, new ShapeView(name, model, lab.description, signal).element, assessment && macPanel(name, assessment.auto_mac)));
   const diagram = curves?.diagram ? new Stabilisation(name, curves.diagram, model, identify, signal).element : null;
   const played = curves?.measured ? new Regenerated(name, curves, signal).element : null;
-  return [frame, diagram, played];
+  const work = model.shapes && lab.description ? new Workbench(campaign, model, lab.description, signal).element : null;
+  return [frame, diagram, played, work];
 }
 
 function trust(frac, assessment, model) {

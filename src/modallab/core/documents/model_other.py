@@ -1,0 +1,137 @@
+"""A modal model beside another one of its structure, and the change that a wanted property needs."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, PositiveInt
+
+from modallab.core.documents.model_use import Frequency, Mass
+from modallab.core.frozen import Frozen, RealArray
+from modallab.core.units import Test
+
+
+class PairView(Frozen):
+    """Two modes that are the same, from 1 in each model.
+
+    Attributes:
+        mode: of the one.
+        other: of the other.
+        mac: of their shapes.
+        frequency_hz: of both.
+        frequency_sigma_hz: one standard deviation of both; null where not known.
+        damping_ratio: of both.
+    """
+
+    mode: int
+    other: int
+    mac: float
+    frequency_hz: RealArray
+    frequency_sigma_hz: RealArray
+    damping_ratio: RealArray
+
+
+class CorrelationView(Frozen):
+    """Which modes of two models are the same.
+
+    Attributes:
+        test: of the one.
+        other_test: of the other.
+        points: (points,) that both have.
+        axes: (points,) of motion at each.
+        pairs: modes that are the same.
+        mac: (modes, modes of the other).
+        comac: (points,) low where a point disagrees in many modes.
+    """
+
+    test: Test | None
+    other_test: Test | None
+    points: tuple[int, ...]
+    axes: tuple[str, ...]
+    pairs: tuple[PairView, ...]
+    mac: RealArray
+    comac: RealArray
+
+
+class TuningNew(Frozen):
+    """A frequency that a mode shall have.
+
+    Attributes:
+        test: whose model; null for the first.
+        mode: from 1.
+        to_hz: that frequency.
+        by: what is hung on the structure: a mass, or a spring to ground.
+        at: points to try; null for all that have a sensor.
+    """
+
+    test: Test | None = None
+    mode: PositiveInt
+    to_hz: Frequency
+    by: Literal["mass", "spring"]
+    at: Annotated[tuple[PositiveInt, ...], Field(min_length=1, max_length=100)] | None = None
+
+
+class TuningView(Frozen):
+    """What brings a mode to a frequency at a point.
+
+    Attributes:
+        at: the point.
+        size: kg or N/m; null where none does.
+        sigma: of it, one standard deviation.
+        lowest_hz: of the frequencies that any size reaches there.
+        highest_hz: of them.
+    """
+
+    at: int
+    size: float | None
+    sigma: float | None
+    lowest_hz: float
+    highest_hz: float
+
+
+class TuningsView(Frozen):
+    """The same at several points, the smallest first.
+
+    Attributes:
+        test: whose model.
+        tunings: one for each point.
+    """
+
+    test: Test | None
+    tunings: tuple[TuningView, ...]
+
+
+class BestAbsorberNew(Frozen):
+    """A mode whose motion at a point shall be as small as an absorber of a mass makes it.
+
+    Attributes:
+        test: whose model; null for the first.
+        mode: from 1.
+        at: where the absorber hangs.
+        mass_kg: of it.
+    """
+
+    test: Test | None = None
+    mode: PositiveInt
+    at: PositiveInt
+    mass_kg: Mass
+
+
+class BestAbsorberView(Frozen):
+    """That absorber.
+
+    Attributes:
+        test: whose model.
+        at: where it hangs.
+        mass_kg: of it.
+        frequency_hz: of it on a point at rest.
+        damping_ratio: of it.
+        peak_before: of the mobility at the point about the mode, m/(N s).
+        peak_after: the same with it.
+    """
+
+    test: Test | None
+    at: int
+    mass_kg: float
+    frequency_hz: float
+    damping_ratio: float
+    peak_before: float
+    peak_after: float

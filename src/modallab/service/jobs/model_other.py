@@ -1,0 +1,98 @@
+"""The newest model of a campaign beside that of another, and the change that a wanted property needs."""
+
+from modallab.core.documents.model_other import (
+    BestAbsorberNew,
+    BestAbsorberView,
+    CorrelationView,
+    PairView,
+    TuningNew,
+    TuningsView,
+    TuningView,
+)
+from modallab.core.units import Test
+from modallab.service.context import Service
+from modallab.service.jobs.model_use import known_of_campaign
+
+
+def correlation_of(
+    service: Service, campaign: str, test: Test | None, other: str, other_test: Test | None
+) -> CorrelationView:
+    """Which modes of two campaigns' models are the same.
+
+    Raises:
+        NotFoundError: no such campaign, or no model of this test.
+        DataError: fewer than two common points, no driving point, or no two modes that are alike.
+    """
+    from modallab.updating.correlation import correlate
+
+    one, two = known_of_campaign(service, campaign, test), known_of_campaign(service, other, other_test)
+    found = correlate(one, two)
+    pairs = (
+        PairView(
+            mode=i + 1,
+            other=j + 1,
+            mac=float(found.mac[i, j]),
+            frequency_hz=found.frequency_hz[n],
+            frequency_sigma_hz=found.frequency_sigma_hz[n],
+            damping_ratio=found.damping_ratio[n],
+        )
+        for n, (i, j) in enumerate(found.pairs)
+    )
+    return CorrelationView(
+        test=one.model.test,
+        other_test=two.model.test,
+        points=tuple(point for point, _ in found.freedoms),
+        axes=tuple(axis for _, axis in found.freedoms),
+        pairs=tuple(pairs),
+        mac=found.mac,
+        comac=found.comac,
+    )
+
+
+def tunings_of(service: Service, campaign: str, new: TuningNew) -> TuningsView:
+    """What brings a mode to a frequency at each of several points.
+
+    Raises:
+        NotFoundError: no such campaign, or no model of this test.
+        DataError: no such mode, a frequency beyond the band, or a point that the model does not know.
+    """
+    from modallab.modification.inverse import tuned
+
+    known = known_of_campaign(service, campaign, new.test)
+    at = new.at or known.structure.freedoms[: len(known.model.outputs)]
+    answers = tuned(known, new.mode, new.to_hz, new.by, at)
+    return TuningsView(
+        test=known.model.test,
+        tunings=tuple(
+            TuningView(
+                at=a.at[0] if isinstance(a.at, tuple) else a.at,
+                size=a.size if a.feasible else None,
+                sigma=a.sigma if a.feasible else None,
+                lowest_hz=a.lowest_hz,
+                highest_hz=a.highest_hz,
+            )
+            for a in answers
+        ),
+    )
+
+
+def absorber_of(service: Service, campaign: str, new: BestAbsorberNew) -> BestAbsorberView:
+    """The absorber that leaves the least peak about a mode.
+
+    Raises:
+        NotFoundError: no such campaign, or no model of this test.
+        DataError: no such mode, or it has a node there.
+    """
+    from modallab.modification.inverse import best_absorber
+
+    known = known_of_campaign(service, campaign, new.test)
+    found, before, after = best_absorber(known, new.mode, new.at, new.mass_kg)
+    return BestAbsorberView(
+        test=known.model.test,
+        at=new.at,
+        mass_kg=found.mass,
+        frequency_hz=found.frequency_hz,
+        damping_ratio=found.damping_ratio,
+        peak_before=before,
+        peak_after=after,
+    )

@@ -1,0 +1,113 @@
+/** A workbench: hang masses, springs and dampers on a modelled structure by clicking on its points, and see what they do. */
+
+import { get, post } from "./api.js";
+import { Chart, look, positive } from "./charts.js";
+import { button, h, panel, put, show, svg, table } from "./dom.js";
+import { number, uncertain } from "./numbers.js";
+
+const SIZES = { mass_kg: ["Mass", "kg", 0.05], spring_n_per_m: ["Spring to ground", "N/m", 1000], damper_n_s_per_m: ["Damper to ground", "N s/m", 1] };
+const WIDTH = 640, HEIGHT = 150, EDGE = 30;
+
+export class Workbench {
+  constructor(campaign, model, description, signal) {
+    Object.assign(this, { campaign, model, description, changes: [] });
+    const id = `work-${model.test ?? "frf"}`;
+    this.known = [...new Set([...model.output_points, ...model.input_points])].filter((point) => point !== null);
+    this.kind = h("select", { id: `${id}-kind`, onchange: () => { this.size.value = String(SIZES[this.kind.value][2]); this.unit.textContent = SIZES[this.kind.value][1]; } },
+      Object.entries(SIZES).map(([value, [text]]) => h("option", { value }, text)));
+    this.size = h("input", { id: `${id}-size`, type: "number", step: "any", value: "0.05" });
+    this.unit = h("span", {}, "kg");
+    const points = (selected) => h("select", { onchange: () => this.predict() }, this.known.map((point) => h("option", { value: point, selected: point === selected }, String(point))));
+    this.at = points(model.input_points[0]);
+    this.of = points(model.input_points[0]);
+    this.drawing = h("div", {});
+    this.list = h("ul", { class: "plainlist" });
+    this.modes = h("div");
+    this.said = h("div");
+    this.against = h("select", { onchange: () => this.predict() }, h("option", { value: "" }, "none yet"));
+    this.chart = new Chart({ name: "Mobility before and after", x: "Frequency [Hz]", y: "Mobility [m/(N s)]", log: true, height: 300 });
+    signal.addEventListener("abort", () => this.chart.close());
+    this.element = panel(`Workbench, ${model.test ?? "FRFs"}`,
+      h("p", { class: "buttons" }, h("label", { for: this.kind.id }, "Add"), this.kind, h("label", { for: this.size.id, class: "hidden" }, "Size"), this.size, this.unit, h("span", { class: "muted" }, "at a point: click on it")),
+      this.drawing, this.list,
+      h("p", { class: "buttons" }, h("label", {}, "Force at ", this.at), h("label", {}, "motion of ", this.of)),
+      this.chart.element, this.modes,
+      h("p", { class: "buttons" }, button("Save the plan of a test that checks it", () => this.save()), h("label", {}, "Measured with it: ", this.against)), this.said);
+    this.draw();
+    this.others();
+    this.predict();
+  }
+
+  /** Where each point is, from the side or from above: along the two axes over which the points spread most. */
+  places() {
+    const points = this.description.points.filter(({ id }) => this.known.includes(id));
+    const along = ["x_m", "y_m", "z_m"].map((axis) => points.map((point) => point[axis] ?? 0));
+    const spans = along.map((values) => Math.max(...values, ...(this.description.beam ? [0] : [])) - Math.min(...values, ...(this.description.beam ? [0] : [])));
+    const [first, second] = [0, 1, 2].sort((a, b) => spans[b] - spans[a]);
+    const scale = Math.min((WIDTH - 2 * EDGE) / (spans[first] || 1), (HEIGHT - 2 * EDGE) / (spans[second] || 1e-9));
+    const low = (n) => (this.description.beam ? Math.min(0, ...along[n]) : Math.min(...along[n]));
+    return points.map(({ id }, k) => ({ id, x: EDGE + (along[first][k] - low(first)) * scale, y: spans[second] ? HEIGHT - EDGE - (along[second][k] - low(second)) * scale : HEIGHT / 2 }));
+  }
+
+  draw() {
+    const held = new Set(this.changes.map(({ at }) => at));
+    const places = this.places();
+    const marks = places.map(({ id, x, y }) => svg("g", { role: "button", tabindex: "0", class: "pick", "aria-label": `Add at point ${id}`, onclick: () => this.add(id), onkeydown: (event) => { if (event.key === "Enter") this.add(id); } },
+      svg("circle", { class: `point${held.has(id) ? " next" : ""}`, cx: x, cy: y, r: held.has(id) ? 11 : 8 }), svg("text", { x, y: y + 27 }, String(id))));
+    const line = this.description.beam ? svg("line", { class: "body", x1: EDGE, y1: HEIGHT / 2, x2: Math.max(...places.map(({ x }) => x)), y2: HEIGHT / 2 }) : null;
+    put(this.drawing, svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "beam work", role: "group", "aria-label": "Points of the structure" }, line, marks));
+    put(this.list, this.changes.map((one, n) => h("li", {}, words(one), " ", button("Remove", () => { this.changes.splice(n, 1); this.draw(); return this.predict(); }))));
+  }
+
+  add(at) {
+    const size = Number(this.size.value);
+    if (!Number.isFinite(size) || size === 0) { show({ message: "the size is no number", remedy: "type a number other than 0" }); return; }
+    this.changes.push({ kind: "element", at, [this.kind.value]: size });
+    this.draw();
+    this.predict();
+  }
+
+  /** What the changes do; of several clicks in a row the last one counts. */
+  async predict() {
+    this.asked = (this.asked ?? 0) + 1;
+    const asked = this.asked;
+    if (!this.changes.length) { put(this.modes, h("p", { class: "muted" }, "Nothing is added yet.")); this.chart.draw([{ label: "before", ...look(0) }], [[], []]); put(this.said); return; }
+    try {
+      const found = await post(`campaigns/${this.campaign}/model/modifications`, { test: this.model.test, changes: this.changes, frf: { at: Number(this.at.value), of: Number(this.of.value) }, check: this.against.value || null });
+      if (asked === this.asked) this.fill(found);
+    } catch (error) { show(error); }
+  }
+
+  fill(found) {
+    const size = ({ re, im }) => positive(re.map((value, n) => Math.hypot(value, im[n])));
+    this.chart.draw([{ label: "before", ...look(0) }, { label: "after", ...look(1) }], [found.frf.frequency_hz, size(found.frf.before), size(found.frf.after)]);
+    const heads = [["Mode", "n"], ["Before [Hz]", "n"], ["After [Hz]", "n"], ["Shift [%]", "n"], ["Damping after [%]", "n"]];
+    const rows = found.frequency_hz.map((hz, n) => {
+      const before = found.mac[n] < 0.5 ? NaN : found.before_hz[found.like[n] - 1];
+      return [n + 1, Number.isFinite(before) ? number(before, 6) : "new", uncertain(hz, found.frequency_sigma_hz[n]), Number.isFinite(before) ? number(100 * (hz / before - 1), 3) : "–", uncertain(100 * found.damping_ratio[n], 100 * found.damping_sigma[n])];
+    });
+    put(this.modes, table("Modes before and after", heads, rows), h("p", { class: "muted" }, found.notes.join(" ")));
+    put(this.said, found.checked.length ? h("ul", { class: "plainlist" }, found.checked.map((one) => h("li", { class: one.inside ? "" : "bad" }, one.words))) : null);
+  }
+
+  /** Campaigns that may have been measured with the changes. */
+  async others() {
+    const found = (await get("campaigns?limit=50")).items.filter(({ id, runs }) => id !== this.campaign && runs.length);
+    this.against.append(...found.map((one) => h("option", { value: one.id }, one.name)));
+  }
+
+  /** An impact test at the points that were driven, named for what is to be hung there. */
+  save() {
+    const name = this.changes.map(words).join(", ") || "nothing added";
+    const plan = { kind: "impact", points: [...new Set(this.model.input_points)] };
+    const link = h("a", { href: URL.createObjectURL(new Blob([`# ${name}\n${JSON.stringify(plan)}\n`], { type: "application/yaml" })), download: "check-the-change.yaml" });
+    link.click();
+    URL.revokeObjectURL(link.href);
+  }
+}
+
+function words(change) {
+  const [kind] = Object.keys(SIZES).filter((one) => one in change);
+  const [text, unit] = SIZES[kind];
+  return `${text} ${change[kind]} ${unit} at ${change.at}`;
+}
