@@ -44,11 +44,11 @@ def _row(whose: str, found: Found) -> list[str]:
 
 
 def _channels(found: Compared) -> Markup:
-    said = (
+    caption = (
         f"The gap of each channel on {len(found.records)} records, before: as the simulation is, and after: corrected. "
         "Nothing is fitted. 1 is noise alone."
     )
-    return section("Channel by channel", channel_bars(found.by_channel, found.after_by_channel, "channels", said))
+    return section("Channel by channel", channel_bars(found.by_channel, found.after_by_channel, "channels", caption))
 
 
 def _notes(found: Compared) -> Markup:

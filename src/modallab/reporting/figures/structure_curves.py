@@ -76,8 +76,8 @@ def _curves(explained: Explained) -> _Curves:
     before = free.at(s, part).predicted(np.zeros(free.size))
     after = best.free.at(s, part).predicted(best.u, best.change)
     rate = s[:, None, None]
-    said = WITH if changed else WITHIN
-    return _Curves(hz, rate * synthesised(c.bench, s), rate * before, rate * after, said)
+    which = WITH if changed else WITHIN
+    return _Curves(hz, rate * synthesised(c.bench, s), rate * before, rate * after, which)
 
 
 def _lines(free: Free) -> Real:
