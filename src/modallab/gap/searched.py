@@ -5,15 +5,16 @@ from dataclasses import dataclass, replace
 
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.inference.baseline import baseline
+from modallab.gap.inference.agreement import agreement_of
+from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.select import Level, StepwiseSelection
-from modallab.gap.model.fit import Fit
+from modallab.gap.model.fit import Fit, seen
 from modallab.gap.report.harmonics import out_of_proportion
 from modallab.gap.report.levels import some_levels_differ
 from modallab.gap.search.beside_known import beside_known, knows_element
 from modallab.gap.search.choose import Choice, choose
 from modallab.gap.search.clock import clock_shows
-from modallab.gap.search.fitting import Bench
+from modallab.gap.search.fitting import Bench, completed
 from modallab.gap.search.law_by_hits import law_by_hits
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description, cost_per_number, fit_cost
@@ -45,13 +46,15 @@ def searched(
         unseen: records that no fit has seen.
         held: their names.
     """
-    base = baseline(bench)
+    view, found = without_effects(bench)
+    base = completed(bench, seen(found.problem, found.u))
     if knows_element(base):
         return Searched(beside_known(bench, base, matters))
     overtones = out_of_proportion(prepared) if base.gap > bench.flat else None
     if overtones is not None:
         return Searched(search_stepped(bench, prepared, base, overtones, matters, unseen))
-    alone = channel_alone(bench, prepared, base, held) if base.gap > bench.flat else None
+    agreement = agreement_of(bench, view, found)
+    alone = channel_alone(bench, prepared, agreement, held) if base.gap > bench.flat else None
     if alone is not None:
         # Where all others agree with a sound bench, the cause stands in this channel.
         bench = replace(bench, row=alone.row)

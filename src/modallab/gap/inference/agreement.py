@@ -13,9 +13,12 @@ from modallab.core.digits import percent
 from modallab.core.errors import DataError
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.inference.baseline import without_effects
+from modallab.gap.inference.posterior import Posterior
 from modallab.gap.inference.settings import DEFAULT
+from modallab.gap.inference.view import View
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.search.fitting import Bench
 
 SENSOR = "Check sensitivity, direction, place, mount and cable there."
 
@@ -103,7 +106,18 @@ def agreement(campaign: Campaign) -> Agreement:
             where=rig.name,
             remedy="record another hit, harder or at another point",
         )
-    view, found = without_effects(bench)
+    return agreement_of(bench, *without_effects(bench))
+
+
+def agreement_of(bench: Bench, view: View, found: Posterior) -> Agreement:
+    """What the scales of the discrepancy say.
+
+    Args:
+        bench: what was compared.
+        view: its rows.
+        found: the twin without effects, fitted to them.
+    """
+    rig = bench.data.rig
     scales = view.objective.values(found.levels)
     groups = view.objective.rows.group[np.isfinite(view.objective.rows.sigma)]
     share = {view.objective.rows.names[k]: float(scales[k]) for k in np.unique(groups)}

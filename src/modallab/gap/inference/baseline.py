@@ -22,13 +22,13 @@ STEPS = 12
 
 def baseline(bench: Bench, settings: Settings = DEFAULT) -> Fit:
     """The twin without effects, fitted to modal rows and then to the records."""
-    report(0.0, "the bench without any effect")
     found = without_effects(bench, settings)[1]
     return completed(bench, seen(found.problem, found.u))
 
 
 def without_effects(bench: Bench, settings: Settings = DEFAULT) -> tuple[View, Posterior]:
     """The modal rows of a bench, and the twin without effects fitted to them."""
+    report(0.0, "the bench without any effect")
     problem = Problem(bench.data, bench.free)
     view = View.of(bench.points, bench.thin, settings)
     return view, descended(view, problem, _begin(bench, problem, settings), STEPS)

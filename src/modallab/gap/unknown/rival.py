@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.inference.agreement import Agreement
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, Problem, cost_of, seen
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.report.measure import squares
-from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.fitting import Bench, excess, ordinary, search_origin
 from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of
 from modallab.gap.unknown.fitted import at_a_look, finished, fitted, likely
@@ -28,8 +28,6 @@ LEAVES = 0.1
 """Share of what the best effect leaves that an element may leave to be what the gap behaves like."""
 CLOSES = 0.003
 """The same of the whole gap, where it does not reach the floor."""
-STANDS_OUT = 0.4
-"""Share of the misfit from which a channel is looked at by itself."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -52,19 +50,19 @@ def loses_samples(prepared: Prepared, fit: Fit) -> bool:
     return any(row in rows_of(fit) for row in prepared.repeated)
 
 
-def channel_alone(bench: Bench, prepared: Prepared, base: Fit, held: Sequence[str]) -> Alone | None:
+def channel_alone(bench: Bench, prepared: Prepared, agreement: Agreement, held: Sequence[str]) -> Alone | None:
     """The channel without which there is no gap, if there is one.
 
     Args:
         bench: what is searched.
         prepared: the campaign.
-        base: the twin without effects.
+        agreement: of the twin without effects with it.
         held: records that no fit may see.
     """
     if len(bench.data.channels) < 2:
         return None
     fitted = [b for b in prepared.blocks if b.name not in set(held)]
-    for row in prepared.repeated or _standing_out(search_origin(bench, base)):
+    for row in prepared.repeated or _differing(bench, agreement):
         alone = without(bench, prepared, fitted, row)
         if alone.gap <= bench.flat and ordinary(alone):
             return Alone(row, alone, bool(prepared.repeated))
@@ -101,9 +99,11 @@ def best_of(first: Level) -> Fit:
     return min(first.fits, key=cost_of, default=first.base)
 
 
-def _standing_out(base: Fit) -> list[int]:
-    shares = channel_share(base)
-    return [base.problem.data.channels[int(shares.argmax())]] if shares.max() > STANDS_OUT else []
+def _differing(bench: Bench, agreement: Agreement) -> list[int]:
+    """The channel that differs, if the modes and all other channels agree."""
+    if len(agreement.differing) != 1 or agreement.modes_differ:
+        return []
+    return [row for row in bench.data.channels if bench.data.rig.channels[row].name in agreement.differing]
 
 
 def _on_beam(bench: Bench, begin: Fit, base: Fit, best: Fit, unseen: Reduced) -> tuple[Description, ...]:
