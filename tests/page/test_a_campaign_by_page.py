@@ -132,6 +132,20 @@ def test_poles_are_chosen_on_the_diagram(recorded: Watched, campaign: str, serve
     recorded.picture("model")
 
 
+def test_a_click_on_a_point_hangs_a_mass_there(recorded: Watched) -> None:
+    recorded.view("Model")
+    recorded.page.click(".work .pick[aria-label='Add at point 10'] circle")
+    rows = recorded.page.locator("[aria-label='Modes before and after'] tbody tr")
+    rows.first.wait_for()
+    assert float(rows.first.locator("td").nth(2).inner_text()) < -1
+    recorded.picture("workbench")
+    with recorded.page.expect_download() as saved:
+        recorded.page.click("text=Save the plan")
+    plan = saved.value.path().read_text()
+    assert "Mass 0.05 kg at 10" in plan
+    assert '"kind":"impact"' in plan
+
+
 @pytest.mark.thorough("diagnoses on the page, and tests again")
 def test_a_diagnosis_is_put_into_the_simulation(corrected: Watched, served: ServiceProcess) -> None:
     corrected.page.wait_for_selector(DONE)

@@ -111,6 +111,8 @@ def _row(values: object, key: str, where: str) -> NDArray[np.float64]:
         row = np.array(values, dtype=np.float64)
     except (ValueError, TypeError) as error:
         raise FormatError(f"{key} are no numbers: {error}", where=where, remedy=_REMEDY) from error
+    if row.size == max(row.shape, default=0):
+        row = row.ravel()
     if row.ndim != 1:
         raise FormatError(f"{key} are no single row of numbers", where=where, remedy=_REMEDY)
     return row

@@ -8,9 +8,14 @@ import { number, uncertain } from "./numbers.js";
 const SIZES = { mass_kg: ["Mass", "kg", 0.05], spring_n_per_m: ["Spring to ground", "N/m", 1000], damper_n_s_per_m: ["Damper to ground", "N s/m", 1] };
 const WIDTH = 640, HEIGHT = 150, EDGE = 30;
 
+/** What hangs on each structure: the view is filled anew whenever something was computed. */
+const HUNG = new Map();
+
 export class Workbench {
   constructor(campaign, model, description, signal) {
-    Object.assign(this, { campaign, model, description, changes: [] });
+    const key = `${campaign} ${model.test}`;
+    if (!HUNG.has(key)) HUNG.set(key, []);
+    Object.assign(this, { campaign, model, description, changes: HUNG.get(key) });
     const id = `work-${model.test ?? "frf"}`;
     this.known = [...new Set([...model.output_points, ...model.input_points])].filter((point) => point !== null);
     this.kind = h("select", { id: `${id}-kind`, onchange: () => { this.size.value = String(SIZES[this.kind.value][2]); this.unit.textContent = SIZES[this.kind.value][1]; } },
