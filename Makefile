@@ -1,5 +1,5 @@
 # On a fresh machine with Python 3.11+ and make: `make demo` shows what it does, `make test` checks it,
-# `make test-all` checks it in all ways.
+# `make test-all` checks it in all ways, `make docs` builds the documentation.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -13,7 +13,7 @@ export OMP_NUM_THREADS ?= 1
 # A file to a worker, so that what its tests share is made once.
 TESTS = $(BIN)/pytest -n auto --dist loadscope --no-loadscope-reorder
 
-.PHONY: demo test test-all tests check command service clean
+.PHONY: demo test test-all tests check docs command service clean
 demo: $(VENV)/.ready
 	$(BIN)/modallab demo --out demo
 
@@ -42,6 +42,12 @@ command: $(VENV)/.ready
 	@echo "modallab is now $(LINKS)/modallab"
 	@case ":$$PATH:" in *":$(LINKS):"*) ;; *) echo "  what to do: add $(LINKS) to PATH, or run: . .venv/bin/activate";; esac
 
+# Pages, references and notebooks as one folder that needs no network; MODALLAB_SITE=site serves it at /manual/.
+docs: $(VENV)/.ready
+	@$(INSTALL) -e '.[docs]'
+	$(BIN)/python docs/site.py site
+	@echo "open site/index.html"
+
 # What the service needs to compute models and diagnoses, and to make a certificate of its own.
 service: $(VENV)/.ready
 	@echo "installing what the service computes with ..."
@@ -64,4 +70,4 @@ $(VENV)/.tools: $(VENV)/.ready
 	@touch $@
 
 clean:
-	rm -rf $(VENV) demo dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) demo dist site .pytest_cache .ruff_cache .hypothesis

@@ -119,7 +119,7 @@ CASES: list[tuple[str, type[ModallabError], str, str]] = [
         "time,force [Pa],a01,a02,a03\n" + rows(GOOD),
         "channel force: unit 'Pa' is no unit of force",
     ),
-    ("wrong time unit", DataError, "time [h],force,a01,a02,a03\n" + rows(GOOD), "unit 'h' is no unit of time"),
+    ("wrong time unit", DataError, "time [kg],force,a01,a02,a03\n" + rows(GOOD), "unit 'kg' is no unit of time"),
     (
         "missing channel",
         DataError,

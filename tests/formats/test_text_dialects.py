@@ -67,6 +67,11 @@ DIALECTS = {
     "units in a row of their own": "Time,Force,A1\n(ms),(N),(g)\n" + table("", PLAIN, [f"{1e3 * t:.4f}" for t in T]),
     "quantities over units": table("t/ms;force/N;a1/g", "{};{:.6f};{:.6f}", [f"{1e3 * t:.4f}" for t in T]),
     "microseconds": table("time [µs],force [N],a1 [g]", PLAIN, [f"{1e6 * t:.1f}" for t in T]),
+    "minutes": table("time [min],force [N],a1 [g]", PLAIN, [f"{t / 60:.12f}" for t in T]),
+    "hours": table("t (h),force [N],a1 [g]", PLAIN, [f"{t / 3600:.14f}" for t in T]),
+    "days of a spreadsheet": table("time [d],force [N],a1 [g]", PLAIN, [f"{46110 + t / 86400:.12f}" for t in T]),
+    "upright lines between columns": table("time [s] | force [N] | a1 [g]", "{} | {:.6f} | {:.6f}"),
+    "blanks between thousands": table("time [s];force [mN];a1 [g]", "{};{:_.6f};{:.6f}").replace("_", " "),
     "thousandths of g": table("time [s],force [N],a1 [mg]", PLAIN),
 }
 
@@ -183,6 +188,39 @@ def test_an_analysers_table_is_known_by_its_names_in_any_order(tmp_path: Path, h
     np.savetxt(path, columns.T, delimiter="\t", header=head, comments="", fmt="%.10g")
     (frf,) = import_sources([path], RIG, ImportOptions(drive_point=1)).frfs
     np.testing.assert_allclose(frf.values[0, 0], inertance(frf.frequency_hz), rtol=1e-6)
+
+
+def test_tables_below_each_other_are_a_record_each(tmp_path: Path) -> None:
+    one = table("time [s],force [N],a1 [g]", PLAIN)
+    blocks = read(tmp_path, f"Measurement 1\n{one}\nMeasurement 2\n{one}").blocks
+    assert [block.name for block in blocks] == ["hit_1", "hit_2"]
+    np.testing.assert_array_equal(blocks[0].samples, blocks[1].samples)
+
+
+def test_days_that_no_unit_names_are_not_taken_for_seconds(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="taken as s, give"):
+        read(tmp_path, table("time,force [N],a1 [g]", PLAIN, [f"{46110 + t / 86400:.12f}" for t in T]))
+
+
+def swept_down(path: Path, head: str) -> Path:
+    f = np.geomspace(200, 10, 60)
+    columns, names = [f, inertance(f).real, inertance(f).imag, 99 - f / 100], f"f [Hz],Re [m/s^2/N],Im [m/s^2/N],{head}"
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=names, comments="")
+    return path
+
+
+def test_a_sweep_down_is_turned_and_its_coherence_in_percent_is_a_share(tmp_path: Path) -> None:
+    (frf,) = import_sources(
+        [swept_down(tmp_path / "down.csv", "Coherence [%]")], RIG, ImportOptions(drive_point=1)
+    ).frfs
+    np.testing.assert_allclose(frf.values[0, 0], inertance(frf.frequency_hz), rtol=1e-6)
+    assert frf.coherence is not None
+    np.testing.assert_allclose(frf.coherence[0, 0], 0.99 - frf.frequency_hz / 1e4, rtol=1e-6)
+
+
+def test_a_coherence_beyond_one_is_rejected(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="a coherence is not between 0 and 1"):
+        import_sources([swept_down(tmp_path / "down.csv", "Coherence")], RIG, ImportOptions(drive_point=1))
 
 
 @pytest.mark.parametrize("kind", ["csv", "uff", "mat"])

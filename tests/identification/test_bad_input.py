@@ -66,7 +66,6 @@ OF_FRF = {
     **{f"estimate {m}": lambda it, m=m: estimate_poles(it, m) for m in ("plscf", "era", "circle", "peak")},
     "identify_frf": lambda it: identify_frf(it, RIG, Options()),
     "identify_peaks": lambda it: identify_peaks(it, None),
-    "mif": mode_indicators.mif,
     "mmif": mode_indicators.mmif,
     "cmif": mode_indicators.cmif,
     "split_bands": split_bands,

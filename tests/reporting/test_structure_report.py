@@ -86,7 +86,7 @@ def test_a_wrong_gain_is_marked_where_its_sensor_stands() -> None:
 
 def test_the_mark_stands_where_the_projection_puts_the_place() -> None:
     """Half way between two points in space it is half way between them on the drawing."""
-    drawn = str(structure_picture(netted(), Marked(np.array([[(X[0] + X[4]) / 2, Y[0], 0.0]]), said="here")))
+    drawn = str(structure_picture(netted(), Marked(np.array([[(X[0] + X[4]) / 2, Y[0], 0.0]]), label="here")))
     found = re.findall(r'cx="([^"]*)" cy="([^"]*)" r="([^"]*)"', drawn)
     circles = [(float(x), float(y), float(r)) for x, y, r in found]
     points = [c for c in circles if c[2] == 3.5]

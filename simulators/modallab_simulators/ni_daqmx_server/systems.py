@@ -1,6 +1,5 @@
 """Systems of devices that the server can be: chassis with modules, single devices, PXI chassis with cards."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from modallab_simulators.ni_daqmx_server.catalogue import CHASSIS_KINDS, PRODUCTS
@@ -97,8 +96,3 @@ def domain(device: Module) -> str:
 def pxi_chassis(name: str) -> str:
     """The PXI chassis that a card is in, by its name; empty for other devices."""
     return name.partition("Slot")[0] if name.startswith("PXI") and "Slot" in name else ""
-
-
-def domains(modules: Sequence[Module]) -> tuple[str, ...]:
-    """The clocks of these devices, each once."""
-    return tuple(dict.fromkeys(domain(m) for m in modules))

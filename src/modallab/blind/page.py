@@ -14,10 +14,10 @@ EDGE = 40
 def render(found: BlindOutcome) -> str:
     """The whole page as text."""
     sealed = f"Their truths were sealed before the first answer, SHA-256 {found.sealed}. " if found.sealed else ""
-    said = f"{found.trials} campaigns were diagnosed without their truth. {sealed}Answers: SHA-256 {found.answers}."
+    caption = f"{found.trials} campaigns were diagnosed without their truth. {sealed}Answers: SHA-256 {found.answers}."
     return page(
         "Blind trials of the diagnosis",
-        said,
+        caption,
         _figures(found.figures),
         _effects(found.effects),
         _confusion(found.effects),
@@ -54,9 +54,9 @@ def _effects(effects: Sequence[OfEffect]) -> Markup:
 
 
 def _confusion(effects: Sequence[OfEffect]) -> Markup:
-    said = list(dict.fromkeys(name for e in effects for name in e.said))
-    rows = [[e.effect.replace("_", " "), *(str(e.said.get(name, "")) for name in said)] for e in effects]
-    head = ["true", *(name.replace("_", " ") for name in said)]
+    caption = list(dict.fromkeys(name for e in effects for name in e.said))
+    rows = [[e.effect.replace("_", " "), *(str(e.said.get(name, "")) for name in caption)] for e in effects]
+    head = ["true", *(name.replace("_", " ") for name in caption)]
     numbers = tuple(range(1, len(head)))
     return section("What was said of what", tag("div", table("Trials", head, rows, numeric=numbers), class_="scroll"))
 
@@ -65,30 +65,30 @@ def _reliability(found: BlindOutcome) -> Markup | None:
     points = [(float(s.name.removeprefix("said ")), s.value) for s in found.reliability if s.value is not None]
     if not points:
         return None
-    said = (
+    caption = (
         f"Probability that was said, and the share of names that was right; on the line both are the same. Calibration "
         f"error {found.calibration_error:.3f}."
     )
-    return section("Reliability", captioned(_square(points, "said", "right", 0.0), said))
+    return section("Reliability", captioned(_square(points, "said", "right", 0.0), caption))
 
 
 def _shrinkage(shrinkage: Sequence[Shrunk]) -> Markup | None:
     if not shrinkage:
         return None
-    said = (
+    caption = (
         "Share of the gap that a diagnosis closes: as predicted, on records held out of the fit, and as seen in a "
         "later campaign on the same bench, with the effect in the simulation. What lies below -1 is drawn at -1."
     )
     points = [(s.predicted, s.seen) for s in shrinkage]
-    return section("Shrinkage", captioned(_square(points, "predicted", "seen", -1.0), said))
+    return section("Shrinkage", captioned(_square(points, "predicted", "seen", -1.0), caption))
 
 
 def _square(points: Sequence[tuple[float, float]], along: str, up: str, low: float) -> Markup:
     def at(value: float) -> float:
         return SIDE * (min(max(value, low), 1.0) - low) / (1.0 - low)
 
-    def text(x: float, y: float, said: str, anchor: str) -> Markup:
-        return tag("text", said, x=f"{x:g}", y=f"{y:g}", text_anchor=anchor, font_size="13", fill="var(--ink)")
+    def text(x: float, y: float, caption: str, anchor: str) -> Markup:
+        return tag("text", caption, x=f"{x:g}", y=f"{y:g}", text_anchor=anchor, font_size="13", fill="var(--ink)")
 
     frame = tag("rect", x=str(EDGE), y="10", width=str(SIDE), height=str(SIDE), fill="none", stroke="var(--soft)")
     same = tag("line", x1=str(EDGE), y1=str(SIDE + 10), x2=str(SIDE + EDGE), y2="10", stroke="var(--soft)")

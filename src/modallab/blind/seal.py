@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from modallab.core.errors import DataError, FormatError
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 
 HASHES = "hashes.json"
 SEALED = "sealed"
@@ -22,8 +22,7 @@ def seal(folder: Path, name: str, truth: dict[str, Any]) -> str:
     place = folder / SEALED / f"{name}.json"
     place.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({"nonce": secrets.token_hex(16), "truth": truth}, sort_keys=True)
-    with replacing(place) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    write_text(place, text)
     return hash_of(text)
 
 
@@ -47,8 +46,7 @@ def publish(folder: Path, plan: dict[str, Any], hashes: dict[str, str]) -> str:
         )
     if known is None:
         content = {"hash": whole, "plan": plan, "trials": hashes}
-        with replacing(folder / HASHES) as draft:
-            draft.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8", newline="\n")
+        write_text(folder / HASHES, json.dumps(content, indent=1) + "\n")
     return whole
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 
 from modallab.cli.outputs import OUT
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 
 if TYPE_CHECKING:
     from modallab.reporting.modified_table import TableRows
@@ -23,7 +23,7 @@ class _Nowhere:
 
 def console_of(arguments: argparse.Namespace) -> Console:
     """Standard output; standard error where that takes JSON; nothing at all with `--quiet`."""
-    if arguments.hush:
+    if getattr(arguments, "hush", False):
         return Console(file=_Nowhere())  # pyrefly: ignore[bad-argument-type]  # all of a file that rich asks for
     return Console(stderr=getattr(arguments, "json", None) == OUT)
 
@@ -38,8 +38,7 @@ def write_json(path: Path, document: object) -> None:
     if path == OUT:
         print(text, end="")
         return
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
 
 
 def show_rows(arguments: argparse.Namespace, rows: "TableRows") -> None:

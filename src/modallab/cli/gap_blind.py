@@ -24,7 +24,7 @@ from modallab.core.errors import PlanError
 from modallab.core.extras import optional_package
 from modallab.core.field_errors import sentences
 from modallab.core.progress import reported_to
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 
@@ -50,8 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
     if isinstance(found, str):
         console.print(f"answers written, no truth read: SHA-256 {found}", markup=False, soft_wrap=True)
         return 0
-    _write(out / "blind.json", found.model_dump_json(indent=1) + "\n")
-    _write(out / "blind.html", render(found))
+    write_text(out / "blind.json", found.model_dump_json(indent=1) + "\n")
+    write_text(out / "blind.html", render(found))
     console.print(_table(found))
     console.print(f"written: {out / 'blind.json'}, {out / 'blind.html'}", markup=False, soft_wrap=True)
     return 0
@@ -69,7 +69,7 @@ def _on(arguments: argparse.Namespace) -> int:
         reported_to(lambda share, words: status.update(f"{share:.0%} {words}")),
     ):
         found = trials_on(read_campaign(arguments.on, rig), out, _measured(arguments.trials, none, arguments.seed))
-    _write(out / "blind.json", found.model_dump_json(indent=1) + "\n")
+    write_text(out / "blind.json", found.model_dump_json(indent=1) + "\n")
     for table in tables_of(found):
         console.print(table)
     console.print(f"written: {out / 'blind.json'}", markup=False, soft_wrap=True)
@@ -136,8 +136,3 @@ def _table(found: BlindOutcome) -> Table:
             table.add_row(figure.name, f"{figure.value:.3g}", str(figure.count))
     table.add_row("calibration error of the probabilities", f"{found.calibration_error:.3g}", "")
     return table
-
-
-def _write(path: Path, text: str) -> None:
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")

@@ -2,15 +2,13 @@
 
 import argparse
 
-from rich.console import Console
-
+from modallab.cli.console import console_of, write_json
 from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import only_with
 from modallab.core.digits import part_of, rounded
 from modallab.core.errors import PlanError
 from modallab.core.progress import reported_to
 from modallab.core.units import Test
-from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.exported.forms import FORMS, InForm, in_form, tests_of, write_form
@@ -34,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     # Before anything is written: who mistypes the campaign is left with no file.
     campaign = None if arguments.on is None else read_campaign(arguments.on, rig)
     write_form(arguments.out, form, diagnosis, rig, tests, arguments.rate)
-    console = Console()
+    console = console_of(arguments)
     console.print(f"{form.says}, {' and '.join(tests)}: {arguments.out}", markup=False, soft_wrap=True)
     if campaign is None:
         return 0
@@ -42,8 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
         found = in_form(form, diagnosis, campaign, tests, arguments.records)
     console.print(said(found), markup=False, soft_wrap=True)
     if arguments.json is not None:
-        with replacing(arguments.json) as draft:
-            draft.write_text(found.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+        write_json(arguments.json, found.model_dump(mode="json"))
     return 0
 
 

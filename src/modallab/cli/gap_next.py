@@ -5,6 +5,7 @@ import argparse
 from rich.console import Console
 from rich.table import Table
 
+from modallab.cli.console import console_of, write_json
 from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import only_with
 from modallab.cli.progress import Display
@@ -13,7 +14,6 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.digits import percent, probability
 from modallab.core.errors import PlanError, RigError
 from modallab.core.progress import reported_to
-from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.continued import FITTED, continued
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
         only_with("--run", bench=arguments.bench, out=arguments.out, json=arguments.json)
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
     diagnosis = read_diagnosis(arguments.diagnosis)
-    console = Console()
+    console = console_of(arguments)
     with console.status("experiments") as status, reported_to(lambda _, words: status.update(words)):
         found = next_experiments(campaign, diagnosis)
     console.print(_table(found))
@@ -64,8 +64,7 @@ def _go_on(
         diagnosis = diagnose(whole, FITTED, known=remaining_explanations(before))
     console.print(sentence(diagnosis, [c.name for c in whole.rig.channels]), markup=False)
     if arguments.json is not None:
-        with replacing(arguments.json) as draft:
-            draft.write_text(diagnosis.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+        write_json(arguments.json, diagnosis.model_dump(mode="json"))
     return 0
 
 

@@ -2,24 +2,22 @@
 
 import argparse
 
-from rich.console import Console
 from rich.table import Table
 
+from modallab.cli.console import console_of, write_json
 from modallab.core.digits import percent
-from modallab.formats.atomic import replacing
 from modallab.pipelines.paper import Paper, paper
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the table with what explains it."""
-    found, console = paper(), Console()
+    found, console = paper(), console_of(arguments)
     console.print(_modes(found))
     console.print(_beams(found))
     for line in found.said:
         console.print(line, markup=False, highlight=False)
     if arguments.json is not None:
-        with replacing(arguments.json) as draft:
-            draft.write_text(found.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+        write_json(arguments.json, found.model_dump(mode="json"))
     return 0
 
 

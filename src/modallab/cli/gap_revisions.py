@@ -2,16 +2,15 @@
 
 import argparse
 from datetime import date
-from pathlib import Path
 
 from pydantic import TypeAdapter
 from rich.console import Console
 from rich.table import Table
 
+from modallab.cli.console import console_of, write_json
 from modallab.cli.gap import read_diagnosis
 from modallab.core.digits import rounded
 from modallab.core.progress import reported_to
-from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig, write_rig
 from modallab.gap.revisions.apply import with_diagnosis
@@ -39,21 +38,16 @@ def _apply(arguments: argparse.Namespace) -> int:
 def _history(arguments: argparse.Namespace) -> int:
     rig = read_rig(arguments.rig)
     campaigns = [read_campaign(path, rig) for path in arguments.on or ()]
-    console = Console()
+    console = console_of(arguments)
     with console.status("reading the records") as status, reported_to(lambda _, words: status.update(words)):
         steps = history(rig, campaigns)
     console.print(_table(steps))
     if arguments.json is not None:
-        _write(arguments.json, _STEPS.dump_json(steps, indent=1).decode() + "\n")
+        write_json(arguments.json, _STEPS.dump_python(steps, mode="json"))
     if arguments.report is not None:
         write_revisions_report(arguments.report, rig, steps)
         console.print(f"report: {arguments.report}", markup=False)
     return 0
-
-
-def _write(path: Path, text: str) -> None:
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _table(steps: list[Step]) -> Table:

@@ -118,8 +118,8 @@ def _frf(known: Known, arguments: argparse.Namespace) -> None:
     found = known.frf(f, arguments.outputs, arguments.inputs, arguments.quantity)
     write_frf(arguments.out, found, rig_of(found))
     outputs, inputs, lines = found.values.shape
-    said = f"{found.quantity}: {outputs} outputs, {inputs} inputs, {lines} lines: {arguments.out}"
-    console_of(arguments).print(said, markup=False, highlight=False, soft_wrap=True)
+    summary = f"{found.quantity}: {outputs} outputs, {inputs} inputs, {lines} lines: {arguments.out}"
+    console_of(arguments).print(summary, markup=False, highlight=False, soft_wrap=True)
 
 
 ACTIONS = {

@@ -193,10 +193,6 @@ class Client(ArchiveCalls, QueueCalls, UserCalls):
         """The newest models of a campaign."""
         return self._get(ModelsView, f"/campaigns/{campaign}/model")
 
-    def run_models(self, run: str) -> ModelsView:
-        """The newest models of a run."""
-        return self._get(ModelsView, f"/runs/{run}/model")
-
     def diagnosis(self, campaign: str) -> DiagnosisView:
         """The newest diagnosis of a campaign."""
         return self._get(DiagnosisView, f"/campaigns/{campaign}/gap")

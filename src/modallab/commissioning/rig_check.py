@@ -140,8 +140,8 @@ def check_sensors(bench: Bench, rig: Rig) -> list[Finding]:
         Finding(remark.channel, "sensor", remark.what, "bad" if remark.contradiction else "look")
         for remark in dict.fromkeys(remarks)
     ]
-    said = {remark.channel for remark in remarks}
-    good = [c for c in rig.channels if c.name not in said and (c.certificate is not None or c.name in sensed)]
+    named = {remark.channel for remark in remarks}
+    good = [c for c in rig.channels if c.name not in named and (c.certificate is not None or c.name in sensed)]
     return [*findings, *(Finding(c.name, "sensor", _known_of(c, sensed), "good") for c in good)]
 
 
@@ -152,10 +152,10 @@ def _tests(rig: Rig) -> list[Test]:
 
 
 def _known_of(channel: Channel, sensed: dict[str, float]) -> str:
-    said = [f"TEDS says {sensed[channel.name]:.5g} V per SI unit"] if channel.name in sensed else []
+    named = [f"TEDS says {sensed[channel.name]:.5g} V per SI unit"] if channel.name in sensed else []
     if channel.certificate is not None:
-        said.append(f"certificate {channel.certificate.number}, {channel.certificate.uncertainty_percent:g} % (k = 2)")
-    return "; ".join(said)
+        named.append(f"certificate {channel.certificate.number}, {channel.certificate.uncertainty_percent:g} % (k = 2)")
+    return "; ".join(named)
 
 
 def _tap(

@@ -74,6 +74,11 @@ def plain(value: float, digits: int = 4) -> str:
     return scientific(value, digits)
 
 
+def rough(value: float) -> str:
+    """To one digit: 200, 7×10⁷."""
+    return plain(float(f"{value:.1g}"), 1)
+
+
 def scientific(value: float, digits: int = 3) -> str:
     """`1.23×10⁻⁵`."""
     if not math.isfinite(value):

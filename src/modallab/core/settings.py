@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import AliasChoices, Field, SecretStr
+from pydantic import AfterValidator, AliasChoices, Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
@@ -11,6 +11,12 @@ LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
 
 RENAMED = ("MODALLAB_HEARTBEAT_TIMEOUT_S", "MODALLAB_SILENCE_S")
 """The time-out of the heartbeat; the second name is what older installations set."""
+
+
+def _with_index(folder: Path) -> Path:
+    if not (folder / "index.html").is_file():
+        raise ValueError("holds no index.html; build the manual with `make docs`")
+    return folder
 
 
 class Settings(BaseSettings):
@@ -44,6 +50,7 @@ class Settings(BaseSettings):
         tls_key: its key.
         tls_self_signed: whether a certificate is made, in the folder `tls` of the data folder, and used.
         file_bytes: largest recording that is sent to be imported.
+        site: folder of the manual that `make docs` built, served at `/manual/`; none: it is not served.
         cors: origins of other sites whose pages may use the service, with a token: `https://page.lab:8443`.
     """
 
@@ -74,6 +81,7 @@ class Settings(BaseSettings):
     tls_key: Path | None = None
     tls_self_signed: bool = False
     file_bytes: Annotated[int, Field(ge=1024)] = 1 << 30
+    site: Annotated[Path, AfterValidator(_with_index)] | None = None
     cors: tuple[Annotated[str, Field(pattern=r"^https?://[^/\s]+$")], ...] = ()
     grace_days: Annotated[float, Field(ge=0.04, le=3660)] = 30.0
 

@@ -33,6 +33,16 @@ def replacing(path: Path) -> Generator[Path]:
             raise
 
 
+def write_text(path: Path, text: str) -> None:
+    """A text as a file: UTF-8, ends of line as they are; whole, or after an error as it was before.
+
+    Raises:
+        StorageError, DiskFullError: as `replacing`.
+    """
+    with replacing(path) as draft:
+        draft.write_text(text, encoding="utf-8", newline="\n")
+
+
 def make_folder(path: Path) -> None:
     """A folder for results, and those above it; git takes no notice of one that is made here.
 

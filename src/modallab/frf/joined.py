@@ -5,6 +5,7 @@ they are joined, and the local polynomial method takes off what rings on beyond 
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +21,13 @@ from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
 
 Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 MOST_LINES = 9000
 """Of a record: each line is a small least-squares problem of its own."""
 
 MOST_RECORDS = 4
+"""That an FRF is made of."""
 LINES_A_FORCE = 4
 """To either side of a line, over which the powers of several forces are averaged."""
 
@@ -49,26 +52,56 @@ def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
     check_test(signals)
     first = signals[0]
     check_outputs(first, rig)
-    rate = first.rate_hz
-    longest = max(contiguous(signals), key=len)
-    forces = np.concatenate([s.forces for s in longest], axis=1)
-    responses = np.concatenate([s.responses for s in longest], axis=1)
-    n = min(forces.shape[1], max(first.n_samples, int(MOST_LINES * rate / (band_hz[1] - band_hz[0]))))
-    count = min(MOST_RECORDS, forces.shape[1] // n)
-    chosen = lines(n, rate, band_hz)
-    spectrum_f = _spectrum(forces, n, count)[..., chosen]
-    values, variance = one_force_frf(spectrum_f, _spectrum(responses, n, count)[..., chosen], estimator)
-    per_noise = _per_noise(spectrum_f)
+    spectra = joined_spectra(signals, band_hz)
+    force, response = spectra.force[:MOST_RECORDS], spectra.response[:MOST_RECORDS]
+    values, variance = one_force_frf(force, response, estimator)
+    per_noise = _per_noise(force)
     return Frf(
-        frequency_hz=chosen * rate / n,
+        frequency_hz=spectra.frequency_hz,
         values=values,
         quantity=output_quantity(rig),
         outputs=first.outputs,
         output_points=tuple(c.point for c in rig.responses),
         input_points=first.block.driven_points,
         variance=variance[:, None] * per_noise,
-        averages=(count,) * len(forces),
+        averages=(len(force),) * force.shape[1],
     )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RecordSpectra:
+    """DFT of records of one length, at the lines of a band, without any window in time.
+
+    Attributes:
+        frequency_hz: (lines,)
+        samples: of each record.
+        rate_hz: sampling rate.
+        force: (records, inputs, lines).
+        response: (records, outputs, lines).
+    """
+
+    frequency_hz: Real
+    samples: int
+    rate_hz: float
+    force: Complex
+    response: Complex
+
+
+def joined_spectra(signals: Sequence[Signals], band_hz: tuple[float, float]) -> RecordSpectra:
+    """Spectra of blocks joined where they follow each other without a gap, in records as long as may be.
+
+    Raises:
+        DataError: a band without lines.
+    """
+    first, runs = signals[0], contiguous(signals)
+    rate, long = first.rate_hz, max(sum(s.n_samples for s in run) for run in runs)
+    n = min(long, max(first.n_samples, int(MOST_LINES * rate / (band_hz[1] - band_hz[0]))))
+    chosen = lines(n, rate, band_hz)
+    force, response = (
+        np.concatenate([_spectrum(np.concatenate(rows, axis=1), n)[..., chosen] for rows in of_runs])
+        for of_runs in ([[s.forces for s in run] for run in runs], [[s.responses for s in run] for run in runs])
+    )
+    return RecordSpectra(chosen * rate / n, n, rate, force, response)
 
 
 def _per_noise(force: NDArray[np.complex128]) -> Real:
@@ -122,7 +155,8 @@ def contiguous(signals: Sequence[Signals]) -> list[list[Signals]]:
     return runs
 
 
-def _spectrum(values: Real, n: int, count: int) -> NDArray[np.complex128]:
-    """(records, rows, lines) of (rows, samples)."""
+def _spectrum(values: Real, n: int) -> Complex:
+    """(records, rows, frequencies) of (rows, samples)."""
+    count = values.shape[1] // n
     cut = values[:, : n * count].reshape(len(values), count, n).transpose(1, 0, 2)
     return np.fft.rfft(cut - values.mean(axis=1)[None, :, None])

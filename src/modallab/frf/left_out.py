@@ -32,7 +32,7 @@ LEAST = 4
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LeftOut:
-    """Distortions as rms over that of the response, (outputs,).
+    """Even and odd distortion of each output, at lines that the drive leaves out: rms over that of the response.
 
     Attributes:
         odd: at the lines that are driven, known from the waves that leave them out.

@@ -80,7 +80,7 @@ def _at_lines(
     q, r = np.linalg.qr(columns)
     if np.linalg.svd(r, compute_uv=False).min() < DISTINGUISHED:
         raise DataError(
-            "about one line the forces cannot be distinguished from one another, or from what rings on",
+            "at some lines the forces cannot be distinguished from one another, or from a free decay",
             remedy="drive with random forces that differ, in as many blocks as there are forces",
         )
     # The denominator is 1 at the line itself, so the numerator there is the FRF.

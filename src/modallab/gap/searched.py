@@ -17,7 +17,7 @@ from modallab.gap.search.fitting import Bench
 from modallab.gap.search.law_by_hits import law_by_hits
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description, cost_per_number, fit_cost
-from modallab.gap.unknown.rival import channel_alone, loses_samples, near, rivals
+from modallab.gap.unknown.rival import Alone, channel_alone, loses_samples, near, rivals
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,6 +51,10 @@ def searched(
     overtones = out_of_proportion(prepared) if base.gap > bench.flat else None
     if overtones is not None:
         return Searched(search_stepped(bench, prepared, base, overtones, matters, unseen))
+    alone = channel_alone(bench, prepared, base, held) if base.gap > bench.flat else None
+    if alone is not None:
+        # Where all others agree with a sound bench, the cause stands in this channel.
+        bench = replace(bench, row=alone.row)
     selection = StepwiseSelection(bench, base)
     first = selection.rounds(1)[0]
     choice = choose(bench, [first], matters)
@@ -59,21 +63,25 @@ def searched(
     if choice.explained and not loses_samples(prepared, choice.fit):
         # Most of the gap has a name; what is left may have one too.
         return Searched(choose(bench, selection.rounds(), matters))
-    behaves = () if clock_shows(bench) else _without_name(bench, prepared, selection, unseen, held)
+    behaves = () if clock_shows(bench) else _without_name(bench, prepared, selection, alone, unseen, held)
     if behaves:
         return Searched(Choice(base, base, first.fits, False, False), behaves)
     choice = choose(bench, selection.rounds(), matters)
-    if choice.explained:
+    if choice.explained or alone is not None:
         return Searched(choice)
     return Searched(_by_level(bench, prepared, selection, choice, matters, unseen))
 
 
 def _without_name(
-    bench: Bench, prepared: Prepared, selection: StepwiseSelection, unseen: Reduced, held: Sequence[str]
+    bench: Bench,
+    prepared: Prepared,
+    selection: StepwiseSelection,
+    alone: Alone | None,
+    unseen: Reduced,
+    held: Sequence[str],
 ) -> tuple[Description, ...]:
     """Elements without a name that explain what no single effect does, unless two effects do with as few numbers."""
     first = selection.levels[0] if selection.levels else Level(selection.best, ())
-    alone = channel_alone(bench, prepared, first, held)
     behaves = rivals(bench, prepared, first, alone, unseen, held)
     if not behaves or (alone is not None and alone.loses):
         return behaves

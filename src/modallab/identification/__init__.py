@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from modallab.identification.selection.criteria import auto_mac, comac, mac, mpc, mpd
     from modallab.identification.selection.diagram import Diagram, stabilisation_diagram
     from modallab.identification.sine import identify_sine
-    from modallab.identification.start.mode_indicators import cmif, mif, mmif
+    from modallab.identification.start.mode_indicators import cmif, mmif
     from modallab.identification.start.stabilisation import OrderPoles, StablePole, Tolerance, stable_poles
 
 __all__ = [
@@ -39,7 +39,6 @@ __all__ = [
     "identify_impact",
     "identify_sine",
     "mac",
-    "mif",
     "mmif",
     "mpc",
     "mpd",
@@ -61,7 +60,7 @@ __getattr__ = lazily(
         "selection.criteria": ("auto_mac", "comac", "mac", "mpc", "mpd"),
         "selection.diagram": ("Diagram", "stabilisation_diagram"),
         "sine": ("identify_sine",),
-        "start.mode_indicators": ("cmif", "mif", "mmif"),
+        "start.mode_indicators": ("cmif", "mmif"),
         "start.stabilisation": ("OrderPoles", "StablePole", "Tolerance", "stable_poles"),
     },
 )

@@ -11,6 +11,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import convert
+from modallab.frf.joined import RecordSpectra
 from modallab.identification.estimate import alone, estimate_poles
 from modallab.identification.likelihood.even_noise import WORDS, evenest
 from modallab.identification.likelihood.fit import Fit
@@ -18,6 +19,7 @@ from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.line_weights import line_weights
 from modallab.identification.likelihood.search import FIRST_LOOK, MIN_ZETA, NOT_SETTLED
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
+from modallab.identification.on_records import on_records
 from modallab.identification.options import Options
 from modallab.identification.readings import half_power_readings
 from modallab.identification.selection.lost_modes import with_lost
@@ -75,10 +77,11 @@ def identify_given_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel
     return model.model_copy(update={"notes": (*model.notes, note)}), fit
 
 
-def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
+def identify_frf(frf: Frf, rig: Rig, options: Options, records: RecordSpectra | None = None) -> tuple[ModalModel, Fit]:
     """Modal model of measured FRFs, taken as those of the structure: how they were truncated is not known.
 
     Where nothing says how well each line is known, noise is taken as even in the quantity that they are given in.
+    `records` of one random force are what the FRFs were made of: the modes found are fitted to them.
 
     Raises:
         DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
@@ -109,16 +112,21 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
         fit, keep, lost = with_lost(used, fit, keep, estimate.orders, band)
     if not np.any(keep):
         raise _no_mode(fit, band)
+    better = None if records is None or not options.refined else on_records(used, fit, keep, records, options.frf)
+    if better is not None:
+        fit, keep = better.fit, keep[better.stay]
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
     read = half_power_readings(used, found)
     notes = (
-        NOT_FROM_RECORDS,
+        *(better.notes if better else (NOT_FROM_RECORDS,)),
         *_window_note(used, found),
         *lost,
         *(() if fit.refined.settled or not options.refined else (NOT_SETTLED,)),
     )
     floor = np.full(found.size, np.nan)
-    model = model_of_fit(fit, keep, rig, None, band, (read, floor), notes, options.method)
+    model = model_of_fit(
+        fit, keep, rig, None, band, (read, floor), notes, options.method, better.seen if better else None
+    )
     return model if options.refined else without_sigma(model), fit
 
 

@@ -155,7 +155,7 @@ def _summed(out: Complex, states: Iterable[Complex], n: int) -> Real:
 
 
 def ramp_states(pole: complex, driven: Complex, dt: float, start: complex = 0.0) -> Complex:
-    """(samples,) state of x' = pole x + driven at each sample, driven running straight between samples."""
+    """The state (samples,) of x' = pole x + driven, where `driven` is linear between samples."""
     before, after = ramp_weights(pole, dt)
     grows = np.exp(pole * dt)
     # x[k] = grows x[k-1] + before driven[k-1] + after driven[k]; at the first sample it is the start.

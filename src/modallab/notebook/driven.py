@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modallab.core.array_checks import check_rate
+from modallab.core.digits import percent
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.frf.local_polynomial import local_polynomial_frf
@@ -119,7 +120,7 @@ def _check_driven(forces: Complex, band: tuple[float, float]) -> None:
     if np.any(undriven) or not np.all(power.any(axis=1)):
         share = float(np.mean(undriven.any(axis=0)))
         raise DataError(
-            f"a force has no content at {share:.0%} of {band[0]:g} to {band[1]:g} Hz",
+            f"a force has no content at {percent(share)} of {band[0]:g} to {band[1]:g} Hz",
             remedy="narrow the band to what was driven",
         )
 

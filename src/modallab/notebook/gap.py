@@ -74,14 +74,13 @@ class GapFound:
             StorageError: the file cannot be written, or its name ends otherwise.
         """
         path = path_for(path, (".json", ".html"))
-        from modallab.formats.atomic import replacing
+        from modallab.formats.atomic import write_text
         from modallab.reporting.gap_report import write_gap_report
 
         if path.suffix == ".html":
             write_gap_report(path, self.diagnosis, self.campaign)
             return path
-        with replacing(path) as draft:
-            draft.write_text(self.diagnosis.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+        write_text(path, self.diagnosis.model_dump_json(indent=1) + "\n")
         return path
 
     def __repr__(self) -> str:

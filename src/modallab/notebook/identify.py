@@ -43,8 +43,8 @@ def identify(
         pick: frequencies in Hz of the modes to keep, by hand; the others are left out.
         drop: frequencies in Hz of modes to leave out.
         refine: whether a maximum-likelihood search follows; None for what is usual with the method.
-        frf: how FRFs are made of blocks: H2 takes the force for noisy and the responses for exact, Hv stands between it
-            and H1; of random drives, chirps, and several hits at each point.
+        frf: how FRFs are made of blocks. H2 takes the force for noisy and the responses for exact. Hv stands between
+            it and H1. For random drives, chirps, and several hits at each point.
         response_only: whether the force is left out, and taken for random; None for where none was measured. Shapes
             then have no scale: `modal.operating_shapes`, 1 at the largest.
         response_method: how modes of the responses alone are found.

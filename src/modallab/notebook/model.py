@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
-from modallab.core.digits import concise
+from modallab.core.digits import concise, probability
 from modallab.core.errors import DataError
 from modallab.core.extras import optional_package
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
 from modallab.core.verification import Verification
 from modallab.identification.selection.criteria import mac
 from modallab.modification.known import Known
@@ -53,6 +54,11 @@ class Model(PutToUse, Understood, Correlated):
     def found(self) -> Identified:
         """The test's model, its verification and its assessment."""
         return self.result.identified[self.place]
+
+    @property
+    def rig(self) -> Rig:
+        """The bench that the records are of."""
+        return self.campaign.rig
 
     @property
     def modal(self) -> ModalModel:
@@ -112,7 +118,9 @@ class Model(PutToUse, Understood, Correlated):
                 str(r + 1),
                 concise(float(m.frequency_hz[r]), float(m.frequency_sigma_hz[r])),
                 concise(100 * float(m.damping_ratio[r]), 100 * float(m.damping_sigma[r])),
-                "" if judged is None or not isfinite(judged.confidence[r]) else f"{judged.confidence[r]:.2f}",
+                ""
+                if judged is None or not isfinite(judged.confidence[r])
+                else probability(float(judged.confidence[r])),
             )
             for r in range(m.n_modes)
         ]

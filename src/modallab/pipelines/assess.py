@@ -90,9 +90,9 @@ def allowances(rig: Rig, hz: float) -> tuple[Allowance, Allowance]:
     k = (2 * np.pi * hz) ** 0.5 * (beam.mass_kg / beam.length_m / beam.bending_stiffness_n_m2) ** 0.25
     hit = np.hypot(k * t.hit_position_m, t.hit_gain)
     sensor = np.hypot(k * t.position_m, t.sensitivity if t.of_assembly else 0.0)
-    said = f"as hits may land {1e3 * t.hit_position_m:g} mm off" if t.hit_position_m else "by the rig's tolerances"
+    reason = f"as hits may land {1e3 * t.hit_position_m:g} mm off" if t.hit_position_m else "by the rig's tolerances"
     of_two = SIGMAS * np.sqrt(2) * np.array([hit, np.hypot(hit, sensor)])
-    one, other = (Allowance(float(share), said) if share > CHANGE_LIMIT else Allowance() for share in of_two)
+    one, other = (Allowance(float(share), reason) if share > CHANGE_LIMIT else Allowance() for share in of_two)
     return one, other
 
 

@@ -31,6 +31,6 @@ def identify_averaged_hits(
     """
     frf = start_frf(groups, rig, options.band_hz or default_band(groups), options.frf)
     found, fit = identify_frf(frf, rig, options)
-    said = f"Identified from {options.frf} of the hits at each point, and not from their records."
+    note = f"Identified from {options.frf} of the hits at each point, and not from their records."
     notes = tuple(note for note in found.notes if note != NOT_FROM_RECORDS)
-    return found.model_copy(update={"test": "impact", "notes": (said, *notes)}), fit, frf
+    return found.model_copy(update={"test": "impact", "notes": (note, *notes)}), fit, frf

@@ -11,7 +11,7 @@ from modallab.core.rig import Rig
 from modallab.frf.broadband import PERIODIC, broadband_frf, driven_lines, of_one_level
 from modallab.frf.drive_clock import on_clock_of_drive
 from modallab.frf.estimate import lines
-from modallab.frf.joined import check_followed, joined_frf
+from modallab.frf.joined import check_followed, joined_frf, joined_spectra
 from modallab.frf.settled_periods import without_decays
 from modallab.frf.shares import least_blocks, shares
 from modallab.frf.sums import Estimator
@@ -25,6 +25,7 @@ from modallab.signals.signals import Signals
 SETTLED_LOOKS = 2
 """Times that the decays are taken off a periodic drive's blocks: the poles of the first look are a little off."""
 
+RANDOM = ("random", "burst-random")
 LEAST_PARTS = 3
 TOO_FEW = (
     "So few blocks do not show by how much they scatter: the uncertainties are those of the noise alone, and may be"
@@ -70,21 +71,22 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
     """
     band = (float(frf.frequency_hz[0]), float(frf.frequency_hz[-1]))
     used = of_one_level(signals)
-    found, fit = identify_frf(frf, rig, options)
+    records = joined_spectra(used, band) if options.refined and _of_one_random_force(used) else None
+    found, fit = identify_frf(frf, rig, options, records)
     for _ in range(SETTLED_LOOKS if used[0].block.test in PERIODIC else 0):
         poles = poles_of(2 * np.pi * found.frequency_hz, found.damping_ratio)
         used = without_decays(of_one_level(signals), poles, band)
         frf = _alike(_made(used, rig, band, options.frf))
         found, fit = identify_frf(frf, rig, options)
-    parts = _parts(used, rig, found.band_hz, options.frf) if options.refined else []
-    if options.refined and not parts:
-        found = found.model_copy(update={"notes": (*found.notes, TOO_FEW)})
+    parts = _parts(used, rig, found.band_hz, options.frf) if options.refined and records is None else []
+    few = (TOO_FEW,) if options.refined and records is None and not parts else ()
+    found = found.model_copy(update={"notes": (*found.notes, *few)})
     model = with_scatter_of_parts(found, parts)
     unknown = tuple(float(f) for f in model.frequency_hz[model.damping_sigma > UNKNOWN * model.damping_ratio])
     if not unknown or len(unknown) == model.n_modes or options.pick_hz or options.drop_hz:
         return model, fit, frf
-    again, fit = identify_frf(frf, rig, replace(options, drop_hz=unknown))
-    found = again.model_copy(update={"notes": (*again.notes, *(() if parts else (TOO_FEW,)))})
+    again, fit = identify_frf(frf, rig, replace(options, drop_hz=unknown), records)
+    found = again.model_copy(update={"notes": (*again.notes, *few)})
     listed = ", ".join(f"{f:.4g}" for f in unknown)
     note = f"Left out: {listed} Hz, of a damping that stretches of the test do not agree on."
     kept = with_scatter_of_parts(found, parts)
@@ -93,8 +95,13 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
 
 def _made(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator) -> Frf:
     # A block of random drive is cut out of what never ends: only the blocks together are long enough.
-    made = joined_frf if signals[0].block.test in ("random", "burst-random") else broadband_frf
+    made = joined_frf if signals[0].block.test in RANDOM else broadband_frf
     return made(signals, rig, band_hz, estimator=estimator)
+
+
+def _of_one_random_force(signals: Sequence[Signals]) -> bool:
+    """What its records scatter by is in their likelihood: other drives are held against parts of themselves."""
+    return signals[0].block.test in RANDOM and len(signals[0].forces) == 1
 
 
 def _alike(frf: Frf) -> Frf:

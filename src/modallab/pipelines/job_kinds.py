@@ -38,7 +38,6 @@ RESULTS = "results"
 
 Campaigns = Callable[[tuple[str, ...]], Campaign]
 Revision = Callable[[tuple[str, ...]], str]
-Payload = tuple[Campaign, Any]
 Compared = tuple[Campaign, DiagnoseParameters, Campaign | None]
 """What is diagnosed, how, and what it is held against where that is a campaign from before."""
 

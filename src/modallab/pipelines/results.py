@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab import __version__
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.formats.sniff import sniff
 from modallab.formats.uff.uff_functions import read_functions
 from modallab.formats.uff.uff_results import NodeMode, Results, read_results
@@ -44,20 +44,19 @@ def import_results(path: Path, out: Path) -> tuple[str, ...]:
         FormatError, StorageError: it cannot be read, or the files cannot be written.
     """
     found = read_results(path)
-    with replacing(out.with_suffix(".json")) as draft:
-        draft.write_text(json.dumps(results_document(found, path), allow_nan=False) + "\n", encoding="utf-8")
+    write_text(out.with_suffix(".json"), json.dumps(results_document(found, path), allow_nan=False) + "\n")
     points, lines = found.geometry.points, found.geometry.lines
-    said = [
+    report = [
         f"{path.name} holds no measurement: {len(points)} points, {len(lines)} lines and {len(found.modes)} modes",
         f"geometry and shapes: {out.with_suffix('.json')}",
     ]
     moving = [_moving(n, mode, found) for n, mode in enumerate(found.modes[:MOST_SHAPES], 1)]
     if moving and len(points) > 1:
         write_shapes_page(out.with_suffix(".html"), path.stem, points, lines, moving, found.geometry.surfaces)
-        said.append(f"shapes, moving: {out.with_suffix('.html')}")
+        report.append(f"shapes, moving: {out.with_suffix('.html')}")
     elif moving:
-        said.append("note: the file does not say where its nodes are, so that the shapes cannot be drawn")
-    return tuple(said)
+        report.append("note: the file does not say where its nodes are, so that the shapes cannot be drawn")
+    return tuple(report)
 
 
 def results_document(found: Results, path: Path) -> dict[str, object]:

@@ -109,12 +109,12 @@ def _beside(identified: Result, explained: Explained, bench: Identified) -> tupl
     tests = [f.source for f in (*identified.identified[1:], *identified.unidentified)]
     outputs = [name for name in model.outputs if name not in reference.outputs]
     points = [p for p in dict.fromkeys(model.input_points) if p not in reference.input_points]
-    said = (
+    note = (
         (tests, f"Other tests of the campaign than {bench.source}: {', '.join(tests)}."),
         (outputs, f"Outputs that the reference does not have: {', '.join(outputs)}."),
         (points, f"Driven points that the reference does not have: {', '.join(map(str, points))}."),
     )
-    return tuple(line for there, line in said if there)
+    return tuple(line for there, line in note if there)
 
 
 def model_to_compare(campaign: Campaign) -> ModalModel:

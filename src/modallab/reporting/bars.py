@@ -20,7 +20,7 @@ class Bar:
 
     label: str
     value: float
-    said: str
+    shown: str
     colour: str
     whisker: tuple[float, float] | None = None
 
@@ -43,7 +43,7 @@ def _bar(row: Bar, zero: float, at: Callable[[float], float]) -> Markup:
         low, high = (at(v) for v in row.whisker)
         parts.append(_box(low, max(high - low, 0.2), "top:40%;bottom:40%;background:var(--ink)"))
     track = tag("span", *parts, class_="track", aria_hidden="true")
-    return tag("li", tag("span", row.label), track, tag("b", row.said))
+    return tag("li", tag("span", row.label), track, tag("b", row.shown))
 
 
 def _box(left: float, width: float, more: str) -> Markup:

@@ -30,7 +30,7 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
     if described.x_m is not None:
         rows.append(["place (m from the clamp)", *with_interval(described.x_m, described.x_m_interval)])
     shrink = described.shrink
-    said = (
+    caption = (
         f"Share of the reducible gap that this closes on {len(shrink.held_out)} records no fit has seen: from "
         f"{rounded(shrink.before)} to {rounded(shrink.after)} noise units. It is no cause: another thing may behave "
         "alike."
@@ -40,7 +40,7 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
         "What it behaves like",
         tag("p", f"The gap behaves like {described.says.rstrip(',')}."),
         table("A learned element of the simulation", ["number", "value", "95 % interval"], rows, numeric=(1,)),
-        captioned(closed_bar("with the learned element", shrink), said),
+        captioned(closed_bar("with the learned element", shrink), caption),
         tag("p", model_of(described.elements[0].element).experiment),
         tag("ul", *others) if others else None,
     )

@@ -11,7 +11,7 @@ LEAST_SHARE = 0.005
 LONGEST = 12
 """Bars of a budget."""
 COLOURS = {"tolerance": "measured", "effect": "warning", "model": "model", "noise": "soft"}
-SAID = (
+CAPTION = (
     "Shares of the squares of measured less simulated as the rig file describes the bench; the response of each record "
     "counts alike. Blue: what lies within the tolerances. Numbers whose shares cancel stand together, with what stays. "
     "The table leaves out tolerances below half a percent."
@@ -25,7 +25,7 @@ def budget_section(diagnosis: Diagnosis) -> Markup | None:
         return None
     largest = [Bar(typeset(r.said), r.share, part_of(r.share), COLOURS[r.kind]) for r in budget.rows[:LONGEST]]
     first = tag("ul", *(tag("li", typeset(line)) for line in budget.calibrate)) if budget.calibrate else None
-    picture = captioned(bars(largest, "Share of the gap of each part"), SAID)
+    picture = captioned(bars(largest, "Share of the gap of each part"), CAPTION)
     return section("Where it comes from", picture, first, _table(budget), _usual(budget))
 
 

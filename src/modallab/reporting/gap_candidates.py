@@ -22,11 +22,11 @@ def candidates_section(diagnosis: Diagnosis) -> Markup | None:
         Row(named(c.effects), (c.gap,), f", probability {probability(_stated(c, diagnosis))}")
         for c in diagnosis.candidates
     ]
-    said = (
+    caption = (
         "The gap that each explanation leaves once it is fitted, beside the gap without any effect. 1 is noise alone."
     )
     figure = log_bars(rows, ("gap",), (style.MEASURED,), above=True)
-    return section("The candidates", plate(figure, "candidates", said, said, columns=1))
+    return section("The candidates", plate(figure, "candidates", caption, caption, columns=1))
 
 
 def _stated(candidate: CandidateSet, diagnosis: Diagnosis) -> float:
@@ -48,11 +48,11 @@ def shrink_section(diagnosis: Diagnosis) -> Markup | None:
     ends = [part_of(v) for v in shrink.interval or ()]
     # An interval that is narrower than the digits shown says nothing more.
     interval = f" (95 %: {' to '.join(ends)}, the dark line)" if len(set(ends)) > 1 else ""
-    said = (
+    caption = (
         f"Share of the gap above noise that is closed on {len(shrink.held_out)} records that no fit has "
         f"seen{interval}: from {rounded(shrink.before)} to {rounded(shrink.after)} noise units."
     )
-    return section("How far it shrinks", captioned(bars(rows, CLOSED, 1.0), said))
+    return section("How far it shrinks", captioned(bars(rows, CLOSED, 1.0), caption))
 
 
 def closed_bar(name: str, shrink: Shrink) -> Markup:
@@ -61,17 +61,17 @@ def closed_bar(name: str, shrink: Shrink) -> Markup:
     return bars([Bar(name, closed, part_of(closed), "second", shrink.interval)], CLOSED, 1.0)
 
 
-def channel_bars(before: dict[str, float], after: dict[str, float], name: str, said: str) -> Markup:
+def channel_bars(before: dict[str, float], after: dict[str, float], name: str, caption: str) -> Markup:
     """Two bars a channel on a logarithmic axis: before and after."""
     rows = [Row(channel, (gap, after.get(channel))) for channel, gap in before.items()]
     figure = log_bars(rows, ("before", "after"), (style.SOFT, style.SECOND))
-    return plate(figure, name, said, said, columns=1)
+    return plate(figure, name, caption, caption, columns=1)
 
 
 def residual_section(diagnosis: Diagnosis) -> Markup:
     """The gap by channel, before and after, and by band, test, level and time."""
     gap = diagnosis.gap
-    said = "The gap of each channel, before any effect and with what was found. 1 is noise alone."
+    caption = "The gap of each channel, before any effect and with what was found. 1 is noise alone."
     bands = [[f"{k.replace('-', ' to ')} Hz", part_of(v)] for k, v in gap.by_band.items()]
     tests = [
         *([f"{k} test", rounded(v)] for k, v in gap.by_test.items()),
@@ -80,7 +80,7 @@ def residual_section(diagnosis: Diagnosis) -> Markup:
     ]
     return section(
         "The residual, before and after",
-        channel_bars(gap.by_channel, gap.after_by_channel, "channels", said) if gap.by_channel else None,
+        channel_bars(gap.by_channel, gap.after_by_channel, "channels", caption) if gap.by_channel else None,
         tag(
             "div",
             table("Share of the squares by band, before", ["band", "share"], bands, numeric=(1,)),

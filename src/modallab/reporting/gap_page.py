@@ -17,7 +17,7 @@ def typeset(text: str) -> str:
     return glued(_MINUS.sub("\u2212", _PERCENT.sub(" %", text)))
 
 
-def page(title: str, said: str | Sequence[str], *sections: Markup | None) -> str:
+def page(title: str, opening: str | Sequence[str], *sections: Markup | None) -> str:
     """A whole page as text, in the colours of light and dark screens.
 
     Args:
@@ -25,7 +25,7 @@ def page(title: str, said: str | Sequence[str], *sections: Markup | None) -> str
         said: what is to be known first, a paragraph each; empty ones are left out.
         sections: in this order; None for one that there is not.
     """
-    paragraphs = [said] if isinstance(said, str) else list(said)
+    paragraphs = [opening] if isinstance(opening, str) else list(opening)
     lead = [tag("p", paragraphs[0], class_="lead"), *(tag("p", text) for text in paragraphs[1:] if text)]
     body = tag("body", tag("header", tag("h1", title), *lead), tag("main", *sections))
     return f'<!DOCTYPE html>\n<html lang="en">{_head(title)}{body}</html>\n'

@@ -7,7 +7,7 @@ from modallab.core.diagnosis import Diagnosis, Found, Percent
 from modallab.core.digits import percent, probability, rounded
 from modallab.core.effects import kind_of
 from modallab.core.rig import Rig
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import history
 from modallab.gap.words.effects import FROM_CLAMP, interval_m, of_parameter, place_of
 from modallab.gap.words.verdicts import own_error, sentence
@@ -30,8 +30,7 @@ def write_gap_report(path: Path, diagnosis: Diagnosis, campaign: Campaign) -> No
         StorageError: the file can't be written.
     """
     text = render(diagnosis, campaign)
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
 
 
 def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
@@ -63,12 +62,12 @@ def _width(diagnosis: Diagnosis) -> Markup:
     if diagnosis.effects:
         rows.append(["with what was found", rounded(gap.after), *_sides(gap.share_after)])
     head = ["simulation", "noise units", "% at resonance", "% away from it"]
-    said = table("Measured less simulated", head, rows, numeric=(1, 2, 3))
+    widths = table("Measured less simulated", head, rows, numeric=(1, 2, 3))
     note = (
         "In noise units, 1 is noise alone. The percentages are of the response: the median over all records, without "
         "their noise. "
     )
-    return tag("section", said, tag("p", note + typeset(own_error(gap))))
+    return tag("section", widths, tag("p", note + typeset(own_error(gap))))
 
 
 def _sides(share: Percent | None) -> tuple[str, str]:
@@ -81,7 +80,7 @@ def _place(diagnosis: Diagnosis, rig: Rig) -> Markup:
     where = diagnosis.where
     within = None
     if where.stage is None:
-        said = "Nothing stands out: what is left lies within noise and tolerances."
+        caption = "Nothing stands out: what is left lies within noise and tolerances."
     else:
         placed = [place_of(f, _names(rig)) for f in diagnosis.effects if f.place.get("x_m") == where.x_m is not None]
         at = f", {where.x_m:.3f} m from the clamp" if where.x_m is not None else ""
@@ -90,10 +89,10 @@ def _place(diagnosis: Diagnosis, rig: Rig) -> Markup:
             within = next(filter(None, map(interval_m, diagnosis.effects)), None)
         channels = f" Channels: {', '.join(where.channels)}." if where.channels else ""
         tests = f" Seen in the {' and the '.join(where.tests)} test." if where.tests else ""
-        said = f"Stage: {where.stage}{at}.{channels}{tests}"
+        caption = f"Stage: {where.stage}{at}.{channels}{tests}"
     why = tag("ul", *(tag("li", typeset(w)) for w in where.why)) if where.why else None
     picture = tag("div", bench_picture(rig, where, within), class_="drawn")
-    return section("Where it lies", captioned(picture, typeset(said)), why)
+    return section("Where it lies", captioned(picture, typeset(caption)), why)
 
 
 def _names(rig: Rig) -> list[str]:
@@ -121,12 +120,12 @@ def _curves(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
     figure = gap_curves(diagnosis, campaign)
     if figure is None:
         return None
-    said = (
+    caption = (
         "What was measured; what the simulation gives as the rig file describes the bench, and with what was found; "
         "and what is left between the latter and the measurement: below the curves of an FRF, and in a panel of its "
         "own for a record. Channels, hits and sine are those with the widest gap."
     )
-    return section("What was measured, and what was simulated", plate(figure, "curves", said, said))
+    return section("What was measured, and what was simulated", plate(figure, "curves", caption, caption))
 
 
 def _revisions(campaign: Campaign) -> Markup | None:

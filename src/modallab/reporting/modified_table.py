@@ -61,18 +61,18 @@ def _row(before: ModalModel, after: ModesAfter, r: int) -> tuple[str, ...]:
 
 def notes_of(before: ModalModel, after: ModesAfter) -> list[str]:
     """What the table cannot be trusted for, and why."""
-    said = ["One sigma of the model, of sensitivities and of places."]
+    sentences = ["One sigma of the model, of sensitivities and of places."]
     shift = np.abs(after.frequency_hz / before.frequency_hz[after.like] - 1)
     doubtful = [str(r + 1) for r in np.flatnonzero(after.outside > TRUSTED * np.maximum(shift, 1e-4))]
     if doubtful:
         most, band = 100 * float(after.outside.max()), f"{before.band_hz[0]:.4g} to {before.band_hz[1]:.4g} Hz"
-        said.append(
+        sentences.append(
             f"More than a tenth of the shift of mode {', '.join(doubtful)} comes from modes outside {band}, up to"
             f" {most:.2g} % of the frequency: only a test of a wider band shows it better."
         )
     if after.hidden:
-        said.append("What moved beyond the band is left out.")
-    return said
+        sentences.append("What moved beyond the band is left out.")
+    return sentences
 
 
 class Prediction(NamedTuple):
@@ -118,8 +118,8 @@ def tuned_rows(answers: Sequence[Answer], by: By, mode: int, to_hz: float) -> Ta
     )
     feasible = sum(a.feasible for a in answers)
     how = "No point has" if not feasible else f"{feasible} of {len(answers)} points have"
-    said = f"{how} a {by} that brings mode {mode} to {to_hz:g} Hz; beside each, where any {by} can bring it."
-    return TableRows(("point", f"{by} [{unit}]", "in reach [Hz]"), rows, said)
+    sentences = f"{how} a {by} that brings mode {mode} to {to_hz:g} Hz; beside each, where any {by} can bring it."
+    return TableRows(("point", f"{by} [{unit}]", "in reach [Hz]"), rows, sentences)
 
 
 def write_rows(path: Path, rows: TableRows) -> Path:

@@ -4,7 +4,7 @@ from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.reporting.compare import modes
 from modallab.reporting.content import ReportContent
 from modallab.reporting.figures import style
@@ -34,8 +34,7 @@ def write_report(path: Path, content: ReportContent) -> None:
         StorageError: the file can't be written.
     """
     text = render(content)
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
 
 
 def render(content: ReportContent) -> str:

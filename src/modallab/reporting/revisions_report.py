@@ -6,13 +6,13 @@ from pathlib import Path
 
 from modallab.core.digits import rounded
 from modallab.core.rig import Rig
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import Step
 from modallab.reporting.gap_page import captioned, page, section
 from modallab.reporting.markup import Markup, table, tag
 
 WIDTH, HEIGHT = 760, 240
-SAID = (
+CAPTION = (
     "The gap of each revision of the simulation in noise units, on a logarithmic scale; 1 is noise. The first curve is "
     "what was found when each diagnosis was made, on records held out of its fit; the others measure every revision on "
     "all records of one campaign."
@@ -25,9 +25,8 @@ def write_revisions_report(path: Path, rig: Rig, steps: Sequence[Step]) -> None:
     Raises:
         StorageError: the file can't be written.
     """
-    text = page(f"Revisions of {rig.name}", SAID, revisions_section(steps))
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    text = page(f"Revisions of {rig.name}", CAPTION, revisions_section(steps))
+    write_text(path, text)
 
 
 def revisions_section(steps: Sequence[Step]) -> Markup:
@@ -44,7 +43,7 @@ def revisions_section(steps: Sequence[Step]) -> Markup:
     ]
     head = ["revision", "with", "when applied", *names]
     numbers = table("Gap of each revision, noise units", head, rows, numeric=tuple(range(2, len(head))))
-    return section("How the simulation came closer", captioned(revision_curve(steps), SAID), numbers)
+    return section("How the simulation came closer", captioned(revision_curve(steps), CAPTION), numbers)
 
 
 def revision_curve(steps: Sequence[Step]) -> Markup:
@@ -75,7 +74,7 @@ def revision_curve(steps: Sequence[Step]) -> Markup:
     )
 
 
-def _axis(y: float, said: str) -> Markup:
-    label = tag("text", said, x="60", y=f"{y + 5:.0f}", text_anchor="end", fill="var(--ink)", font_size="13")
+def _axis(y: float, number: str) -> Markup:
+    label = tag("text", number, x="60", y=f"{y + 5:.0f}", text_anchor="end", fill="var(--ink)", font_size="13")
     line = tag("line", x1="70", y1=f"{y:.0f}", x2="670", y2=f"{y:.0f}", stroke="var(--soft)")
     return tag("g", label, line)

@@ -31,8 +31,8 @@ def write_shapes_page(
         StorageError: the file cannot be written.
     """
     drawn = wireframes(points, lines, shapes, surfaces)
-    said = tag("p", f"{len(points)} points, {len(lines)} lines, {len(shapes)} shapes.", class_="lead")
-    body = tag("body", tag("header", tag("h1", title), said), tag("main", drawn or tag("p", "There is no shape.")))
+    summary = tag("p", f"{len(points)} points, {len(lines)} lines, {len(shapes)} shapes.", class_="lead")
+    body = tag("body", tag("header", tag("h1", title), summary), tag("main", drawn or tag("p", "There is no shape.")))
     with replacing(path) as draft:
         text = f'<!DOCTYPE html>\n<html lang="en">{page_head(title)}{body}</html>\n'
         draft.write_text(text, encoding="utf-8", newline="\n")

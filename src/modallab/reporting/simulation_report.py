@@ -5,7 +5,7 @@ from pathlib import Path
 from modallab.core.diagnosis import Found
 from modallab.core.digits import probability
 from modallab.core.effects import kind_of
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.gap.simulations.compare import Compared
 from modallab.gap.words.effects import of_parameter, place_of
 from modallab.gap.words.verdicts import sentence_of_simulation
@@ -24,8 +24,7 @@ def write_simulation_report(path: Path, found: Compared) -> None:
     text = page(
         f"A simulation of {found.rig}", sentence_of_simulation(found), _effects(found), _channels(found), _notes(found)
     )
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
 
 
 def _effects(found: Compared) -> Markup | None:
@@ -45,11 +44,11 @@ def _row(whose: str, found: Found) -> list[str]:
 
 
 def _channels(found: Compared) -> Markup:
-    said = (
+    caption = (
         f"The gap of each channel on {len(found.records)} records, before: as the simulation is, and after: corrected. "
         "Nothing is fitted. 1 is noise alone."
     )
-    return section("Channel by channel", channel_bars(found.by_channel, found.after_by_channel, "channels", said))
+    return section("Channel by channel", channel_bars(found.by_channel, found.after_by_channel, "channels", caption))
 
 
 def _notes(found: Compared) -> Markup:

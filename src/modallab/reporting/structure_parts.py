@@ -31,7 +31,7 @@ def candidates_section(explained: Explained) -> Markup | None:
     rows.append(["something without a name", probability(judged.unknown), "", f"most likely in {judged.where}"])
     head = ["explanation", "probability", "leaves", "numbers (95 %)"]
     known = found.verdict == "known"
-    said = (
+    caption = (
         "Probabilities are of all that stands here, and add up to 1. One that leaves the percentage as it is may still "
         "relieve the tolerances, which count as well."
     )
@@ -39,21 +39,21 @@ def candidates_section(explained: Explained) -> Markup | None:
     return section(
         "What else might explain it" if known else "What was tried",
         table("The best of each kind, once fitted", head, rows, numeric=(1, 2), class_="wide"),
-        tag("p", said + none),
+        tag("p", caption + none),
     )
 
 
 def _numbers(change: FoundChange) -> str:
-    said = (f"{name} {value}" + f" ({between})" * bool(between) for name, value, between in numbers_of(change))
-    return ", ".join(said)
+    caption = (f"{name} {value}" + f" ({between})" * bool(between) for name, value, between in numbers_of(change))
+    return ", ".join(caption)
 
 
 def parts_section(found: ModalDiagnosis) -> Markup | None:
     """Two figures: the gap of each mode and of each channel."""
     changed = found.after != found.before
     figures = [
-        _figure(parts, f"The gap {by}. {said}", name, changed)
-        for parts, by, said, name in (
+        _figure(parts, f"The gap {by}. {caption}", name, changed)
+        for parts, by, caption, name in (
             (found.by_mode, "about each mode of the bench", "Each line counts for the mode nearest to it.", "modes"),
             (found.by_channel, "of each channel", "Over all driven points.", "channels"),
         )
@@ -62,11 +62,11 @@ def parts_section(found: ModalDiagnosis) -> Markup | None:
     return section("Where it shrinks", *figures) if figures else None
 
 
-def _figure(parts: list[PartOfGap], said: str, name: str, changed: bool) -> Markup:
+def _figure(parts: list[PartOfGap], caption: str, name: str, changed: bool) -> Markup:
     many = 3 if changed else 2
     rows = [Row(_label(p), tuple(100 * v for v in (p.nominal, p.before, p.after)[:many])) for p in parts]
     figure = log_bars(rows, NAMES[:many], COLOURS[:many], scale=SHARE)
-    return plate(figure, name, said, said, columns=1)
+    return plate(figure, name, caption, caption, columns=1)
 
 
 def _label(part: PartOfGap) -> str:

@@ -9,7 +9,7 @@ from modallab.core.digits import percent, probability
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.rig import Rig
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.gap.modal.diagnosis import Explained
 from modallab.gap.words.effects import at_of_change, numbers_of, place_of_change
 from modallab.gap.words.verdicts import sentence_by_model
@@ -53,8 +53,7 @@ def write_structure_report(path: Path, gap: StructureGap) -> None:
         StorageError: the file can't be written.
     """
     text = render(gap)
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
 
 
 def render(gap: StructureGap) -> str:
@@ -80,8 +79,8 @@ def _width(gap: StructureGap) -> Markup:
         ["as near as the tolerances allow", percent(found.before), f"{found.strain_before:.2f}"],
     ]
     if best:
-        said = "with what was found" if found.effects else "with the best explanation"
-        rows.append([said, percent(found.after), f"{found.strain_after:.2f}"])
+        name = "with what was found" if found.effects else "with the best explanation"
+        rows.append([name, percent(found.after), f"{found.strain_after:.2f}"])
     head = ["the reference", "% of the response", "strain of the tolerances [σ]"]
     note = (
         f"The reference: {gap.reference}. Percentages are the rms of measured less predicted over the measured "
@@ -100,29 +99,29 @@ def _where(gap: StructureGap) -> Markup | None:
     if found:
         at = at_of_change(found[0])
         place = "" if at is None else f", at ({', '.join(f'{x:.3f}' for x in at)}) m"
-        said = f"Stage: {found[0].stage}. The {model_of(found[0].effect).spoken} {place_of_change(found[0])}{place}."
+        caption = f"Stage: {found[0].stage}. The {model_of(found[0].effect).spoken} {place_of_change(found[0])}{place}."
     elif gap.diagnosis.verdict == "no_gap":
-        said = "Nothing stands out: what is left lies within the tolerances."
+        caption = "Nothing stands out: what is left lies within the tolerances."
     else:
-        said = "No place stands out: no change that was tried explains the gap."
-    said += " Filled points have a sensor."
-    return section("Where it lies", captioned(tag("div", structure_picture(gap.rig, marked), class_="drawn"), said))
+        caption = "No place stands out: no change that was tried explains the gap."
+    caption += " Filled points have a sensor."
+    return section("Where it lies", captioned(tag("div", structure_picture(gap.rig, marked), class_="drawn"), caption))
 
 
 def _marked(gap: StructureGap, change: FoundChange) -> Marked | None:
-    at, said = at_of_change(change), model_of(change.effect).spoken
+    at, label = at_of_change(change), model_of(change.effect).spoken
     if at is not None:
-        return Marked(np.array([at]), said=said)
+        return Marked(np.array([at]), label=label)
     places = {p.id: (p.x_m, p.y_m, p.z_m) for p in gap.rig.points}
     channel = next((c for c in gap.rig.responses if c.name == change.place.get("channel")), None)
     if channel is None:
         driven = [places[p] for p in gap.explained.free.of.model.input_points if p in places]
-        return Marked(np.array(driven).reshape(-1, 3), said=said)
+        return Marked(np.array(driven).reshape(-1, 3), label=label)
     if channel.point not in places:
         return None
     here = np.array(places[channel.point])
     moved = [change.parameters.get(axis, 0.0) for axis in ("dx", "dy", "dz")]
-    return Marked(here[None], here + moved if any(moved) else None, f"{channel.name}: {said}")
+    return Marked(here[None], here + moved if any(moved) else None, f"{channel.name}: {label}")
 
 
 def _what(found: ModalDiagnosis) -> Markup | None:
@@ -141,24 +140,24 @@ def _what(found: ModalDiagnosis) -> Markup | None:
 
 
 def _curves(gap: StructureGap) -> Markup:
-    said = (
+    caption = (
         "Mobility at the outputs that miss most, each at the driven point where it does: as identified from the "
         "records and free of the end of their blocks, of the reference as it came and as it was corrected, and what "
         "is left between the latter and the measurement."
     )
     if gap.records is not None:
-        said += (
+        caption += (
             " Thin, the records themselves: where a block ends before the ring-down, their peaks are lower and wider."
         )
     figure = structure_curves(gap.explained, gap.records)
-    return section("What was measured, and what the reference says", plate(figure, "curves", said, said))
+    return section("What was measured, and what the reference says", plate(figure, "curves", caption, caption))
 
 
 def _beside(gap: StructureGap) -> Markup:
     c = gap.explained.free.of
     low, high = c.s.imag[[0, -1]] / (2 * np.pi)
     axes = sorted({axis for _, axis in c.shapes.freedoms})
-    said = [
+    sentences = [
         *gap.beside,
         f"Frequencies below {low:.4g} Hz and above {high:.4g} Hz.",
         "Two changes at once: each is tried by itself.",
@@ -166,4 +165,4 @@ def _beside(gap: StructureGap) -> Markup:
         "What depends on the size of the motion: both models are linear.",
         f"Motions that nothing measured: springs pull along {', '.join(axes)} only, and a mass counts along these.",
     ]
-    return section("What was not looked at", tag("ul", *(tag("li", typeset(line)) for line in said)))
+    return section("What was not looked at", tag("ul", *(tag("li", typeset(line)) for line in sentences)))

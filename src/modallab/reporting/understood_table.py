@@ -29,11 +29,11 @@ def participation_rows(found: ModalParticipation, frequency_hz: list[float]) -> 
     if found.band_hz is not None:
         rows.append(("outside the band", "", f"{100 * found.outside:.2g}", ""))
     over = _over(found)
-    said = (
+    sentences = (
         f"{found.quantity.capitalize()} of point {_point(found.of)}, {over} at point {_point(found.at)}. Shares add up"
         " to 100 %; one below 0 works against the others. Alone: the effective value of a mode by itself, of the whole."
     )
-    return TableRows(("mode", "frequency [Hz]", "share [%]", "alone [%]"), tuple(rows), said)
+    return TableRows(("mode", "frequency [Hz]", "share [%]", "alone [%]"), tuple(rows), sentences)
 
 
 def _over(found: ModalParticipation) -> str:
@@ -65,12 +65,12 @@ def advice_of(found: ModePlaces) -> list[str]:
     """Where to hit and where to mount, in sentences."""
     where, least = found.best
     how = "moves most" if least > MOST else f"has at least {100 * least:.0f} % of its largest motion"
-    said = [f"Hit or mount a sensor at point {_named(found, where)}: each mode {how} there."]
+    sentences = [f"Hit or mount a sensor at point {_named(found, where)}: each mode {how} there."]
     for r, near in enumerate(found.nodes):
         if near:
             points = f"point{'s' if len(near) > 1 else ''} {listed([_named(found, f) for f in near])}"
-            said.append(f"A hit or sensor at {points} misses mode {r + 1}.")
-    return [*said, "What shall not disturb a mode is mounted at one of its nodes."]
+            sentences.append(f"A hit or sensor at {points} misses mode {r + 1}.")
+    return [*sentences, "What shall not disturb a mode is mounted at one of its nodes."]
 
 
 def _named(found: ModePlaces, freedom: Freedom) -> str:
@@ -88,8 +88,8 @@ def deflection_rows(found: Deflection) -> TableRows:
         (name, concise(float(abs(value)), float(sigma)), f"{np.degrees(np.angle(value)):.0f}")
         for name, value, sigma in zip(found.names, found.values, found.sigma, strict=True)
     )
-    said = f"{found.what[0].upper()}{found.what[1:]}, {found.frequency_hz:.5g} Hz."
-    return TableRows(("point", f"amplitude [{found.unit}]", "phase [°]"), rows, said)
+    sentences = f"{found.what[0].upper()}{found.what[1:]}, {found.frequency_hz:.5g} Hz."
+    return TableRows(("point", f"amplitude [{found.unit}]", "phase [°]"), rows, sentences)
 
 
 def correlation_rows(found: Correlation) -> TableRows:
@@ -107,11 +107,11 @@ def correlation_rows(found: Correlation) -> TableRows:
     rows = tuple(_pair(found, n) for n in range(len(found.pairs)))
     worst = int(np.argmin(found.comac))
     point, axis = found.freedoms[worst]
-    said = [f"Lowest COMAC of {len(found.freedoms)} points: {found.comac[worst]:.3f} at point {point}{axis}."]
+    sentences = [f"Lowest COMAC of {len(found.freedoms)} points: {found.comac[worst]:.3f} at point {point}{axis}."]
     for whose, modes in zip(("the first", "the other"), found.alone, strict=True):
         if modes:
-            said.append(f"Modes of {whose} model alone: {', '.join(str(r + 1) for r in modes)}.")
-    return TableRows(headings, rows, " ".join(said))
+            sentences.append(f"Modes of {whose} model alone: {', '.join(str(r + 1) for r in modes)}.")
+    return TableRows(headings, rows, " ".join(sentences))
 
 
 def _pair(found: Correlation, n: int) -> tuple[str, ...]:

@@ -30,17 +30,17 @@ def _shown(value: float, prior: Prior) -> str:
 
 def _notes(found: UpdatedParameters) -> list[str]:
     hz, shapes = found.off
-    said = [
+    sentences = [
         f"With these the model's frequencies are off by about {100 * hz:.2g} %, its shapes by {100 * shapes:.2g} %."
     ]
     if found.undetermined:
-        said.append(f"The test says little of {listed(list(found.undetermined))} beside what was believed.")
-    said += [f"Of {a} and {b} only a combination is known." for a, b in found.together]
+        sentences.append(f"The test says little of {listed(list(found.undetermined))} beside what was believed.")
+    sentences += [f"Of {a} and {b} only a combination is known." for a, b in found.together]
     if found.held_out:
         before, after = (100 * e for e in found.rms_error(found.held_out))
         modes = listed([str(r) for r in found.held_out])
-        said.append(f"Held out, mode {modes}: frequency off by {before:.2g} % before, by {after:.2g} % after.")
-    return said
+        sentences.append(f"Held out, mode {modes}: frequency off by {before:.2g} % before, by {after:.2g} % after.")
+    return sentences
 
 
 def updated_mode_rows(found: UpdatedParameters) -> TableRows:

@@ -114,9 +114,9 @@ _DAMPED = _Latest[Modes](48)
 
 
 def undamped(structure: Structure) -> tuple[Array, Array, Array]:
-    """(MODES,) rad/s, (n, MODES) shapes and (n, n) compliance beyond them, n with what hangs on the beam.
+    """The undamped modes: (MODES,) rad/s, (n, MODES) shapes, and the (n, n) compliance of the modes above them.
 
-    Remembered, as damping, chain and clock leave them as they are.
+    n counts the freedoms of the beam and of what hangs on it. Results are kept: damping and chain do not change them.
     """
     return _UNDAMPED.of(undamped_key(structure), lambda: _undamped(structure))
 

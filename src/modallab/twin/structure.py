@@ -94,5 +94,5 @@ _SPRING = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*EI/L(?!\^)")
 
 def believed_root(beam: Beam) -> float:
     """Rotational compliance of the root in L / EI by the words of the rig file: "... 13 EI/L ..."; else 0."""
-    said = _SPRING.search(beam.clamp)
-    return 1 / float(said.group(1)) if said is not None and float(said.group(1)) > 0 else 0.0
+    spring = _SPRING.search(beam.clamp)
+    return 1 / float(spring.group(1)) if spring is not None and float(spring.group(1)) > 0 else 0.0

@@ -2,10 +2,12 @@
 
 import asyncio
 from collections.abc import Callable
+from pathlib import Path
 
 import httpx
 import pytest
 from lab import RIG, TOKEN, Lab
+from pydantic import ValidationError
 
 from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.settings import Settings
@@ -113,3 +115,18 @@ def test_whoever_leaves_in_the_middle_of_a_body_is_no_fault_of_the_service(
     assert not messages
     assert not [record for record in caplog.records if record.levelname == "ERROR"]
     assert all(message.get("status") != 500 for message in sent)
+
+
+def test_the_manual_is_served_where_it_was_built(lab: Lab, tmp_path: Path) -> None:
+    with lab.client() as client:
+        assert client.get("/manual/").status_code == 404
+    (tmp_path / "index.html").write_text("<h1>Manual</h1>", encoding="utf-8")
+    app = create_app(lab.service, Settings(data=tmp_path / "data", site=tmp_path), TOKEN)
+
+    async def asked() -> httpx.Response:
+        async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://127.0.0.1") as client:
+            return await client.get("/manual/")
+
+    assert "Manual" in asyncio.run(asked()).text
+    with pytest.raises(ValidationError, match="make docs"):
+        Settings(site=tmp_path / "data")

@@ -23,8 +23,6 @@ DIFFERENTIAL, PSEUDO = 10106, 12529
 INTERNAL, NO_SOURCE = 10200, 10230
 LET_CHOOSE, EXTERNAL = -1, 10167
 _SENSORS = ("Accel", "ForceIEPE", "Microphone", "VelocityIEPE")
-_BRIDGES = ("Bridge", "StrainGage", "RosetteStrainGage", "ForceBridgePolynomial", "ForceBridgeTable",
-            "ForceBridgeTwoPointLin")  # fmt: skip
 DUPLICATE_CHANNEL = -200489
 
 

@@ -12,7 +12,6 @@ from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Channel
 
 Answer = dict[str, Any]
-PER_LINE = 0
 
 
 def lines_of(system: SimulatedSystem, name: str) -> list[str]:

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, TypeAdapter
+from pydantic import Field
 
 from modallab.core.documents.results import JobKind, JobState
 from modallab.core.documents.rigs import RigState
@@ -149,7 +149,6 @@ AnyEvent = Annotated[
     Field(discriminator="kind"),
 ]
 """The content of an event."""
-ANY_EVENT: TypeAdapter[AnyEvent] = TypeAdapter(AnyEvent)
 
 
 class LiveAbout(Frozen):

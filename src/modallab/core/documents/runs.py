@@ -95,20 +95,6 @@ class Abort(Frozen):
 Command = Annotated[Pause | Resume | Repeat | Drop | Accept | Stop | Abort, Field(discriminator="kind")]
 
 
-class RunProgress(Frozen):
-    """How far a run is.
-
-    Attributes:
-        done: hits, frequencies or blocks so far.
-        total: of how many.
-        what: was done last, or is waited for.
-    """
-
-    done: int
-    total: int
-    what: str
-
-
 class RunView(Frozen):
     """A run.
 

@@ -14,6 +14,7 @@ from modallab.core.rig import Channel, Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, in_order
 from modallab.formats.arrays.channel_times import channel_times
 from modallab.formats.frf_factor import assumed_factor, turned
+from modallab.formats.frf_lines import rising, share_of_one
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, normal_unit
 
@@ -66,10 +67,12 @@ def _frf(arrays: Arrays, said: ArrayMap, rig: Rig, options: ImportOptions, where
     values = in_order(array_named(arrays, said.frf, where), axes, _FRF, sizes, f"{where}, {said.frf}")
     quantity, factors = _units(said, outputs, rig, where)
     names = tuple(c.name for c in outputs)
-    check_frf(lines, values, names, where, even=False)
     coherence = None
     if said.coherence:
-        coherence = in_order(array_named(arrays, said.coherence, where), axes, _FRF, sizes, f"{where}, coherence")
+        found = in_order(array_named(arrays, said.coherence, where), axes, _FRF, sizes, f"{where}, coherence")
+        coherence = share_of_one(found.astype(np.float64), where)
+    lines, values, coherence = rising(lines, values, coherence)
+    check_frf(lines, values, names, where, even=False)
     inputs = said.inputs or ((options.drive_point,) if values.shape[1] == 1 else (None,) * values.shape[1])
     return Frf(
         frequency_hz=lines,
@@ -78,7 +81,7 @@ def _frf(arrays: Arrays, said: ArrayMap, rig: Rig, options: ImportOptions, where
         outputs=names,
         output_points=tuple(c.point for c in outputs),
         input_points=inputs,
-        coherence=None if coherence is None else coherence.astype(np.float64),
+        coherence=coherence,
     )
 
 

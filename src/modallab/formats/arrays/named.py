@@ -12,17 +12,19 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import array_named, listed
-from modallab.formats.arrays.channel_times import RATE_NAMES, channel_times
+from modallab.formats.arrays.channel_times import RATE_NAMES, STEP_NAMES, channel_times
 from modallab.formats.frf_factor import assumed_factor, turned
+from modallab.formats.frf_lines import rising, share_of_one
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import on_common_times
 
 Arrays = Mapping[str, NDArray[Any]]
 
-TIME, RATE, FREQUENCY, FRF, COHERENCE, ALL = "time", "rate", "frequency", "frf", "coherence", "all"
+TIME, RATE, STEP, FREQUENCY, FRF, COHERENCE, ALL = "time", "rate", "step", "frequency", "frf", "coherence", "all"
 _USUAL = {
     TIME: ("time", "t"),
     RATE: RATE_NAMES,
+    STEP: STEP_NAMES,
     FREQUENCY: ("frequency", "freq", "f", "frequency_hz"),
     FRF: ("frf", "h", "frfs"),
     COHERENCE: ("coherence", "coh"),
@@ -159,7 +161,9 @@ def _real(values: NDArray[Any], where: str) -> NDArray[np.float64]:
 
 
 def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: int, where: str) -> float:
-    times, rate = found[TIME], found[RATE]
+    times, rate, step = found[TIME], found[RATE], found[STEP]
+    if rate is None and step is not None and step.size == 1 and step.dtype.kind in "fiu":
+        rate = 1 / np.where(step > 0, step, np.inf)
     if times is not None and times.size == n:
         own = check_time(np.ravel(times).astype(np.float64), f"{where}, times")
         _require_one(own, rate, options, where)
@@ -191,6 +195,9 @@ def _frf(found: Mapping[str, NDArray[Any] | None], rig: Rig, options: ImportOpti
     outputs = rig.responses
     values = _matrix(_there(found[FRF]), lines.size, len(outputs), where).astype(np.complex128)
     names = tuple(channel.name for channel in outputs)
+    if coherence is not None:
+        coherence = share_of_one(_matrix(coherence, lines.size, len(outputs), where).astype(np.float64), where)
+    lines, values, coherence = rising(lines, values, coherence)
     check_frf(lines, values, names, where, even=False)
     assumed = [assumed_factor(channel, rig, where) for channel in outputs]
     if len({quantity for quantity, _ in assumed}) > 1:
@@ -206,7 +213,7 @@ def _frf(found: Mapping[str, NDArray[Any] | None], rig: Rig, options: ImportOpti
         outputs=names,
         output_points=tuple(channel.point for channel in outputs),
         input_points=(options.drive_point,) if inputs == 1 else (None,) * inputs,
-        coherence=None if coherence is None else _matrix(coherence, lines.size, len(outputs), where).astype(np.float64),
+        coherence=coherence,
     )
 
 

@@ -8,7 +8,7 @@ from modallab.core.errors import FormatError
 
 BLANKS = " "
 """The delimiter of columns that any number of blanks separates."""
-_DELIMITERS = (";", "\t", ",")
+_DELIMITERS = (";", "\t", "|", ",")
 _DIGITS = r"(?:\d+(?:[.,]\d+)?|\d+\.|[.,]\d+)(?:[eE][+-]?\d+)?"
 _NUMBER = rf"[+-]?{_DIGITS}"
 _PAIR = re.compile(rf"\(\s*({_NUMBER})\s*[,;]\s*({_NUMBER})\s*\)")

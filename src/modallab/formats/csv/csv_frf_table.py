@@ -15,6 +15,7 @@ from modallab.formats.csv.csv_heads import is_frequency
 from modallab.formats.csv.csv_table import Table
 from modallab.formats.csv.frf_heading import FrfHeading, Part, frf_heading, is_level, reference_of, response_of
 from modallab.formats.frf_factor import assumed_factor, turned
+from modallab.formats.frf_lines import rising, share_of_one
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit
 
@@ -106,6 +107,7 @@ def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> 
             where=where,
             remedy="give those of one quantity, and leave the other channels out of the rig",
         )
+    frequency_hz, values, coherence = rising(frequency_hz, values, _coherence(groups, outputs, points, where))
     check_frf(frequency_hz, values, outputs, where, even=False, resolution_hz=table.resolution)
     return Frf(
         frequency_hz=frequency_hz,
@@ -114,7 +116,7 @@ def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> 
         outputs=outputs,
         output_points=tuple(channels[output].point for output in outputs),
         input_points=points,
-        coherence=_coherence(groups, outputs, points),
+        coherence=coherence,
     )
 
 
@@ -185,7 +187,9 @@ def _coherence(
     groups: Mapping[tuple[str, int | None], Mapping[Part, Column]],
     outputs: tuple[str, ...],
     points: tuple[int | None, ...],
+    where: str,
 ) -> Real | None:
     if not all("coherence" in parts for parts in groups.values()):
         return None
-    return np.array([[groups[o, p]["coherence"].real for p in points] for o in outputs])
+    columns = [[groups[o, p]["coherence"] for p in points] for o in outputs]
+    return np.array([[share_of_one(column.real, where, column.heading.unit) for column in row] for row in columns])

@@ -9,10 +9,23 @@ from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 _SQUARE = re.compile(r"^(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]\s*$")
 _ROUND = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>.*)[\])]\s*$")
 _OF_FREQUENCY = {"Hz", "hz", "HZ", "kHz", "rad/s"}
-_OF_AXES = {"s", "ms", "us", *_OF_FREQUENCY, "deg", "rad", "dB", ""}
+_OF_AXES = {"s", "ms", "us", "min", "h", "d", "%", *_OF_FREQUENCY, "deg", "rad", "dB", ""}
 _UNIT_TAG = re.compile(r"unit|einheit", re.IGNORECASE)
-TIME_NAMES = {"t", "time", "zeit", "temps", "tiempo", "time_s", "t_s", "seconds", "sec", "x_time"}
-FREQUENCY_NAMES = {"f", "freq", "frequency", "frequency_hz", "freq_hz", "f_hz", "hz", "frequenz", "frequence"}
+TIME_NAMES = {"t", "time", "zeit", "temps", "tiempo", "tempo", "time_s", "t_s", "seconds", "sec", "x_time"}
+FREQUENCY_NAMES = {
+    "f",
+    "freq",
+    "frequency",
+    "frequency_hz",
+    "freq_hz",
+    "f_hz",
+    "hz",
+    "frequenz",
+    "frequence",
+    "fréquence",
+    "frecuencia",
+    "frequenza",
+}
 
 Heads = tuple[tuple[str, ...], tuple[str, ...]]
 

@@ -1,5 +1,7 @@
 """CSV files: a column of times and one column per channel, by the names of the rig; or FRFs."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,18 +9,22 @@ import numpy as np
 from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
+from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.formats.axis_units import to_seconds
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_frf import frf_of, is_frf
 from modallab.formats.csv.csv_frf_table import frf_of_table, holds_frfs
 from modallab.formats.csv.csv_heads import FREQUENCY_NAMES, TIME_NAMES
-from modallab.formats.csv.csv_table import Table, read_table
+from modallab.formats.csv.csv_table import Table, read_tables
 from modallab.formats.options import ImportOptions
+
+FASTEST_HZ = 1e7
+"""No structure rings so fast that its records are sampled faster."""
 
 
 def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    """Read one block, or one matrix of FRFs.
+    """Read one block for each table, or one matrix of FRFs.
 
     Columns are known by the names in the header, whatever their order, or by those that the options name; others are
     left out with a note. Units stand in brackets after the name or in a line of their own, else numbers are in each
@@ -30,16 +36,30 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         DataError: uneven times, wrong units, or not the channels of the rig.
     """
     where = str(path)
-    table = read_table(path)
-    if is_frf(table):
-        return Campaign(rig, (), (frf_of(table, rig, where),), source=where)
-    if holds_frfs(table):
-        return Campaign(rig, (), (frf_of_table(table, rig, options, where),), source=where)
-    block, notes = record_of(table, rig, options, path.stem, where)
+    tables = read_tables(path)
+    table = tables[-1]
+    if is_frf(table) or holds_frfs(table):
+        frf = _only_frf(tables, rig, options, where)
+        return Campaign(rig, (), (frf,), source=where)
+    names = [path.stem] if len(tables) == 1 else [f"{path.stem}_{k}" for k in range(1, len(tables) + 1)]
+    found = [record_of(one, rig, options, name, where) for one, name in zip(tables, names, strict=True)]
+    blocks = tuple(replace(block, order=order) for order, (block, _) in enumerate(found))
+    notes = tuple(dict.fromkeys(note for _, said in found for note in said))
     if not table.ended:
         notes = (*notes, "the last line has no end; if the file was cut off there, its last number is wrong")
     said = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
-    return Campaign(rig, (block,), provenance=said, source=where)
+    return Campaign(rig, blocks, provenance=said, source=where)
+
+
+def _only_frf(tables: Sequence[Table], rig: Rig, options: ImportOptions, where: str) -> Frf:
+    if len(tables) > 1:
+        raise DataError(
+            f"holds {len(tables)} tables of FRFs below each other",
+            where=where,
+            remedy="export the FRFs side by side in one table, or each response to a file of its own",
+        )
+    (table,) = tables
+    return frf_of(table, rig, where) if is_frf(table) else frf_of_table(table, rig, options, where)
 
 
 def record_of(table: Table, rig: Rig, options: ImportOptions, name: str, where: str) -> tuple[Block, tuple[str, ...]]:
@@ -140,5 +160,11 @@ def _rate(table: Table, names: tuple[str, ...], time: int | None, options: Impor
     factor = to_seconds(table.units[time] if table.units else "", f"{where}, column {names[time]}")
     resolution = table.resolution * factor if time == 0 else np.zeros(1)
     rate = check_time(table.values[:, time] * factor, f"{where}, column {names[time]}", resolution_s=resolution)
+    if rate > FASTEST_HZ and not (table.units and table.units[time]):
+        raise DataError(
+            f"column {names[time]}: its times, taken as s, give {rate:.3g} Hz, more than any converter of a bench",
+            where=where,
+            remedy="write the unit behind its name, as [d] for the days of a spreadsheet",
+        )
     options.agree(rate, where)
     return rate

@@ -54,12 +54,24 @@ class Table:
 
 
 def read_table(path: Path) -> Table:
-    """Read the table of a text file.
+    """Read the first table of a text file.
 
     Raises:
         FormatError: no text, no table, or cut off.
     """
-    where, lines = str(path), read_lines(path)
+    return _table(read_lines(path)[0], str(path))
+
+
+def read_tables(path: Path) -> list[Table]:
+    """Read all tables of a text file, which stand below each other.
+
+    Raises:
+        FormatError: as `read_table`.
+    """
+    return [_table(lines, str(path)) for lines in read_lines(path)]
+
+
+def _table(lines: TextLines, where: str) -> Table:
     columns = n_cells(lines.body[-1 if len(lines.body) == 1 else -2].text, lines.delimiter)
     marked = [comment.lstrip("#%").strip() for comment in lines.comments]
     names, units = headings([line.text for line in lines.above], marked, lines.delimiter, columns)

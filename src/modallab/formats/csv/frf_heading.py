@@ -12,10 +12,10 @@ from modallab.formats.unit_text import frf_unit, normal_unit
 Part = Literal["re", "im", "magnitude", "phase", "coherence", "complex"]
 
 _WORDS: dict[Part, str] = {
-    "re": r"re|real|realteil|reell",
-    "im": r"im|imag|imaginary|imagin(?:ä|ae)r|imagin(?:ä|ae)rteil",
-    "magnitude": r"mag|magn|magnitude|gain|amp|ampl|amplitude|abs|modulus|betrag",
-    "phase": r"ph|phase|arg|angle|ang|winkel",
+    "re": r"re|real|realteil|reell|réel|reel|reale",
+    "im": r"im|imag|imaginary|imagin(?:ä|ae)r|imagin(?:ä|ae)rteil|imaginaire|immaginaria",
+    "magnitude": r"mag|magn|magnitude|gain|amp|ampl|amplitude|abs|module|modulus|módulo|modulo|betrag",
+    "phase": r"ph|phase|arg|angle|ang|winkel|fase",
     "coherence": r"coh|coherence|koh(?:ä|ae)renz",
 }
 _ANY = "|".join(_WORDS.values())
@@ -139,5 +139,5 @@ def _part(word: str) -> Part:
 
 
 def _is_unit(unit: str) -> bool:
-    known = unit in {"deg", "°", "rad", "dB", "-", "1"} or any(unit in units for units in TO_SI.values())
+    known = unit in {"deg", "°", "rad", "dB", "-", "1", "%"} or any(unit in units for units in TO_SI.values())
     return known or is_level(unit) or frf_unit(normal_unit(unit), "") is not None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from modallab.core.errors import FormatError
 from modallab.formats.csv.clock_times import is_clock, is_date, seconds_of
-from modallab.formats.csv.csv_cells import cells, delimiter_of, number, plain_numbers
+from modallab.formats.csv.csv_cells import BLANKS, cells, delimiter_of, number, plain_numbers
 
 _COMMENTS = ("#", "%")
 _SHOWN = 20
@@ -15,6 +15,7 @@ _SHOWN = 20
 _QUOTED = re.compile(r'"[^"]*"')
 _THOUSANDS = re.compile(r"(?<=\d)['’\u00a0\u2009\u202f](?=\d{3}(?!\d))")
 """Marks between digits that stand between thousands and nowhere else."""
+_BLANK_THOUSANDS = re.compile(r"(?<=\d) (?=\d{3}(?!\d))")
 _POINT_AFTER, _COMMA_AFTER = re.compile(r"\d,\d{3}\.\d"), re.compile(r"\d\.\d{3},\d")
 
 _MARKED = {mark: re.compile(rf"\d+(?:[{mark}]\d+)+(?:[eE][+-]?\d+)?") for mark in ",."}
@@ -51,8 +52,8 @@ class TextLines:
     clock: bool = False
 
 
-def read_lines(path: Path) -> TextLines:
-    """The lines of a text file with a table.
+def read_lines(path: Path) -> list[TextLines]:
+    """The lines of a text file, of each of its tables: one begins where a line of names stands below numbers.
 
     Raises:
         FormatError: no text, or no numbers.
@@ -62,12 +63,35 @@ def read_lines(path: Path) -> TextLines:
     comments = tuple(line.text.lstrip() for line in lines if line.text.lstrip().startswith(_COMMENTS))
     lines = [line for line in lines if not line.text.lstrip().startswith(_COMMENTS)]
     delimiter, lines = _delimited(lines)
+    if delimiter != BLANKS:
+        lines = [replace(line, text=_BLANK_THOUSANDS.sub("", line.text)) for line in lines]
+    parts = _tables(lines, delimiter)
+    ended = [True] * (len(parts) - 1) + [text.endswith(("\n", "\r"))]
+    return [_table(part, delimiter, comments, end, str(path)) for part, end in zip(parts, ended, strict=True)]
+
+
+def _table(lines: Sequence[Line], delimiter: str, comments: tuple[str, ...], ended: bool, where: str) -> TextLines:
     first = _first_row(lines, delimiter)
     if first is None:
-        raise _no_numbers(lines, delimiter, str(path))
+        raise _no_numbers(lines, delimiter, where)
     body = [replace(line, text=plain_numbers(line.text)) for line in lines[first:]]
-    found = TextLines(tuple(lines[:first]), tuple(body), comments, delimiter, text.endswith(("\n", "\r")))
-    return _without_groups(_with_seconds(_without_end(found)), str(path))
+    found = TextLines(tuple(lines[:first]), tuple(body), comments, delimiter, ended)
+    return _without_groups(_with_seconds(_without_end(found)), where)
+
+
+def _tables(lines: Sequence[Line], delimiter: str) -> list[Sequence[Line]]:
+    """The lines of each table: those between two are of the second, if one of them names all its columns."""
+    first = _first_row(lines, delimiter) or 0
+    columns = len(cells(lines[first].text, delimiter)) if lines else 0
+    begins, words = [0], -1
+    for k in range(first, len(lines)):
+        if not _begins(lines[k], delimiter):
+            words = k if words < 0 else words
+        elif words >= 0:
+            named = any(len(cells(line.text, delimiter)) == columns for line in lines[words:k])
+            begins += [words] if named and columns > 1 else []
+            words = -1
+    return [lines[a:b] for a, b in zip(begins, [*begins[1:], len(lines)], strict=True)]
 
 
 def decoded(path: Path) -> str:

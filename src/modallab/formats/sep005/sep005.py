@@ -13,7 +13,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.formats.block_facts import MARK, BlockFacts, facts_or_options, read_facts
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, on_common_times, start_of, start_of_text
@@ -39,8 +39,7 @@ def write_sep005(campaign: Campaign, path: Path) -> None:
         StorageError, DiskFullError: the file cannot be written.
     """
     content = [series | {"data": series["data"].tolist()} for series in to_sep005(campaign)]
-    with replacing(path) as draft:
-        draft.write_text(json.dumps(content, allow_nan=False) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(content, allow_nan=False) + "\n")
 
 
 def read_sep005(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
@@ -112,6 +111,8 @@ def _row(values: object, key: str, where: str) -> NDArray[np.float64]:
         row = np.array(values, dtype=np.float64)
     except (ValueError, TypeError) as error:
         raise FormatError(f"{key} are no numbers: {error}", where=where, remedy=_REMEDY) from error
+    if row.size == max(row.shape, default=0):
+        row = row.ravel()
     if row.ndim != 1:
         raise FormatError(f"{key} are no single row of numbers", where=where, remedy=_REMEDY)
     return row

@@ -10,6 +10,7 @@ from modallab.core.array_checks import check_frequencies, check_frf
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
+from modallab.formats.frf_lines import rising, share_of_one
 from modallab.formats.uff.uff_functions import KINDS, FileUnits, Function, UniversalFile
 from modallab.formats.uff.uff_lines import axis_of
 from modallab.formats.uff.uff_match import divisor_unit_of, known_point, match_channel, sense, unit_of
@@ -44,6 +45,7 @@ def read_frf(content: UniversalFile, rig: Rig, where: str) -> tuple[Frf, ...]:
     quantity, values = _scaled(placed, outputs, inputs, content.units, where)
     coherences = _place_all(content, 6, rig, where)
     names = tuple(channel.name for channel in outputs)
+    lines, values, coherence = rising(lines, values, _coherence(coherences, outputs, inputs, len(lines), where))
     check_frf(lines, values, names, where, even=False)
     return (
         Frf(
@@ -53,7 +55,7 @@ def read_frf(content: UniversalFile, rig: Rig, where: str) -> tuple[Frf, ...]:
             outputs=names,
             output_points=tuple(channel.point for channel in outputs),
             input_points=tuple(known_point(node, rig, where) for node, _ in inputs),
-            coherence=_coherence(coherences, outputs, inputs, len(lines), where),
+            coherence=coherence,
         ),
     )
 
@@ -163,6 +165,4 @@ def _coherence(
     if len(flat) != len(rows) * len(inputs) or any(len(function.values) != lines for function in flat):
         return None
     values = np.array([[np.real(function.values) for function in row] for row in rows])
-    if not ((values >= 0) & (values <= 1 + 1e-6)).all():
-        raise DataError("a coherence is not between 0 and 1", where=where, remedy="export the coherences again")
-    return np.minimum(values, 1.0)
+    return share_of_one(values, where)

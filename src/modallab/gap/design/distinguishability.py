@@ -159,19 +159,21 @@ def _plainly(candidate: Candidate) -> float:
 def advice(found: Distinguishability, plans: Sequence[Plan]) -> list[str]:
     """What to add to the plan."""
     kinds = {p.kind for p in plans}
-    said: list[str] = []
+    advices: list[str] = []
     if "sine" not in kinds:
-        said.append("Add a sine test: without it the shaker's attachment, the clock and the level cannot be examined.")
+        advices.append(
+            "Add a sine test: without it the shaker's attachment, the clock and the level cannot be examined."
+        )
     if "impact" not in kinds:
-        said.append("Add an impact test: free decays give the poles without the shaker.")
+        advices.append("Add an impact test: free decays give the poles without the shaker.")
     points = {p for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points}
     if "impact" in kinds and len(points) < 3:
-        said.append(
+        advices.append(
             "Strike at three points or more: residues at several points separate masses from springs and the root."
         )
     if any(isinstance(p, SinePlan) and len(p.levels_v) < 2 for p in plans):
-        said.append("Add a second level: an effect that depends on the size of the motion shows only there.")
+        advices.append("Add a second level: an effect that depends on the size of the motion shows only there.")
     pairs = {frozenset(pair[:2]) for pair in found.alike()}
     rivals = [(name, rival) for name, model in models().items() for rival in model.rivals if rival.plan]
-    said += [r.plan for name, r in rivals if any(name in p and (not r.effect or r.effect in p) for p in pairs)]
-    return said
+    advices += [r.plan for name, r in rivals if any(name in p and (not r.effect or r.effect in p) for p in pairs)]
+    return advices

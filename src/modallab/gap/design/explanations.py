@@ -165,7 +165,7 @@ def _require_planned(diagnosis: Diagnosis, c: CandidateSet) -> None:
 
 
 def free_with(there: Recorded, points: Collection[tuple[float, int]]) -> Nuisances:
-    """What is free on the records that are there and on hits at further points."""
+    """The free numbers of a fit to the records that are there and to hits at further points."""
     rig = there.prepared.campaign.rig
     counts = Counter(b.drive_point for b in there.prepared.blocks if b.test == "impact" and b.drive_point is not None)
     done = {rig.x_of(point): count for point, count in sorted(counts.items())}

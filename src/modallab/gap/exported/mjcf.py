@@ -16,7 +16,7 @@ from modallab.core.errors import DataError
 from modallab.core.extras import optional_package
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.formats.atomic import replacing
+from modallab.formats.atomic import write_text
 from modallab.gap.exported.chain import Chain, chain, combinations
 from modallab.gap.exported.mjcf_laws import law_tendon
 from modallab.twin.bench import Twin
@@ -41,8 +41,7 @@ def write_mjcf(path: Path, twin: Twin, rig: Rig, test: Test) -> None:
         StorageError: the file cannot be written.
     """
     text = mjcf(twin, rig, test)
-    with replacing(path) as draft:
-        draft.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
 
 
 def mjcf(twin: Twin, rig: Rig, test: Test) -> str:

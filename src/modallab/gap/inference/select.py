@@ -76,7 +76,12 @@ class StepwiseSelection:
             found += [descended(self._view, self._problem(p.candidates), u, 10) for p, u in self.bench.known]
         found = [f for f in _best_of_each(found) if f.key != self._here.key][: self.settings.rivals]
         self._progress(0.7, "explanations fitted to the records")
-        fitted = [(f, self._fit(f.problem.candidates, f.u)) for f in found]
+        fitted: list[tuple[Posterior, Fit]] = []
+        for f in found:
+            # Beside one that leaves only noise, one that the modal rows call that much less probable is no rival.
+            if self._explained(fitted) and f.evidence > fitted[0][0].evidence + self.settings.effect_price:
+                break
+            fitted.append((f, self._fit(f.problem.candidates, f.u)))
         if not self._explained(fitted):
             fitted += self._by_records({f.key for f in found})
         if fitted and not self._explained(fitted):
@@ -185,7 +190,10 @@ class StepwiseSelection:
 def candidates(bench: Bench, present: Iterable[Candidate] = ()) -> list[Candidate]:
     """Every linear effect that may stand beside those present."""
     rig, channels, there = bench.data.rig, bench.data.channels, list(present)
-    listed = [*of_bench(rig), *(c for row in channels for c in of_channel(rig, row)), *of_pairs(rig, channels)]
+    if bench.row is not None:
+        listed = of_channel(rig, bench.row)
+    else:
+        listed = [*of_bench(rig), *(c for row in channels for c in of_channel(rig, row)), *of_pairs(rig, channels)]
     keys = {(c.effect, c.place) for c in there}
     once = {c.effect for c in there if model_of(c.effect).once}
     return [

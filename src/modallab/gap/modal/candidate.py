@@ -43,6 +43,18 @@ class Candidate:
         """(2,) m along the tangents from its point, of what hangs on the structure."""
         return v[1:3] if v.size > 2 else np.zeros(2)
 
+    def pull(self, v: Real) -> tuple[Real, Real]:
+        """(numbers,) inverse variance of what is believed of each, and half the slope of its squares at v.
+
+        A number that is open within a width is as unknown as one of that width, at most, and drawn nowhere: what moves
+        nothing has then the evidence of nothing.
+        """
+        known = np.isfinite(self.prior)
+        weight = np.zeros(self.prior.size)
+        weight[known] = 1 / self.prior[known] ** 2
+        weight[~known] = 2 * np.pi / np.square(self.width)
+        return weight, np.where(known, weight * (v - self.centre), 0.0)
+
     @property
     def room(self) -> float:
         """-2 ln of the prior density of its numbers, as it adds to -2 ln of the evidence (Laplace)."""

@@ -17,7 +17,8 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     With D^-1 = F the receptance is X Y less what stands between: X = Phi_out F (lines, outputs, modes) and
     Y = F Phi_in^T (lines, modes, inputs), both with the gains, so that dH = -X dD Y.
     """
-    s, omega, modes = c.s, state.omega, state.omega.size
+    s, known = c.s, state.structure
+    omega, modes = known.omega, known.omega.size
     x, y, whole = state.paths(s, c.outside)
     read = state.read(s)[:, :, None]
     x, y, whole = read * x, y * state.applied, read * whole * state.applied
@@ -25,19 +26,19 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     found = np.zeros((sum(sizes), *whole.shape), np.complex128)
     parts = np.split(found, np.cumsum(sizes)[:-1])
     stiff, mass, field, damping, gains, force, hits, at, struck, masses, across = parts
-    stiff[0] = -state.stiffness * (x * omega**2 @ y)
-    mass[0] = -state.mass * squared * (x @ y)
+    stiff[0] = -known.stiffness * (x * omega**2 @ y)
+    mass[0] = -known.mass * squared * (x @ y)
     for n, (r, q) in enumerate(zip(*np.triu_indices(modes), strict=True)):
         field[n] = x[:, :, r, None] * y[:, None, q, :]
         if r != q:
             field[n] += x[:, :, q, None] * y[:, None, r, :]
         field[n] *= -omega[r] * omega[q]
     for n, (r, q) in enumerate(c.close_pairs):
-        size = 2 * np.sqrt(state.zeta[r] * omega[r] * state.zeta[q] * omega[q])
+        size = 2 * np.sqrt(known.zeta[r] * omega[r] * known.zeta[q] * omega[q])
         pair = x[:, :, r, None] * y[:, None, q, :] + x[:, :, q, None] * y[:, None, r, :]
         across[n] = -size * s[:, None, None] * pair
     for r in range(modes):
-        damping[r] = -2 * state.zeta[r] * omega[r] * s[:, None, None] * (x[:, :, r, None] * y[:, None, r, :])
+        damping[r] = -2 * known.zeta[r] * omega[r] * s[:, None, None] * (x[:, :, r, None] * y[:, None, r, :])
     force[0] = -whole
     for o in range(len(state.out)):
         gains[o, :, o] = whole[:, o]
@@ -45,7 +46,7 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     for i in range(len(state.into)):
         hits[i, :, :, i] = whole[:, :, i]
         struck[2 * i : 2 * i + 2, :, :, i] = state.applied[i] * (x @ c.into_slopes[i].T).transpose(2, 0, 1)
-    before, after = x @ state.sensor_shapes.T, state.sensor_shapes @ y
-    for p in range(len(state.sensor_masses)):
+    before, after = x @ known.sensor_shapes.T, known.sensor_shapes @ y
+    for p in range(len(known.sensor_masses)):
         masses[p] = -squared * before[:, :, p, None] * after[:, None, p, :]
     return found

@@ -14,12 +14,13 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
+from modallab.gap.modal.fitting import Fitted
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.judged import Judged, judged
 from modallab.gap.modal.matching import Side
 from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.gap.modal.parts import Misses, by_channel, by_mode
-from modallab.gap.modal.search import Fitted, explanations
+from modallab.gap.modal.search import ModalSearch
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
@@ -95,8 +96,8 @@ def explained_by_model(
     before, after = (Side(m, MeasuredFrfs.of(frf, m)) for m, frf in zip((reference, bench), frfs, strict=True))
     compare = partial(compared, before, after, known, mesh=mesh, own=own)
     last = compare()
-    smoother = [Free(compare(smooth), LOOSE) for smooth in SMOOTHER]
-    found = judged(*explanations([*smoother, Free(last, LOOSE), Free(last)]))
+    smooth, closer = (Free(compare(width), LOOSE) for width in SMOOTHER)
+    found = judged(ModalSearch.begun(smooth, closer, Free(last)))
     return Explained(Free(last), found, _said(Free(last), found, (reference.n_modes, bench.n_modes)))
 
 

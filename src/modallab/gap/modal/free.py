@@ -4,7 +4,7 @@ Stiffness and mass of the whole, how they are spread (a symmetric matrix in moda
 sensitivities, the force of each driven point, where sensors and hits really are, and what cables add at each sensor.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from modallab.core.rig import FORCE_SHARE
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.derivatives import derivatives
 from modallab.gap.modal.floor import of_structure
-from modallab.gap.modal.state import Hung, State
+from modallab.gap.modal.state import Hung, State, Structure
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -51,12 +51,14 @@ class Free:
         loose: factor on by how much FRFs may be off. While a model is wrong the tolerances must not be bent to it.
         wide: factor on by how much the structure itself is another in two tests.
         deviations: (numbers,) what one unit of each stands for; 0 for what is not free.
+        last: numbers that were asked for last -> the structure and its flexibility, which all changes share.
     """
 
     of: Compared
     loose: float = 1.0
     wide: float = 1.0
     deviations: Real = field(init=False)
+    last: dict[bytes, tuple[Structure, Complex]] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         """Compute the deviations once: every prediction needs them."""
@@ -109,13 +111,17 @@ class Free:
         """How many numbers."""
         return sum(self.sizes)
 
+    def at(self, s: Complex, outside: Complex) -> "Free":
+        """The same at other lines (lines,), with the reference's part `outside` its shapes there, to predict alone."""
+        return replace(self, of=replace(self.of, s=s, outside=outside))
+
     def parts(self, u: Real) -> list[Real]:
         """The numbers by part, in their own units."""
         return np.split(u * self.deviations, np.cumsum(self.sizes)[:-1])
 
     def state(self, u: Real, change: Change = NOTHING) -> State:
         """All numbers of the prediction."""
-        kappa, mu, field, zeta, gains, force, hits, at, struck, masses, across = self.parts(u)
+        _, _, _, _, gains, force, hits, at, struck, _, _ = self.parts(u)
         c = self.of
         gain = np.exp(gains)
         for o, factor in change.gains:
@@ -134,28 +140,43 @@ class Free:
                 moved[o] = moved[o] * np.exp(-2j * np.pi * c.model.frequency_hz * late_s)
         driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(-1, 2), c.into_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
-        upper = np.triu_indices(self.modes)
-        e = np.zeros((self.modes, self.modes))
-        e[upper] = field
-        damped = np.zeros_like(e)
-        for (r, q), value in zip(c.close_pairs, across, strict=True):
-            damped[r, q] = damped[q, r] = value
+        structure, flexibility = self.structure(u)
         return State(
-            omega=2 * np.pi * c.model.frequency_hz,
-            zeta=c.model.damping_ratio * np.exp(zeta),
+            structure=structure,
+            flexibility=flexibility,
             out=moved,
             into=driven,
             gain=gain,
             delay=late,
             mixed=mixed,
             applied=applied,
+            hung=change.hung,
+        )
+
+    def structure(self, u: Real) -> tuple[Structure, Complex]:
+        """Without any change, and its flexibility (lines, modes, modes)."""
+        key = u.tobytes()
+        if key not in self.last:
+            found = self._structure(u)
+            self.last.clear()
+            self.last[key] = found, found.flexibility(self.of.s)
+        return self.last[key]
+
+    def _structure(self, u: Real) -> Structure:
+        kappa, mu, field, zeta, *_, masses, across = self.parts(u)
+        c, e, damped = self.of, np.zeros((self.modes, self.modes)), np.zeros((self.modes, self.modes))
+        e[np.triu_indices(self.modes)] = field
+        for (r, q), value in zip(c.close_pairs, across, strict=True):
+            damped[r, q] = damped[q, r] = value
+        return Structure(
+            omega=2 * np.pi * c.model.frequency_hz,
+            zeta=c.model.damping_ratio * np.exp(zeta),
             stiffness=float(np.exp(kappa[0])),
             mass=float(np.exp(mu[0])),
             field=e + np.triu(e, 1).T,
             across=damped,
             sensor_masses=masses,
             sensor_shapes=c.out_psi if c.shapes.scaled else 0 * c.out_psi,
-            hung=change.hung,
         )
 
     def predicted(self, u: Real, change: Change = NOTHING) -> Complex:
@@ -168,12 +189,15 @@ class Free:
 
     def residual(self, u: Real, change: Change = NOTHING) -> Real:
         """(2 lines outputs inputs,) predicted less measured, in deviations."""
-        misfit = self.predicted(u, change) - self.of.measured
-        return np.asarray(self.of.weights.weighed(misfit[None])[:, 0] / self.loose, np.float64)
+        return self.weighed((self.predicted(u, change) - self.of.measured)[None])[:, 0]
+
+    def weighed(self, misfits: Complex) -> Real:
+        """(2 lines outputs inputs, any) of misfits (any, lines, outputs, inputs), in deviations."""
+        return self.of.weights.weighed(misfits) / self.loose
 
     def slopes(self, u: Real, change: Change = NOTHING) -> Real:
         """(2 lines outputs inputs, numbers) derivatives of `residual`."""
-        return self.of.weights.weighed(self.derivatives(u, change)) * (self.deviations / self.loose)
+        return self.weighed(self.derivatives(u, change)) * self.deviations
 
     def missed(self, u: Real, change: Change = NOTHING) -> Real:
         """(lines, outputs, inputs) |predicted less measured| over measured; small FRFs count as in `Compared.sizes`."""

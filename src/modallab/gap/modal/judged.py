@@ -12,25 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Verdict
-from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.errors import sizes
-from modallab.gap.modal.free import Free
-from modallab.gap.modal.linear import Linear
-from modallab.gap.modal.search import Fitted, fit
+from modallab.gap.modal.fitting import Fitted
+from modallab.gap.modal.scales import ScaleLadder, estimated, settled
+from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import beside
 
 Real = NDArray[np.float64]
 
-USUAL = (1.0, 0.25, 0.0625)
-"""Scales of what two tests of a structure differ by, over what is usual, at most."""
-UNUSUAL = (4.0, 16.0, 64.0)
-"""Scales of what has no name."""
 PRIOR = {"no_gap": 0.5, "known": 0.4, "unknown": 0.1}
 """Probabilities before the comparison."""
-TURNS = 2
-"""Times that scales are inferred, and numbers fitted at them."""
-SUSPECTS = 2
-"""Channels of which it is asked whether they do something else."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -65,26 +56,38 @@ def strain(fitted: Fitted) -> float:
     return float(np.sqrt(fitted.cost / fitted.u.size))
 
 
-def judged(base: Fitted, tried: list[Fitted]) -> Judged:
-    """What the explanations amount to.
+def judged(search: ModalSearch) -> Judged:
+    """What the explanations amount to: where it is not nothing, the best is fitted until it stays the best."""
+    base, scales = search.base, ScaleLadder.about(search.base.free.of)
+    nothing = settled(base, scales.usual)
+    names = [min((estimated(f, scales.usual) for f in kind), key=_evidence) for kind in search.kinds]
+    others = {name: estimated(nothing, rungs) for name, rungs in scales.nameless(nothing, nothing).items()}
+    found = _weighed(base, nothing, names, others)
+    if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
+        return _decided(found)
+    ended: dict[int, Fitted] = {}
 
-    Args:
-        base: fitted without a change, at what is usual.
-        tried: fitted so, the best of each kind.
-    """
-    c = base.free.of
-    # What models leave of FRFs is as usual: it is inferred where FRFs were measured, of which models are no sample.
-    steps = (1.0,) if c.noise is None else USUAL
-    even = {(a, b): c.scaled(a, b) for a in steps for b in steps}
-    nothing, *names = (_settled(f, even, USUAL) for f in (base, *tried))
-    least = min((nothing, *names), key=lambda f: f.evidence)
-    others = _nameless(nothing, even, least.free)
+    def to_its_end(_: Fitted, kind: int) -> Fitted:
+        ended[kind] = search.ended(search.kinds[kind])
+        return settled(ended[kind], scales.usual)
+
+    names, first = best_first(names, to_its_end)
+    least = min(nothing, first, key=_evidence)
+    others = {name: settled(base, rungs) for name, rungs in scales.nameless(nothing, least).items()}
+    strains = strain(base), strain(ended[names.index(first)])
+    return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
+
+
+def _weighed(base: Fitted, nothing: Fitted, names: Sequence[Fitted], others: Mapping[str, Fitted]) -> Judged:
+    """All explanations with their probabilities."""
     none, *each, unknown = _posterior(nothing, names, list(others.values()))
     ranked = sorted(zip(names, each, strict=True), key=lambda pair: -pair[1])
     where = min(others, key=lambda name: others[name].evidence)
-    first = ranked[0][0] if ranked else base
-    strains = strain(base), strain(tried[names.index(first)] if ranked else base)
-    return _decided(Judged("known", base, first, ranked, none, unknown, where, strains, []))
+    return Judged("known", base, ranked[0][0], ranked, none, unknown, where, (strain(base),) * 2, [])
+
+
+def _evidence(fitted: Fitted) -> float:
+    return fitted.evidence
 
 
 def _decided(found: Judged) -> Judged:
@@ -97,44 +100,6 @@ def _decided(found: Judged) -> Judged:
     moved, matters = moves(found.best), found.base.free.of.rig.tolerance.response
     if moved < matters:
         return replace(none, notes=[f"It moves {moved:.1%} of the response, where {matters:.0%} matter."])
-    return found
-
-
-def _settled(fitted: Fitted, even: Mapping[tuple[float, float], Compared], structure: Sequence[float]) -> Fitted:
-    """It fitted at its most probable scales, which its linearisation tells."""
-    for _ in range(TURNS):
-        linear = Linear.about(fitted)
-        tried: list[tuple[float, Compared, float]] = []
-        for own in even.values():
-            weighed = linear.weighed(own.weights)
-            tried += [(weighed.evidence(wide), own, wide) for wide in structure]
-        _, own, wide = min(tried, key=lambda t: t[0])
-        fitted = _at(fitted, own, wide)
-    return fitted
-
-
-def _at(fitted: Fitted, there: Compared, wide: float) -> Fitted:
-    """It fitted at other scales."""
-    free = replace(fitted.free, of=there, wide=wide)
-    # The numbers stay what they are, in other deviations.
-    before, after = fitted.free.deviations, free.deviations
-    u = fitted.u * np.divide(before, after, out=np.ones_like(after), where=after > 0)
-    return fit(free, fitted.candidate, u, fitted.v)
-
-
-def _nameless(base: Fitted, even: Mapping[tuple[float, float], Compared], usual: Free) -> dict[str, Fitted]:
-    """Fits without a change where the structure, everything, or a channel differs by more than is usual."""
-    c, missed = base.free.of, np.sqrt(np.mean(base.missed**2, axis=(0, 2)))
-    lines, shapes = next(key for key, own in even.items() if own is usual.of)
-    found = {"structure": _settled(base, even, UNUSUAL)}
-    found["everything"] = min(
-        (_at(base, c.scaled(a, x), x) for x in UNUSUAL for a in (lines, x)), key=lambda f: f.evidence
-    )
-    for o in np.argsort(-missed)[:SUSPECTS]:
-        there = np.arange(missed.size)[:, None] == o
-        ladder = [c.scaled(np.where(there, a, lines), np.where(there, x, shapes)) for x in UNUSUAL for a in (lines, x)]
-        fits = (_at(base, own, usual.wide) for own in ladder)
-        found[c.model.outputs[int(o)]] = min(fits, key=lambda f: f.evidence)
     return found
 
 
@@ -157,6 +122,6 @@ def moves(fitted: Fitted) -> float:
     change = fitted.change
     # What was measured line by line is not known between the lines.
     hung = None if change.hung is None else replace(change.hung, extra=None)
-    state = free.state(fitted.u, replace(change, hung=hung)).receptance(s, outside)
-    without = free.state(fitted.u).receptance(s, outside)
-    return float(np.sqrt(np.max(np.mean((np.abs(state - without) / sizes(without)) ** 2, axis=(0, 2)))))
+    there = free.at(s, outside)
+    moved, without = there.predicted(fitted.u, replace(change, hung=hung)), there.predicted(fitted.u)
+    return float(np.sqrt(np.max(np.mean((np.abs(moved - without) / sizes(without)) ** 2, axis=(0, 2)))))

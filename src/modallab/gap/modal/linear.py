@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.gap.modal.fitting import Fitted, inverse, own_slopes
 from modallab.gap.modal.free import Free
-from modallab.gap.modal.search import Fitted, inverse, own_slopes
 from modallab.gap.modal.weights import Weights
 
 Real = NDArray[np.float64]
@@ -73,14 +73,15 @@ class Weighed:
         unit = np.append(free.deviations, np.ones(self.of.v.size))
         weight = np.ones(free.size)
         off = self.of.u * np.divide(known, free.deviations, out=np.zeros_like(known), where=known > 0)
-        room = 0.0
+        room, believed = 0.0, float(off @ off)
         if candidate is not None:
-            weight = np.append(weight, 1 / candidate.prior**2)
-            off = np.append(off, self.of.v - candidate.centre)
+            own, pulled = candidate.pull(self.of.v)
+            believed += float(np.sum(((self.of.v - candidate.centre) / candidate.prior) ** 2))
+            weight, off = np.append(weight, own), np.append(off, pulled)
             room = candidate.room
         normal = self.normal * np.outer(unit, unit) + np.diag(weight)
-        gradient = self.gradient * unit + weight * off
+        gradient = self.gradient * unit + off
         covariance, logdet = inverse(normal)
         covariance[~np.isfinite(covariance)] = 0.0
-        cost = self.cost + weight @ off**2 - gradient @ covariance @ gradient
+        cost = self.cost + believed - gradient @ covariance @ gradient
         return float(cost + self.logdet + logdet + room)

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.modal_diagnosis import PartOfGap
+from modallab.gap.modal.fitting import Fitted
 from modallab.gap.modal.free import Free
-from modallab.gap.modal.search import Fitted
 
 Real = NDArray[np.float64]
 

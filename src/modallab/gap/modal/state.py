@@ -89,42 +89,28 @@ class Hung:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class State:
-    """All numbers of a prediction.
+class Structure:
+    """What of a prediction no change has a part in.
 
     Attributes:
         omega: (modes,) rad/s of the reference.
         zeta: (modes,) damping ratios.
-        out: (outputs, modes) shapes at the outputs.
-        into: (inputs, modes) shapes at the inputs.
-        gain: (outputs,) factors on what the outputs read.
-        delay: (outputs,) s by which they read late.
-        mixed: (outputs, outputs) of what lies beside the shapes: a sensor that moved shows that of its new place.
-        applied: (inputs,) force that acts over the force that is read.
         stiffness: kappa.
         mass: mu.
         field: (modes, modes) E, symmetric.
         across: (modes, modes) symmetric, 0 on the diagonal: damping between modes over that of the two.
         sensor_masses: (sensors,) kg beyond those of the reference.
         sensor_shapes: (sensors, modes) where they sit.
-        hung: the change that is looked for.
     """
 
     omega: Real
     zeta: Real
-    out: Complex
-    into: Complex
-    gain: Real
-    delay: Real
-    mixed: Real
-    applied: Real
     stiffness: float
     mass: float
     field: Real
     across: Real
     sensor_masses: Real
     sensor_shapes: Complex
-    hung: Hung | None = None
 
     def flexibility(self, s: Complex) -> Complex:
         """(lines, modes, modes) D^-1, without what hangs there."""
@@ -137,13 +123,40 @@ class State:
         d += s[:, None, None] * (2 * self.across * np.sqrt(np.outer(self.zeta * self.omega, self.zeta * self.omega)))
         return np.linalg.inv(d)
 
+
+@dataclass(frozen=True, eq=False, slots=True)
+class State:
+    """All numbers of a prediction.
+
+    Attributes:
+        structure: without what may have been changed.
+        flexibility: (lines, modes, modes) of it.
+        out: (outputs, modes) shapes at the outputs.
+        into: (inputs, modes) shapes at the inputs.
+        gain: (outputs,) factors on what the outputs read.
+        delay: (outputs,) s by which they read late.
+        mixed: (outputs, outputs) of what lies beside the shapes: a sensor that moved shows that of its new place.
+        applied: (inputs,) force that acts over the force that is read.
+        hung: the change that is looked for.
+    """
+
+    structure: Structure
+    flexibility: Complex
+    out: Complex
+    into: Complex
+    gain: Real
+    delay: Real
+    mixed: Real
+    applied: Real
+    hung: Hung | None = None
+
     def paths(self, s: Complex, outside: Complex) -> tuple[Complex, Complex, Complex]:
         """How modal forces come to the outputs and forces at the inputs to the modes, with what hangs there; and H.
 
         Returns:
             (lines, outputs, modes), (lines, modes, inputs) and (lines, outputs, inputs), without any gain.
         """
-        flexibility = self.flexibility(s)
+        flexibility = self.flexibility
         x, y = self.out @ flexibility, flexibility @ self.into.T
         outside = np.asarray(self.mixed @ outside)
         whole = x @ self.into.T + outside

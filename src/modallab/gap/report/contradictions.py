@@ -27,8 +27,8 @@ CLOSE = 0.02
 
 def contradictions(choice: Choice, prepared: Prepared) -> list[str]:
     """One sentence for each: a beam far off its tolerance, and sensitivities that had to move far within theirs."""
-    said = _beam(choice, prepared)
-    return said or (_gains(choice, prepared) if choice.explained else [])
+    sentences = _beam(choice, prepared)
+    return sentences or (_gains(choice, prepared) if choice.explained else [])
 
 
 def _beam(choice: Choice, prepared: Prepared) -> list[str]:

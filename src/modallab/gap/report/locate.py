@@ -69,8 +69,8 @@ def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
         return Location("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
     if harmonic > OFTEN:
         why = f"{percent(harmonic)} of the sine responses hold overtones of the drive that the force does not."
-        said = (why, "The bench does not answer in proportion: it is in the beam.")
-        return Location("structure", (), tests, said, nonlinear=True)
+        sentences = (why, "The bench does not answer in proportion: it is in the beam.")
+        return Location("structure", (), tests, sentences, nonlinear=True)
     return _of_beam_or_test(bench, base, tests)
 
 
@@ -93,8 +93,8 @@ def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Locatio
         if len(bad) == 1 and not (levels and bad == ("sine",)):
             return Location("excitation", (), bad, (*why, f"Only the {bad[0]} test disagrees, and not by its poles."))
     if levels:
-        said = (*why, "The two levels of the sine test disagree with each other.")
-        return Location("structure", (), tests, said, nonlinear=True)
+        sentences = (*why, "The two levels of the sine test disagree with each other.")
+        return Location("structure", (), tests, sentences, nonlinear=True)
     if shift >= POLE_SHIFT:
         return Location("structure", (), tests, (*why, "No beam within its tolerances has such poles."))
     return _of_chain(bench, base, tests, why)

@@ -59,6 +59,7 @@ class Bench:
         overtones: of the sines that may be fitted.
         known: explanations that an earlier diagnosis had left standing, and where their fits begin.
         points: modes of the hits at each drive point, identified without a model.
+        row: the channel that is off alone: only effects on it are tried; None for all effects.
     """
 
     data: Reduced
@@ -71,6 +72,7 @@ class Bench:
     overtones: tuple[Overtone, ...] = ()
     known: tuple[tuple[Problem, Array], ...] = ()
     points: tuple[PointModes, ...] = ()
+    row: int | None = None
 
 
 def finish(bench: Bench, fit: Fit, floor: float) -> Fit:

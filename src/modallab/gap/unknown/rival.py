@@ -52,22 +52,22 @@ def loses_samples(prepared: Prepared, fit: Fit) -> bool:
     return any(row in rows_of(fit) for row in prepared.repeated)
 
 
-def channel_alone(bench: Bench, prepared: Prepared, first: Level, held: Sequence[str]) -> Alone | None:
-    """The channel that is off alone, if there is one.
+def channel_alone(bench: Bench, prepared: Prepared, base: Fit, held: Sequence[str]) -> Alone | None:
+    """The channel without which there is no gap, if there is one.
 
     Args:
         bench: what is searched.
         prepared: the campaign.
-        first: the round of single effects.
+        base: the twin without effects.
         held: records that no fit may see.
     """
-    best = best_of(first)
-    losing = [row for row in prepared.repeated if row in rows_of(best) or not near(bench, best)]
+    if len(bench.data.channels) < 2:
+        return None
     fitted = [b for b in prepared.blocks if b.name not in set(held)]
-    for row in losing or _standing_out(search_origin(bench, first.base)):
+    for row in prepared.repeated or _standing_out(search_origin(bench, base)):
         alone = without(bench, prepared, fitted, row)
-        if near(bench, alone):
-            return Alone(row, alone, bool(losing))
+        if alone.gap <= bench.flat and ordinary(alone):
+            return Alone(row, alone, bool(prepared.repeated))
     return None
 
 

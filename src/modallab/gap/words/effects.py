@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import cast
 
 from modallab.core.diagnosis import Found
-from modallab.core.digits import listed, plain, probability, with_interval
+from modallab.core.digits import listed, probability, rough, with_interval
 from modallab.core.effects import Parameter, kind_of
 from modallab.core.modal_diagnosis import FoundChange
 from modallab.twin.effects import model_of
@@ -45,7 +45,7 @@ def of_parameter(found: Found, parameter: Parameter) -> tuple[str, str]:
     """A parameter's value and its interval; why it has none, where the records leave it open."""
     why = found.not_known.get(parameter.name)
     if why:
-        return f"about {plain(found.parameters[parameter.name], 1)} {parameter.unit}".rstrip(), f"not known: {why}"
+        return f"about {rough(found.parameters[parameter.name])} {parameter.unit}".rstrip(), f"not known: {why}"
     return with_interval(found.parameters[parameter.name], found.interval.get(parameter.name), parameter.unit)
 
 
@@ -130,5 +130,5 @@ def numbers_of(change: FoundChange) -> list[tuple[str, str, str]]:
 def _of_change(value: float, interval: tuple[float, float], unit: str) -> tuple[str, str]:
     low, high = interval
     if low > 0 and high > OPEN * low:
-        return f"about {plain(value, 1)} {unit}", "not known: the records leave it open"
+        return f"about {rough(value)} {unit}", "not known: the records leave it open"
     return with_interval(value, interval, unit)

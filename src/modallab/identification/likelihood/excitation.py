@@ -208,3 +208,35 @@ class UnitExcitation:
         """See Excitation; an FRF is already per unit force."""
         del factor
         return self
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RandomExcitation:
+    """A record's force by its spectrum at the lines; what rings at its ends is a free state."""
+
+    grid: Grid
+    force: Lines
+
+    def forced(self, poles: NDArray[np.complex128], shared: Kernel | None = None) -> tuple[Lines, Lines]:
+        """See Excitation."""
+        del shared
+        s, lam = 1j * self.grid.omega, poles[:, None]
+        value = s**self.grid.p * self.force / (s - lam)
+        return value, value / (s - lam)
+
+    @property
+    def state_at(self) -> int:
+        """See Excitation."""
+        return 0
+
+    def free(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
+        """See Excitation."""
+        return free_decay(self.grid, poles, 0)
+
+    def static(self, power: int) -> Lines:
+        """See Excitation."""
+        return np.power(1j * self.grid.omega, self.grid.p + power, dtype=np.complex128) * self.force
+
+    def scaled(self, factor: complex) -> "RandomExcitation":
+        """See Excitation."""
+        return replace(self, force=self.force * factor)

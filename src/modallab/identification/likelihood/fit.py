@@ -13,8 +13,8 @@ from modallab.identification.likelihood.derivatives import Vectors
 from modallab.identification.likelihood.excitation import Excitation
 from modallab.identification.likelihood.force_noise import force_parts
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.projection import GroupSolution, Point, Problem, energy, true_excitation
-from modallab.identification.likelihood.rows import stack, unstack
+from modallab.identification.likelihood.projection import GroupSolution, Point, Problem, true_excitation
+from modallab.identification.likelihood.rows import unstack
 from modallab.identification.likelihood.search import Refined
 
 Real = NDArray[np.float64]
@@ -142,10 +142,3 @@ def _summed(values: Real, vectors: Vectors, coefficient: Real, size: int) -> Rea
         return np.zeros((len(values), 0))
     starts = np.flatnonzero(np.diff(vectors.parameter, prepend=-1))
     return np.add.reduceat(values * coefficient[vectors.column], starts, axis=1)
-
-
-def response_misfit(fit: Fit) -> Real:
-    """Share (outputs,) of the measured response's energy that the model does not explain."""
-    left = np.sum([energy(g.residual) for g in fit.point.groups], axis=0)
-    there = np.sum([energy(stack(b.response)) for b in fit.problem.blocks], axis=0)
-    return left / np.maximum(there, np.finfo(float).tiny)

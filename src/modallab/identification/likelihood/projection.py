@@ -25,7 +25,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Parameters:
-    """What is searched.
+    """The unknowns that the search varies; residues follow from them by least squares.
 
     Attributes:
         omega: (modes,) rad/s.

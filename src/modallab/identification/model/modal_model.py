@@ -40,7 +40,8 @@ class Seen:
     apparent: NDArray[np.float64]
 
 
-def _of_fit(fit: Fit) -> Seen:
+def seen_by(fit: Fit) -> Seen:
+    """What a model takes of a fit."""
     constants, sigma = fit.modal_constants
     return Seen(constants, sigma, residuals(fit), _apparent(fit, constants))
 
@@ -86,7 +87,7 @@ def model_of_fit(
         seen: of points that disagree, what is not that of the fit.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
-    used = seen or _of_fit(fit)
+    used = seen or seen_by(fit)
     constants, of_parts = used.constants, used.sigma_of_parts
     output_points, driving = tuple(c.point for c in rig.responses), driving_points(rig)
     ascending = np.flatnonzero(keep)[np.argsort(at.omega[keep])]

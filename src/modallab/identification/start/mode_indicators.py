@@ -1,6 +1,6 @@
-"""Curves over frequency that show where modes are, and how many: MIF, multivariate MIF and CMIF.
+"""Curves over frequency that show where modes are, and how many: multivariate MIF and CMIF.
 
-Sources: Breitbach (1973) for the ordinary MIF; Williams, Crowley, Vold, "The multivariate mode indicator function in
+Sources: Williams, Crowley, Vold, "The multivariate mode indicator function in
 modal analysis", IMAC 3 (1985); Shih, Tsuei, Allemang, Brown, "Complex mode indication function and its applications to
 spatial domain parameter estimation", MSSP 2 (1988).
 """
@@ -14,28 +14,13 @@ from modallab.frf.estimate import convert
 Real = NDArray[np.float64]
 
 
-def mif(frf: Frf) -> Real:
-    """Ordinary MIF (inputs, lines), 0 to 1: dips where all outputs move out of phase with the force (receptance).
-
-    sum over outputs |Re H| |H| / sum |H|^2.
-
-    Raises:
-        DataError: no FRF, or a line at 0 Hz of other than receptance.
-    """
-    values = convert(frf, "receptance").values
-    size = np.abs(values)
-    power = np.sum(size**2, axis=0)
-    share = np.sum(np.abs(values.real) * size, axis=0)
-    return np.divide(share, power, out=np.ones_like(power), where=power > 0)
-
-
 def mmif(frf: Frf) -> Real:
     """Multivariate MIF (inputs, lines), lowest first: as many curves dip at a line as modes are there.
 
     Eigenvalues of Hr^T Hr f = mu (Hr^T Hr + Hi^T Hi) f, the in-phase share that the best mix of forces leaves.
 
     Raises:
-        DataError: as for `mif`.
+        DataError: no FRF, or a line at 0 Hz of other than receptance.
     """
     values = np.moveaxis(convert(frf, "receptance").values, -1, 0)
     in_phase = values.real.transpose(0, 2, 1) @ values.real
@@ -53,7 +38,7 @@ def cmif(frf: Frf) -> Real:
     """CMIF (min(outputs, inputs), lines): singular values of the FRF matrix squared, largest first.
 
     Raises:
-        DataError: as for `mif`.
+        DataError: as for `mmif`.
     """
     values = np.moveaxis(convert(frf, frf.quantity).values, -1, 0)
     return np.asarray(np.linalg.svd(values, compute_uv=False).T ** 2, np.float64)

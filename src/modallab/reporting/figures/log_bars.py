@@ -30,7 +30,7 @@ class Scale:
     label: str
     least: float
     most: float
-    said: Callable[[float], str]
+    shown: Callable[[float], str]
 
 
 NOISE = Scale("rms of measured less simulated [noise units]", 1.0, 10.0, rounded)
@@ -49,7 +49,7 @@ class Row:
 
     label: str
     values: tuple[float | None, ...]
-    said: str = ""
+    shown: str = ""
 
 
 def log_bars(
@@ -93,7 +93,7 @@ def _row(axes: Axes, y: int, row: Row, colours: Sequence[str], above: bool, scal
         at, last = y + top + each * (k + 0.5), k == len(colours) - 1
         end = max(value, SLIVER * scale.least)
         axes.barh(at, end - scale.least, 0.9 * each, left=scale.least, color=colours[k])
-        _write(axes, end, at, f"{scale.said(value)}{row.said if last else ''}", 9.5)
+        _write(axes, end, at, f"{scale.shown(value)}{row.shown if last else ''}", 9.5)
 
 
 def _write(axes: Axes, x: float, y: float, text: str, size: float) -> None:

@@ -10,7 +10,6 @@ from modallab.core.frf import UNIT, Frf
 from modallab.reporting.figures import style
 from modallab.reporting.figures.selection import place
 
-SYMBOL = {"receptance": "receptance", "mobility": "mobility", "inertance": "inertance"}
 FEW = 60
 """Up to so many lines an FRF was measured at single frequencies and is drawn with a dot at each."""
 

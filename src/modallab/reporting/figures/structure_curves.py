@@ -73,11 +73,11 @@ def _curves(explained: Explained) -> _Curves:
     part = outside(c.model, s)
     best = explained.judged.best
     changed = best.candidate is not None
-    before = free.state(np.zeros(free.size)).receptance(s, part)
-    after = free.state(best.u, best.change).receptance(s, part)
+    before = free.at(s, part).predicted(np.zeros(free.size))
+    after = best.free.at(s, part).predicted(best.u, best.change)
     rate = s[:, None, None]
-    said = WITH if changed else WITHIN
-    return _Curves(hz, rate * synthesised(c.bench, s), rate * before, rate * after, said)
+    which = WITH if changed else WITHIN
+    return _Curves(hz, rate * synthesised(c.bench, s), rate * before, rate * after, which)
 
 
 def _lines(free: Free) -> Real:

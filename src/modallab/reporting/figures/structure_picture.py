@@ -34,7 +34,7 @@ class Marked:
 
     at_m: Real
     towards_m: Real | None = None
-    said: str = ""
+    label: str = ""
 
 
 def structure_picture(rig: Rig, marked: Marked | None) -> Markup:
@@ -119,12 +119,12 @@ def _mark(at: Real, marked: Marked) -> list[Markup]:
         path = f"M{_pair(at[0])}L{_pair(at[n])}"
         parts.append(tag("path", d=path, fill="none", stroke="var(--warning)", stroke_width="2.5"))
         parts.append(tag("circle", cx=f"{at[n, 0]:.1f}", cy=f"{at[n, 1]:.1f}", r="4.5", fill="var(--warning)"))
-    if marked.said and n:
+    if marked.label and n:
         # Above all points, where nothing else is written.
         left = at[0, 0] > WIDTH / 2
         parts.append(tag("path", d=f"M{at[0, 0]:.1f} {at[0, 1] - 11:.1f}V24", stroke="var(--warning)"))
         shift = np.array([-6.0 if left else 6.0, 28.0 - at[0, 1]])
-        parts.append(_text(at[0] + shift, marked.said, "var(--warning)", "end" if left else "start", "600"))
+        parts.append(_text(at[0] + shift, marked.label, "var(--warning)", "end" if left else "start", "600"))
     return parts
 
 

@@ -38,8 +38,8 @@ def _known(modes: tuple[Mode, ...]) -> Iterator[tuple[bool, str]]:
     f = [100 * r.frequency_sigma_hz / r.frequency_hz for r in readings]
     zeta = [100 * r.damping_sigma / r.damping for r in readings if r.damping > 0]
     if f and zeta and all(map(isfinite, (*f, *zeta))):
-        said = f"known to {plain(max(f), 2)} % or better, damping ratios to {plain(max(zeta), 2)} %"
-        yield True, f"Natural frequencies are {said} (one standard deviation)."
+        claim = f"known to {plain(max(f), 2)} % or better, damping ratios to {plain(max(zeta), 2)} %"
+        yield True, f"Natural frequencies are {claim} (one standard deviation)."
     doubted = [plain(m.frequency_hz) for m in modes if _confidence(m) < DOUBTFUL]
     if doubted:
         yield False, f"Doubtful: {listed(doubted)} Hz, of a confidence below {DOUBTFUL:g}."
@@ -55,8 +55,8 @@ def _repeated(outcome: Outcome) -> Iterator[tuple[bool, str]]:
         return
     found = np.nan_to_num(outcome.verification.frac, nan=0.0)
     good = bool(found.min() >= MATCH)
-    said = "repeats what was measured" if good else "does not repeat what was measured at all points"
-    yield good, f"The model {said} in {_called(outcome)}: FRAC {share(found.min())} to {share(found.max())}."
+    claim = "repeats what was measured" if good else "does not repeat what was measured at all points"
+    yield good, f"The model {claim} in {_called(outcome)}: FRAC {share(found.min())} to {share(found.max())}."
 
 
 def _tests(modes: tuple[Mode, ...]) -> Iterator[tuple[bool, str]]:
@@ -82,8 +82,8 @@ def _assumed(outcome: Outcome) -> Iterator[tuple[bool, str]]:
         names = [v.assumption for v in outcome.assessment.verdicts if v.holds == holds]
         if names:
             many = len(names) > 1
-            said = ("hold" if many else "holds") if holds else ("do not hold" if many else "does not hold")
-            text = f"{listed(names)} {said} in {_called(outcome)}."
+            claim = ("hold" if many else "holds") if holds else ("do not hold" if many else "does not hold")
+            text = f"{listed(names)} {claim} in {_called(outcome)}."
             yield holds, text[0].upper() + text[1:]
 
 

@@ -13,7 +13,7 @@ from modallab.service.records.sessions import Sessions
 
 COOKIE = "modallab_session"
 OPEN_PATHS = frozenset({"/health", "/api/v1/session", "/login", "/", "/docs", "/openapi.json", "/asyncapi.json"})
-OPEN_FOLDERS = ("/docs/", "/problems/", "/page/")
+OPEN_FOLDERS = ("/docs/", "/problems/", "/page/", "/manual/")
 FILES = "/api/v1/imports"
 """The one address where a body is a file."""
 TRUSTED = "modallab.trusted"

@@ -27,7 +27,7 @@ from modallab.service.api.described import METHODS, describe_operations, describ
 from modallab.service.api.events import Feed
 from modallab.service.api.head import HeadAsGet
 from modallab.service.api.operator_page import mount_page
-from modallab.service.api.pages import mount_static
+from modallab.service.api.pages import mount_manual, mount_static
 from modallab.service.api.problems import install
 from modallab.service.api.request_context import LEASE, OPERATOR
 from modallab.service.api.router import HEADER as KEY
@@ -73,6 +73,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     app.state.routes = [route for router in routers for route in router.routes]
     mount_static(app)
     mount_page(app)
+    mount_manual(app, settings.site)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
     app.add_middleware(Gzip)
     app.add_middleware(

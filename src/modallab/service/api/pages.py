@@ -71,3 +71,9 @@ def mount_static(app: FastAPI) -> None:
     """Serve Swagger UI from the package it comes in."""
     folder = Path(str(files(fastapi_offline) / "static"))
     app.mount("/docs/static", StaticFiles(directory=folder), name="swagger-ui")
+
+
+def mount_manual(app: FastAPI, folder: Path | None) -> None:
+    """Serve the built manual at `/manual/`, where there is one."""
+    if folder is not None:
+        app.mount("/manual", StaticFiles(directory=folder, html=True), name="manual")

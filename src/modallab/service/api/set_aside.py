@@ -72,13 +72,13 @@ def _grace(request: Request) -> timedelta:
 
 def _campaign(service: Service, campaign: str, state: str, operator: str) -> CampaignView:
     view = service.repository.campaign(campaign)
-    said = SetAsideChanged(campaign=campaign, state=state, operator=operator)
-    service.log.append(said.kind, Topic(view.rig, campaign), said.model_dump())
+    event = SetAsideChanged(campaign=campaign, state=state, operator=operator)
+    service.log.append(event.kind, Topic(view.rig, campaign), event.model_dump())
     return view
 
 
 def _run(service: Service, run: str, state: str, operator: str) -> RunView:
     view = run_view(service, run)
-    said = SetAsideChanged(run=run, state=state, operator=operator)
-    service.log.append(said.kind, Topic(view.rig or "", view.campaign or "", run), said.model_dump())
+    event = SetAsideChanged(run=run, state=state, operator=operator)
+    service.log.append(event.kind, Topic(view.rig or "", view.campaign or "", run), event.model_dump())
     return view

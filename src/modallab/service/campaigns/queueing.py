@@ -116,5 +116,5 @@ def duration_s(plan: Plan) -> float:
 
 
 def _notify(service: Service, rig: str, **content: str | bool) -> None:
-    said = QueueChanged.model_validate({"rig": rig} | content)
-    service.log.append(said.kind, Topic(rig=rig), said.content())
+    event = QueueChanged.model_validate({"rig": rig} | content)
+    service.log.append(event.kind, Topic(rig=rig), event.content())

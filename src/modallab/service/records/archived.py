@@ -175,7 +175,7 @@ def left_out(kind: Kind, *, archived: bool, deleted: bool) -> Select[tuple[str]]
 
 
 def bring_back(connection: Connection, campaign: str) -> None:
-    """A run has begun in a campaign that was set aside meanwhile: what is recorded now must not go with it."""
+    """Take a campaign back from the archive, since a run has begun in it: what is recorded now must not be deleted."""
     mine = SET_ASIDE.c.kind == "campaign", SET_ASIDE.c.id == campaign, SET_ASIDE.c.state.not_in(_LOST)
     connection.execute(delete(SET_ASIDE).where(*mine))
 

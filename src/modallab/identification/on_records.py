@@ -1,0 +1,84 @@
+"""A fit of the FRFs of a random force, taken on to the records that they were made of."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.frf import Frf
+from modallab.core.units import FrfEstimator
+from modallab.frf.joined import RecordSpectra
+from modallab.identification.likelihood.driven_records import OF_H2, Driven, DrivenFit
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.frf_fit import fit_frf
+from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.model.modal_model import Seen, seen_by
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OnRecords:
+    """The most likely model of records.
+
+    Attributes:
+        fit: of the FRFs, with the poles of the records and their covariance.
+        stay: (modes,) which modes of the fit of the FRFs it holds.
+        seen: what else a model takes.
+        notes: what is to be said of the noise on the force.
+    """
+
+    fit: Fit
+    stay: NDArray[np.int64]
+    seen: Seen
+    notes: tuple[str, ...]
+
+
+def on_records(
+    frf: Frf, fit: Fit, keep: NDArray[np.bool_], records: RecordSpectra, estimator: FrfEstimator
+) -> OnRecords:
+    """The most likely model of records, without the modes that only the fit of the FRFs needs.
+
+    Args:
+        frf: of one force.
+        fit: of them.
+        keep: (modes,) which poles are modes.
+        records: of that force.
+        estimator: whose the noise on the force is taken to be.
+
+    Raises:
+        IdentificationError: poles that cannot be distinguished.
+    """
+    problem, at = fit.problem, fit.point.parameters
+    driven = DrivenFit(records, problem.powers, problem.blocks[0].excitation.grid.p, estimator)
+    found = driven.search(at.omega, at.zeta, fit.point.groups[0].coefficients)
+    found, stay = driven.needed(found, keep)
+    there, n = fit_frf(frf, poles_of(found.omega, found.zeta), 0), 2 * stay.size
+    refined = replace(there.refined, covariance=found.covariance[:n, :n], settled=True)
+    better = replace(there, refined=refined)
+    constants, sigma = _constants(found)
+    seen = replace(seen_by(better), constants=constants, sigma_of_parts=sigma, terms=found.coefficients[n:, :, None])
+    known = float(np.min(np.abs(sigma) / np.maximum(np.abs(constants), np.finfo(float).tiny), initial=np.inf))
+    return OnRecords(better, stay, seen, _noise_note(1 - driven.true_share(found.force_noise), estimator, known))
+
+
+def _constants(found: Driven) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Modal constants and their sigmas, each (modes, outputs, 1), as `Fit.modal_constants` has them."""
+    n, size = 2 * found.omega.size, found.coefficients.size
+    sigma = np.sqrt(np.diag(found.covariance)[n : n + size]).reshape(found.coefficients.shape[::-1]).T
+    scale = 2 * poles_of(found.omega, found.zeta).imag[:, None, None]
+    values, sigmas = (part[:n].reshape(found.omega.size, 2, -1) for part in (found.coefficients, sigma))
+    residue = values[:, 0] + 1j * values[:, 1]
+    return 1j * scale * residue[..., None], scale * (sigmas[:, 1] + 1j * sigmas[:, 0])[..., None]
+
+
+def _noise_note(share: NDArray[np.float64], estimator: FrfEstimator, known: float) -> tuple[str, ...]:
+    """A bias that the best known modal constant would not show is not worth a word."""
+    noise = float(np.median(share))
+    if noise < known:
+        return ()
+    low, high = 100 * noise * (1 - OF_H2[estimator]), 100 * noise * OF_H2[estimator]
+    on_channel = f"{estimator} and the modal constants are {low:.2g} % low" if low else f"{estimator} is right"
+    in_force = f"they are {high:.2g} % high" if high else "they are right"
+    return (
+        f"Noise on the force, {100 * np.sqrt(noise):.2g} % of it, is in the uncertainties. If the force channel makes "
+        f"it, {on_channel}. If it is a force that was not measured, {in_force}.",
+    )

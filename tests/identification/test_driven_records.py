@@ -1,0 +1,55 @@
+"""Records of a random force with noise on the force channel, against the closed form of what made them."""
+
+import numpy as np
+import pytest
+
+from modallab.frf.joined import RecordSpectra
+from modallab.identification.likelihood.driven_records import Driven, DrivenFit
+
+RATE, N = 256.0, 256 * 40
+HZ, ZETA = np.array([30.0, 70.0]), np.array([0.01, 0.008])
+PHI = np.array([[1.0, 0.8], [0.6, -0.9], [-0.5, 0.4]])
+LINES = np.arange(10 * 40, 100 * 40)
+OUT_OF_95 = 1.96
+
+
+def fitted(noise: float, seed: int, estimator: str, outputs: int = 3) -> tuple[Driven, DrivenFit]:
+    """A search from poles and residues that are a little off."""
+    rng = np.random.default_rng(seed)
+    omega, w = 2 * np.pi * np.fft.rfftfreq(N, 1 / RATE), 2 * np.pi * HZ
+    force = rng.normal(size=N)
+    mode = -(omega**2) / (w[:, None] ** 2 - omega**2 + 2j * ZETA[:, None] * w[:, None] * omega)
+    y = np.fft.irfft((PHI * PHI[0]) @ mode * np.fft.rfft(force), N)[:outputs]
+    y += 3e-3 * y.std() * rng.normal(size=y.shape)
+    spectra = (np.fft.rfft(x)[None, :, LINES] for x in (force[None] + noise * rng.normal(size=(1, N)), y))
+    near, zeta = w * (1 + 1e-4 * rng.normal(size=2)), ZETA * 1.03
+    start = np.zeros((7, outputs))
+    start[1:4:2] = -(PHI[:outputs] * PHI[0] / (2 * w)).T
+    fit = DrivenFit(RecordSpectra(LINES * RATE / N, N, RATE, *spectra), (-2, 0, 2), 2, estimator)
+    return fit.search(near, zeta, start), fit
+
+
+def off(found: Driven) -> np.ndarray:
+    """Frequencies, damping ratios and drive-point constants: how many sigmas they are off."""
+    sigma, modes = np.sqrt(np.diag(found.covariance)), 2
+    scale = 2 * found.omega * np.sqrt(1 - found.zeta**2)
+    poles = (found.omega - 2 * np.pi * HZ) / sigma[: 2 * modes : 2], (found.zeta - ZETA) / sigma[1 : 2 * modes : 2]
+    constants = -scale * found.coefficients[1:4:2, 0]
+    return np.concatenate([*poles, (constants - PHI[0] ** 2) / (scale * sigma[2 * modes + 1 : 2 * modes + 4 : 2])])
+
+
+@pytest.mark.parametrize("outputs", [1, 3])
+def test_the_power_of_noise_on_the_force_is_found_within_a_tenth_even_from_one_response(outputs: int) -> None:
+    found, fit = fitted(0.1, 1, "H2", outputs)
+    assert 1 - fit.true_share(found.force_noise).mean() == pytest.approx(0.1**2 / 1.01, rel=0.1)
+
+
+def test_h1_is_low_by_the_power_of_the_noise_and_h2_is_not() -> None:
+    h1, h2 = (fitted(0.2, 2, e)[0].coefficients[1:4:2] for e in ("H1", "H2"))
+    np.testing.assert_allclose(h1 / h2, 1 / 1.04, rtol=5e-3)
+
+
+@pytest.mark.thorough("fits twenty records")
+def test_intervals_hold_what_is_true() -> None:
+    within = np.mean([np.abs(off(fitted(0.1, seed, "H2")[0])) < OUT_OF_95 for seed in range(20)])
+    assert 0.88 < within < 0.99
