@@ -34,8 +34,8 @@ changed = system(1, heavy)
 held = sdpy.System.concatenate([system(1, given["mass"]), system(101, heavy)])
 pair = sdpy.coordinate_array(np.array([[n, 101]]), np.array([["Z+", "Z+"]]))
 coupled = held.substructure_by_coordinate(pair)
-tip = sdpy.coordinate_array(1, "Z+")
-frf = lambda s: s.frequency_response(hz, tip, tip, displacement_derivative=1)
+here = sdpy.coordinate_array(1, "Z+")
+frf = lambda s: s.frequency_response(hz, here, here, displacement_derivative=1)
 force = np.zeros((n, hz.size)); force[0] = 1
 solved = ode.SolveUnc(heavy, given["damping"], given["stiffness"]).fsolve(force, hz)
 out = {

@@ -10,7 +10,7 @@ from modallab.core.lazy import lazily
 if TYPE_CHECKING:
     from modallab.formats.fem.matrix_model import MatrixModel
     from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
-    from modallab.notebook.correlated import Correlated, UpdatedModel
+    from modallab.notebook.correlated import Correlated, CorrelatedModes, UpdatedModel
     from modallab.notebook.driven import driven
     from modallab.notebook.gap import Agreement, GapFound, agreement, diagnose, diagnose_by_model
     from modallab.notebook.identify import identify
@@ -33,6 +33,7 @@ __all__ = [
     "Answered",
     "ChangedModel",
     "Correlated",
+    "CorrelatedModes",
     "Coupled",
     "DeflectionShape",
     "DiagnosedTwin",
@@ -73,7 +74,7 @@ __getattr__ = lazily(
         "notebook.measured": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model",),
         "notebook.identify": ("identify",),
-        "notebook.correlated": ("Correlated", "UpdatedModel"),
+        "notebook.correlated": ("Correlated", "CorrelatedModes", "UpdatedModel"),
         "updating.prior": ("Prior",),
         "formats.fem.matrix_model": ("MatrixModel",),
         "notebook.recording": ("Recording", "load"),

@@ -84,7 +84,9 @@ def test_a_model_compared_with_itself_has_a_mac_of_one(
     assert "--rig" in capsys.readouterr().err
     model, answer = BARE.model(), tmp_path / "answer.json"
     write_rig(bare_rig(model.outputs, [1, 2, 3, 4], [1], "inertance"), tmp_path / "rig.yaml")
-    assert main(["model", "compare", str(models), "--other", str(models), "--json", str(answer)]) == 0
+    picture = ["--out", str(tmp_path / "pairs.svg")]
+    assert main(["model", "compare", str(models), "--other", str(models), "--json", str(answer), *picture]) == 0
+    assert "<svg" in (tmp_path / "pairs.svg").read_text()
     found = json.loads(answer.read_text())
     assert found["pairs"] == [[1, 1], [2, 2], [3, 3], [4, 4]]
     np.testing.assert_allclose(found["comac"], 1)

@@ -59,6 +59,7 @@ def _compare(actions: _Commands) -> Any:
     command.add_argument(
         "--other", type=Path, required=True, metavar="FILE", help="models, finite elements, a campaign"
     )
+    command.add_argument("--out", type=Path, metavar="FILE.svg|.png", help="a picture of both shapes of each pair")
     return command
 
 

@@ -1,15 +1,18 @@
 """`modallab model`: a measured model beside another one of its structure, which it corrects."""
 
 import argparse
+from pathlib import Path
 
 from modallab.cli.console import show_rows, write_json
-from modallab.core.errors import ConfigurationError
+from modallab.core.errors import ConfigurationError, StorageError
+from modallab.core.rig import Rig
+from modallab.formats.atomic import replacing
 from modallab.modification.known import Known
 from modallab.pipelines.model_update import update_model
 from modallab.pipelines.structure_gap import read_reference
 from modallab.reporting.understood_table import correlation_rows
 from modallab.reporting.updated_table import parameter_rows, updated_document, updated_mode_rows
-from modallab.updating.correlation import correlate
+from modallab.updating.correlation import Correlation, correlate
 from modallab.updating.prior import Prior
 
 
@@ -17,11 +20,22 @@ def compare(known: Known, arguments: argparse.Namespace) -> None:
     """Pairs of modes with another model."""
     other = Known(read_reference(arguments.other, known.stated_rig, known.model)[0], known.rig)
     found = correlate(known, other)
+    if arguments.out is not None:
+        _draw(found, known.stated_rig, arguments.out)
     show_rows(arguments, correlation_rows(found))
     about = {"pairs": [[i + 1, j + 1] for i, j in found.pairs], "freedoms": found.freedoms}
     arrays = {name: getattr(found, name).tolist() for name in ("mac", "frequency_hz", "damping_ratio", "comac")}
     if arguments.json is not None:
         write_json(arguments.json, about | arrays)
+
+
+def _draw(found: Correlation, rig: Rig, path: Path) -> None:
+    from modallab.reporting.figures.paired_shapes import paired_shapes
+
+    if path.suffix not in (".svg", ".png"):
+        raise StorageError(f"{path.name} ends with neither .svg nor .png", where=str(path), remedy="name it pairs.svg")
+    with replacing(path) as draft, draft.open("wb") as file:
+        paired_shapes(found, rig).savefig(file, format=path.suffix[1:])
 
 
 def update(known: Known, arguments: argparse.Namespace) -> None:

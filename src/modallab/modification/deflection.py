@@ -1,5 +1,6 @@
 """How a structure moves at one frequency: a mode's shape, or the operating deflection shape that FRFs show."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -115,10 +116,15 @@ def _turned(values: Complex) -> Complex:
 
 def spatial(rig: Rig, deflection: Deflection) -> NDArray[np.complex128]:
     """(points, 3) the motion at the points of a rig along x, y, z; a point that is not known stays at rest."""
+    return at_points(rig, deflection.freedoms, deflection.values)
+
+
+def at_points(rig: Rig, freedoms: Sequence[Freedom], values: Complex) -> NDArray[np.complex128]:
+    """The same of values (freedoms,) at freedoms."""
     place = {p.id: n for n, p in enumerate(rig.points)}
     motion = np.zeros((len(rig.points), 3), np.complex128)
     drive = rig.drive_direction
-    for (point, axis), value in zip(deflection.freedoms, deflection.values, strict=True):
+    for (point, axis), value in zip(freedoms, values, strict=True):
         # Freedoms along the drive are positive along it.
         sign = -1.0 if axis == drive[1] and drive[0] == "-" else 1.0
         if point in place and np.isfinite(value):

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from modallab.core.errors import DataError
+from modallab.core.rig import Rig
 from modallab.formats.fem.matrix_model import MatrixModel
 from modallab.modification.known import Known
 from modallab.notebook.put_to_use import PutToUse
@@ -15,6 +17,9 @@ from modallab.reporting.updated_table import parameter_rows, updated_mode_rows
 from modallab.updating.correlation import Correlation, correlate
 from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class UpdatedModel(Answered[UpdatedParameters]):
@@ -33,6 +38,26 @@ class UpdatedModel(Answered[UpdatedParameters]):
         return Shown(*updated_mode_rows(self.numbers))
 
 
+class CorrelatedModes(Answered[Correlation]):
+    """Pairs of modes of two models; `numbers` holds all arrays."""
+
+    def __init__(self, numbers: Correlation, rig: Rig | None) -> None:
+        super().__init__(numbers, *correlation_rows(numbers))
+        self._rig = rig
+
+    def plot(self) -> "Figure":
+        """The shapes of each pair over each other.
+
+        Raises:
+            DataError: the places of the points are not known.
+        """
+        from modallab.reporting.figures.paired_shapes import paired_shapes
+
+        if self._rig is None:
+            raise DataError("the places of the points are not known", remedy="identify a campaign with its rig file")
+        return paired_shapes(self.numbers, self._rig)
+
+
 class Correlated:
     """What a measured model says of another model of its structure."""
 
@@ -43,7 +68,7 @@ class Correlated:
         """The structure that the model describes."""
         raise NotImplementedError
 
-    def correlation(self, other: PutToUse | str | Path) -> Answered[Correlation]:
+    def correlation(self, other: PutToUse | str | Path) -> CorrelatedModes:
         """Beside another model of the structure: pairs by MAC, their frequencies and damping, COMAC.
 
         Args:
@@ -58,8 +83,7 @@ class Correlated:
         else:
             rig = self.known.stated_rig
             known = Known(read_reference(Path(other), rig, self.known.model)[0], rig)
-        found = correlate(self.known, known)
-        return Answered(found, *correlation_rows(found))
+        return CorrelatedModes(correlate(self.known, known), self.known.rig)
 
     def update(
         self,

@@ -4,13 +4,13 @@ from pathlib import Path
 
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis, Found, Percent
-from modallab.core.digits import percent, probability, rounded
+from modallab.core.digits import probability, rounded
 from modallab.core.effects import kind_of
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import history
 from modallab.gap.words.effects import FROM_CLAMP, interval_m, of_parameter, place_of
-from modallab.gap.words.verdicts import own_error, sentence
+from modallab.gap.words.verdicts import of_response, own_error, sentence
 from modallab.reporting.described_section import described_section
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
@@ -73,7 +73,7 @@ def _width(diagnosis: Diagnosis) -> Markup:
 def _sides(share: Percent | None) -> tuple[str, str]:
     """At resonance and away from it."""
     at, away = (None, None) if share is None else (share.at_resonance, share.away)
-    return percent(at), percent(away)
+    return of_response(at), of_response(away)
 
 
 def _place(diagnosis: Diagnosis, rig: Rig) -> Markup:

@@ -5,6 +5,7 @@ abuse", Sound and Vibration, August 2003, 14).
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from modallab.modification.freedoms import Freedom
 from modallab.modification.known import Known
 
 Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 PAIRED = 0.5
 """MAC below which two modes are no pair."""
@@ -35,6 +37,7 @@ class Correlation:
         damping_sigma: (pairs, 2).
         comac: (freedoms,) low where a freedom disagrees in many modes.
         alone: (2,) places of the modes that only one has.
+        shapes: (2, pairs, freedoms) of both, 1 at the largest of the one, the other in its phase and of its size.
     """
 
     freedoms: tuple[Freedom, ...]
@@ -46,6 +49,7 @@ class Correlation:
     damping_sigma: Real
     comac: Real
     alone: tuple[tuple[int, ...], tuple[int, ...]]
+    shapes: Complex
 
 
 def correlate(one: Known, other: Known) -> Correlation:
@@ -73,4 +77,13 @@ def correlate(one: Known, other: Known) -> Correlation:
         for name in ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma")
     }
     alone = tuple(r for r in range(len(a)) if r not in first), tuple(r for r in range(len(b)) if r not in second)
-    return Correlation(freedoms=common, mac=found, pairs=pairs, comac=comac(a[first], b[second]), alone=alone, **both)
+    shapes = _of_one_size(a[first], b[second])
+    return Correlation(
+        freedoms=common, mac=found, pairs=pairs, comac=comac(a[first], b[second]), alone=alone, shapes=shapes, **both
+    )
+
+
+def _of_one_size(one: Complex, other: Complex) -> Complex:
+    largest = np.take_along_axis(one, np.argmax(np.abs(one), axis=1)[:, None], axis=1)
+    factor = np.sum(other.conj() * one, axis=1) / np.sum(np.abs(other) ** 2, axis=1)
+    return np.stack([one, factor[:, None] * other]) / largest

@@ -84,7 +84,9 @@ def minimised(
         before = now
         for _ in range(6):
             trial = x + _step(normal, gradient, damping)
-            value = cost(trial)
+            # A step may go where numbers overflow: that costs no number, and is not taken.
+            with np.errstate(over="ignore", invalid="ignore"):
+                value = cost(trial)
             if value < before:
                 x, now = trial, value
                 break

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from modallab.core.diagnosis import Verdict
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import Fitted
-from modallab.gap.modal.scales import ScaleLadder, estimated, settled
+from modallab.gap.modal.scales import estimated, settled
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import beside
 
@@ -58,23 +58,26 @@ def strain(fitted: Fitted) -> float:
 
 def judged(search: ModalSearch) -> Judged:
     """What the explanations amount to: where it is not nothing, the best is fitted until it stays the best."""
-    base, scales = search.base, ScaleLadder.about(search.base.free.of)
-    nothing = settled(base, scales.usual)
-    names = [min((estimated(f, scales.usual) for f in kind), key=_evidence) for kind in search.kinds]
-    others = {name: estimated(nothing, rungs) for name, rungs in scales.nameless(nothing, nothing).items()}
+    base, ladder = search.base, search.ladder
+    nothing = settled(base, ladder.usual)
+    kinds = search.kinds(nothing)
+    # One from smoother lines stands for its kind until it is fitted on those that count.
+    names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
+    others = {name: estimated(nothing, rungs) for name, rungs in ladder.nameless(nothing, nothing).items()}
     found = _weighed(base, nothing, names, others)
     if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
         return _decided(found)
-    ended: dict[int, Fitted] = {}
+    ended = {0: base}
 
-    def to_its_end(_: Fitted, kind: int) -> Fitted:
-        ended[kind] = search.ended(search.kinds[kind])
-        return settled(ended[kind], scales.usual)
+    def to_its_end(begun: Fitted, n: int) -> Fitted:
+        if not n:
+            return begun
+        ended[n] = search.ended(kinds[n - 1])
+        return settled(ended[n], ladder.usual)
 
-    names, first = best_first(names, to_its_end)
-    least = min(nothing, first, key=_evidence)
-    others = {name: settled(base, rungs) for name, rungs in scales.nameless(nothing, least).items()}
-    strains = strain(base), strain(ended[names.index(first)])
+    (_, *names), least = best_first([nothing, *names], to_its_end)
+    others = {name: settled(base, rungs) for name, rungs in ladder.nameless(nothing, least).items()}
+    strains = strain(base), strain(ended[[nothing, *names].index(least)])
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
 
 
@@ -84,10 +87,6 @@ def _weighed(base: Fitted, nothing: Fitted, names: Sequence[Fitted], others: Map
     ranked = sorted(zip(names, each, strict=True), key=lambda pair: -pair[1])
     where = min(others, key=lambda name: others[name].evidence)
     return Judged("known", base, ranked[0][0], ranked, none, unknown, where, (strain(base),) * 2, [])
-
-
-def _evidence(fitted: Fitted) -> float:
-    return fitted.evidence
 
 
 def _decided(found: Judged) -> Judged:

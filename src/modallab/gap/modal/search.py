@@ -1,7 +1,7 @@
 """Which changes explain best what the tolerances leave: begun at many places, fitted to the end where it matters."""
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from modallab.gap.modal.fitting import FIRST_STEPS, Fitted, fit
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.hanging import nearby
 from modallab.gap.modal.marginal import Marginal
+from modallab.gap.modal.scales import ScaleLadder, estimated
 
 Real = NDArray[np.float64]
 
@@ -30,12 +31,16 @@ class ModalSearch:
     Attributes:
         closer: the comparison of a place with others nearby.
         base: the fit without any change, of the comparison that counts.
-        kinds: of each kind of change its likely places, not yet fitted to the end.
+        ladder: of its scales.
+        near: likely changes of each kind, small ones, with their evidence there.
+        far: large ones, from smoother lines; their evidence is what they have there more than nothing.
     """
 
     closer: Free
     base: Fitted
-    kinds: list[list[Fitted]]
+    ladder: ScaleLadder
+    near: list[Fitted]
+    far: list[Fitted]
 
     @classmethod
     def begun(cls, smooth: Free, closer: Free, last: Free) -> "ModalSearch":
@@ -45,17 +50,31 @@ class ModalSearch:
         base = fit(last, None, fit(closer, None, afar.u, steps=FIRST_STEPS).u, steps=FIRST_STEPS)
         # A large change is seen from afar, a small one on the lines that count: there tolerances follow it linearly.
         far, near = Marginal.about(thin, np.zeros(thin.size)), Marginal.about(last, base.u)
-        begun = _likely(far, lambda candidate, start: fit(thin, candidate, None, start, FIRST_STEPS))
-        seen = _by_kind(f for f in begun if f.evidence < afar.evidence)
-        large = (min(kind, key=lambda f: f.evidence) for kind in seen)
-        followed = (fit(closer, f.candidate, f.u, f.v, FIRST_STEPS) for f in large)
-        there = (fit(last, f.candidate, f.u, f.v, 1) for f in followed)
-        return cls(closer, base, _by_kind([*there, *_likely(near, near.fit)]))
+        large = _likely(far, lambda candidate, start: fit(thin, candidate, None, start, FIRST_STEPS))
+        there, ladder = ScaleLadder.about(thin.of).usual, ScaleLadder.about(last.of)
+        none, *each = (estimated(f, there) for f in (afar, *large))
+        more = [replace(f, evidence=f.evidence - none.evidence) for f in each]
+        return cls(closer, base, ladder, [estimated(f, ladder.usual) for f in _likely(near, near.fit)], more)
+
+    def kinds(self, nothing: Fitted) -> list[list[Fitted]]:
+        """Likely changes by their kind, all with an evidence to hold against that of nothing."""
+        found: dict[str, list[Fitted]] = {}
+        for one in [*self.near, *(replace(f, evidence=nothing.evidence + f.evidence) for f in self.far)]:
+            assert one.candidate is not None
+            found.setdefault(one.candidate.effect, []).append(one)
+        return list(found.values())
 
     def ended(self, kind: Sequence[Fitted]) -> Fitted:
-        """The best of a kind, fitted to its end."""
-        _, best = best_first(kind, lambda f, _: fit(f.free, f.candidate, f.u, f.v, FIRST_STEPS))
-        return self._from_nearby(best)
+        """The best of a kind, fitted to its end at what is usual."""
+        return self._from_nearby(min((self._followed(f) for f in kind), key=lambda f: f.evidence))
+
+    def _followed(self, begun: Fitted) -> Fitted:
+        # Where a change is large, tolerances that followed it linearly are bent: they begin where they are believed.
+        u, v = None, begun.v
+        if begun.free is not self.base.free:
+            nearer = fit(self.closer, begun.candidate, begun.u, v, FIRST_STEPS)
+            u, v = nearer.u, nearer.v
+        return fit(self.base.free, begun.candidate, u, v, FIRST_STEPS)
 
     def _from_nearby(self, best: Fitted) -> Fitted:
         """The best of it and of fits begun at points nearby: along a wave one place may stand for another."""
@@ -87,11 +106,3 @@ def best_first(begun: Sequence[Fitted], ended: Callable[[Fitted, int], Fitted]) 
             return found, found[first]
         found[first] = ended(found[first], first)
         there.add(first)
-
-
-def _by_kind(fits: Iterable[Fitted]) -> list[list[Fitted]]:
-    found: dict[str, list[Fitted]] = {}
-    for one in fits:
-        assert one.candidate is not None
-        found.setdefault(one.candidate.effect, []).append(one)
-    return list(found.values())

@@ -10,6 +10,7 @@ from modallab.gap.words.effects import spoken, with_numbers
 
 KNOWN = 2.0
 """Factor from before to after that is no matter of tolerances."""
+NEXT_TO_NOTHING = 1e-6
 ORDINARY = "(rms; 1 is ordinary)"
 
 
@@ -63,7 +64,12 @@ def in_percent(gap: Gap) -> str:
 
 
 def _sides(share: Percent) -> str:
-    return listed([percent(v) for v in (share.at_resonance, share.away) if v is not None])
+    return listed([of_response(v) for v in (share.at_resonance, share.away) if v is not None])
+
+
+def of_response(share: float | None) -> str:
+    """A share of the response with its noise taken off, which is never known to be nothing."""
+    return percent(None if share is None else max(share, NEXT_TO_NOTHING))
 
 
 def own_error(gap: Gap) -> str:
@@ -74,8 +80,8 @@ def own_error(gap: Gap) -> str:
     if not left.worst:
         return "Beyond noise nothing is left of any record."
     return (
-        f"Beyond noise, {percent(left.median)} of a record is left unexplained (median); "
-        f"at worst {percent(left.worst)}, of {left.record}."
+        f"Beyond noise, {of_response(left.median)} of a record is left unexplained (median); "
+        f"at worst {of_response(left.worst)}, of {left.record}."
     )
 
 

@@ -37,12 +37,8 @@ class Drawing:
             motion: (points, 3) complex, along x, y, z.
             title: over it.
         """
-        xyz, self.pairs, motion = _joined(rig, motion)
-        size = float(np.ptp(xyz, axis=0).max()) or 1.0
-        reach = float(np.abs(motion).max()) or 1.0
-        flat = projection() * np.array([1.0, -1.0]) if is_spatial(rig) else FROM_THE_SIDE
         turned = straighten(motion.ravel()).reshape(motion.shape)
-        self.rest, self.moved = xyz @ flat, (turned @ flat) * (REACH * size / reach)
+        self.rest, self.moved, self.pairs = projected(rig, turned, float(np.abs(motion).max()) or 1.0)
         with style.look():
             self.figure, (axes,) = style.grid(1, 1, style.Cell(560, 280))
             self._frame(axes, title)
@@ -84,6 +80,20 @@ class Drawing:
                     writer.grab_frame()
             with replacing(path) as draft:
                 draft.write_bytes(written.read_bytes())
+
+
+def projected(rig: Rig, motion: Complex, reach: float) -> tuple[Real, Complex, list[tuple[int, int]]]:
+    """(points, 2) places at rest and (points, 2) motion in projection, and the pairs of points that are joined.
+
+    Args:
+        rig: points, and lines between them.
+        motion: (points, 3) complex, along x, y, z.
+        reach: motion that is drawn as `REACH` of the structure's size.
+    """
+    xyz, pairs, motion = _joined(rig, motion)
+    size = float(np.ptp(xyz, axis=0).max()) or 1.0
+    flat = projection() * np.array([1.0, -1.0]) if is_spatial(rig) else FROM_THE_SIDE
+    return xyz @ flat, (motion @ flat) * (REACH * size / reach), pairs
 
 
 def _joined(rig: Rig, motion: Complex) -> tuple[Real, list[tuple[int, int]], Complex]:
