@@ -1,7 +1,9 @@
 """Two effects on one channel, of which neither shows beside the other, are named together; a channel's curve is not."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from modallab.core.block import Campaign
@@ -30,3 +32,16 @@ def test_a_loose_mount_of_a_sensor_upside_down_is_both(make: Make) -> None:
     mount = next(e for e in diagnosis.effects if e.effect == "loose_mount")
     assert mount.parameters["hz"] == pytest.approx(52.0, rel=1e-3)
     assert mount.place == {"channel": 6}
+
+
+def test_coarse_steps_of_one_channel_are_found_there_and_not_named(make: Make) -> None:
+    campaign, row = make(), 6
+    step = 0.03 * max(float(np.max(np.abs(b.samples[row]))) for b in campaign.blocks)
+    blocks = []
+    for block in campaign.blocks:
+        samples = block.samples.copy()
+        samples[row] = np.round(np.round(samples[row] / step) * step)
+        blocks.append(replace(block, samples=samples))
+    diagnosis = diagnose(Campaign(campaign.rig, tuple(blocks)), allowed=on_a_channel)
+    assert diagnosis.verdict == "unknown"
+    assert diagnosis.where.channels == [campaign.rig.channels[row].name]

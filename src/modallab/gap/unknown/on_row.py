@@ -76,7 +76,9 @@ def _as_it_reads(prepared: Prepared, row: int) -> Prepared:
     What an operator makes of the samples would count as noise, or be left out with what it has cut.
     """
     noise = prepared.noise_v.copy()
-    noise[row] = np.fmin(noise[row], prepared.measured_v[row])
+    # A noise of exactly 0 is hidden in the converter's step: it was not measured.
+    if prepared.measured_v[row] > 0:
+        noise[row] = min(noise[row], prepared.measured_v[row])
     cut = {name for c in prepared.clipped if c.row == row for name in c.records}
     back = {(b.name, row) for b in prepared.blocks if b.test == "sine" and b.name in cut}
     return replace(prepared, noise_v=noise, masked=prepared.masked - back)
