@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
     from modallab.notebook.correlated import Correlated, CorrelatedModes, UpdatedModel
     from modallab.notebook.driven import driven
-    from modallab.notebook.gap import Agreement, GapFound, agreement, diagnose, diagnose_by_model
+    from modallab.notebook.gap import Agreement, GapFound, agreement, diagnose
     from modallab.notebook.identify import identify
     from modallab.notebook.measured import MeasuredFrf, frf
     from modallab.notebook.model import Model
@@ -53,7 +53,6 @@ __all__ = [
     "__version__",
     "agreement",
     "diagnose",
-    "diagnose_by_model",
     "driven",
     "frf",
     "identify",
@@ -70,7 +69,7 @@ __getattr__ = lazily(
         "notebook.shown": ("Answered",),
         "notebook.predicted_motion": ("PredictedMotion",),
         "notebook.put_to_use": ("ChangedModel", "PutToUse"),
-        "notebook.gap": ("Agreement", "GapFound", "agreement", "diagnose", "diagnose_by_model"),
+        "notebook.gap": ("Agreement", "GapFound", "agreement", "diagnose"),
         "notebook.measured": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model",),
         "notebook.identify": ("identify",),

@@ -1,5 +1,6 @@
 """Why simulation and bench differ."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,14 +10,14 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.digits import probability
 from modallab.core.effects import kind_of
-from modallab.core.errors import FormatError
-from modallab.core.modal_diagnosis import ModalDiagnosis
+from modallab.core.errors import DataError, FormatError
+from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.gap.diagnosis import diagnose as diagnose_campaign
 from modallab.gap.inference.agreement import Agreement
 from modallab.gap.inference.agreement import agreement as compare_with_simulation
 from modallab.gap.report.calibrated import diagnosed_twin
-from modallab.gap.words.effects import of_parameter, place_of
-from modallab.gap.words.verdicts import sentence
+from modallab.gap.words.effects import numbers_of, of_parameter, place_of, place_of_change
+from modallab.gap.words.verdicts import sentence, sentence_by_model
 from modallab.notebook.arguments import path_for
 from modallab.notebook.identify import campaign_in
 from modallab.notebook.measured import MeasuredFrf
@@ -28,6 +29,9 @@ from modallab.pipelines.structure_gap import gap_against, gap_of, model_to_compa
 from modallab.reporting.structure_report import StructureGap, write_structure_report
 from modallab.reporting.waiting import waiting
 
+Reference = Model | Recording | MeasuredFrf | Path | str
+"""What a structure is compared with: its modal model, what was measured before, or a finite-element model's file."""
+
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
 class GapFound:
@@ -36,36 +40,56 @@ class GapFound:
     Attributes:
         campaign: the recordings it looked at.
         diagnosis: everything it says, as a document.
+        structure: what was compared, where a reference was given; None where the rig's own beam was.
     """
 
     campaign: Campaign
-    diagnosis: Diagnosis
+    diagnosis: Diagnosis | ModalDiagnosis
+    structure: StructureGap | None = None
 
     @property
     def sentence(self) -> str:
         """The verdict in one sentence."""
+        if isinstance(self.diagnosis, ModalDiagnosis):
+            return sentence_by_model(self.diagnosis)
         return sentence(self.diagnosis, [c.name for c in self.campaign.rig.channels])
 
     @property
-    def effects(self) -> list[Found]:
+    def effects(self) -> list[Found] | list[FoundChange]:
         """The effects judged present, the most probable first."""
-        return list(self.diagnosis.effects)
+        return self.diagnosis.effects
 
     @property
     def twin(self) -> DiagnosedTwin:
-        """The simulation with these effects in it."""
+        """The simulation with these effects in it.
+
+        Raises:
+            DataError: the comparison was with a reference, which no beam of the rig file simulates.
+        """
+        if isinstance(self.diagnosis, ModalDiagnosis):
+            raise DataError(
+                "a comparison with a reference has no simulated beam",
+                remedy="use `ml.identify(...).modify(...)`, or leave the reference out",
+            )
         return DiagnosedTwin(diagnosed_twin(self.diagnosis, self.campaign.rig), self.campaign.rig)
 
     def table(self) -> Shown:
         """The effects, a row for each of their numbers, with the interval of 95 %."""
         rows: list[tuple[str, str, str, str, str]] = []
-        names = [c.name for c in self.campaign.rig.channels]
-        for found in self.diagnosis.effects:
-            place = place_of(found, names)[0]
-            for number in kind_of(found.effect).parameters:
-                value, between = of_parameter(found, number)
-                rows.append((found.effect, place, f"{number.name} = {value}", between, probability(found.probability)))
+        for effect, place, numbers, likely in self._found():
+            rows += [(effect, place, f"{name} = {value}", within, likely) for name, value, within in numbers]
         return Shown(("effect", "place", "number", "95 %", "probability"), rows, self.sentence)
+
+    def _found(self) -> Iterator[tuple[str, str, list[tuple[str, str, str]], str]]:
+        """Name, place, numbers and probability of each effect."""
+        names = [c.name for c in self.campaign.rig.channels]
+        for found in self.effects:
+            likely = probability(found.probability)
+            if isinstance(found, FoundChange):
+                yield found.effect, place_of_change(found), numbers_of(found), likely
+            else:
+                numbers = [(p.name, *of_parameter(found, p)) for p in kind_of(found.effect).parameters]
+                yield found.effect, place_of(found, names)[0], numbers, likely
 
     def save(self, path: str | Path) -> Path:
         """Write the diagnosis as JSON, or the report if the name ends with .html; returns the path.
@@ -77,10 +101,12 @@ class GapFound:
         from modallab.formats.atomic import write_text
         from modallab.reporting.gap_report import write_gap_report
 
-        if path.suffix == ".html":
+        if path.suffix == ".json":
+            write_text(path, self.diagnosis.model_dump_json(indent=1) + "\n")
+        elif self.structure is not None:
+            write_structure_report(path, self.structure)
+        elif isinstance(self.diagnosis, Diagnosis):
             write_gap_report(path, self.diagnosis, self.campaign)
-            return path
-        write_text(path, self.diagnosis.model_dump_json(indent=1) + "\n")
         return path
 
     def __repr__(self) -> str:
@@ -91,23 +117,33 @@ class GapFound:
 
 
 def diagnose(
-    measured: Recording, hold_out: str = "mixed", *, keep: str | Path | None = None, progress: bool = True
+    measured: Recording | MeasuredFrf,
+    hold_out: str = "mixed",
+    *,
+    reference: Reference | None = None,
+    keep: str | Path | None = None,
+    progress: bool = True,
 ) -> GapFound:
     """Where simulation and bench differ, which effect causes it, and how far the gap shrinks with it.
 
     Args:
-        measured: what `simulate` or `load` gave.
+        measured: what `simulate`, `load` or `frf` gave.
         hold_out: records no fit may see: mixed, spread, point:N, level:NAME, test:impact, test:sine or last:SHARE.
+        reference: what any structure is compared with, beyond the rig's tolerances: its modal model, what was measured
+            before, or the file of a finite-element model. None: the beam of the rig file.
         keep: where to keep the diagnosis as JSON; if the file is there, it is read, which takes no time.
         progress: show how far it is, where somebody looks.
 
     Raises:
-        DataError: there is nothing to diagnose.
+        DataError: there is nothing to diagnose, or measured and reference share no band, output or driven point.
         RigError: the rig describes no beam, which the simulation needs.
         PlanError: the rule leaves nothing to fit.
-        FormatError: what is kept there is no diagnosis of these records.
+        FormatError: what is kept there is no diagnosis of these records, or the reference can be read as none of these.
+        IdentificationError: measured or reference holds no mode.
     """
     campaign = campaign_in(measured)
+    if reference is not None:
+        return _compared(campaign, reference, hold_out, keep, progress)
     if keep is not None and path_for(keep, (".json",)).exists():
         return GapFound(campaign, _kept(Path(keep), campaign))
     with waiting("reading the records", progress=progress):
@@ -115,6 +151,20 @@ def diagnose(
     if keep is not None:
         found.save(keep)
     return found
+
+
+@one_thread()
+def _compared(
+    campaign: Campaign, reference: Reference, hold_out: str, keep: str | Path | None, progress: bool
+) -> GapFound:
+    if hold_out != "mixed" or keep is not None:
+        raise DataError(
+            "a comparison with a reference holds nothing out and keeps no file",
+            remedy="leave `hold_out` and `keep` out; `.save(path)` writes what was found",
+        )
+    with waiting("identifying", progress=progress):
+        gap = _against(campaign, reference)
+    return GapFound(campaign, gap.diagnosis, gap)
 
 
 def agreement(measured: Recording) -> Agreement:
@@ -130,39 +180,7 @@ def agreement(measured: Recording) -> Agreement:
     return compare_with_simulation(campaign_in(measured))
 
 
-@one_thread()
-def diagnose_by_model(
-    measured: Recording | MeasuredFrf,
-    reference: Model | Recording | MeasuredFrf | Path | str,
-    *,
-    report: str | Path | None = None,
-    progress: bool = True,
-) -> ModalDiagnosis:
-    """Where a structure differs from its modal model, whatever structure it is, beyond the rig's tolerances.
-
-    Args:
-        measured: of the structure as it is.
-        reference: its modal model, or what was measured before, with the same channels and driven points; or a file
-            of a finite-element model.
-        report: where to write the HTML page of it.
-        progress: show how far it is, where somebody looks.
-
-    Raises:
-        DataError: the two share no band, output or driven point.
-        FormatError: the file can be read as none of these.
-        IdentificationError: one of them holds no mode.
-        StorageError: the page cannot be written, or its name does not end with .html.
-    """
-    campaign = campaign_in(measured)
-    page = None if report is None else path_for(report, (".html",))
-    with waiting("identifying", progress=progress):
-        gap = _against(campaign, reference)
-    if page is not None:
-        write_structure_report(page, gap)
-    return gap.diagnosis
-
-
-def _against(campaign: Campaign, reference: Model | Recording | MeasuredFrf | Path | str) -> StructureGap:
+def _against(campaign: Campaign, reference: Reference) -> StructureGap:
     if isinstance(reference, str | Path):
         return gap_against(campaign, Path(reference))
     if isinstance(reference, Model):

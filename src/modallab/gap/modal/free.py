@@ -38,6 +38,11 @@ class Change:
     shifts: tuple[tuple[int, Real, Real], ...] = ()
     delays: tuple[tuple[int, float], ...] = ()
 
+    @property
+    def between_lines(self) -> "Change":
+        """The same on other lines than those compared: what was coupled line by line is not known there."""
+        return self if self.hung is None else replace(self, hung=replace(self.hung, extra=None))
+
 
 NOTHING = Change()
 

@@ -75,7 +75,8 @@ def judged(search: ModalSearch) -> Judged:
         ended[n] = search.ended(kinds[n - 1])
         return settled(ended[n], ladder.usual)
 
-    (_, *names), least = best_first([nothing, *names], to_its_end)
+    afar = [0.0, *(search.afar(one.candidate.effect) for one in names if one.candidate)]
+    (_, *names), least = best_first([nothing, *names], afar, to_its_end)
     others = {name: settled(base, rungs) for name, rungs in ladder.nameless(nothing, least).items()}
     strains = strain(base), strain(ended[[nothing, *names].index(least)])
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
@@ -118,9 +119,6 @@ def moves(fitted: Fitted) -> float:
     free, c = fitted.free, fitted.free.of
     s = np.asarray(2j * np.pi * np.concatenate([c.model.frequency_hz, c.bench.frequency_hz]))
     outside = beside(c.model, s, c.out_psi, c.into_psi)
-    change = fitted.change
-    # What was measured line by line is not known between the lines.
-    hung = None if change.hung is None else replace(change.hung, extra=None)
     there = free.at(s, outside)
-    moved, without = there.predicted(fitted.u, replace(change, hung=hung)), there.predicted(fitted.u)
+    moved, without = there.predicted(fitted.u, fitted.change.between_lines), there.predicted(fitted.u)
     return float(np.sqrt(np.max(np.mean((np.abs(moved - without) / sizes(without)) ** 2, axis=(0, 2)))))

@@ -64,6 +64,10 @@ class ModalSearch:
             found.setdefault(one.candidate.effect, []).append(one)
         return list(found.values())
 
+    def afar(self, effect: str) -> float:
+        """Evidence of a kind from smoother lines, more than nothing has there."""
+        return min((f.evidence for f in self.far if f.candidate and f.candidate.effect == effect), default=np.inf)
+
     def ended(self, kind: Sequence[Fitted]) -> Fitted:
         """The best of a kind, fitted to its end at what is usual."""
         return self._from_nearby(min((self._followed(f) for f in kind), key=lambda f: f.evidence))
@@ -97,12 +101,22 @@ def _likely(here: Marginal, fitted: Callable[[Candidate, Real], Fitted]) -> list
     return [f for group in tried.values() for f in group]
 
 
-def best_first(begun: Sequence[Fitted], ended: Callable[[Fitted, int], Fitted]) -> tuple[list[Fitted], Fitted]:
-    """The best of them ended, until it stays the best; all of them, and that one."""
-    found, there = list(begun), set[int]()
+def best_first(
+    begun: Sequence[Fitted], afar: Sequence[float], ended: Callable[[Fitted, int], Fitted]
+) -> tuple[list[Fitted], Fitted]:
+    """The best of them ended, until it stays the best; all of them, and that one.
+
+    Args:
+        begun: explanations with an estimate of their evidence, which may be far too bad where a change is large.
+        afar: of each its evidence from smoother lines, where none is: what is better there may be the best.
+        ended: brings one to its end, given it and its place.
+    """
+    found, open_ = list(begun), set(range(len(begun)))
     while True:
         first = min(range(len(found)), key=lambda n: found[n].evidence)
-        if first in there:
+        better = [n for n in open_ if n == first or afar[n] < afar[first]]
+        if not better:
             return found, found[first]
-        found[first] = ended(found[first], first)
-        there.add(first)
+        at = first if first in open_ else min(better, key=lambda n: afar[n])
+        found[at] = ended(found[at], at)
+        open_.remove(at)

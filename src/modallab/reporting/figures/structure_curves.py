@@ -74,7 +74,7 @@ def _curves(explained: Explained) -> _Curves:
     best = explained.judged.best
     changed = best.candidate is not None
     before = free.at(s, part).predicted(np.zeros(free.size))
-    after = best.free.at(s, part).predicted(best.u, best.change)
+    after = best.free.at(s, part).predicted(best.u, best.change.between_lines)
     rate = s[:, None, None]
     which = WITH if changed else WITHIN
     return _Curves(hz, rate * synthesised(c.bench, s), rate * before, rate * after, which)
