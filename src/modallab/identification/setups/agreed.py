@@ -9,7 +9,6 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.likelihood.fit import Fit, residuals
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.projection import energy
 from modallab.identification.model.modal_model import Seen
 from modallab.identification.options import Options
 from modallab.identification.setups.merge import Merged, merged
@@ -55,7 +54,7 @@ def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
         fit: with one set of poles.
         options: the estimator; modes that were picked or dropped by hand are left as they are.
     """
-    few = max(frf.values.shape[:2]) < LEAST_POINTS
+    few = max(frf.values.shape[:2]) < LEAST_POINTS or min(frf.values.shape[:2]) < 2
     if few or options.pick_hz or options.drop_hz or misfit_over_noise(fit) < MISFIT:
         return None
     found, asked = _merged(frf, fit, options)
@@ -64,16 +63,11 @@ def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
     try:
         points = poles_at_points(frf, found.centre, _spread(found))
         common = common_poles(points.values, points.variance)
-        if common.setup.max() == 0 or left_over(*points.fits) > left_over(fit):
+        if common.setup.max() == 0:
             return None
         return _agreed(frf, points, common, _notes(frf, found, common, asked))
     except IdentificationError:
         return None
-
-
-def left_over(*fits: Fit) -> float:
-    """Energy of what the fits of all FRFs, or of each point's, leave: poles of each point's own must leave less."""
-    return float(sum(energy(fit.point.groups[0].residual).sum() for fit in fits))
 
 
 def misfit_over_noise(fit: Fit) -> float:
@@ -105,7 +99,7 @@ def _agreed(frf: Frf, points: PointPoles, common: Common, notes: tuple[str, ...]
     axis = 1 + roved_axis(frf)
     constants, sigma = zip(*[f.modal_constants for f in points.fits], strict=True)
     # A pole that moves by a part of its half-width leaves as much of the mode to its neighbours.
-    apparent = common.between[:, 0] / np.maximum(zeta * omega, np.finfo(float).tiny)
+    apparent = common.between[:, 0] / (zeta * omega)
     seen = Seen(
         np.concatenate(constants, axis=axis),
         np.concatenate(sigma, axis=axis),
