@@ -84,9 +84,7 @@ def minimised(
         before = now
         for _ in range(6):
             trial = x + _step(normal, gradient, damping)
-            # A step may go where numbers overflow: that costs no number, and is not taken.
-            with np.errstate(over="ignore", invalid="ignore"):
-                value = cost(trial)
+            value = _cost_or_none(cost, trial)
             if value < before:
                 x, now = trial, value
                 break
@@ -95,6 +93,15 @@ def minimised(
         if now >= before * (1 - ENOUGH):
             break
     return x, now
+
+
+def _cost_or_none(cost: Callable[[Real], float], x: Real) -> float:
+    """The cost; infinite where numbers overflow, or a structure has no flexibility: such a step is not taken."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return cost(x)
+    except np.linalg.LinAlgError:
+        return np.inf
 
 
 def inverse(normal: Real) -> tuple[Real, float]:

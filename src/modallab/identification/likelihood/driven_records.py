@@ -172,7 +172,9 @@ class DrivenFit:
         looks = self._looks(at)
         left = np.concatenate([np.abs(one.left) ** 2 for one in looks], axis=1)
         spread = np.concatenate([one.common * np.abs(one.frf) ** 2 for one in looks], axis=1)
-        least = np.log(LEAST_NOISE * float(self.power.mean()))
+        # Noise on the force is at most all of it.
+        most = float(np.log(self.power.mean()))
+        least = most + np.log(LEAST_NOISE)
 
         def unlikely(logs: Real) -> tuple[float, Real]:
             own, of_force = np.exp(logs[:-1])[:, None], np.exp(logs[-1]) * spread
@@ -182,8 +184,8 @@ class DrivenFit:
             by_output = np.mean(slope * own, axis=1) / len(left)
             return float(value), np.append(by_output, np.mean(slope * of_force))
 
-        start = np.append(np.zeros(len(left)), max(np.log(at.force_noise), least))
-        bounds = [(-20.0, 20.0)] * len(left) + [(least, None)]
+        start = np.append(np.zeros(len(left)), np.clip(np.log(at.force_noise), least, most))
+        bounds = [(-20.0, 20.0)] * len(left) + [(least, most)]
         logs = optimize.minimize(unlikely, start, jac=True, method="L-BFGS-B", bounds=bounds).x
         return replace(at, noise=at.noise * np.exp(logs[:-1] / 2), force_noise=float(np.exp(logs[-1])))
 
