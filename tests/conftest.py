@@ -70,8 +70,8 @@ recording that others read.
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """One more than there are cores: many tests wait, for a process to begin or for a device's own clock."""
-    return (os.cpu_count() or 1) + 1
+    """Two more than there are cores: many tests wait, for a process to begin or for a device's own clock."""
+    return (os.cpu_count() or 1) + 2
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
