@@ -151,9 +151,7 @@ def print_remarks(console: Console, result: Result) -> None:
         if item.verification is not None:
             low, high = float(item.verification.frac.min()), float(item.verification.frac.max())
             band = f"{item.model.band_hz[0]:.4g} to {item.model.band_hz[1]:.4g} Hz"
-            console.print(
-                f"{item.source}: FRAC of the regenerated mobility {low:.4f} to {high:.4f}, {band}", markup=False
-            )
+            console.print(f"{item.source}: FRAC of the regenerated FRFs {low:.4f} to {high:.4f}, {band}", markup=False)
         if item.assessment is not None:
             for verdict in item.assessment.verdicts:
                 holds = "holds" if verdict.holds else "DOES NOT HOLD"
