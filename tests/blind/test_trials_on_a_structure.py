@@ -35,7 +35,7 @@ def test_most_effects_are_named_and_nothing_done_is_no_gap(degrees: float, tmp_p
 
 def test_a_trial_without_modes_is_counted_and_ends_nothing(tmp_path: Path) -> None:
     clean = measured(0.0)
-    # Noise of which a mode can be told only where nothing drowns it.
+    # Noise of which a mode can be found only where nothing drowns it.
     loud = replace(clean, variance=np.full(clean.values.shape, 1e4))
     found = blind_on(loud, rig(), tmp_path, MeasuredRequest(trials=1, none=1, seed=1))
     assert [(t.said, t.right) for t in found.trials] == [("not_identified", False)] * 2
