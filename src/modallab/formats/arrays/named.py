@@ -22,7 +22,7 @@ Arrays = Mapping[str, NDArray[Any]]
 
 TIME, RATE, STEP, FREQUENCY, FRF, COHERENCE, ALL = "time", "rate", "step", "frequency", "frf", "coherence", "all"
 _USUAL = {
-    TIME: ("time", "t"),
+    TIME: ("time", "t", "timestamps"),
     RATE: RATE_NAMES,
     STEP: STEP_NAMES,
     FREQUENCY: ("frequency", "freq", "f", "frequency_hz"),
@@ -65,12 +65,18 @@ def campaign_of_arrays(arrays: Arrays, name: str, rig: Rig, options: ImportOptio
 
 def find_usual(arrays: Arrays, key: str) -> NDArray[Any] | None:
     """The array that is usually called so, or the only field of a structure that is; None if there is none."""
+    name = usual_name(arrays, key)
+    return None if name is None else arrays[name]
+
+
+def usual_name(arrays: Arrays, key: str) -> str | None:
+    """The name of the array that is usually called so."""
     usual = _USUAL.get(key, (key.lower(),))
     for last in (False, True):
         names = [(name.rpartition(".")[2] if last else name).lower() for name in arrays]
         for name in usual:
             if names.count(name) == 1:
-                return list(arrays.values())[names.index(name)]
+                return list(arrays)[names.index(name)]
     return None
 
 

@@ -6,8 +6,8 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Direction, Rig
 from modallab.core.units import Quantity
 from modallab.formats.csv.csv_frf_table import columns_of, holds_frfs
-from modallab.formats.csv.csv_heads import TIME_NAMES
-from modallab.formats.csv.csv_table import Table, read_table
+from modallab.formats.csv.csv_heads import time_column
+from modallab.formats.csv.csv_table import Table, read_tables, side_by_side
 from modallab.formats.csv.frf_heading import FrfHeading, pair_of
 from modallab.formats.draft import MEASURED, Said, rig_of, wanted
 from modallab.formats.options import ImportOptions
@@ -23,7 +23,8 @@ def draft_csv(path: Path, options: ImportOptions) -> Rig:
         FormatError: no table, or cut off.
         DataError: the table has no header.
     """
-    table = read_table(path)
+    tables = read_tables(path)
+    table = side_by_side(tables, str(path)) if holds_frfs(tables[-1]) else tables[0]
     if not table.names:
         raise DataError(
             "has no header, so that its columns have no names",
@@ -33,7 +34,8 @@ def draft_csv(path: Path, options: ImportOptions) -> Rig:
     if holds_frfs(table):
         return _of_frfs(table, path, options)
     units = table.units or ("",) * len(table.names)
-    columns = [(n, u) for n, u in zip(table.names, units, strict=True) if n.lower() not in TIME_NAMES]
+    time = time_column(table.names, table.units)
+    columns = [(n, u) for k, (n, u) in enumerate(zip(table.names, units, strict=True)) if k != time]
     said = wanted((Said(n, quantity_of(unit), unit) for n, unit in columns), options)
     numbers = [one for one in said if table.names.index(one.name) not in table.no_numbers]
     if not numbers:
