@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
+from modallab.identification.likelihood.equations import Covariance
 from modallab.identification.likelihood.fit import Fit, residuals
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.model.modal_model import Seen
@@ -95,7 +96,7 @@ def _spread(found: Merged) -> Real:
 def _agreed(frf: Frf, points: PointPoles, common: Common, notes: tuple[str, ...]) -> Agreed:
     omega, zeta = common.value.T
     at_common = fit_frf(frf, np.asarray(-zeta * omega + 1j * omega, np.complex128), 0)
-    covariance = np.diag((common.sigma**2).ravel())
+    covariance = Covariance.of_poles(np.diag((common.sigma**2).ravel()))
     axis = 1 + roved_axis(frf)
     constants, sigma = zip(*[f.modal_constants for f in points.fits], strict=True)
     # A pole that moves by a part of its half-width leaves as much of the mode to its neighbours.
