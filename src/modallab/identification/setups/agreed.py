@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
+from modallab.identification.likelihood.equations import Covariance
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.model.modal_model import Seen, seen_by
@@ -96,7 +97,7 @@ def _spread(found: Merged) -> Real:
 def _agreed(frf: Frf, points: PointPoles, common: Common, notes: tuple[str, ...]) -> Agreed:
     omega, zeta = common.value.T
     at_common = fit_frf(frf, np.asarray(-zeta * omega + 1j * omega, np.complex128), 0)
-    covariance = np.diag((common.sigma**2).ravel())
+    covariance = Covariance.of_poles(np.diag((common.sigma**2).ravel()))
     axis = 1 + roved_axis(frf)
     each = [seen_by(f) for f in points.fits]
     constants = np.concatenate([one.constants for one in each], axis=axis)
