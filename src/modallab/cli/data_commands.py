@@ -26,7 +26,7 @@ def add_data_commands(commands: _Commands) -> None:
 def _add_export(commands: _Commands) -> None:
     command = commands.add_parser("export", help="write a campaign in another format")
     command.add_argument("source", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="a campaign, or a data folder")
-    command.add_argument("--format", required=True, choices=tuple(f.name for f in writers()))
+    command.add_argument("--format", required=True, choices=tuple(f.name for f in writers()), help="what to write")
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help="for csv a folder")
     command.add_argument("--run", action="append", metavar="RUN", help="of a data folder; may be repeated")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
@@ -39,14 +39,14 @@ def _add_export(commands: _Commands) -> None:
 
 def _add_backup(commands: _Commands) -> None:
     command = commands.add_parser("backup", help="copy a data folder, also while a run is being recorded")
-    command.add_argument("data", type=Path, metavar="DATA")
+    command.add_argument("data", type=Path, metavar="DATA", help="a data folder")
     command.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="not there yet, or empty")
     command.set_defaults(module="backup", action="backup", out_is_folder=True)
 
 
 def _add_restore(commands: _Commands) -> None:
     command = commands.add_parser("restore", help="restore a data folder from a backup")
-    command.add_argument("backup", type=Path, metavar="BACKUP")
+    command.add_argument("backup", type=Path, metavar="BACKUP", help="what modallab backup wrote")
     command.add_argument("--out", type=Path, required=True, metavar="DATA", help="not there yet, or empty")
     command.add_argument("--database", metavar="URL", help="keep the catalogue in this empty PostgreSQL database")
     command.set_defaults(module="backup", action="restore", out_is_folder=True)
@@ -54,7 +54,7 @@ def _add_restore(commands: _Commands) -> None:
 
 def _add_retention(commands: _Commands) -> None:
     command = commands.add_parser("retention", help="list samples that may be deleted, and delete them with --delete")
-    command.add_argument("data", type=Path, metavar="DATA")
+    command.add_argument("data", type=Path, metavar="DATA", help="a data folder")
     command.add_argument("--older-than", type=not_negative, default=0.0, metavar="DAYS", help="since the run's end")
     command.add_argument("--state", action="append", choices=("done", "failed", "aborted"), help="may be repeated")
     command.add_argument("--valid", action="store_true", help="runs with valid data too")
