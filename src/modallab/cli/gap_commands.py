@@ -1,17 +1,11 @@
 """The commands below `modallab gap`, without importing what they do."""
 
 from pathlib import Path
-from typing import Any, Protocol
 
-from modallab.cli.options import JSON_HELP, add_saying, count, positive
-
-
-class _Commands(Protocol):
-    # argparse gives its own class for this no public name.
-    def add_parser(self, name: str, *, help: str) -> Any: ...  # noqa: A002
+from modallab.cli.options import JSON_HELP, Commands, add_saying, count, positive
 
 
-def add_gap_commands(commands: _Commands) -> None:
+def add_gap_commands(commands: Commands) -> None:
     """Add them; each names the module of `modallab.cli` that runs it."""
     gap = commands.add_parser("gap", help="say where simulation and bench differ, why, and how far that shrinks")
     actions = gap.add_subparsers(metavar="ACTION", required=True, dest="action")
@@ -35,7 +29,7 @@ def add_gap_commands(commands: _Commands) -> None:
     command.set_defaults(module="gap_paper")
 
 
-def _add_diagnose(actions: _Commands) -> None:
+def _add_diagnose(actions: Commands) -> None:
     command = actions.add_parser("diagnose", help="diagnose a campaign")
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="a campaign, or its folder")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
@@ -62,7 +56,7 @@ def _add_diagnose(actions: _Commands) -> None:
     add_saying(command)
 
 
-def _add_predict(actions: _Commands) -> None:
+def _add_predict(actions: Commands) -> None:
     command = actions.add_parser(
         "predict", help="predict the records of another campaign on the same rig from its forces"
     )
@@ -73,7 +67,7 @@ def _add_predict(actions: _Commands) -> None:
     command.add_argument("--as-campaign", type=Path, metavar="CAMPAIGN.h5", help="also as a campaign modallab reads")
 
 
-def _add_revisions(actions: _Commands) -> None:
+def _add_revisions(actions: Commands) -> None:
     command = actions.add_parser("apply", help="write the rig's next revision, with the effects that were found")
     command.add_argument("diagnosis", type=Path, metavar="D.json", help="what gap diagnose --json wrote")
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml", help="that it was diagnosed with")
@@ -88,7 +82,7 @@ def _add_revisions(actions: _Commands) -> None:
     command.set_defaults(module="gap_revisions")
 
 
-def _add_blind(actions: _Commands) -> None:
+def _add_blind(actions: Commands) -> None:
     command = actions.add_parser(
         "blind", help="run blind trials: their true effects are read after all diagnoses are written"
     )
@@ -120,7 +114,7 @@ def _add_blind(actions: _Commands) -> None:
     command.set_defaults(module="gap_blind", out_is_folder=True)
 
 
-def _add_export(actions: _Commands) -> None:
+def _add_export(actions: Commands) -> None:
     command = actions.add_parser("export", help="write the corrected simulation for other programs")
     command.add_argument("diagnosis", type=Path, metavar="D.json", help="what gap diagnose --json wrote")
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml", help="that it was diagnosed with")
@@ -139,7 +133,7 @@ def _add_export(actions: _Commands) -> None:
     command.set_defaults(module="gap_export")
 
 
-def _add_next(actions: _Commands) -> None:
+def _add_next(actions: Commands) -> None:
     command = actions.add_parser("next", help="plan the experiment that decides between the explanations that are left")
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the one that was diagnosed")
     command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json", help="its diagnosis")

@@ -1,17 +1,13 @@
 """The command `model` and its options, without importing what it does."""
 
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-from modallab.cli.options import JSON_HELP, add_saying, count, positive
+from modallab.cli.options import JSON_HELP, Commands, add_saying, count, positive
 from modallab.core.units import TESTS
 
 
-class _Commands(Protocol):
-    def add_parser(self, name: str, *, help: str) -> Any: ...  # noqa: A002
-
-
-def add_model_commands(commands: _Commands) -> None:
+def add_model_commands(commands: Commands) -> None:
     """Add it to the parser."""
     model = commands.add_parser(
         "model", help="put a modal model to use: what makes a response, and what a change makes of it"
@@ -29,7 +25,7 @@ def add_model_commands(commands: _Commands) -> None:
     model.set_defaults(module="model")
 
 
-def _participation(actions: _Commands) -> Any:
+def _participation(actions: Commands) -> Any:
     command = actions.add_parser("participation", help="which modes make the response at a point")
     command.add_argument("--at", type=int, required=True, metavar="POINT", help="of the force")
     command.add_argument("--of", type=int, required=True, metavar="POINT", help="of the motion")
@@ -42,11 +38,11 @@ def _participation(actions: _Commands) -> Any:
     return command
 
 
-def _nodes(actions: _Commands) -> Any:
+def _nodes(actions: Commands) -> Any:
     return actions.add_parser("nodes", help="antinodes and nodes of each mode: where to hit, where to mount")
 
 
-def _shape(actions: _Commands) -> Any:
+def _shape(actions: Commands) -> Any:
     command = actions.add_parser("shape", help="the shape of a mode, or the deflection shape that was measured")
     which = command.add_mutually_exclusive_group(required=True)
     which.add_argument("--mode", type=int, metavar="N", help="from 1")
@@ -56,7 +52,7 @@ def _shape(actions: _Commands) -> Any:
     return command
 
 
-def _compare(actions: _Commands) -> Any:
+def _compare(actions: Commands) -> Any:
     command = actions.add_parser("compare", help="pairs of modes with another model: MAC, frequencies, damping, COMAC")
     command.add_argument(
         "--other", type=Path, required=True, metavar="FILE", help="models, finite elements, a campaign"
@@ -65,7 +61,7 @@ def _compare(actions: _Commands) -> Any:
     return command
 
 
-def _update(actions: _Commands) -> Any:
+def _update(actions: Commands) -> Any:
     command = actions.add_parser("update", help="estimate the parameters of a finite-element model, or of the beam")
     command.add_argument(
         "--fe",
@@ -84,7 +80,7 @@ def _update(actions: _Commands) -> Any:
     return command
 
 
-def _modify(actions: _Commands) -> Any:
+def _modify(actions: Commands) -> Any:
     command = actions.add_parser("modify", help="the modes with masses, springs, dampers, absorbers or links added")
     command.add_argument("--at", type=int, metavar="POINT", help="of --mass, --spring and --damper")
     command.add_argument("--to", type=int, metavar="POINT", help="other end of spring and damper (default: ground)")
@@ -104,7 +100,7 @@ def _modify(actions: _Commands) -> Any:
     return command
 
 
-def _tune(actions: _Commands) -> Any:
+def _tune(actions: Commands) -> Any:
     command = actions.add_parser("tune", help="the mass or spring that brings a mode to a frequency, at each point")
     command.add_argument("--mode", type=int, required=True, metavar="N", help="from 1")
     command.add_argument("--to", type=positive, required=True, metavar="HZ", help="the frequency")
@@ -113,7 +109,7 @@ def _tune(actions: _Commands) -> Any:
     return command
 
 
-def _frf(actions: _Commands) -> Any:
+def _frf(actions: Commands) -> Any:
     command = actions.add_parser("frf", help="FRFs between points, measured pairs or not, for other programs")
     command.add_argument("--outputs", type=int, nargs="+", metavar="POINT", help="(default: all that have a sensor)")
     command.add_argument("--inputs", type=int, nargs="+", metavar="POINT", help="(default: those that were driven)")

@@ -2,21 +2,15 @@
 
 import argparse
 from pathlib import Path
-from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
 from modallab.cli.gap_commands import add_gap_commands
 from modallab.cli.model_commands import add_model_commands
-from modallab.cli.options import JSON_HELP, add_saying, not_negative, positive
+from modallab.cli.options import JSON_HELP, Commands, add_saying, not_negative, positive
 from modallab.cli.usage import Parser
 from modallab.core.units import FRF_ESTIMATORS, TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
-
-
-class _Commands(Protocol):
-    # argparse gives its own class for this no public name.
-    def add_parser(self, name: str, *, help: str) -> Any: ...  # noqa: A002
 
 
 def build_parser(version: str) -> argparse.ArgumentParser:
@@ -39,7 +33,7 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     return parser
 
 
-def _add_demo(commands: _Commands) -> None:
+def _add_demo(commands: Commands) -> None:
     demo = commands.add_parser("demo", help="run a whole modal test on the simulated bench")
     demo.add_argument("--out", type=Path, default=Path("demo"), metavar="FOLDER", help="where the results go")
     demo.add_argument("--seed", type=int, default=1, help="seed of the simulated bench")
@@ -57,7 +51,7 @@ def _add_demo(commands: _Commands) -> None:
     demo.set_defaults(module="demo", out_is_folder=True)
 
 
-def _add_import(commands: _Commands) -> None:
+def _add_import(commands: Commands) -> None:
     command = commands.add_parser("import", help="convert recordings of other programs into one campaign file")
     command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=", ".join(f.title for f in readers()))
     command.add_argument(
@@ -98,7 +92,7 @@ def _add_import(commands: _Commands) -> None:
     command.set_defaults(module="import_")
 
 
-def _add_identify(commands: _Commands) -> None:
+def _add_identify(commands: Commands) -> None:
     command = commands.add_parser("identify", help="identify the modal model of a campaign")
     command.add_argument(
         "campaign", type=Path, nargs="+", metavar="FOLDER|CAMPAIGN.h5", help="several: the set-ups of one test"
@@ -140,7 +134,7 @@ def _add_identify(commands: _Commands) -> None:
     command.set_defaults(module="identify")
 
 
-def _add_rig(commands: _Commands) -> None:
+def _add_rig(commands: Commands) -> None:
     rig = commands.add_parser("rig", help="check the channels of a bench, and calibrate them")
     actions = rig.add_subparsers(metavar="ACTION", required=True, dest="action")
     check = actions.add_parser("check", help="check every channel and say what is wrong")
@@ -187,7 +181,7 @@ def _add_rig(commands: _Commands) -> None:
     rig.set_defaults(module="rig")
 
 
-def _add_devices(commands: _Commands) -> None:
+def _add_devices(commands: Commands) -> None:
     command = commands.add_parser("devices", help="list the devices, each with its address")
     command.add_argument("address", nargs="?", default="", help="look only there, such as nidaqmx+grpc://host:31763")
     command.add_argument("--release", action="store_true", help="release what a killed program has left reserved")
@@ -195,7 +189,7 @@ def _add_devices(commands: _Commands) -> None:
     command.set_defaults(module="devices")
 
 
-def _add_serve(commands: _Commands) -> None:
+def _add_serve(commands: Commands) -> None:
     command = commands.add_parser("serve", help="run the REST service, the operator's page and the emergency stop")
     command.add_argument("--rig", type=Path, action="append", metavar="RIG.yaml", help="may be repeated")
     command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
@@ -218,7 +212,7 @@ def _add_serve(commands: _Commands) -> None:
     command.set_defaults(module="serve")
 
 
-def _add_campaign(commands: _Commands) -> None:
+def _add_campaign(commands: Commands) -> None:
     campaign = commands.add_parser("campaign", help="run tests on a bench")
     actions = campaign.add_subparsers(metavar="ACTION", required=True, dest="action")
     command = actions.add_parser("run", help="run the tests of a plan, identify, and show the model")
