@@ -19,18 +19,17 @@ LARGE = 1e6
 _UNIT = re.compile(r"(?<=[\d⁻⁰¹²³⁴⁵⁶⁷⁸⁹]) (?=(%|Hz|kHz|s|ms|m|mm|N|GPa|kg|V|sigmas?|bit|±|σ)(?![a-zA-Z]))|(?<=±) ")
 
 
-def with_sigma(value: float, sigma: float, unit: str = "") -> str:
-    """`4.8021 ± 0.0003 Hz`: the sigma to one digit (two if it starts with 1), the value to the same place.
+def with_sigma(value: float, sigma: float) -> str:
+    """`4.8021 ± 0.0003`: the sigma to one digit (two if it starts with 1), the value to the same place.
 
     A sigma that is not known is said so, and the value is given to four digits.
     """
     if not math.isfinite(value):
         return UNKNOWN
-    tail = f" {unit}" if unit else ""
     if not (math.isfinite(sigma) and sigma > 0):
-        return f"{plain(value)}{tail} (± {UNKNOWN})"
+        return f"{plain(value)} (± {UNKNOWN})"
     places = _places(sigma)
-    return f"{_fixed(value, places)} ± {_fixed(sigma, places)}{tail}"
+    return f"{_fixed(value, places)} ± {_fixed(sigma, places)}"
 
 
 def concise(value: float, sigma: float) -> str:
