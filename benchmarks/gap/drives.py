@@ -2,6 +2,7 @@
 
 Records the simulated bench without an effect and with one of seven, by hammer, random, burst-random, chirp and a slow
 sweep, and diagnoses each. A row of the CSV is one diagnosis: verdict, effect, number with its interval, seconds.
+`--reference` diagnoses against a hammer test of the same bench without the effect, as of a structure without a beam.
 `--summary` counts drives with the verdict of the hammer test, with an interval that meets its, and false alarms.
 
     python benchmarks/gap/drives.py --out rows.csv [--effects 7 --none 10 --drives random chirp]
@@ -16,8 +17,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from modallab.cli.demo_rig import demo_rig
+from modallab.core.block import Campaign
+from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.core.plan import BroadbandPlan, ImpactPlan
 from modallab.gap.diagnosis import diagnose
+from modallab.pipelines.structure_gap import gap_of, model_to_compare
 from modallab.service.campaigns.local_session import record_campaign
 
 DRIVES = {
@@ -31,12 +35,25 @@ EFFECTS = (
     "added_mass,mass=0.05,x=0.8",
     "gain_error,channel=a05,gain=1.1",
     "trigger_delay,seconds=1e-4",
-    "clamp_rotation,k_rot=3000",
+    "clamp_rotation,k_rot=600",
     "ground_spring,k=800,x=0.6",
     "local_damper,c=2,x=0.7",
     "position_error,channel=a04,dx=0.01",
 )
-FIELDS = ("seed", "effect", "drive", "verdict", "found", "number", "low", "high", "probability", "gap", "seconds")
+FIELDS = (
+    "against",
+    "seed",
+    "effect",
+    "drive",
+    "verdict",
+    "found",
+    "number",
+    "low",
+    "high",
+    "probability",
+    "gap",
+    "seconds",
+)
 
 
 def trials(effects: int, none: int, drives: list[str]) -> Iterator[tuple[int, str, str]]:
@@ -45,14 +62,21 @@ def trials(effects: int, none: int, drives: list[str]) -> Iterator[tuple[int, st
     yield from ((101 + n, "", drive) for n in range(none) for drive in drives if drive != "impact")
 
 
-def row_of(seed: int, effect: str, drive: str) -> dict[str, object]:
+def recorded(seed: int, effect: str, drive: str) -> Campaign:
     address = f"sim://cantilever?seed={seed}" + (f"&effect={effect}" if effect else "")
     with tempfile.TemporaryDirectory() as folder:
-        campaign = record_campaign(address, demo_rig(), (DRIVES[drive],), Path(folder), lambda _: None)
+        return record_campaign(address, demo_rig(), (DRIVES[drive],), Path(folder), lambda _: None)
+
+
+def row_of(against: str, seed: int, effect: str, drive: str) -> dict[str, object]:
+    campaign = recorded(seed, effect, drive)
+    before = recorded(seed, "", "impact") if against == "reference" else None
+    reference = model_to_compare(before) if before else None
     begin = time.process_time()
-    found = diagnose(campaign)
-    row: dict[str, object] = {"seed": seed, "effect": effect, "drive": drive, "verdict": found.verdict}
-    row |= {"gap": f"{found.gap.before:.4g}", "seconds": f"{time.process_time() - begin:.1f}"}
+    found = diagnose(campaign) if reference is None else gap_of(campaign, reference, before=before).diagnosis
+    row: dict[str, object] = {"against": against, "seed": seed, "effect": effect, "drive": drive}
+    gap = found.before if isinstance(found, ModalDiagnosis) else found.gap.before
+    row |= {"verdict": found.verdict, "gap": f"{gap:.4g}", "seconds": f"{time.process_time() - begin:.1f}"}
     if found.effects:
         best = found.effects[0]
         name, value = next(iter(best.parameters.items()))
@@ -64,6 +88,12 @@ def row_of(seed: int, effect: str, drive: str) -> dict[str, object]:
 
 def summary(rows: list[dict[str, str]]) -> None:
     """Print how drives compare with the hammer test."""
+    for against in dict.fromkeys(r["against"] for r in rows):
+        print(f"against the {against}")
+        _summary([r for r in rows if r["against"] == against])
+
+
+def _summary(rows: list[dict[str, str]]) -> None:
     sound = [r for r in rows if not r["effect"]]
     print(f"no effect: {sum(r['verdict'] == 'no_gap' for r in sound)} of {len(sound)} no gap")
     hit = {r["effect"]: r for r in rows if r["effect"] and r["drive"] == "impact"}
@@ -84,20 +114,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path)
     parser.add_argument("--summary", type=Path)
+    parser.add_argument("--reference", action="store_true")
     parser.add_argument("--effects", type=int, default=len(EFFECTS))
     parser.add_argument("--none", type=int, default=10)
     parser.add_argument("--drives", nargs="+", default=list(DRIVES), choices=DRIVES)
     given = parser.parse_args()
     if given.out:
         there = list(csv.DictReader(given.out.open())) if given.out.exists() else []
-        done = {(int(r["seed"]), r["effect"], r["drive"]) for r in there}
+        against = "reference" if given.reference else "beam"
+        done = {(int(r["seed"]), r["effect"], r["drive"]) for r in there if r["against"] == against}
         with given.out.open("a", newline="") as file:
             writer = csv.DictWriter(file, FIELDS, restval="")
             if not there:
                 writer.writeheader()
             for trial in trials(given.effects, given.none, given.drives):
                 if trial not in done:
-                    writer.writerow(row_of(*trial))
+                    writer.writerow(row_of(against, *trial))
                     file.flush()
     if given.summary or given.out:
         summary(list(csv.DictReader((given.summary or given.out).open())))
