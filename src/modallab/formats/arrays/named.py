@@ -82,9 +82,9 @@ def usual_name(arrays: Arrays, key: str) -> str | None:
 
 def _find(arrays: Arrays, key: str, options: ImportOptions, where: str) -> NDArray[Any] | None:
     """The array that a key stands for; None if there is none."""
-    said = dict(options.variables).get(key)
-    if said is not None:
-        return array_named(arrays, said, where)
+    name = dict(options.variables).get(key)
+    if name is not None:
+        return array_named(arrays, name, where)
     if key.rpartition(":")[0] in arrays:
         return array_named(arrays, key, where)
     return find_usual(arrays, key)
@@ -104,14 +104,14 @@ def _record(
     own = [channel_times(arrays, key or "", row.size, where) for key, row in zip(keys.values(), rows, strict=True)]
     rates = {one.rate_hz for one in own}
     if len(rates) > 1:
-        said = ", ".join(f"{n} {o.rate_hz or 'unknown'} Hz" for n, o in zip(names, own, strict=True))
-        raise DataError(f"the channels differ in rate: {said}", where=where, remedy="export channels of one rate")
+        text = ", ".join(f"{n} {o.rate_hz or 'unknown'} Hz" for n, o in zip(names, own, strict=True))
+        raise DataError(f"the channels differ in rate: {text}", where=where, remedy="export channels of one rate")
     rate = rates.pop() or _rate(found, options, rows[0].size, where)
     options.agree(rate, where)
     starts = [one.start for one in own]
     if any(starts) and None in starts:
-        unsaid = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
-        found_ = f"says when other channels begin, and nothing of {unsaid}"
+        without = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
+        found_ = f"says when other channels begin, and nothing of {without}"
         raise DataError(found_, where=where, remedy="give every channel its start, or none")
     samples, note = on_common_times([_real(row, where) for row in rows], starts, rate, names, where)
     return samples, rate, note
@@ -129,9 +129,9 @@ def _row(values: NDArray[Any], key: str, where: str) -> NDArray[Any]:
 
 def _key(arrays: Arrays, channel: str, options: ImportOptions) -> str | None:
     """The name of a channel's array, perhaps with a column; None if there is none."""
-    said = dict(options.variables).get(channel)
-    if said is not None or channel.rpartition(":")[0] in arrays:
-        return said or channel
+    name = dict(options.variables).get(channel)
+    if name is not None or channel.rpartition(":")[0] in arrays:
+        return name or channel
     low = channel.lower()
     wanted = (low, *(f"{low}.{name}" for name in _SAMPLES))
     for last in (False, True):
