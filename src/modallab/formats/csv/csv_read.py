@@ -43,11 +43,11 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     names = [path.stem] if len(tables) == 1 else [f"{path.stem}_{k}" for k in range(1, len(tables) + 1)]
     found = [record_of(one, rig, options, name, where) for one, name in zip(tables, names, strict=True)]
     blocks = tuple(replace(block, order=order) for order, (block, _) in enumerate(found))
-    notes = tuple(dict.fromkeys(note for _, said in found for note in said))
+    notes = tuple(dict.fromkeys(note for _, remarks in found for note in remarks))
     if not table.ended:
         notes = (*notes, "the last line has no end; if the file was cut off there, its last number is wrong")
-    said = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
-    return Campaign(rig, blocks, provenance=said, source=where)
+    provenance = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
+    return Campaign(rig, blocks, provenance=provenance, source=where)
 
 
 def record_of(table: Table, rig: Rig, options: ImportOptions, name: str, where: str) -> tuple[Block, tuple[str, ...]]:
