@@ -139,11 +139,28 @@ def test_a_click_on_a_point_hangs_a_mass_there(recorded: Watched) -> None:
     rows.first.wait_for()
     assert float(rows.first.locator("td").nth(2).inner_text()) < -1
     recorded.picture("workbench")
+    recorded.page.wait_for_selector("canvas[aria-label^='Shapes before and after']")
     with recorded.page.expect_download() as saved:
         recorded.page.click("text=Save the plan")
     plan = saved.value.path().read_text()
     assert "Mass 0.05 kg at 10" in plan
     assert '"kind":"impact"' in plan
+
+
+def test_a_shape_turns_and_a_finite_element_model_is_corrected(recorded: Watched) -> None:
+    recorded.view("Model")
+    shape = recorded.page.locator("canvas[aria-label^='Shape of a mode of the impact test']")
+    recorded.page.uncheck("label:has-text('moves') input >> nth=0")
+    seen = "c => { const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; return d.join().length; }"
+    recorded.page.wait_for_timeout(100)
+    before = shape.evaluate(seen)
+    shape.press("ArrowRight")
+    recorded.page.wait_for_timeout(100)
+    assert shape.evaluate(seen) != before
+    recorded.page.click("[aria-labelledby=p-finite-element-model-impact] button:has-text('Estimate')")
+    rows = recorded.page.locator("[aria-labelledby=p-finite-element-model-impact] [aria-label=Parameters] tbody tr")
+    rows.first.wait_for()
+    assert "youngs_modulus" in rows.first.inner_text()
 
 
 @pytest.mark.thorough("diagnoses on the page, and tests again")

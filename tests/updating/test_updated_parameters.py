@@ -123,6 +123,13 @@ def test_a_prior_without_a_deviation_is_rejected(wrong: type[Prior]) -> None:
         wrong(1.0, 0.0)
 
 
+def test_matrices_may_be_lists_and_rows_of_several_lengths_are_none() -> None:
+    rows = [(n, "z") for n in (1, 2)]
+    assert MatrixModel([[2, -1], [-1, 2]], [[1, 0], [0, 1]], rows).modes({}).frequency_hz.size == 2
+    with pytest.raises(DataError, match="the mass matrix is none"):
+        MatrixModel([[2, -1], [-1, 2]], [[1, 0], [0]], rows)
+
+
 def test_matrices_of_another_size_are_rejected() -> None:
     with pytest.raises(DataError, match="tip mass is"):
         replace(CHAIN, mass_by={"tip mass": np.eye(3)})

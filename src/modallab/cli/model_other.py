@@ -45,7 +45,7 @@ def update(known: Known, arguments: argparse.Namespace) -> None:
     show_rows(arguments, updated_mode_rows(found))
     show_rows(arguments, parameter_rows(found))
     if arguments.json is not None:
-        write_json(arguments.json, updated_document(found))
+        write_json(arguments.json, updated_document(found).model_dump(mode="json"))
 
 
 def _prior(name: str, value: str, sigma: str) -> tuple[str, Prior]:

@@ -59,7 +59,7 @@ def mode_deflection(structure: Structure, samples: Structure, mode: int) -> Defl
     if not 1 <= mode <= modes:
         raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {modes}")
     pole = structure.poles[mode - 1]
-    phi, varied = (_turned(s.psi[..., mode - 1, :] * np.sqrt(2j * pole.imag)) for s in (structure, samples))
+    phi, varied = (turned(s.psi[..., mode - 1, :] * np.sqrt(2j * pole.imag)) for s in (structure, samples))
     hz = float(np.abs(pole)) / (2 * np.pi)
     return Deflection(f"mode {mode}", hz, structure.freedoms, phi, np.std(varied, axis=0), "kg^-1/2")
 
@@ -107,11 +107,12 @@ def _line(frf: Frf, hz: float) -> int:
     return int(np.argmin(np.abs(frf.frequency_hz - hz)))
 
 
-def _turned(values: Complex) -> Complex:
-    turned = values * np.exp(-0.5j * np.angle(np.sum(values**2, axis=-1, keepdims=True)))
-    largest = np.argmax(np.abs(turned), axis=-1)[..., None]
-    negative = np.real(np.take_along_axis(turned, largest, axis=-1)) < 0
-    return np.asarray(turned * np.where(negative, -1, 1))
+def turned(values: Complex) -> Complex:
+    """(..., freedoms) as real as a common turn makes them, positive where they are largest."""
+    real = values * np.exp(-0.5j * np.angle(np.sum(values**2, axis=-1, keepdims=True)))
+    largest = np.argmax(np.abs(real), axis=-1)[..., None]
+    negative = np.real(np.take_along_axis(real, largest, axis=-1)) < 0
+    return np.asarray(real * np.where(negative, -1, 1))
 
 
 def spatial(rig: Rig, deflection: Deflection) -> NDArray[np.complex128]:

@@ -1,8 +1,7 @@
 """Parameters of a model that a test has corrected, as tables: the same words at every door."""
 
-import numpy as np
-
 from modallab.core.digits import concise, listed, plain
+from modallab.core.documents.model_update import ParameterView, UpdatedView
 from modallab.reporting.modified_table import TableRows
 from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters
@@ -62,25 +61,26 @@ def updated_mode_rows(found: UpdatedParameters) -> TableRows:
     return TableRows(headings, rows, "Frequencies of the model over the measured ones.")
 
 
-def updated_document(found: UpdatedParameters) -> dict[str, object]:
-    """All numbers, as JSON."""
+def updated_document(found: UpdatedParameters) -> UpdatedView:
+    """All numbers, as a document."""
     parameters = {
-        name: {
-            "believed": prior.value,
-            "found": found.numbers[name],
-            "interval": list(found.interval[name]),
-            "unit": prior.unit,
-            "determined": name not in found.undetermined,
-        }
+        name: ParameterView(
+            believed=prior.value,
+            found=found.numbers[name],
+            interval=(found.interval[name][0], found.interval[name][1]),
+            unit=prior.unit,
+            determined=name not in found.undetermined,
+        )
         for name, prior in found.priors.items()
     }
-    modes = {
-        "measured_hz": found.measured_hz,
-        "before_hz": found.before.frequency_hz,
-        "after_hz": found.after.frequency_hz,
-        "mac_before": found.before.mac,
-        "mac_after": found.after.mac,
-    }
-    arrays = {name: np.asarray(values).tolist() for name, values in modes.items()}
-    together = [list(pair) for pair in found.together]
-    return {"parameters": parameters, "together": together, "held_out": list(found.held_out), **arrays}
+    return UpdatedView(
+        parameters=parameters,
+        together=found.together,
+        held_out=found.held_out,
+        measured_hz=found.measured_hz,
+        before_hz=found.before.frequency_hz,
+        after_hz=found.after.frequency_hz,
+        mac_before=found.before.mac,
+        mac_after=found.after.mac,
+        notes=tuple(_notes(found)),
+    )

@@ -294,6 +294,10 @@ def test_a_model_is_put_to_use(lab: Lab, campaign: str) -> None:
         heavy = client.post(f"{at}/modifications", json={"changes": [mass]}).json()
         assert all(a < b for a, b in zip(heavy["frequency_hz"], before, strict=False))
         assert heavy["changes"] == ["mass 0.05 kg at 10"]
+        shapes = client.get(f"{at}/shapes").json()
+        assert shapes["points"] == [*range(1, 11), 0]
+        assert np.shape(shapes["motion"]["re"]) == (len(before), 11, 3) == np.shape(heavy["motion"]["re"])
+        assert np.abs(np.array(shapes["motion"]["re"])[:, :, 2]).max(axis=1) == pytest.approx(1, rel=1e-3)
         assert heavy["frf"] is None
         asked = {"changes": [mass], "frf": {"at": 10, "of": 3, "lines": 40}, "check": campaign}
         looked = client.post(f"{at}/modifications", json=asked).json()
@@ -322,6 +326,26 @@ def test_a_model_is_compared_coupled_and_tuned_over_rest(lab: Lab, campaign: str
         assert after["frequency_hz"][0] == pytest.approx(0.98 * first, rel=1e-3)
         absorber = client.post(f"{at}/absorbers", json={"mode": 1, "at": 10, "mass_kg": 0.02}).json()
         assert absorber["peak_after"] < absorber["peak_before"] / 2
+
+
+def test_a_finite_element_model_is_corrected_over_rest(lab: Lab, campaign: str) -> None:
+    at = f"{API}/campaigns/{campaign}/model/updates"
+    with lab.client() as client:
+        spring = {"spring@8": {"value": 0, "sigma": 1000}}
+        found = client.post(at, json={"priors": spring, "held_out": [3]}).json()
+        low, high = found["parameters"]["spring@8"]["interval"]
+        assert low < 0 < high
+        assert found["parameters"]["youngs_modulus"]["unit"] == "Pa"
+        assert any("Held out, mode 3" in said for said in found["notes"])
+        rows = [[n, "z"] for n in range(1, 11)]
+        even = np.eye(10).tolist()
+        matrices = {"stiffness": (1e5 * np.diag(np.arange(1, 11.0) ** 4)).tolist(), "mass": even, "freedoms": rows}
+        tip = {"mass": np.diag(np.eye(10)[9]).tolist(), "value": 0, "sigma": 0.1}
+        of = client.post(at, json={"matrices": matrices | {"parameters": {"tip": tip}}}).json()
+        assert set(of["parameters"]) == {"stiffness", "mass", "tip"}
+        small = matrices | {"mass": [[1.0]]}
+        assert client.post(at, json={"matrices": small}).status_code == 422
+        assert client.post(at, json={"priors": {"glue": {"value": 0, "sigma": 1}}}).status_code == 422
 
 
 def test_what_a_model_cannot_be_asked_is_a_problem(lab: Lab, campaign: str) -> None:

@@ -160,6 +160,7 @@ class ModifiedView(Frozen):
         outside: (modes,) part of the frequency that what lies outside the band moves it by.
         notes: how far it can be trusted.
         before_hz: (modes before,) of the model without the changes.
+        motion: (modes, places, 3) complex, after, as `ShapesView` has it; null where no places are known.
         frf: the mobility that was asked for.
         checked: modes of the campaign that was measured with the changes.
     """
@@ -175,5 +176,6 @@ class ModifiedView(Frozen):
     outside: RealArray
     notes: tuple[str, ...]
     before_hz: RealArray
+    motion: ComplexArray | None
     frf: MobilityView | None
     checked: tuple[CheckedMode, ...]

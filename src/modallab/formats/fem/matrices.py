@@ -95,7 +95,11 @@ def symmetric(matrix: Any, what: str, title: str) -> Any:
     Raises:
         DataError: it is zero, not square, not finite or not symmetric.
     """
-    found = sparse.csc_array(matrix)
+    try:
+        given: Any = matrix if sparse.issparse(matrix) else np.array(matrix, np.float64)
+        found = sparse.csc_array(given)
+    except (TypeError, ValueError) as error:
+        raise DataError(f"the {what} matrix is none: {error}", where=title, remedy="give rows of numbers") from error
     size = abs(found).max() if found.nnz else 0.0
     if found.ndim != 2 or found.shape[0] != found.shape[1] or not size:
         raise DataError(f"the {what} matrix is {found.shape}, or zero", where=title, remedy="give a square matrix")

@@ -1,6 +1,5 @@
 """A structure that moves, as a picture and as a moving one that any browser and any slide shows."""
 
-from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
+from modallab.modification.skeleton import Skeleton
 from modallab.reporting.figures import style
 from modallab.reporting.figures.shape_data import straighten
 from modallab.reporting.figures.wireframe import is_spatial, projection
@@ -90,18 +90,9 @@ def projected(rig: Rig, motion: Complex, reach: float) -> tuple[Real, Complex, l
         motion: (points, 3) complex, along x, y, z.
         reach: motion that is drawn as `REACH` of the structure's size.
     """
-    xyz, pairs, motion = _joined(rig, motion)
+    skeleton = Skeleton.of(rig)
+    xyz = skeleton.places_m
     size = float(np.ptp(xyz, axis=0).max()) or 1.0
     flat = projection() * np.array([1.0, -1.0]) if is_spatial(rig) else FROM_THE_SIDE
-    return xyz @ flat, (motion @ flat) * (REACH * size / reach), pairs
-
-
-def _joined(rig: Rig, motion: Complex) -> tuple[Real, list[tuple[int, int]], Complex]:
-    """Places, pairs of them that are joined, and motion; a clamp is a point at rest."""
-    xyz = np.array([(p.x_m, p.y_m, p.z_m) for p in rig.points], np.float64).reshape(-1, 3)
-    order = {p.id: n for n, p in enumerate(rig.points)}
-    if rig.lines:
-        return xyz, [(order[a], order[b]) for a, b in rig.lines], motion
-    if rig.model == "cantilever":
-        xyz, motion = np.vstack([xyz, np.zeros(3)]), np.vstack([motion, np.zeros((1, 3), np.complex128)])
-    return xyz, [(int(a), int(b)) for a, b in pairwise(np.argsort(xyz[:, 0], kind="stable"))], motion
+    moved = np.asarray(skeleton.moved(motion) @ flat, np.complex128) * (REACH * size / reach)
+    return xyz @ flat, moved, list(skeleton.lines)

@@ -12,10 +12,9 @@ from modallab.core.documents.model_other import (
     TuningNew,
     TuningsView,
 )
+from modallab.core.documents.model_understood import DeflectionView, NodesView, ParticipationView, ShapesView
+from modallab.core.documents.model_update import UpdatedView, UpdateNew
 from modallab.core.documents.model_use import (
-    DeflectionView,
-    NodesView,
-    ParticipationView,
     PredictedFrf,
     ResponseNew,
     ResponseView,
@@ -28,14 +27,9 @@ from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.roles import needs
 from modallab.service.api.router import make_router
 from modallab.service.jobs.model_other import absorber_of, correlation_of, tunings_of
-from modallab.service.jobs.model_use import (
-    deflection_of,
-    frf_of,
-    modified,
-    nodes_of,
-    participation_of,
-    response_to,
-)
+from modallab.service.jobs.model_understood import deflection_of, nodes_of, participation_of, shapes_of
+from modallab.service.jobs.model_update import updated
+from modallab.service.jobs.model_use import frf_of, modified, response_to
 
 router = make_router("model-use")
 OfTest = Annotated[Test | None, Query(description="Whose model; left out: the first.")]
@@ -68,6 +62,12 @@ def get_participation(
 def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesView:
     """Where each mode moves most and where its nodes are: where to hit, where to mount."""
     return nodes_of(service, campaign, test)
+
+
+@router.get("/campaigns/{campaign}/model/shapes", responses=documented(404))
+def get_shapes(campaign: str, service: ServiceOf, test: OfTest = None) -> ShapesView:
+    """The structure as points and lines, and how it moves in each mode."""
+    return shapes_of(service, campaign, test)
 
 
 @router.get("/campaigns/{campaign}/model/deflection", responses=documented(404))
@@ -130,3 +130,9 @@ def tune_model(campaign: str, new: Annotated[TuningNew, Body()], service: Servic
 def find_absorber(campaign: str, new: Annotated[BestAbsorberNew, Body()], service: ServiceOf) -> BestAbsorberView:
     """Find the absorber of a mass that leaves the least peak about a mode; nothing is kept."""
     return absorber_of(service, campaign, new)
+
+
+@router.post("/campaigns/{campaign}/model/updates", responses=documented(404), openapi_extra=needs("observer"))
+def update_finite_elements(campaign: str, new: Annotated[UpdateNew, Body()], service: ServiceOf) -> UpdatedView:
+    """Estimate the parameters of a finite-element model, or of the rig file's beam; nothing is kept."""
+    return updated(service, campaign, new)

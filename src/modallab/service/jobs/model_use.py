@@ -17,21 +17,17 @@ from modallab.core.documents.model_change import (
     PairNew,
 )
 from modallab.core.documents.model_use import (
-    CrossingView,
-    DeflectionView,
-    NodesView,
-    ParticipationView,
     PredictedFrf,
     ResponseNew,
     ResponseView,
 )
 from modallab.core.documents.models import TestModel
 from modallab.core.errors import DataError
-from modallab.core.frf import Frf, FrfQuantity
-from modallab.core.units import Quantity, Test
+from modallab.core.frf import FrfQuantity
+from modallab.core.units import Test
 from modallab.service.context import Service
 from modallab.service.errors import NotFoundError
-from modallab.service.jobs.results import curves_of_campaign, models_of_campaign
+from modallab.service.jobs.results import models_of_campaign
 
 if TYPE_CHECKING:
     from modallab.modification.attachments import Addition
@@ -42,91 +38,6 @@ KEPT = 8
 _READY: dict[tuple[str, Test | None, tuple[str, ...]], "Known"] = {}
 LOWEST = 1e-3
 """Of the upper edge of a band that begins at 0 Hz: the first line of FRFs."""
-
-
-def participation_of(
-    service: Service, campaign: str, test: Test | None, at: int, of: int, quantity: Quantity, band_hz: tuple[float, ...]
-) -> ParticipationView:
-    """Which modes make the response at a point.
-
-    Raises:
-        NotFoundError: no such campaign, or no model of this test.
-        DataError: a band outside the model's, a point that it does not know, or no driving point.
-    """
-    from modallab.modification.known import FRF_SAMPLES
-    from modallab.modification.participation import participation
-
-    known = known_of_campaign(service, campaign, test)
-    band = (band_hz[0], band_hz[1]) if band_hz else None
-    found = participation(known.structure, known.samples.first(FRF_SAMPLES), at, of, quantity, band)
-    return ParticipationView(
-        test=known.model.test,
-        at=at,
-        of=of,
-        quantity=quantity,
-        band_hz=found.band_hz or known.model.band_hz,
-        frequency_hz=known.model.frequency_hz,
-        share=found.share,
-        share_sigma=found.share_sigma,
-        alone=found.alone,
-        outside=found.outside,
-    )
-
-
-def nodes_of(service: Service, campaign: str, test: Test | None) -> NodesView:
-    """Where each mode moves most and where its nodes are.
-
-    Raises:
-        NotFoundError: no such campaign, or no model of this test.
-        DataError: no driving point.
-    """
-    from modallab.modification.nodes import places_of_modes
-    from modallab.reporting.understood_table import advice_of
-
-    known = known_of_campaign(service, campaign, test)
-    found = places_of_modes(known.structure, known.samples, known.model, known.rig)
-    return NodesView(
-        test=known.model.test,
-        frequency_hz=found.frequency_hz,
-        points=tuple(point for point, _ in found.freedoms),
-        axes=tuple(axis for _, axis in found.freedoms),
-        motion=found.motion,
-        motion_sigma=found.motion_sigma,
-        antinode=tuple(point for point, _ in found.antinode),
-        near_node=tuple(tuple(point for point, _ in near) for near in found.nodes),
-        crossings=tuple(
-            CrossingView(mode=c.mode + 1, place_m=c.place_m, place_sigma_m=c.sigma_m) for c in found.crossings
-        ),
-        advice=tuple(advice_of(found)),
-    )
-
-
-def deflection_of(service: Service, campaign: str, test: Test | None, hz: float, at: int) -> DeflectionView:
-    """The operating deflection shape that the measured mobility shows.
-
-    Raises:
-        NotFoundError: no such campaign, no model of this test, or no measured mobility.
-        DataError: a frequency outside the FRFs, or a point that was not driven.
-    """
-    from modallab.modification.deflection import operating_deflection
-    from modallab.modification.freedoms import freedoms_of
-
-    known = known_of_campaign(service, campaign, test)
-    curves = next(c for c in curves_of_campaign(service, campaign).tests if c.test == known.model.test)
-    if curves.measured is None or known.rig is None:
-        raise NotFoundError(f"campaign {campaign} has no measured FRF of this test", remedy="name another test")
-    frf = Frf(
-        curves.frequency_hz, curves.measured, "mobility", curves.outputs, curves.output_points, curves.input_points
-    )
-    found = operating_deflection(frf, freedoms_of(known.model, known.rig)[0], hz, at)
-    return DeflectionView(
-        test=known.model.test,
-        frequency_hz=found.frequency_hz,
-        at=at,
-        points=tuple(point for point, _ in found.freedoms),
-        axes=tuple(axis for _, axis in found.freedoms),
-        values=found.values.astype(np.complex128),
-    )
 
 
 def frf_of(
@@ -166,13 +77,14 @@ def modified(service: Service, campaign: str, new: ModificationNew) -> ModifiedV
         NotFoundError: no such campaign, or no model of this test.
         DataError: a change that is none, a point that the model does not know, or no driving point.
     """
+    from modallab.modification.skeleton import motion_of
     from modallab.reporting.modified_table import checked, notes_of
 
     known = known_of_campaign(service, campaign, new.test)
     changes = [_addition(service, change) for change in new.changes]
     changed = known.with_changes(changes)
     after = changed.modes
-    measured = None if new.check is None else _chosen(service, new.check, new.test).model
+    measured = None if new.check is None else model_of_campaign(service, new.check, new.test).model
     return ModifiedView(
         test=known.model.test,
         changes=tuple(change.words for change in changes),
@@ -199,6 +111,7 @@ def modified(service: Service, campaign: str, new: ModificationNew) -> ModifiedV
             )
             for c in checked(after, measured)
         ),
+        motion=None if known.rig is None else motion_of(known.structure, known.rig, after.psi),
     )
 
 
@@ -258,7 +171,7 @@ def known_of_campaign(service: Service, campaign: str, test: Test | None) -> "Kn
     """
     from modallab.modification.known import Known
 
-    found = _chosen(service, campaign, test)
+    found = model_of_campaign(service, campaign, test)
     key = (found.job, found.model.test, found.runs)
     if key in _READY:
         return _READY[key]
@@ -271,7 +184,12 @@ def known_of_campaign(service: Service, campaign: str, test: Test | None) -> "Kn
     return _READY.setdefault(key, known)
 
 
-def _chosen(service: Service, campaign: str, test: Test | None) -> TestModel:
+def model_of_campaign(service: Service, campaign: str, test: Test | None) -> TestModel:
+    """The newest model of a test; of the first test if none is named.
+
+    Raises:
+        NotFoundError: no such campaign, or no model of this test.
+    """
     there = models_of_campaign(service, campaign).models
     for one in there:
         if test in (None, one.model.test):

@@ -46,6 +46,21 @@ export function table(caption, heads, rows) {
       h("tbody", {}, rows.map((row) => h("tr", {}, row.map(cell))))));
 }
 
+/** Keep a canvas as wide as it is shown, in dots of the screen: its text keeps its size on a phone. */
+export function fitted(canvas, height, drawn, signal) {
+  const fit = () => {
+    const ratio = devicePixelRatio || 1, width = canvas.clientWidth;
+    if (!width) return;
+    Object.assign(canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
+    canvas.style.height = `${height}px`;
+    canvas.getContext("2d").setTransform(ratio, 0, 0, ratio, 0, 0);
+    drawn(width);
+  };
+  const watcher = new ResizeObserver(fit);
+  watcher.observe(canvas);
+  signal.addEventListener("abort", () => watcher.disconnect());
+}
+
 /** A button that is busy while what it does goes on; errors are shown as sentences. */
 export function button(text, act, properties = {}) {
   const element = h("button", { type: "button", ...properties, onclick: async () => {

@@ -1,10 +1,12 @@
 /** The stabilisation diagram, to choose poles on. */
 
 import { colour } from "./charts.js";
-import { button, h, panel, put } from "./dom.js";
+import { button, fitted, h, panel, put } from "./dom.js";
 import { number } from "./numbers.js";
 
-const SIZE = [1300, 320];
+const HEIGHT = 320;
+/** Width of a frequency on the axis, with room beside it. */
+const TICK_PX = 80;
 const NEAR_PX = 14;
 
 /** Poles by order, over the mode indicator; a click or the list below chooses poles for a model by hand. */
@@ -14,7 +16,7 @@ export class Stabilisation {
     this.low = Math.min(...diagram.line_hz);
     this.high = Math.max(...diagram.line_hz);
     this.orders = [Math.min(...diagram.order), Math.max(...diagram.order)];
-    this.canvas = h("canvas", { class: "diagram", width: SIZE[0], height: SIZE[1], role: "img", "aria-label": `Stabilisation diagram of the ${name} test; its stable poles are in the list below`, onclick: (event) => this.click(event) });
+    this.canvas = h("canvas", { class: "diagram", role: "img", "aria-label": `Stabilisation diagram of the ${name} test; its stable poles are in the list below`, onclick: (event) => this.click(event) });
     this.list = h("p", { class: "buttons", role: "group", "aria-label": "Poles that hold" });
     this.picked = h("p", { role: "status" });
     this.held = diagram.held_hz.map((hz) => Number(hz));
@@ -24,22 +26,23 @@ export class Stabilisation {
         await identify({ pick_hz: [...this.chosen].sort((a, b) => a - b), ...(model.test && { test: model.test }) });
       }), button("Identify automatically", () => identify())));
     for (const hz of model.frequency_hz) this.chosen.add(this.nearestHeld(hz));
-    this.draw();
+    this.width = 0;
+    fitted(this.canvas, HEIGHT, (width) => { this.width = width; this.draw(); }, signal);
+    this.drawList();
   }
 
   nearestHeld(hz) { return this.held.reduce((best, one) => (Math.abs(one - hz) < Math.abs(best - hz) ? one : best), this.held[0] ?? hz); }
 
-  x(hz) { return 44 + ((hz - this.low) / (this.high - this.low)) * (SIZE[0] - 60); }
+  x(hz) { return 44 + ((hz - this.low) / (this.high - this.low)) * (this.width - 60); }
 
-  y(order) { return SIZE[1] - 34 - ((order - this.orders[0]) / (this.orders[1] - this.orders[0] || 1)) * (SIZE[1] - 56); }
+  y(order) { return HEIGHT - 34 - ((order - this.orders[0]) / (this.orders[1] - this.orders[0] || 1)) * (HEIGHT - 56); }
 
   click({ offsetX, offsetY }) {
-    const scale = SIZE[0] / this.canvas.clientWidth;
     const { frequency_hz: hz, order } = this.diagram;
-    let best = NEAR_PX * scale;
+    let best = NEAR_PX;
     let found = null;
     hz.forEach((one, n) => {
-      const away = Math.hypot(this.x(one) - offsetX * scale, this.y(order[n]) - offsetY * scale);
+      const away = Math.hypot(this.x(one) - offsetX, this.y(order[n]) - offsetY);
       if (away < best) { best = away; found = one; }
     });
     if (found === null) return;
@@ -50,22 +53,24 @@ export class Stabilisation {
   toggle(hz) {
     if (!this.chosen.delete(hz)) this.chosen.add(hz);
     this.draw();
+    this.drawList();
   }
 
   draw() {
     const context = this.canvas.getContext("2d");
     const { frequency_hz: hz, order, standing, line_hz: lines, cmif } = this.diagram;
-    context.clearRect(0, 0, ...SIZE);
-    context.font = "15px system-ui";
+    context.clearRect(0, 0, this.width, HEIGHT);
+    context.font = "13px system-ui";
     context.fillStyle = colour("muted");
-    context.fillText("order", 48, 14);
-    context.fillText("Hz", SIZE[0] - 24, SIZE[1] - 26);
-    for (let n = 0; n <= 10; n += 1) { const at = this.low + ((this.high - this.low) * n) / 10; context.fillText(number(at, 3), this.x(at) - 16, SIZE[1] - 10); }
-    for (const one of new Set([this.orders[0], Math.round((this.orders[0] + this.orders[1]) / 2), this.orders[1]])) context.fillText(String(one), 14, this.y(one) + 5);
+    context.fillText("Order", 4, 13);
+    context.fillText("Hz", this.width - 24, HEIGHT - 26);
+    const ticks = Math.max(2, Math.min(10, Math.floor(this.width / TICK_PX)));
+    for (let n = 0; n <= ticks; n += 1) { const at = this.low + ((this.high - this.low) * n) / ticks; context.fillText(number(at, 3), this.x(at) - 16, HEIGHT - 10); }
+    for (const one of new Set([this.orders[0], Math.round((this.orders[0] + this.orders[1]) / 2), this.orders[1]])) context.fillText(String(one), 14, this.y(one) + (one === this.orders[1] ? 12 : 5));
     this.drawIndicator(context, lines, cmif[0]);
     context.strokeStyle = colour("accent");
     context.lineWidth = 2;
-    for (const one of this.chosen) { context.beginPath(); context.moveTo(this.x(one), 18); context.lineTo(this.x(one), SIZE[1] - 30); context.stroke(); }
+    for (const one of this.chosen) { context.beginPath(); context.moveTo(this.x(one), 18); context.lineTo(this.x(one), HEIGHT - 30); context.stroke(); }
     hz.forEach((one, n) => {
       if (one < this.low || one > this.high) return;
       context.beginPath();
@@ -74,7 +79,6 @@ export class Stabilisation {
       context.lineWidth = 1.5;
       if (standing[n] === 1) context.stroke(); else context.fill();
     });
-    this.drawList();
   }
 
   drawIndicator(context, lines, values) {
@@ -83,7 +87,7 @@ export class Stabilisation {
     context.strokeStyle = colour("trace");
     context.lineWidth = 1.2;
     context.beginPath();
-    lines.forEach((hz, n) => context.lineTo(this.x(hz), SIZE[1] - 34 - ((logs[n] - low) / (high - low || 1)) * (SIZE[1] - 56)));
+    lines.forEach((hz, n) => context.lineTo(this.x(hz), HEIGHT - 34 - ((logs[n] - low) / (high - low || 1)) * (HEIGHT - 56)));
     context.stroke();
   }
 

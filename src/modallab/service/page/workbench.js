@@ -4,6 +4,7 @@ import { get, post } from "./api.js";
 import { Chart, look, positive } from "./charts.js";
 import { button, h, panel, put, show, svg, table } from "./dom.js";
 import { number, uncertain } from "./numbers.js";
+import { Moving3D, motions } from "./shape.js";
 
 const SIZES = { mass_kg: ["Mass", "kg", 0.05], spring_n_per_m: ["Spring to ground", "N/m", 1000], damper_n_s_per_m: ["Damper to ground", "N s/m", 1] };
 const WIDTH = 640, HEIGHT = 150, EDGE = 30;
@@ -12,10 +13,10 @@ const WIDTH = 640, HEIGHT = 150, EDGE = 30;
 const HUNG = new Map();
 
 export class Workbench {
-  constructor(campaign, model, description, signal) {
+  constructor(campaign, model, shapes, signal) {
     const key = `${campaign} ${model.test}`;
     if (!HUNG.has(key)) HUNG.set(key, []);
-    Object.assign(this, { campaign, model, description, changes: HUNG.get(key) });
+    Object.assign(this, { campaign, model, shapes, changes: HUNG.get(key), before: motions(shapes.motion), after: null });
     const id = `work-${model.test ?? "frf"}`;
     this.known = [...new Set([...model.output_points, ...model.input_points])].filter((point) => point !== null);
     this.kind = h("select", { id: `${id}-kind`, onchange: () => { this.size.value = String(SIZES[this.kind.value][2]); this.unit.textContent = SIZES[this.kind.value][1]; } },
@@ -32,11 +33,14 @@ export class Workbench {
     this.against = h("select", { onchange: () => this.predict() }, h("option", { value: "" }, "none yet"));
     this.chart = new Chart({ name: "Mobility before and after", x: "Frequency [Hz]", y: "Mobility [m/(N s)]", log: true, height: 300 });
     signal.addEventListener("abort", () => this.chart.close());
+    this.mode = h("select", { "aria-label": "Mode whose shape is shown" });
+    this.moving = h("div", { hidden: true }, new Moving3D("Shapes before and after", shapes, () => this.pair(), signal).element,
+      h("p", { class: "buttons" }, h("label", {}, "Shape of mode ", this.mode), h("span", { class: "muted" }, "grey: before; in colour: after")));
     this.element = panel(`Workbench, ${model.test ?? "FRFs"}`,
       h("p", { class: "buttons" }, h("label", { for: this.kind.id }, "Add"), this.kind, h("label", { for: this.size.id, class: "hidden" }, "Size"), this.size, this.unit, h("span", { class: "muted" }, "at a point: click on it")),
       this.drawing, this.list,
       h("p", { class: "buttons" }, h("label", {}, "Force at ", this.at), h("label", {}, "motion of ", this.of)),
-      this.chart.element, this.modes,
+      this.chart.element, this.moving, this.modes,
       h("p", { class: "buttons" }, button("Save the plan of a test that checks it", () => this.save()), h("label", {}, "Measured with it: ", this.against)), this.said);
     this.draw();
     this.others();
@@ -45,21 +49,22 @@ export class Workbench {
 
   /** Where each point is, from the side or from above: along the two axes over which the points spread most. */
   places() {
-    const points = this.description.points.filter(({ id }) => this.known.includes(id));
-    const along = ["x_m", "y_m", "z_m"].map((axis) => points.map((point) => point[axis] ?? 0));
-    const spans = along.map((values) => Math.max(...values, ...(this.description.beam ? [0] : [])) - Math.min(...values, ...(this.description.beam ? [0] : [])));
+    const here = this.shapes.points.map((id, n) => [id, this.shapes.places_m[n]]).filter(([id]) => id === 0 || this.known.includes(id));
+    const along = [0, 1, 2].map((axis) => here.map(([, place]) => place[axis]));
+    const spans = along.map((values) => Math.max(...values) - Math.min(...values));
     const [first, second] = [0, 1, 2].sort((a, b) => spans[b] - spans[a]);
     const scale = Math.min((WIDTH - 2 * EDGE) / (spans[first] || 1), (HEIGHT - 2 * EDGE) / (spans[second] || 1e-9));
-    const low = (n) => (this.description.beam ? Math.min(0, ...along[n]) : Math.min(...along[n]));
-    return points.map(({ id }, k) => ({ id, x: EDGE + (along[first][k] - low(first)) * scale, y: spans[second] ? HEIGHT - EDGE - (along[second][k] - low(second)) * scale : HEIGHT / 2 }));
+    const low = (n) => Math.min(...along[n]);
+    return here.map(([id], k) => ({ id, x: EDGE + (along[first][k] - low(first)) * scale, y: spans[second] ? HEIGHT - EDGE - (along[second][k] - low(second)) * scale : HEIGHT / 2 }));
   }
 
   draw() {
     const held = new Set(this.changes.map(({ at }) => at));
     const places = this.places();
-    const marks = places.map(({ id, x, y }) => svg("g", { role: "button", tabindex: "0", class: "pick", "aria-label": `Add at point ${id}`, onclick: () => this.add(id), onkeydown: (event) => { if (event.key === "Enter") this.add(id); } },
+    const clamp = places.find(({ id }) => id === 0);
+    const marks = places.filter(({ id }) => id !== 0).map(({ id, x, y }) => svg("g", { role: "button", tabindex: "0", class: "pick", "aria-label": `Add at point ${id}`, onclick: () => this.add(id), onkeydown: (event) => { if (event.key === "Enter") this.add(id); } },
       svg("circle", { class: `point${held.has(id) ? " next" : ""}`, cx: x, cy: y, r: held.has(id) ? 11 : 8 }), svg("text", { x, y: y + 27 }, String(id))));
-    const line = this.description.beam ? svg("line", { class: "body", x1: EDGE, y1: HEIGHT / 2, x2: Math.max(...places.map(({ x }) => x)), y2: HEIGHT / 2 }) : null;
+    const line = clamp ? svg("line", { class: "body", x1: clamp.x, y1: clamp.y, x2: Math.max(...places.map(({ x }) => x)), y2: clamp.y }) : null;
     put(this.drawing, svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "beam work", role: "group", "aria-label": "Points of the structure" }, line, marks));
     put(this.list, this.changes.map((one, n) => h("li", {}, words(one), " ", button("Remove", () => { this.changes.splice(n, 1); this.draw(); return this.predict(); }))));
   }
@@ -76,7 +81,7 @@ export class Workbench {
   async predict() {
     this.asked = (this.asked ?? 0) + 1;
     const asked = this.asked;
-    if (!this.changes.length) { put(this.modes, h("p", { class: "muted" }, "Nothing is added yet.")); this.chart.draw([{ label: "before", ...look(0) }], [[], []]); put(this.said); return; }
+    if (!this.changes.length) { this.moving.hidden = true; this.after = null; put(this.modes, h("p", { class: "muted" }, "Nothing is added yet.")); this.chart.draw([{ label: "before", ...look(0) }], [[], []]); put(this.said); return; }
     try {
       const found = await post(`campaigns/${this.campaign}/model/modifications`, { test: this.model.test, changes: this.changes, frf: { at: Number(this.at.value), of: Number(this.of.value) }, check: this.against.value || null });
       if (asked === this.asked) this.fill(found);
@@ -92,7 +97,22 @@ export class Workbench {
       return [n + 1, Number.isFinite(before) ? number(before, 6) : "new", uncertain(hz, found.frequency_sigma_hz[n]), Number.isFinite(before) ? number(100 * (hz / before - 1), 3) : "–", uncertain(100 * found.damping_ratio[n], 100 * found.damping_sigma[n])];
     });
     put(this.modes, table("Modes before and after", heads, rows), h("p", { class: "muted" }, found.notes.join(" ")));
+    const chosen = this.mode.value || "0";
+    put(this.mode, found.frequency_hz.map((hz, n) => h("option", { value: n }, `${n + 1}: ${number(hz, 5)} Hz`)));
+    this.mode.value = Number(chosen) < found.frequency_hz.length ? chosen : "0";
+    this.after = found.motion && { motion: motions(found.motion), like: found.like.map((one, n) => (found.mac[n] < 0.5 ? null : one - 1)) };
+    this.moving.hidden = !this.after;
     put(this.said, found.checked.length ? h("ul", { class: "plainlist" }, found.checked.map((one) => h("li", { class: one.inside ? "" : "bad" }, one.words))) : null);
+  }
+
+  /** The shape that is shown after the changes, and the one before that is most like it, in the same sense. */
+  pair() {
+    if (!this.after) return [];
+    const n = Number(this.mode.value), after = this.after.motion[n], like = this.after.like[n];
+    if (like === null) return [{ motion: after, colour: "trace" }];
+    const before = this.before[like];
+    const sense = before.flat().reduce((sum, [re], k) => sum + re * after.flat()[k][0], 0) < 0 ? -1 : 1;
+    return [{ motion: before.map((place) => place.map(([re, im]) => [sense * re, sense * im])), colour: "muted" }, { motion: after, colour: "trace" }];
   }
 
   /** Campaigns that may have been measured with the changes. */

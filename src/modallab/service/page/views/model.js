@@ -9,6 +9,7 @@ import { onEvent } from "../events.js";
 import { Stabilisation } from "../stabilisation.js";
 import { Regenerated } from "../regenerated.js";
 import { ShapeView } from "../shape.js";
+import { Update } from "../update.js";
 import { Workbench } from "../workbench.js";
 
 export async function show(view, signal, [wanted]) {
@@ -41,13 +42,19 @@ async function draw(place, id, signal, again) {
   if (!jobs.done) { put(place, panel("No model yet", ordering, h("p", { class: "buttons" }, button("Identify", () => identify())))); return; }
   const found = await get(`campaigns/${id}/model`);
   const curves = await find(`campaigns/${id}/curves`);
+  const shapes = await Promise.all(found.models.map(({ model }) => (model.test ? shapesOf(id, model.test) : shapesOf(id))));
   if (signal.aborted) return;
   put(place, !found.current && h("p", { class: "alarm" }, "The accepted blocks have changed since: compute the model again.", button("Identify again", () => identify())), ordering,
     found.without_model.map(({ test, error }) => h("p", { class: "warn" }, `The ${test} test gave no model: ${error}`)),
-    found.models.map((one, n) => modelPart(id, one, curves?.tests[n] ?? null, identify, signal)));
+    found.models.map((one, n) => modelPart(id, one, curves?.tests[n] ?? null, shapes[n], identify, signal)));
 }
 
-function modelPart(campaign, { model, frac, assessment }, curves, identify, signal) {
+/** The structure and how it moves; why not, where nothing says where the points are. */
+async function shapesOf(campaign, test) {
+  try { return await get(`campaigns/${campaign}/model/shapes${test ? `?test=${test}` : ""}`); } catch (error) { return { why: error.detail ?? error.message }; }
+}
+
+function modelPart(campaign, { model, frac, assessment }, curves, shapes, identify, signal) {
   const name = model.test ?? "FRFs";
   const modes = model.frequency_hz.map((_, n) => n);
   const heads = [["Mode", "n"], ["Frequency [Hz]", "n"], ["Damping [%]", "n"], ["Half-power [%]", "n"], ["Confidence", "n"], ["MPC", "n"], ["Phase deviation [°]", "n"]];
@@ -55,11 +62,11 @@ function modelPart(campaign, { model, frac, assessment }, curves, identify, sign
     number(100 * model.half_power[n], 3), number(assessment?.confidence[n], 2), number(assessment?.mpc[n], 4), number((assessment?.mpd_rad[n] * 180) / Math.PI, 2)]);
   const frame = h("div", { class: "thirds" },
     h("div", {}, panel(`Modes of the ${name} test`, table(`Modes of the ${name} test`, heads, rows), h("p", { class: "muted" }, "4.80(3) stands for 4.80 ± 0.03, one standard deviation."), trust(frac, assessment, model))),
-    h("div", {}, new ShapeView(name, model, lab.description, signal).element, assessment && macPanel(name, assessment.auto_mac)));
+    h("div", {}, panel(`Shapes, ${name} test`, shapes.why ? h("p", {}, shapes.why) : new ShapeView(name, shapes, signal).element), assessment && macPanel(name, assessment.auto_mac)));
   const diagram = curves?.diagram ? new Stabilisation(name, curves.diagram, model, identify, signal).element : null;
   const played = curves?.measured ? new Regenerated(name, curves, signal).element : null;
-  const work = model.shapes && lab.description ? new Workbench(campaign, model, lab.description, signal).element : null;
-  return [frame, diagram, played, work];
+  const used = model.shapes && !shapes.why ? [new Workbench(campaign, model, shapes, signal).element, new Update(campaign, model).element] : [];
+  return [frame, diagram, played, used];
 }
 
 function trust(frac, assessment, model) {
