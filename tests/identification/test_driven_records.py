@@ -85,5 +85,5 @@ def test_the_interval_of_a_modal_constant_holds_the_bias_of_either_estimator(how
     assert parts is not None
     away = np.abs(model.modal_constants[near, 0, 0].real - PHI[0] ** 2) / parts[near, 0, 0].real
     assert (away < 2.5).all()
-    # A constant is known no better than the share of the force that may be noise: 0.04 / 1.04, evenly likely.
+    # A constant is known no better than the two biases that are as likely: 0 and 0.04 / 1.04.
     assert (parts[near, 0, 0].real > 0.02 * PHI[0] ** 2).all()

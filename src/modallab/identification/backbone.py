@@ -39,11 +39,13 @@ class DriveLevel:
         name: of the level.
         frf: of its records.
         records: at least one.
+        repeats: FRFs of each record alone, which show by how much a mode shifts at one level; () if they do not.
     """
 
     name: str
     frf: Frf
     records: Sequence[Signals]
+    repeats: Sequence[Frf] = ()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -72,6 +74,7 @@ def backbone_of(model: ModalModel, levels: Sequence[DriveLevel]) -> FollowedMode
     poles = poles_of(2 * np.pi * model.frequency_hz, model.damping_ratio)
     sensors: list[str] = []
     for r, pole in enumerate(poles):
+        away: list[list[Real]] = []
         sensor = int(np.argmax(np.abs(model.modal_constants[r]).max(axis=1)))
         sensors.append(model.outputs[sensor])
         for k, level in enumerate(levels):
@@ -81,7 +84,11 @@ def backbone_of(model: ModalModel, levels: Sequence[DriveLevel]) -> FollowedMode
             pole, sigma = nearest_pole(level.frf, pole, band)
             frequency[r, k], damping[r, k] = abs(pole) / (2 * np.pi), -pole.real / abs(pole)
             sigma_hz[r, k], sigma_zeta[r, k] = sigma
+            away.append([_relative(nearest_pole(one, pole, band, near=True)[0], pole) for one in level.repeats])
             amplitude[r, k] = amplitude_of(level, pole, band, sensor)
+        scatter = _scatter(away)
+        sigma_hz[r] = np.hypot(sigma_hz[r], frequency[r] * scatter[0])
+        sigma_zeta[r] = np.hypot(sigma_zeta[r], damping[r] * scatter[1])
     found = Backbone(
         levels=tuple(level.name for level in levels),
         sensors=tuple(sensors),
@@ -95,7 +102,9 @@ def backbone_of(model: ModalModel, levels: Sequence[DriveLevel]) -> FollowedMode
     return FollowedModes(found, ~((frequency[:, 0] < first[:, 0]) | (frequency[:, 0] > first[:, 1])))
 
 
-def nearest_pole(frf: Frf, start: complex, band: tuple[float, float]) -> tuple[complex, tuple[float, float]]:
+def nearest_pole(
+    frf: Frf, start: complex, band: tuple[float, float], *, near: bool = False
+) -> tuple[complex, tuple[float, float]]:
     """The pole of the one mode that fits FRFs best within a band, with sigmas of its frequency in Hz and its damping.
 
     What one mode and rest terms leave is taken for noise, so that the sigmas hold what bends a resonance.
@@ -104,6 +113,7 @@ def nearest_pole(frf: Frf, start: complex, band: tuple[float, float]) -> tuple[c
         frf: of any quantity.
         start: where the mode stood at the level before.
         band: in rad/s.
+        near: whether it is where it stood.
     """
     receptance = convert(frf, "receptance")
     omega = 2 * np.pi * receptance.frequency_hz
@@ -116,7 +126,7 @@ def nearest_pole(frf: Frf, start: complex, band: tuple[float, float]) -> tuple[c
     def rest(at: Real) -> Real:
         return _residual(s, measured, _pole(start, at)).ravel()
 
-    grid = [(np.log(f), np.log(z)) for f in _FREQUENCIES for z in _DAMPINGS]
+    grid = [(0.0, 0.0)] if near else [(np.log(f), np.log(z)) for f in _FREQUENCIES for z in _DAMPINGS]
     best = min(grid, key=lambda at: float(np.sum(rest(np.array(at)) ** 2)))
     found = least_squares(rest, np.array(best), x_scale=[1e-3, 0.1])
     freedom = max(1, measured.size - 4 * measured.shape[1] - 2)
@@ -181,6 +191,22 @@ def backbone_notes(found: Backbone) -> tuple[str, ...]:
         change = f"{'hardens' if rises else 'softens'} with its amplitude"
         notes.append(f"Nonlinear: mode {r + 1} {change}, {'; '.join(parts)} ({found.sensors[r]}).")
     return tuple(notes)
+
+
+def _relative(pole: complex, of: complex) -> Real:
+    """How far frequency and damping ratio of a pole are from those of another, as shares of these."""
+    zeta, other = -pole.real / abs(pole), -of.real / abs(of)
+    return np.array([abs(pole) / abs(of) - 1, zeta / other - 1])
+
+
+def _scatter(away: Sequence[Sequence[Real]]) -> Real:
+    """(2, levels) by how much the means of levels may be off as records of one level differ, as shares."""
+    freedom = sum(len(each) - 1 for each in away if each)
+    if freedom < 1 or len(away) < 1:
+        return np.zeros((2, 1))
+    squares = sum(np.sum((np.array(each) - np.mean(each, axis=0)) ** 2, axis=0) for each in away if each)
+    counts = np.array([max(len(each), 1) for each in away])
+    return np.sqrt(squares / freedom)[:, None] / np.sqrt(counts)
 
 
 def _enough(frf: Frf, band: tuple[float, float]) -> bool:

@@ -58,7 +58,7 @@ def on_records(
     better = replace(there, refined=refined)
     constants, sigma = _constants(found)
     noise = float(np.median(1 - driven.true_share(found.force_noise)))
-    parts = _with_bias(constants, sigma, noise)
+    parts = _with_bias(constants, sigma, noise, estimator)
     seen = replace(seen_by(better), constants=constants, sigma_of_parts=parts, terms=found.coefficients[n:, :, None])
     known = float(np.min(np.abs(sigma) / np.maximum(np.abs(constants), np.finfo(float).tiny), initial=np.inf))
     return OnRecords(better, stay, seen, _noise_note(noise, estimator, known))
@@ -75,14 +75,15 @@ def _constants(found: Driven) -> tuple[NDArray[np.complex128], NDArray[np.comple
 
 
 def _with_bias(
-    constants: NDArray[np.complex128], sigma: NDArray[np.complex128], noise: float
+    constants: NDArray[np.complex128], sigma: NDArray[np.complex128], noise: float, estimator: FrfEstimator
 ) -> NDArray[np.complex128]:
-    """Sigmas of the parts with that of the bias: within plus or minus the noise's share of the force's power.
+    """Sigmas of the parts with that of the bias, which is one of two that the records do not choose between.
 
-    The records do not say which it is. A value anywhere within limits has their share 1 / sqrt(3) for its standard
-    deviation (JCGM 100:2008, 4.3.7).
+    Noise on the force channel makes the constants too low by one share of the noise's power, a force that was not
+    measured makes them too high by the rest of it. Either is as likely: the bias counts by the mean of their squares.
     """
-    bias = noise / np.sqrt(3)
+    of_h2 = OF_H2[estimator]
+    bias = noise * np.sqrt(((1 - of_h2) ** 2 + of_h2**2) / 2)
     return np.hypot(sigma.real, bias * constants.real) + 1j * np.hypot(sigma.imag, bias * constants.imag)
 
 

@@ -156,10 +156,15 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
         return pooled
     band = options.band_hz or default_band(groups)
     shift = float(np.log(LEAK) * signals[0].rate_hz / signals[0].force.size)
-    levels = [
-        DriveLevel(name, impact_frf(parts, campaign.rig, band, damping_shift=shift), [s for p in parts for s in p])
-        for name, parts in by_strength(groups)
-    ]
+
+    def level(name: str, parts: list[list[Signals]]) -> DriveLevel:
+        hits = [hit for group in parts for hit in group]
+        whole, *each = (
+            impact_frf(one, campaign.rig, band, damping_shift=shift) for one in (parts, *([[hit]] for hit in hits))
+        )
+        return DriveLevel(name, whole, hits, each)
+
+    levels = [level(name, parts) for name, parts in by_strength(groups)]
     found = of_weakest(pooled, levels, lambda o: _of_hits(softest(groups), notes, campaign.rig, o), options)
     return _there(found, error)
 
