@@ -111,7 +111,15 @@ class WindowLook:
     @classmethod
     def of(cls, window: Window, noise_rms: Real) -> Self:
         """Of a (channels, n) window, compared with noise of (channels,) rms counts."""
-        return cls(rms_of(window), line_power(window, noise_rms), window.shape[1])
+        n = window.shape[1]
+        taper, energy = _taper(n)
+        level, power = np.empty(len(window)), np.zeros(int(USED_BAND * n))
+        for i, (row, rms) in enumerate(zip(centred_rows(window), noise_rms, strict=True)):
+            level[i] = _rms(row)
+            power += _squares(spectrum(row * taper)[: power.size]) / rms**2
+        power /= energy * len(window)
+        power[0] = 0
+        return cls(level, power, n)
 
 
 def centred_rows(window: Window) -> Iterator[Single]:
@@ -125,19 +133,11 @@ def centred_rows(window: Window) -> Iterator[Single]:
 
 def rms_of(window: Window) -> Real:
     """(channels,) rms of a (channels, n) window, without the mean."""
-    return np.array([np.sqrt(np.dot(row, row) / row.size) for row in centred_rows(window)], np.float64)
+    return np.array([_rms(row) for row in centred_rows(window)], np.float64)
 
 
-def line_power(window: Window, noise_rms: Real) -> Real:
-    """(lines,) Hann power of a (channels, n) window, as in `WindowLook`."""
-    n = window.shape[1]
-    taper, energy = _taper(n)
-    power = np.zeros(int(USED_BAND * n))
-    for row, rms in zip(centred_rows(window), noise_rms, strict=True):
-        power += _squares(spectrum(row * taper)[: power.size]) / rms**2
-    power /= energy * len(window)
-    power[0] = 0
-    return power
+def _rms(row: Single) -> float:
+    return float(np.sqrt(np.dot(row, row) / row.size))
 
 
 @lru_cache(maxsize=16)
@@ -161,7 +161,7 @@ def floor_of(windows: list[Window], *, counts: bool = True) -> Floor:
     """
     level = np.array([rms_of(window) for window in windows])
     rms = np.maximum(np.median(level, axis=0), 1 / np.sqrt(12) if counts else 1e-12)
-    power = np.mean([line_power(window, rms) for window in windows], axis=0)
+    power = np.mean([WindowLook.of(window, rms).power for window in windows], axis=0)
     # Neighbours know the noise better than one line alone; a steady tone, such as the mains', keeps its own.
     smooth = _neighbours(power)
     return Floor(rms, np.maximum(np.where(power > TONE_FACTOR * smooth, power, smooth), 1e-3))
@@ -176,7 +176,7 @@ def _neighbours(power: Real) -> Real:
 
 def fading(windows: list[Window], floor: Floor) -> bool:
     """Whether the windows a floor was taken from hold a motion that dies away: then it was no rest."""
-    powers = [line_power(window, floor.rms) for window in windows]
+    powers = [WindowLook.of(window, floor.rms).power for window in windows]
     half = len(windows) // 2
     early, late = np.mean(powers[:half], axis=0), np.mean(powers[half:], axis=0)
     strong = early > noise_limit(len(floor.rms)) * np.median(floor.lines)
