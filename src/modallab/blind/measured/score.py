@@ -71,7 +71,7 @@ class Truth:
     moved_m: float = 0.0
 
 
-def judged(name: str, truth: Truth, found: ModalDiagnosis) -> MeasuredTrial:
+def judge_trial(name: str, truth: Truth, found: ModalDiagnosis) -> MeasuredTrial:
     """A diagnosis held against what was done."""
     put, named = truth.put, found.effects[0] if found.effects else None
     value = None if put is None else (put.value if put.other is None else truth.moved_m)

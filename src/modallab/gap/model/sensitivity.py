@@ -19,8 +19,8 @@ from modallab.core.units import Test
 from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
 from modallab.gap.model.forward import hit_ratios, on_clock, sine_drift
 from modallab.gap.model.many_modes import ManyModes, Numbers, of_hits, of_sines, sensor_rows
-from modallab.twin.bench import Chain, Twin, exchanged, is_flat, transfer
-from modallab.twin.modes import Modes, alike, solve
+from modallab.twin.bench import Chain, Twin, exchange_plugs, is_flat, transfer
+from modallab.twin.modes import Modes, have_same_modes, solve
 from modallab.twin.neighbours import Neighbours
 from modallab.twin.structure import Structure
 
@@ -65,7 +65,7 @@ class Tangent:
             hung = self._all_hung(twins, modes, self.data.sines.pieces[0].drive_x_m, first)
             own["sine"] = own["impact"] if hung is modes else ManyModes.of(hung, sensors, len(self._hung.poles))
         chain, channels = self.twin.chain, self.data.channels
-        return [exchanged(chain, channels, p.test, p.changes(twins, own[p.test], self.data)) for p in self._parts]
+        return [exchange_plugs(chain, channels, p.test, p.changes(twins, own[p.test], self.data)) for p in self._parts]
 
     def _all_hung(self, twins: Sequence[Twin], modes: list[Modes], x_m: float, first: int) -> list[Modes]:
         """The modes while the shaker hangs on them."""
@@ -78,7 +78,7 @@ class Tangent:
 def next_to(modes: Modes, here: Structure, there: Sequence[Structure], first: int) -> list[Modes]:
     """The modes of structures next to one whose modes are known; those of the first of them exactly."""
     found = [solve(s) for s in there[:first]]
-    moved = [k for k in range(first, len(there)) if not alike(there[k], here)]
+    moved = [k for k in range(first, len(there)) if not have_same_modes(there[k], here)]
     near = dict(zip(moved, Neighbours(here).solve([there[k] for k in moved]), strict=True)) if moved else {}
     return [*found, *(near.get(k, modes) for k in range(first, len(there)))]
 
