@@ -25,7 +25,7 @@ from modallab.modification.known import Known
 from modallab.pipelines.model_update import update_model
 from modallab.twin.elements import ELEMENTS, patterns, shape_rows
 from modallab.twin.matrices import OWN
-from modallab.twin.modes import undamped
+from modallab.twin.modes import undamped_modes
 from modallab.twin.structure import Structure
 from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters
@@ -110,7 +110,7 @@ def beam(rng: np.random.Generator) -> tuple[Known, None, dict[str, Prior], dict[
         mass_field=TOLERANCE.mass_field * rng.standard_normal(3),
     )  # fmt: skip
     s = replace(s, root_rotation=s.bending_stiffness / (s.length_m * true["joint_rotation"]))
-    omega, phi, _ = undamped(s)
+    omega, phi, _ = undamped_modes(s)
     seen = (shape_rows(moved(places, rng, 1)[:, 0], BEAM.length_m) @ phi[:OWN]).T
     return Known(measured(rig, omega / 2 / np.pi, seen, 900.0, rng), rig), None, extra, true, "thickness"
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from modallab.blind.again import again
+from modallab.blind.again import diagnose_later
 from modallab.blind.answer import ANSWERS, Answer, read_answers
 from modallab.blind.outcome import true_name
 from modallab.blind.score import Trial
@@ -34,7 +34,7 @@ def answered(folder: Path) -> list[tuple[Answer, Trial]]:
 def applied(folder: Path, answer: Answer, trial: Trial) -> dict[str, Any]:
     """One right diagnosis, held against the later campaign."""
     begun = time.process_time()
-    seen = again(folder / SEALED / f"{answer.name}_later.h5", answer.diagnosis)
+    seen = diagnose_later(folder / SEALED / f"{answer.name}_later.h5", answer.diagnosis)
     entry = {"name": answer.name, "effect": true_name(trial), "predicted": answer.diagnosis.shrink.closed}
     return entry | {"seen": seen.closed, "shut": seen.shut, "seconds": time.process_time() - begun}
 

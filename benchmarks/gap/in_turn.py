@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from modallab.blind.answer import ANSWERS, read_answers
-from modallab.blind.answer import answered as diagnosed
-from modallab.blind.draw import Draw, drawn, make
+from modallab.blind.answer import answer_of as diagnosed
+from modallab.blind.draw import Draw, draw_trials, make
 from modallab.blind.outcome import outcome, said_name, true_name
 from modallab.blind.request import BlindRequest
 from modallab.blind.score import Trial
@@ -122,7 +122,7 @@ def main() -> None:
     parser.add_argument("--tolerances", choices=("none", "usual"), default="usual", help="how well benches are built")
     arguments = parser.parse_args()
     sizes = {"trials": arguments.trials, "none": arguments.none, "seed": arguments.seed}
-    draws = drawn(BlindRequest(**sizes, tolerances=arguments.tolerances, later=False))[arguments.first :]
+    draws = draw_trials(BlindRequest(**sizes, tolerances=arguments.tolerances, later=False))[arguments.first :]
     arguments.folder.mkdir(parents=True, exist_ok=True)
     end = time.monotonic() + 60 * arguments.minutes
     answer_in_turn(arguments.folder, draws, end, arguments.processes)

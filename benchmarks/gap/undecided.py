@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from modallab.blind.trial_rigs import drawn_rig, mounted
+from modallab.blind.trial_rigs import drawn_rig, with_other_mounting
 from modallab.core.effects import Effect, kind_of
 from modallab.core.plan import HitAcceptance, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
@@ -160,7 +160,7 @@ def drawn(seed: int, names: Sequence[str] = EFFECTS) -> dict[str, Any] | None:
     sensors, plan = str(rng.choice(list(SENSORS))), str(rng.choice(list(PLANS)))
     rig = with_sensors(drawn_rig(seed), SENSORS[sensors])
     if rough:
-        rig = mounted(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
+        rig = with_other_mounting(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
     sight = Sight(rig, [PLANS[plan]])
     listed = [
         c

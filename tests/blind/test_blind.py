@@ -10,13 +10,13 @@ import yaml
 from made_diagnosis import made_diagnosis
 
 from modallab.blind.answer import answer_all, read_answers
-from modallab.blind.draw import NONE, PAIR, drawn
+from modallab.blind.draw import NONE, PAIR, draw_trials
 from modallab.blind.outcome import BlindOutcome, outcome
 from modallab.blind.page import render
 from modallab.blind.request import BlindRequest
 from modallab.blind.run import blind, blind_folder
 from modallab.blind.score import Trial
-from modallab.blind.seal import hash_of, opened, publish, seal
+from modallab.blind.seal import hash_of, open_truth, publish, seal
 from modallab.cli import main
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect, catalogue
@@ -69,10 +69,10 @@ def test_a_campaign_says_nothing_of_its_truth(found: BlindOutcome, folder: Path)
 
 def test_a_truth_that_was_changed_is_not_opened(tmp_path: Path) -> None:
     publish(tmp_path, {}, {"one": seal(tmp_path, "one", {"effects": []})})
-    assert opened(tmp_path, "one") == {"effects": []}
+    assert open_truth(tmp_path, "one") == {"effects": []}
     seal(tmp_path, "one", {"effects": [TRUE_MASS]})
     with pytest.raises(DataError, match="not the one that was sealed"):
-        opened(tmp_path, "one")
+        open_truth(tmp_path, "one")
 
 
 def test_one_truth_has_another_hash_each_time_it_is_sealed(tmp_path: Path) -> None:
@@ -81,12 +81,12 @@ def test_one_truth_has_another_hash_each_time_it_is_sealed(tmp_path: Path) -> No
 
 def test_trials_of_one_request_are_always_the_same_and_take_the_effects_in_turn() -> None:
     request = BlindRequest(trials=2 * len(catalogue()), none=3, pairs=2, seed=1)
-    listed = drawn(request)
-    assert listed == drawn(request)
+    listed = draw_trials(request)
+    assert listed == draw_trials(request)
     counts = [sum(draw.effect == name for draw in listed) for name in (*catalogue(), NONE, PAIR)]
     assert counts == [*(2 for _ in catalogue()), 3, 2]
     assert len({draw.seed for draw in listed}) == len(listed)
-    assert not {draw.seed for draw in listed} & {d.seed for d in drawn(request.model_copy(update={"seed": 2}))}
+    assert not {draw.seed for draw in listed} & {d.seed for d in draw_trials(request.model_copy(update={"seed": 2}))}
 
 
 def test_an_effect_that_no_bench_has_is_rejected() -> None:

@@ -20,7 +20,7 @@ from modallab.gap import diagnose, predict
 from modallab.identification import Options
 from modallab.pipelines.identify import Identified, identify_campaign
 from modallab.signals.conversion import unit_per_si
-from modallab.signals.full_scale import overloaded
+from modallab.signals.full_scale import overloaded_channels
 from modallab.signals.signals import to_signals, to_signals_of
 
 BAND = (3.0, 400.0)
@@ -58,7 +58,7 @@ def test_signals_and_overloads(heavy: Campaign, name: str) -> None:
         a, b = to_signals(one, heavy.rig), to_signals(two, other.rig)
         np.testing.assert_allclose(b.force, a.force, rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(by_name(b.outputs, b.responses), by_name(a.outputs, a.responses), rtol=1e-9)
-        assert sorted(overloaded(two, other.rig)) == sorted(overloaded(one, heavy.rig))
+        assert sorted(overloaded_channels(two, other.rig)) == sorted(overloaded_channels(one, heavy.rig))
 
 
 @pytest.mark.parametrize("name", SAME)

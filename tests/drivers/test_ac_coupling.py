@@ -13,7 +13,7 @@ from modallab.core.rig import Rig
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
-from modallab.signals.ac_coupling import uncoupled
+from modallab.signals.ac_coupling import undo_ac_coupling
 from modallab.signals.signals import to_signals_of
 
 CORNER_HZ = 0.5
@@ -54,7 +54,7 @@ def test_the_phase_of_a_sine_is_given_back(hz: float) -> None:
     read = np.stack([true.real] + [(turn * true).real + 0.2] * POINTS)
     # 5.9 degrees at 4.8 Hz, as a 0.5 Hz corner makes.
     assert np.degrees(np.angle(1j * 4.8 / (1j * 4.8 + 0.5))) == pytest.approx(5.9, abs=0.05)
-    found = uncoupled(read, rate, rig, hz)[1:]
+    found = undo_ac_coupling(read, rate, rig, hz)[1:]
     basis = np.column_stack([true.real, -true.imag, np.ones_like(t)])
     amplitude = np.linalg.lstsq(basis, found.T, rcond=None)[0]
     np.testing.assert_allclose(amplitude[0] + 1j * amplitude[1], 1.0, atol=1e-5)
@@ -62,15 +62,15 @@ def test_the_phase_of_a_sine_is_given_back(hz: float) -> None:
 
 def test_channels_that_are_coupled_alike_are_left_as_they_are() -> None:
     values = np.random.default_rng(1).standard_normal((POINTS + 1, 300))
-    assert uncoupled(values, 1000.0, coupled_rig(0.5, 0.5), 20.0) is values
-    assert uncoupled(values, 1000.0, coupled_rig(0.0, 0.0)) is values
+    assert undo_ac_coupling(values, 1000.0, coupled_rig(0.5, 0.5), 20.0) is values
+    assert undo_ac_coupling(values, 1000.0, coupled_rig(0.0, 0.0)) is values
 
 
 def test_a_transient_comes_back_as_it_was_but_for_a_constant() -> None:
     rng = np.random.default_rng(2)
     (dc,) = impact_blocks(modes(rng), rng, hits=1, noise=0.0, force_noise=1e-3)
     read = coupled(dc, offset=0.05)
-    found = uncoupled(np.array(read.samples), dc.rate_hz, coupled_rig(0.0, CORNER_HZ))
+    found = undo_ac_coupling(np.array(read.samples), dc.rate_hz, coupled_rig(0.0, CORNER_HZ))
     lost, left = (values[1:] - dc.samples[1:] for values in (read.samples, found))
     lost, left = (np.abs(error - error.mean(axis=1, keepdims=True)).max() for error in (lost, left))
     assert left < 0.03 * lost

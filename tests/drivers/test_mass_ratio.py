@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from modallab.commissioning.mass_ratio import measured
+from modallab.commissioning.mass_ratio import measure_mass_ratio
 from modallab.core.errors import FormatError
-from modallab.core.metrology import MassRatio, judged
+from modallab.core.metrology import MassRatio, judge_mass_ratios
 from modallab.core.rig import Rig
 from modallab.formats.rig.mass_ratios_file import FILE, add_mass_ratio, read_mass_ratios
 
@@ -26,7 +26,7 @@ def struck(rig: Rig, force_gain: float) -> np.ndarray:
 
 
 def ratio(rig: Rig, gain: float, when: str) -> MassRatio:
-    return measured(rig, struck(rig, gain), rig.channels[1], MASS_KG, when, date(2026, 2, 3))
+    return measure_mass_ratio(rig, struck(rig, gain), rig.channels[1], MASS_KG, when, date(2026, 2, 3))
 
 
 def test_a_right_chain_has_the_ratio_1(rig: Rig):
@@ -39,7 +39,7 @@ def test_a_right_chain_has_the_ratio_1(rig: Rig):
     [(1.0, 1.005, [True, True, True]), (1.0, 0.98, [True, True, False]), (1.08, 1.08, [False, False, True])],
 )
 def test_ratio_and_drift_are_judged_against_their_limits(rig: Rig, before: float, after: float, within: list[bool]):
-    found = judged([ratio(rig, before, "before"), ratio(rig, after, "after")])
+    found = judge_mass_ratios([ratio(rig, before, "before"), ratio(rig, after, "after")])
     assert [one.within for one in found] == within
 
 

@@ -118,7 +118,7 @@ def test_what_was_not_turned_shaken_or_coupled_is_rejected():
 
 def test_a_calibration_is_dated_in_the_rigs_history_and_survives_the_file(rig: Rig, tmp_path: Path):
     one = changed(rig, 4, sensitivity_v_per_unit=0.01)
-    new = calibrate.entered(one, one.channels[4], "turnover", (0.0123, 1e-5), date(2026, 3, 4), "new cable")
+    new = calibrate.with_calibration(one, one.channels[4], "turnover", (0.0123, 1e-5), date(2026, 3, 4), "new cable")
     write_rig(new, tmp_path / "rig.yaml")
     read = read_rig(tmp_path / "rig.yaml")
     assert read == new
@@ -129,7 +129,7 @@ def test_a_calibration_is_dated_in_the_rigs_history_and_survives_the_file(rig: R
 
 def test_a_calibration_leaves_the_other_tests_sensitivity_and_the_sign_alone(rig: Rig):
     turned = changed(rig, 0, sensitivity_v_per_unit={"impact": -0.02, "sine": -0.5})
-    new = calibrate.entered(turned, turned.channels[0], "rigid-mass", (0.0201, 1e-5), date(2026, 3, 4))
+    new = calibrate.with_calibration(turned, turned.channels[0], "rigid-mass", (0.0201, 1e-5), date(2026, 3, 4))
     assert new.channels[0].sensitivity_v_per_unit == {"impact": -0.0201, "sine": -0.5}
     assert new.history[0].sensitivity_v_per_unit == -0.0201
     assert new.history[0].test == "impact"

@@ -11,10 +11,10 @@ from modallab.core.errors import DataError, ModallabError
 from modallab.core.rig import Channel, Converter, Point, Rig
 from modallab.frf.estimate import lines, pre_trigger_level
 from modallab.frf.stepped import stepped_frf
-from modallab.signals.ac_coupling import uncoupled
-from modallab.signals.alignment import aligned
+from modallab.signals.ac_coupling import undo_ac_coupling
+from modallab.signals.alignment import align_channels
 from modallab.signals.bandpass import bandpass, remove_mean
-from modallab.signals.full_scale import overloaded
+from modallab.signals.full_scale import overloaded_channels
 from modallab.signals.hit import find_hit, windowed_force
 from modallab.signals.signals import to_signals, to_signals_of
 from modallab.signals.tone_fit import fit_at, fit_frequency, strongest_near
@@ -62,8 +62,8 @@ BAD_ROWS = {
     "text": ROWS.astype(str),
 }
 OF_ROWS = {
-    "aligned": lambda v, rate=RATE: aligned(v, rate, LAGS),
-    "uncoupled": lambda v, rate=RATE: uncoupled(v, rate, rig()),
+    "aligned": lambda v, rate=RATE: align_channels(v, rate, LAGS),
+    "uncoupled": lambda v, rate=RATE: undo_ac_coupling(v, rate, rig()),
     "bandpass": lambda v, rate=RATE: bandpass(v, rate, (10.0, 100.0)),
     "fit_at": lambda v, rate=RATE: fit_at(v, rate, 50.0),
     "fit_frequency": lambda v, rate=RATE: fit_frequency(v, rate, 50.0),
@@ -106,7 +106,7 @@ def test_one_record_that_no_bench_records_is_rejected(call, bad):
 
 @pytest.mark.parametrize("lags", [LAGS * np.nan, LAGS[:2], -LAGS, 1e3 * LAGS, LAGS[:, None], LAGS + np.inf], ids=str)
 def test_lags_that_no_converter_has_are_rejected(lags):
-    rejected(aligned, ROWS, RATE, lags)
+    rejected(align_channels, ROWS, RATE, lags)
 
 
 @pytest.mark.parametrize("bad_hz", [np.nan, np.inf, -5.0, 0.0, 500.0, 600.0])
@@ -114,7 +114,7 @@ def test_a_frequency_that_cannot_be_in_the_record_is_rejected(bad_hz):
     for call in (fit_at, fit_frequency):
         rejected(call, ROWS, RATE, bad_hz)
     rejected(strongest_near, ROWS[0], RATE, bad_hz)
-    rejected(uncoupled, ROWS, RATE, rig(), bad_hz)
+    rejected(undo_ac_coupling, ROWS, RATE, rig(), bad_hz)
 
 
 def test_a_fit_without_a_step_is_rejected():
@@ -190,7 +190,7 @@ BAD_BLOCKS = {
 
 
 @pytest.mark.parametrize("bad", BAD_BLOCKS)
-@pytest.mark.parametrize("call", [overloaded, to_signals])
+@pytest.mark.parametrize("call", [overloaded_channels, to_signals])
 def test_a_block_whose_parts_do_not_fit_is_rejected(call, bad):
     direct = rig(corner_hz=0.0)
     call(BLOCK, direct)
@@ -199,7 +199,7 @@ def test_a_block_whose_parts_do_not_fit_is_rejected(call, bad):
 
 def test_a_channel_turned_by_its_scale_reaches_full_scale_at_the_same_volts():
     full = replace(BLOCK, samples=np.where(COUNTS == 5, 10_000, COUNTS).astype(np.int32))
-    assert overloaded(full, rig()) == overloaded(replace(full, scale=-full.scale), rig()) == ("a02",)
+    assert overloaded_channels(full, rig()) == overloaded_channels(replace(full, scale=-full.scale), rig()) == ("a02",)
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import pytest
 
 from modallab.core.errors import DataError
 from modallab.frf.stepped import stepped_frf
-from modallab.signals.full_scale import overloaded
+from modallab.signals.full_scale import overloaded_channels
 from modallab.signals.signals import to_signals_of
 
 TRUE = np.array([0.5 - 2j, 1.5 + 0.1j])
@@ -42,10 +42,10 @@ def test_no_blocks_are_rejected():
 def test_counts_at_the_types_end_are_an_overload(peak, found):
     samples = np.zeros((3, 64), dtype=np.int16)
     samples[1, 7] = peak
-    assert overloaded(bench.block("r", "impact", 0, 1000.0, samples, 1), bench.rig(2)) == found
+    assert overloaded_channels(bench.block("r", "impact", 0, 1000.0, samples, 1), bench.rig(2)) == found
 
 
 def test_engineering_units_have_no_full_scale():
     samples = np.zeros((3, 64))
     samples[1, 7] = 1e9
-    assert overloaded(bench.block("r", "impact", 0, 1000.0, samples, 1), bench.rig(2)) == ()
+    assert overloaded_channels(bench.block("r", "impact", 0, 1000.0, samples, 1), bench.rig(2)) == ()

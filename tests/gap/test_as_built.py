@@ -9,7 +9,7 @@ import pytest
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
-from modallab.core.progress import reported_to
+from modallab.core.progress import report_progress_to
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.tolerances import applied, by_tolerance, deviations, with_tolerances
@@ -59,7 +59,7 @@ def steps() -> list[tuple[float, str]]:
 
 @pytest.fixture(scope="module")
 def sound(campaign: Campaign, steps: list[tuple[float, str]]) -> Diagnosis:
-    with reported_to(lambda share, words: steps.append((share, words))):
+    with report_progress_to(lambda share, words: steps.append((share, words))):
         return diagnose(campaign)
 
 

@@ -11,7 +11,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError, PlanError, RigError
-from modallab.core.progress import reported_to
+from modallab.core.progress import report_progress_to
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.gap.conditioning.split import split
@@ -38,7 +38,7 @@ def said() -> list[tuple[float, str]]:
 
 @pytest.fixture(scope="module")
 def massed(make: Make, said: list[tuple[float, str]]) -> Diagnosis:
-    with reported_to(lambda share, stage: said.append((share, stage))):
+    with report_progress_to(lambda share, stage: said.append((share, stage))):
         return diagnose(make(TIP), allowed=only("added_mass", "sensor_mass"))
 
 

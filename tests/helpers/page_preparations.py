@@ -219,14 +219,7 @@ def _let_people_in(folder: Path) -> Iterator[dict[str, Any]]:
 
 
 @contextmanager
-def _add_a_format(folder: Path) -> Iterator[dict[str, Any]]:
-    shutil.copytree(ROOT / "docs/reference", folder / "docs/reference", dirs_exist_ok=True)
-    yield {}
-
-
-@contextmanager
 def _add_an_estimator(folder: Path) -> Iterator[dict[str, Any]]:
-    shutil.copytree(ROOT / "docs/reference", folder / "docs/reference", dirs_exist_ok=True)
     (folder / "more").mkdir()
     write_example("add-an-estimator.md", folder / "more/phase_slope.py")
     with added(estimators, folder / "more"):
@@ -245,7 +238,6 @@ def _lines(page: str) -> set[str]:
 
 PREPARED: dict[str, Made] = {
     "README.md": _readme,
-    HOW_TO + "add-a-format.md": _add_a_format,
     HOW_TO + "add-an-estimator.md": _add_an_estimator,
     HOW_TO + "check-the-diagnosis.md": _check_the_diagnosis,
     HOW_TO + "close-the-gap.md": _close_the_gap,

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from modallab.cli import main, progress
 from modallab.core.documents.pages import EventView
-from modallab.core.progress import reported_to
+from modallab.core.progress import report_progress_to
 
 
 def ctrl_c_at(nth: int) -> Callable[[], None]:
@@ -35,7 +35,7 @@ def pressed(nth: int, argv: list[str]) -> int:
             sign()
 
     progress.Display.notify = notify  # type: ignore[method-assign]
-    with reported_to(lambda _share, _words: sign()):
+    with report_progress_to(lambda _share, _words: sign()):
         return main(argv)
 
 

@@ -6,14 +6,14 @@ import numpy as np
 
 from modallab.identification.selection.assumptions import Verdict
 from modallab.reporting.sections.assumptions import section
-from modallab.verification.assessment import assessed
+from modallab.verification.assessment import assess_model
 
 
 def test_verdicts_reasons_and_confidence_are_there(content):
     outcome = content.outcomes[0]
     verdict = Verdict("linearity", False, 0.31, 0.05, "The FRFs of the two levels differ by 31 % of their level.")
     confidence = np.linspace(0.5, 0.9, outcome.model.n_modes)
-    found = assessed(outcome.model, (verdict,), (("reciprocity", "one point was hit"),), confidence)
+    found = assess_model(outcome.model, (verdict,), (("reciprocity", "one point was hit"),), confidence)
     shown = section(replace(content, outcomes=(replace(outcome, assessment=found),)))
     body = str(shown.body)
     assert "does not hold" in body

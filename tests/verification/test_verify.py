@@ -17,7 +17,7 @@ from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import read_models, write_models
 from modallab.signals.signals import to_signals_of
 from modallab.verification.replay import replayed_hit
-from modallab.verification.reservations import unmatched
+from modallab.verification.reservations import mismatch_warning
 from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact
 
 BAND = (2.9, 400.0)
@@ -84,7 +84,7 @@ def test_drift_near_0_hz_does_not_hide_that_measured_inertances_are_repeated():
     drift = 0.1 * np.abs(frf.values).max(axis=-1, keepdims=True) * (lines < 5.0)
     found = verify_frf(model, replace(frf, values=frf.values + drift))
     assert frac(found.measured.values, found.regenerated.values).min() < 0.9
-    assert not unmatched(model, found.frac)
+    assert not mismatch_warning(model, found.frac)
 
 
 @pytest.mark.parametrize(("quantity", "power"), [("mobility", 1), ("inertance", 2)])
@@ -124,9 +124,9 @@ def test_the_frac_of_a_narrow_band_is_that_of_the_written_model(tmp_path):
 def test_a_model_that_does_not_repeat_the_records_says_so():
     _, result = of_a_narrow_band()
     model = result.identified[0].model
-    assert unmatched(model, np.full((5, 2), 0.95)) == ()
+    assert mismatch_warning(model, np.full((5, 2), 0.95)) == ()
     poor = np.full((5, 2), 0.95)
     poor[2, 1] = 0.31
-    (sentence,) = unmatched(model, poor)
+    (sentence,) = mismatch_warning(model, poor)
     assert "1 of the 10" in sentence
     assert "a03 driven at point 3 with 0.31" in sentence

@@ -16,7 +16,7 @@ from corpus.campaigns import Entry
 from corpus.sealed import SEALED, unsealed
 from modallab.blind.draw import Draw, make
 from modallab.blind.trial_bench import trial_bench
-from modallab.blind.trial_rigs import drawn_rig, mounted
+from modallab.blind.trial_rigs import drawn_rig, with_other_mounting
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError
@@ -105,7 +105,7 @@ def measured(entry: Entry) -> tuple[Campaign, list[dict[str, Any]]]:
         return draw.campaign, draw.truth["effects"]  # type: ignore[return-value]
     seed, rig = int(entry.seed), drawn_rig(int(entry.seed))
     if entry.how != "none":
-        rig = mounted(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
+        rig = with_other_mounting(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
     effects = [as_effect(e) for e in entry.drawn]
     return trial_bench().make_trial(rig, seed, effects, entry.how)[0], entry.drawn
 

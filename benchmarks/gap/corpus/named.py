@@ -8,7 +8,7 @@ simulators with a hidden defect (`foreign.py`) and benches with few sensors (`ne
 from collections.abc import Iterator
 
 from corpus.campaigns import Entry, kind_of_truth
-from modallab.blind.draw import PAIR, Draw, drawn, pair_names
+from modallab.blind.draw import PAIR, Draw, draw_trials, pair_names
 from modallab.blind.request import BlindRequest
 from modallab.core.effects import catalogue, kind_of
 
@@ -51,7 +51,7 @@ STRUCTURES = (
 
 def named() -> Iterator[Entry]:
     for page, seed, trials, none, places in IN_TURN:
-        listed = drawn(BlindRequest(trials=trials, none=none, seed=seed, tolerances="usual", later=False))
+        listed = draw_trials(BlindRequest(trials=trials, none=none, seed=seed, tolerances="usual", later=False))
         yield from (_own(page, seed, listed[k]) for k in places)
     for seed, effects in STEPPED_0228.items():
         yield from (_own("0228", seed, draw) for draw in _only(seed, 4 * len(effects), effects))
@@ -63,7 +63,7 @@ def named() -> Iterator[Entry]:
 
 
 def _only(seed: int, trials: int, effects: tuple[str, ...]) -> list[Draw]:
-    return drawn(BlindRequest(trials=trials, none=0, seed=seed, effects=effects, tolerances="usual", later=False))
+    return draw_trials(BlindRequest(trials=trials, none=0, seed=seed, effects=effects, tolerances="usual", later=False))
 
 
 def _own(page: str, seed: int, draw: Draw) -> Entry:

@@ -21,7 +21,7 @@ from typing import Any
 from corpus.campaigns import Entry
 from modallab.blind.draw import NONE, PAIR
 from modallab.blind.seal import SEALED as FOLDER
-from modallab.blind.seal import opened, publish, seal
+from modallab.blind.seal import open_truth, publish, seal
 from modallab.blind.trial_bench import trial_bench
 from modallab.core.effects import catalogue
 from modallab.core.errors import DataError
@@ -76,7 +76,7 @@ def unsealed(entry: Entry, file: Path = LIST) -> Entry:
         publish(folder, {}, {row["id"]: row["hash"] for row in listed})
         (folder / FOLDER).mkdir()
         (folder / FOLDER / f"{entry.id}.json").write_bytes(zlib.decompress(base64.b85decode(packed)))
-        truth = opened(folder, entry.id)
+        truth = open_truth(folder, entry.id)
     return Entry(entry.id, SEALED, "", TOLERANCES, truth["effect"], str(truth["seed"]), "unseen")
 
 

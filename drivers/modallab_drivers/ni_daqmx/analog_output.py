@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import BenchError, OutputLostError
-from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, translated, typed
+from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, typed_error, typed_errors
 from modallab_drivers.ni_daqmx.guards import after_expiry
 from modallab_drivers.ni_daqmx.ramp_down import DESCRIPTION, IDLE, Played, PlayedWave, fall_to_zero
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
@@ -95,7 +95,7 @@ class AnalogOutput:
         played_at: Callable[[float, list[NDArray[np.float64]]], Sequence[Played | PlayedWave]],
     ) -> None:
         self._drop()
-        with translated(self._where):
+        with typed_errors(self._where):
             task = patiently(lambda: self._new(task_name(self._physical[0])))
             try:
                 count = len(samples_at(requested)[0])
@@ -137,7 +137,7 @@ class AnalogOutput:
         if self._task is None:
             return
         try:
-            with translated(self._where):
+            with typed_errors(self._where):
                 done = self._task.is_task_done()
         except OutputLostError:
             self.zero()
@@ -179,20 +179,20 @@ class AnalogOutput:
     def _write_zero(self) -> None:
         task = self._new("")
         try:
-            with translated(self._where):
+            with typed_errors(self._where):
                 write_zero(task._interpreter, task._handle, self.count)
         finally:
             task.close()
 
     def _done(self) -> bool:
         try:
-            with translated(self._where):
+            with typed_errors(self._where):
                 return bool(self._task.is_task_done())
         except OutputLostError:
             return True
 
     def _new(self, name: str) -> Any:
-        with translated(self._where):
+        with typed_errors(self._where):
             task = self._route.task(name)
             try:
                 for physical, range_v in self._outputs.items():
@@ -231,6 +231,6 @@ class AnalogOutput:
                 task.stop()
             task.close()
         except nidaqmx.errors.Error as error:
-            found = typed(error, self._where)
+            found = typed_error(error, self._where)
             if not isinstance(found, BenchError) or found.code == "bench-gone":
                 raise found from error

@@ -13,7 +13,7 @@ from nidaqmx.constants import (
 
 from modallab.core.errors import ConfigurationError
 from modallab.core.units import STANDARD_GRAVITY, Test, si_factor
-from modallab_drivers.ni_daqmx.errors import translated
+from modallab_drivers.ni_daqmx.errors import typed_errors
 from modallab_drivers.ni_daqmx.plugs import Plug
 
 BRIDGE_V = 5.0
@@ -28,7 +28,7 @@ def add_channel(task: Any, plug: Plug, test: Test, where: str) -> float:
     channel, where = plug.channel, f"{where}, channels[{plug.channel.index}].input ({plug.channel.name})"
     # In volts per the SI unit; its sign, for a turned sensor, is the rig's matter.
     volts = abs(channel.sensitivity(test)) / si_factor(channel.quantity, channel.unit, where)
-    with translated(where):
+    with typed_errors(where):
         if channel.coupling == "IEPE" and channel.quantity == "acceleration":
             _add_iepe(task, plug, volts)
         elif channel.coupling == "IEPE" and channel.quantity == "force":

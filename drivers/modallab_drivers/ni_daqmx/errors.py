@@ -88,7 +88,7 @@ TABLE: dict[int, tuple[type[BenchError], str]] = {
 """Every status that is expected, its type and its remedy."""
 
 
-def typed(error: Exception, where: str) -> BenchError:
+def typed_error(error: Exception, where: str) -> BenchError:
     """The typed error for what the package raised."""
     if isinstance(error, nidaqmx.errors.DaqError):
         return of_code(int(error.error_code), str(error), where)
@@ -123,7 +123,7 @@ def of_code(code: int, text: str, where: str) -> BenchError:
 
 
 @contextmanager
-def translated(where: str) -> Generator[None]:
+def typed_errors(where: str) -> Generator[None]:
     """Whatever the package raises inside comes out typed.
 
     Raises:
@@ -132,4 +132,4 @@ def translated(where: str) -> Generator[None]:
     try:
         yield
     except nidaqmx.errors.Error as error:
-        raise typed(error, where) from error
+        raise typed_error(error, where) from error

@@ -11,7 +11,7 @@ from nidaqmx.system.watchdog import WatchdogTask
 from nidaqmx.types import AOExpirationState
 
 from modallab.core.hardware import Excitation
-from modallab_drivers.ni_daqmx.errors import CHASSIS_EXPIRED, WatchdogExpiredError, of_code, translated
+from modallab_drivers.ni_daqmx.errors import CHASSIS_EXPIRED, WatchdogExpiredError, of_code, typed_errors
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
 
 T = TypeVar("T")
@@ -41,7 +41,7 @@ def after_expiry(route: Route, call: Callable[[], T]) -> T:
     try:
         return call()
     except WatchdogExpiredError:
-        with translated(f"{route.address.url}, reset after its watchdog expired"):
+        with typed_errors(f"{route.address.url}, reset after its watchdog expired"):
             route.device(route.address.device).reset_device()
         return call()
 
@@ -59,7 +59,7 @@ class Watchdog:
         self._where = f"{route.address.url}, rig file field excitation.watchdog_s"
         self._task = self._made(route, device, timeout_s)
         try:
-            with translated(self._where):
+            with typed_errors(self._where):
                 self._task.cfg_watchdog_ao_expir_states(
                     [AOExpirationState(output, 0.0, WatchdogAOExpirState.VOLTAGE) for output in outputs]
                 )
@@ -72,7 +72,7 @@ class Watchdog:
         name = watchdog_name(device)
         # The package says int and takes parts of a second.
         make: Any = WatchdogTask
-        with translated(self._where):
+        with typed_errors(self._where):
             return make(device, task_name=name, timeout=timeout_s, grpc_options=route.options(name))
 
     def beat(self) -> None:
@@ -81,7 +81,7 @@ class Watchdog:
         Raises:
             WatchdogExpiredError: the device holds the output at 0 V, whatever is written to it, until it is reset.
         """
-        with translated(self._where):
+        with typed_errors(self._where):
             if self._task.expired:
                 raise of_code(CHASSIS_EXPIRED, "", self._where)
             self._task.reset_timer()
@@ -106,14 +106,14 @@ class HeartbeatLine:
         """
         self._where = f"{route.address.url}, rig file field excitation.heartbeat_line"
         self._level = False
-        with translated(self._where):
+        with typed_errors(self._where):
             self._task: Any = route.task(heartbeat_name(route.address.device))
             self._task.do_channels.add_do_chan(line)
 
     def beat(self) -> None:
         """Change the line."""
         self._level = not self._level
-        with translated(self._where):
+        with typed_errors(self._where):
             self._task.write(self._level, auto_start=True)
 
     def close(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import BenchError
-from modallab_drivers.ni_daqmx.errors import UNSUPPORTED_HERE, typed
+from modallab_drivers.ni_daqmx.errors import UNSUPPORTED_HERE, typed_error
 from modallab_drivers.ni_daqmx.plugs import Plug
 
 FAULT_POLL_S = 1.0
@@ -46,7 +46,7 @@ class InputFaults:
                 flags |= np.array([plug.physical in names for plug in self._plugs])
         except nidaqmx.errors.DaqError as error:
             if int(error.error_code) not in _UNSUPPORTED:
-                raise typed(error, self._where) from error
+                raise typed_error(error, self._where) from error
             self._flags = False
         return flags
 
@@ -68,7 +68,7 @@ class InputFaults:
                 found = list(getattr(stream, which)) if getattr(stream, exist) else []
             except nidaqmx.errors.DaqError as error:
                 if int(error.error_code) not in _UNSUPPORTED:
-                    raise typed(error, self._where) from error
+                    raise typed_error(error, self._where) from error
                 self._open_unseen |= exist == "open_chans_exist"
                 continue
             if found:
@@ -84,5 +84,5 @@ class InputFaults:
             return list(stream.pll_unlocked_chans) if stream.pll_unlocked_chans_exist else []
         except nidaqmx.errors.DaqError as error:
             if int(error.error_code) not in _UNSUPPORTED:
-                raise typed(error, self._where) from error
+                raise typed_error(error, self._where) from error
             return []

@@ -15,7 +15,7 @@ from modallab.bench.protocol import ReferenceTrigger
 from modallab.core.errors import BenchError
 from modallab.core.units import Test
 from modallab_drivers.ni_daqmx.channels import add_channel
-from modallab_drivers.ni_daqmx.errors import NEVER, NOT_YET, of_code, translated, typed
+from modallab_drivers.ni_daqmx.errors import NEVER, NOT_YET, of_code, typed_error, typed_errors
 from modallab_drivers.ni_daqmx.plugs import Plug
 from modallab_drivers.ni_daqmx.route import Route
 
@@ -48,7 +48,7 @@ class InputTask:
         self.warnings: list[str] = []
         self.rate_hz = 0.0
         self._where = route.address.url
-        with translated(self._where):
+        with typed_errors(self._where):
             self.task: Any = route.task(name)
         try:
             self.volts_per_unit = np.array([add_channel(self.task, plug, test, self._where) for plug in plugs])
@@ -66,7 +66,7 @@ class InputTask:
             ConfigurationError: the rate or the trigger can't be had.
         """
         timing = self.task.timing
-        with translated(f"{self._where}, rate_hz {rate_hz:g}"):
+        with typed_errors(f"{self._where}, rate_hz {rate_hz:g}"):
             if reference is None:
                 timing.cfg_samp_clk_timing(rate_hz, sample_mode=AcquisitionType.CONTINUOUS)
             else:
@@ -93,18 +93,18 @@ class InputTask:
             DeviceBusyError: another program holds an input.
         """
         if any(plug.channel.coupling == "IEPE" for plug in self.plugs):
-            with translated(self._where):
+            with typed_errors(self._where):
                 self.task.control(TaskMode.TASK_COMMIT)
 
     def start(self) -> None:
         """Begin to sample."""
         self._part = self._part[:, :0]
-        with translated(self._where):
+        with typed_errors(self._where):
             self.task.start()
 
     def stop(self) -> None:
         """Stop sampling."""
-        with translated(self._where):
+        with typed_errors(self._where):
             self.task.stop()
 
     def close(self) -> None:
@@ -112,11 +112,11 @@ class InputTask:
         try:
             self.task.close()
         except nidaqmx.errors.Error as error:
-            self.warnings.append(str(typed(error, self._where)))
+            self.warnings.append(str(typed_error(error, self._where)))
 
     def acquired(self) -> int:
         """Samples per channel the device has acquired since the start."""
-        with translated(self._where):
+        with typed_errors(self._where):
             return int(self.task.in_stream.total_samp_per_chan_acquired)
 
     def fill(self, count: int, timeout_s: float) -> int:
@@ -159,7 +159,7 @@ class InputTask:
                 raise self._ended(error) from error
             came = int(error.samps_per_chan_read)
         except nidaqmx.errors.Error as error:
-            raise typed(error, self._where) from error
+            raise typed_error(error, self._where) from error
         return came
 
     def _ended(self, error: Any) -> BenchError:

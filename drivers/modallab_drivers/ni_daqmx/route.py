@@ -14,7 +14,7 @@ from nidaqmx.system import Device, PhysicalChannel, System
 from modallab.bench.protocol import Found
 from modallab.core.errors import ConfigurationError, DeviceBusyError
 from modallab_drivers.ni_daqmx.address import Address, parse
-from modallab_drivers.ni_daqmx.errors import translated
+from modallab_drivers.ni_daqmx.errors import typed_errors
 
 T = TypeVar("T")
 
@@ -106,7 +106,7 @@ class Route:
             ConfigurationError: there is no such device.
             DeviceGoneError: no driver, no server.
         """
-        with translated(self.address.url):
+        with typed_errors(self.address.url):
             known = list(self.system().devices.device_names)
             named = (self.address.device, *self.address.others)
             if missing := [name for name in named if name not in known]:
@@ -174,7 +174,7 @@ def found_devices(url: str) -> list[Found]:
     scheme, query = url.partition("://")[0], url.partition("?")[1] + url.partition("?")[2]
     base = f"{scheme}://{address.server}/" if address.server else "nidaqmx://"
     try:
-        with translated(url):
+        with typed_errors(url):
             names = list(route.system().devices.device_names)
             found = [(name, route.describe(name)) for name in names]
     finally:

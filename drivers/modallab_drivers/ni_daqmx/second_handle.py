@@ -10,7 +10,7 @@ from modallab.core.rig import Rig
 from modallab_drivers.function_generator.generator import emergency_off
 from modallab_drivers.ni_daqmx.address import parse
 from modallab_drivers.ni_daqmx.analog_output import task_name
-from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, translated
+from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, typed_errors
 from modallab_drivers.ni_daqmx.guards import heartbeat_name, watchdog_name
 from modallab_drivers.ni_daqmx.plugs import outputs_of
 from modallab_drivers.ni_daqmx.ramp_down import fall_to_zero
@@ -86,7 +86,7 @@ class SecondHandle:
 
     def _end_by_reset(self) -> None:
         # Whoever holds it is no task of ours: the device lets go of everything.
-        with translated(self._where):
+        with typed_errors(self._where):
             for device in dict.fromkeys(physical.partition("/")[0] for physical in self._physical):
                 self._route.device(device).reset_device()
         self._end_anew()
@@ -110,7 +110,7 @@ class SecondHandle:
         self._route.close()
 
     def _made(self) -> Any:
-        with translated(self._where):
+        with typed_errors(self._where):
             task = self._route.task()
             for physical, range_v in self._outputs.items():
                 task.ao_channels.add_ao_voltage_chan(physical, min_val=-range_v, max_val=range_v)
@@ -128,7 +128,7 @@ class SecondHandle:
 
     def _write_zero(self) -> None:
         ready = self._ready
-        with translated(self._where):
+        with typed_errors(self._where):
             try:
                 write_zero(ready._interpreter, ready._handle, len(self._outputs))
             finally:

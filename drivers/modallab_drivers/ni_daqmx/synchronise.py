@@ -20,7 +20,7 @@ from modallab.bench.protocol import ReferenceTrigger
 from modallab.core.errors import BenchError, ConfigurationError
 from modallab.core.hardware import Synchronisation
 from modallab.core.units import Test
-from modallab_drivers.ni_daqmx.errors import translated
+from modallab_drivers.ni_daqmx.errors import typed_errors
 from modallab_drivers.ni_daqmx.input_task import InputTask
 from modallab_drivers.ni_daqmx.plugs import Plug
 from modallab_drivers.ni_daqmx.route import Route
@@ -103,7 +103,7 @@ def _one(
     try:
         task.set_clock(rate_hz, reference, 0 if reference is None else reference.channel)
         if len({plug.unit for plug in plugs}) > 1:
-            with translated(route.address.url):
+            with typed_errors(route.address.url):
                 task.task.control(TaskMode.TASK_VERIFY)
     except BaseException:
         task.close()
@@ -130,7 +130,7 @@ def _each(
         for unit, plugs in units.items():
             tasks.append(InputTask(route, session_name(unit), plugs, test))
             tasks[-1].set_clock(rate_hz, None)
-        with translated(f"{route.address.url}, synchronised by {way}"):
+        with typed_errors(f"{route.address.url}, synchronised by {way}"):
             _bind(tasks, way)
         _require_one_rate(tasks, units)
     except BaseException:

@@ -8,7 +8,7 @@ import nidaqmx.errors
 from nidaqmx.constants import AccelSensitivityUnits, ForceIEPESensorSensitivityUnits
 
 from modallab.core.units import STANDARD_GRAVITY
-from modallab_drivers.ni_daqmx.errors import translated, typed
+from modallab_drivers.ni_daqmx.errors import typed_error, typed_errors
 from modallab_drivers.ni_daqmx.plugs import Plug
 from modallab_drivers.ni_daqmx.route import Route
 
@@ -40,7 +40,7 @@ def _with_teds(plugs: Sequence[Plug]) -> list[Plug]:
 
 
 def _sensitivity(route: Route, plug: Plug) -> float | None:
-    with translated(route.address.url):
+    with typed_errors(route.address.url):
         task: Any = route.task()
     try:
         return _of_force(task, plug) if plug.channel.quantity == "force" else _of_acceleration(task, plug)
@@ -55,7 +55,7 @@ def _require_answer(error: nidaqmx.errors.Error, route: Route) -> None:
     # No data sheet, or a server too old for the question, is an answer; a device that is gone gives none.
     unknown = isinstance(error, nidaqmx.errors.RpcError) and error.rpc_code == grpc.StatusCode.UNIMPLEMENTED
     if not (isinstance(error, nidaqmx.errors.DaqError) or unknown):
-        raise typed(error, route.address.url) from error
+        raise typed_error(error, route.address.url) from error
 
 
 def _of_acceleration(task: Any, plug: Plug) -> float:

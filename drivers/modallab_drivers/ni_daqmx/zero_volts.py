@@ -7,7 +7,7 @@ import numpy as np
 from nidaqmx.constants import AcquisitionType, Edge
 
 from modallab.core.errors import ConfigurationError
-from modallab_drivers.ni_daqmx.errors import typed
+from modallab_drivers.ni_daqmx.errors import typed_error
 
 GROUP_BY_CHANNEL = 0
 WAIT_S = 1.0
@@ -31,7 +31,7 @@ def write_zero(interpreter: Any, task: Any, outputs: int = 1) -> None:
         interpreter.write_analog_f64(task, 1, True, WAIT_S, GROUP_BY_CHANNEL, np.zeros((outputs, 1)))
     except nidaqmx.errors.DaqError as error:
         # Converters that oversample want a clock.
-        if not isinstance(typed(error, ""), ConfigurationError):
+        if not isinstance(typed_error(error, ""), ConfigurationError):
             raise
         edge, finite = Edge.RISING.value, AcquisitionType.FINITE.value
         interpreter.cfg_samp_clk_timing(task, CLOCKED_HZ, "", edge, finite, CLOCKED)

@@ -47,7 +47,7 @@ def beside(basis: Basis, true: TrueBeam, changes: StructureChanges, width_m: flo
 
 
 def on_root(beam: CantileverBeam, changes: StructureChanges) -> CantileverBeam:
-    """The beam on all that turns at its root: its own spring, and those of effects, joints at their stiffest."""
+    """The beam on the rotational springs at its root, its own and those of effects, each at its stiffest."""
     if not changes.root_nm_rad:
         return beam
     own = 0.0 if beam.kappa == np.inf else 1 / beam.kappa

@@ -20,10 +20,10 @@ class Injected:
 
     def reported(self) -> str:
         """As JSON, in the form of a campaign's truth: effect, family, parameters, place."""
-        return json.dumps([reported(e) for e in self.effects])
+        return json.dumps([effect_in_truth(e) for e in self.effects])
 
 
-def reported(effect: Effect) -> dict[str, object]:
+def effect_in_truth(effect: Effect) -> dict[str, object]:
     """An effect as a campaign's truth reports it."""
     part = part_of(effect.effect)
     return {

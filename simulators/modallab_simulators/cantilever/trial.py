@@ -24,7 +24,7 @@ from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.cantilever.circumstances import Circumstances
 from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.effects import part_of
-from modallab_simulators.cantilever.injected import inject, reported
+from modallab_simulators.cantilever.injected import effect_in_truth, inject
 from modallab_simulators.cantilever.truth import Truth
 
 HITS = {6: (24.0, 90.0), 10: (10.0, 35.0), 3: (24.0, 90.0)}
@@ -229,7 +229,7 @@ class Operator:
 def _truth(truth: Truth, effects: Sequence[Effect]) -> dict[str, object]:
     return {
         "seed": truth.seed,
-        "effects": [reported(e) for e in inject(effects, truth.rig).effects],
+        "effects": [effect_in_truth(e) for e in inject(effects, truth.rig).effects],
         "true_E": truth.true.youngs_modulus_pa,
         "true_thickness": truth.true.thickness_m,
         "true_rho": truth.true.density_kg_m3,

@@ -12,7 +12,7 @@ from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.delays import DelayedSource
 from modallab_simulators.ni_daqmx_server.lines import Floats
-from modallab_simulators.ni_daqmx_server.modules import Module, coerced
+from modallab_simulators.ni_daqmx_server.modules import Module, coerced_rate
 from modallab_simulators.ni_daqmx_server.plant import Source
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Channel
@@ -67,7 +67,7 @@ class InputTask(AcquiringTask):
 
     def set_clock(self, rate_hz: float, finite: int, buffer: int) -> None:
         """Set rate and length; the rate becomes one that the devices can give."""
-        AcquiringTask.set_clock(self, coerced(self.modules, len(self.channels), rate_hz), finite, buffer)
+        AcquiringTask.set_clock(self, coerced_rate(self.modules, len(self.channels), rate_hz), finite, buffer)
 
     @property
     def modules(self) -> tuple[Module, ...]:

@@ -113,7 +113,7 @@ class Module:
         return relaxed if relaxed >= channels * rate_hz else channels * rate_hz
 
 
-def coerced(modules: tuple[Module, ...], channels: int, rate_hz: float) -> float:
+def coerced_rate(modules: tuple[Module, ...], channels: int, rate_hz: float) -> float:
     """The rate the devices give for a requested one: never a lower one, except past their highest.
 
     Raises:

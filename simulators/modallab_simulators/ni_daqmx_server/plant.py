@@ -27,7 +27,7 @@ class Source(Protocol):
         ...
 
     def changed(self) -> None:
-        """The excitation from now on is another than it was."""
+        """The excitation has changed: what was computed ahead does not hold."""
         ...
 
 

@@ -30,7 +30,7 @@ class Again(NamedTuple):
     shut: bool
 
 
-def again(later: Path, diagnosis: Diagnosis) -> Again:
+def diagnose_later(later: Path, diagnosis: Diagnosis) -> Again:
     """Hold a diagnosis that names effects against a later campaign on the same bench."""
     campaign = read_campaign(later)
     revised = replace(campaign, rig=with_diagnosis(campaign.rig, diagnosis, date.min))

@@ -39,7 +39,7 @@ class Answer:
     withheld: frozenset[str] = frozenset()
 
 
-def answered(campaign: Path, withheld: frozenset[str] = frozenset()) -> dict[str, Any]:
+def answer_of(campaign: Path, withheld: frozenset[str] = frozenset()) -> dict[str, Any]:
     """Diagnose a campaign; the answer as it is written down, but for its name."""
     read = read_campaign(campaign)
     begun = time.process_time()
@@ -55,7 +55,7 @@ def answer_all(campaigns: dict[str, Path], out: Path, pool: Executor | None) -> 
     there = {answer.name for answer in read_answers(out)}
     left = [(name, path) for name, path in campaigns.items() if name not in there]
     with out.open("a", encoding="utf-8", newline="\n") as target:
-        for (name, _), entry in spread(pool, lambda pair: (answered, pair[1]), left, "diagnosed"):
+        for (name, _), entry in spread(pool, lambda pair: (answer_of, pair[1]), left, "diagnosed"):
             target.write(json.dumps({"name": name} | entry) + "\n")
             target.flush()
     return hash_of(out.read_text(encoding="utf-8"))

@@ -12,7 +12,7 @@ import numpy as np
 
 from modallab.blind.request import BlindRequest
 from modallab.blind.trial_bench import TrialBench, trial_bench
-from modallab.blind.trial_rigs import drawn_rig, mounted
+from modallab.blind.trial_rigs import drawn_rig, with_other_mounting
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect, catalogue
 from modallab.core.rig import Rig, Tolerance
@@ -73,7 +73,7 @@ def make(draw: Draw, later: bool = True) -> Made:
     """
     bench, rig = trial_bench(), drawn_rig(draw.seed)
     if draw.tolerances != "none":
-        rig = mounted(rig.model_copy(update={"tolerance": Tolerance.usual()}), draw.seed)
+        rig = with_other_mounting(rig.model_copy(update={"tolerance": Tolerance.usual()}), draw.seed)
     effects, more = _effects(bench, rig, draw)
     campaign, truth = bench.make_trial(rig, draw.seed, effects, draw.tolerances)
     again = bench.make_trial(rig, draw.seed, effects, draw.tolerances, session=1)[0] if later else None
@@ -146,7 +146,7 @@ def _two_of(rng: np.random.Generator) -> list[str]:
     return [str(name) for name in rng.choice(sorted(catalogue()), 2, replace=False)]
 
 
-def drawn(request: BlindRequest) -> list[Draw]:
+def draw_trials(request: BlindRequest) -> list[Draw]:
     """Trials in an order that says nothing of what is in them: those of one request are always the same."""
     rng = np.random.default_rng([request.seed, 81])
     names = list(request.effects or catalogue())

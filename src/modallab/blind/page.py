@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from modallab.blind.outcome import BlindOutcome, OfEffect, Share, Shrunk
 from modallab.core.digits import part_of, percent
-from modallab.reporting.gap_page import captioned, page, section
+from modallab.reporting.gap_page import captioned_picture, page, section
 from modallab.reporting.markup import Markup, table, tag
 
 SIDE = 320
@@ -69,7 +69,7 @@ def _reliability(found: BlindOutcome) -> Markup | None:
         f"Probability that was said, and the share of names that was right; on the line both are the same. Calibration "
         f"error {found.calibration_error:.3f}."
     )
-    return section("Reliability", captioned(_square(points, "said", "right", 0.0), caption))
+    return section("Reliability", captioned_picture(_square(points, "said", "right", 0.0), caption))
 
 
 def _shrinkage(shrinkage: Sequence[Shrunk]) -> Markup | None:
@@ -80,7 +80,7 @@ def _shrinkage(shrinkage: Sequence[Shrunk]) -> Markup | None:
         "later campaign on the same bench, with the effect in the simulation. What lies below -1 is drawn at -1."
     )
     points = [(s.predicted, s.seen) for s in shrinkage]
-    return section("Shrinkage", captioned(_square(points, "predicted", "seen", -1.0), caption))
+    return section("Shrinkage", captioned_picture(_square(points, "predicted", "seen", -1.0), caption))
 
 
 def _square(points: Sequence[tuple[float, float]], along: str, up: str, low: float) -> Markup:

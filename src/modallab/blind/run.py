@@ -8,13 +8,13 @@ from typing import Any
 
 import yaml
 
-from modallab.blind.again import Again, again
+from modallab.blind.again import Again, diagnose_later
 from modallab.blind.answer import ANSWERS, Answer, answer_all, read_answers, spread
-from modallab.blind.draw import Draw, drawn, make
+from modallab.blind.draw import Draw, draw_trials, make
 from modallab.blind.outcome import BlindOutcome, outcome
 from modallab.blind.request import BlindRequest
 from modallab.blind.score import Trial
-from modallab.blind.seal import SEALED, opened, publish, published, seal, sealed_hash
+from modallab.blind.seal import SEALED, open_truth, publish, published_hashes, seal, sealed_hash
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.progress import part, report
@@ -35,7 +35,7 @@ def blind(folder: Path, request: BlindRequest, pool: Executor | None = None) -> 
         DataError: the folder holds other trials, or a truth that is not the one that was sealed.
         StorageError: the folder cannot be written.
     """
-    return blind_draws(folder, drawn(request), request.model_dump(mode="json"), request.later, pool)
+    return blind_draws(folder, draw_trials(request), request.model_dump(mode="json"), request.later, pool)
 
 
 def blind_draws(
@@ -56,7 +56,7 @@ def blind_draws(
     with part(0.8, 1.0, "opened"):
         found = {answer.name: answer for answer in read_answers(folder / ANSWERS)}
         seen = _seen(folder, found, pool) if later else {}
-        trials = [_trial(found[name], opened(folder, name)["effects"], seen.get(name)) for name in hashes]
+        trials = [_trial(found[name], open_truth(folder, name)["effects"], seen.get(name)) for name in hashes]
     return outcome(trials, sealed, answers)
 
 
@@ -118,7 +118,7 @@ def _truth(truths: Path, name: str) -> list[dict[str, Any]]:
 
 
 def _require_same(folder: Path, plan: dict[str, Any]) -> None:
-    known = published(folder)
+    known = published_hashes(folder)
     if known is not None and known["plan"] != plan:
         raise DataError(
             "other trials were sealed in this folder",
@@ -160,7 +160,7 @@ def _seen(folder: Path, found: Mapping[str, Answer], pool: Executor | None) -> d
 
 
 def _again(what: tuple[Path, Any]) -> Again:
-    return again(*what)
+    return diagnose_later(*what)
 
 
 def _trial(answer: Answer, truth: list[dict[str, Any]], seen: Again | None) -> Trial:

@@ -39,7 +39,7 @@ def publish(folder: Path, plan: dict[str, Any], hashes: dict[str, str]) -> str:
         DataError: other hashes were published here before.
     """
     whole = hash_of(json.dumps(hashes, sort_keys=True))
-    known = published(folder)
+    known = published_hashes(folder)
     if known is not None and known["hash"] != whole:
         raise DataError(
             "other trials were sealed in this folder", where=str(folder / HASHES), remedy="name an empty folder"
@@ -50,7 +50,7 @@ def publish(folder: Path, plan: dict[str, Any], hashes: dict[str, str]) -> str:
     return whole
 
 
-def published(folder: Path) -> dict[str, Any] | None:
+def published_hashes(folder: Path) -> dict[str, Any] | None:
     """What was published in a folder; None if nothing was.
 
     Raises:
@@ -65,13 +65,13 @@ def published(folder: Path) -> dict[str, Any] | None:
         raise FormatError(f"is no JSON: {error}", where=str(place), remedy="name another folder") from error
 
 
-def opened(folder: Path, name: str) -> dict[str, Any]:
+def open_truth(folder: Path, name: str) -> dict[str, Any]:
     """A truth, once all is answered.
 
     Raises:
         DataError: it is not the one whose hash was published.
     """
-    content = published(folder)
+    content = published_hashes(folder)
     text = (folder / SEALED / f"{name}.json").read_text(encoding="utf-8")
     if content is None or content["trials"].get(name) != hash_of(text):
         raise DataError(

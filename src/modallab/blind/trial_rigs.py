@@ -70,7 +70,7 @@ def _accelerometer(k: int) -> Channel:
     )
 
 
-def mounted(rig: Rig, seed: int) -> Rig:
+def with_other_mounting(rig: Rig, seed: int) -> Rig:
     """The rig as labs write it down: some accelerometers are mounted against the drive, some are given in g."""
     rng = np.random.default_rng([seed, 80])
     return rig.model_copy(update={"channels": tuple(_mounted(c, rng) for c in rig.channels)})

@@ -68,9 +68,9 @@ def _at_the_terminal(arguments: argparse.Namespace) -> int:
 
 
 def _identified(campaign: Campaign) -> "Identified":
-    from modallab.cli.demo_results import identified
+    from modallab.cli.demo_results import identify_test
 
-    return identified(campaign, "impact")
+    return identify_test(campaign, "impact")
 
 
 def _as_built(rig: Rig) -> Rig:

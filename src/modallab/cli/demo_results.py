@@ -20,7 +20,7 @@ from modallab.storage import Store
 from modallab.storage.campaigns import rejected_blocks
 
 
-def identified(campaign: Campaign, test: Test) -> Identified:
+def identify_test(campaign: Campaign, test: Test) -> Identified:
     """One test of a campaign. Raises as `identify_campaign`."""
     return identify_campaign(campaign, Options(), test).identified[0]
 

@@ -23,7 +23,7 @@ from modallab.cli.options import only_with
 from modallab.core.errors import PlanError
 from modallab.core.extras import optional_package
 from modallab.core.field_errors import sentences
-from modallab.core.progress import reported_to
+from modallab.core.progress import report_progress_to
 from modallab.formats.atomic import write_text
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
         only_with("--folder", truth=arguments.truth)
     with (
         console.status("blind trials") as status,
-        reported_to(lambda share, words: status.update(f"{share:.0%} {words}")),
+        report_progress_to(lambda share, words: status.update(f"{share:.0%} {words}")),
         _pool(arguments) as pool,
     ):
         found = (
@@ -66,7 +66,7 @@ def _on(arguments: argparse.Namespace) -> int:
     none = arguments.none if arguments.none is not None else -(-arguments.trials // 4)
     with (
         console.status("blind trials") as status,
-        reported_to(lambda share, words: status.update(f"{share:.0%} {words}")),
+        report_progress_to(lambda share, words: status.update(f"{share:.0%} {words}")),
     ):
         found = trials_on(read_campaign(arguments.on, rig), out, _measured(arguments.trials, none, arguments.seed))
     write_text(out / "blind.json", found.model_dump_json(indent=1) + "\n")

@@ -7,7 +7,7 @@ from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import only_with
 from modallab.core.digits import part_of, rounded
 from modallab.core.errors import PlanError
-from modallab.core.progress import reported_to
+from modallab.core.progress import report_progress_to
 from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     console.print(f"{form.says}, {' and '.join(tests)}: {arguments.out}", markup=False, soft_wrap=True)
     if campaign is None:
         return 0
-    with console.status("playing the records") as status, reported_to(lambda _, words: status.update(words)):
+    with console.status("playing the records") as status, report_progress_to(lambda _, words: status.update(words)):
         found = in_form(form, diagnosis, campaign, tests, arguments.records)
     console.print(said(found), markup=False, soft_wrap=True)
     if arguments.json is not None:

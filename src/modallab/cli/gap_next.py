@@ -13,7 +13,7 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.digits import percent, probability
 from modallab.core.errors import PlanError, RigError
-from modallab.core.progress import reported_to
+from modallab.core.progress import report_progress_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.continued import FITTED, continued
@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
     diagnosis = read_diagnosis(arguments.diagnosis)
     console = console_of(arguments)
-    with console.status("experiments") as status, reported_to(lambda _, words: status.update(words)):
+    with console.status("experiments") as status, report_progress_to(lambda _, words: status.update(words)):
         found = next_experiments(campaign, diagnosis)
     console.print(_table(found))
     if not found:
@@ -60,7 +60,7 @@ def _go_on(
     whole = continued(campaign, later)
     if arguments.out is not None:
         write_campaign(whole, arguments.out)
-    with console.status("reading the records") as status, reported_to(lambda _, words: status.update(words)):
+    with console.status("reading the records") as status, report_progress_to(lambda _, words: status.update(words)):
         diagnosis = diagnose(whole, FITTED, known=remaining_explanations(before))
     console.print(sentence(diagnosis, [c.name for c in whole.rig.channels]), markup=False)
     if arguments.json is not None:

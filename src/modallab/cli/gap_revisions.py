@@ -10,7 +10,7 @@ from rich.table import Table
 from modallab.cli.console import console_of, write_json
 from modallab.cli.gap import read_diagnosis
 from modallab.core.digits import rounded
-from modallab.core.progress import reported_to
+from modallab.core.progress import report_progress_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig, write_rig
 from modallab.gap.revisions.apply import with_diagnosis
@@ -39,7 +39,7 @@ def _history(arguments: argparse.Namespace) -> int:
     rig = read_rig(arguments.rig)
     campaigns = [read_campaign(path, rig) for path in arguments.on or ()]
     console = console_of(arguments)
-    with console.status("reading the records") as status, reported_to(lambda _, words: status.update(words)):
+    with console.status("reading the records") as status, report_progress_to(lambda _, words: status.update(words)):
         steps = history(rig, campaigns)
     console.print(_table(steps))
     if arguments.json is not None:

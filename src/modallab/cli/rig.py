@@ -15,11 +15,11 @@ from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.cli.backup import require_data
 from modallab.commissioning import calibrate
 from modallab.commissioning.findings import Finding
-from modallab.commissioning.mass_ratio import measured
+from modallab.commissioning.mass_ratio import measure_mass_ratio
 from modallab.commissioning.rig_check import CLOCK_BURST_S, check_clock, check_idle, check_polarity, settle
 from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation
 from modallab.core.errors import PlanError, RigError, StorageError
-from modallab.core.metrology import judged
+from modallab.core.metrology import judge_mass_ratios
 from modallab.core.rig import Channel, Rig
 from modallab.formats.rig.mass_ratios_file import add_mass_ratio
 from modallab.formats.rig.rig_file import read_rig, write_rig
@@ -102,7 +102,7 @@ def _calibrate(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     delivery = bench.configure(Request("impact", RATE_HZ))
     found = _measure(bench, rig, delivery, channel, arguments)
     was = channel.sensitivity("impact")
-    new = calibrate.entered(rig, channel, arguments.method, found, date.today(), arguments.remark)  # noqa: DTZ011
+    new = calibrate.with_calibration(rig, channel, arguments.method, found, date.today(), arguments.remark)  # noqa: DTZ011
     entry = new.history[-1]
     console.print(
         f"{channel.name}: {entry.sensitivity_v_per_unit:.6g} +- {entry.sigma_v_per_unit:.2g} V per {channel.unit}"
@@ -120,8 +120,8 @@ def _mass(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     _wait_for(arguments, "strike or shake the free mass")
     volts = _volts(bench, rig, delivery, arguments.seconds)
     sensor = _accelerometer(rig, arguments)
-    ratio = measured(rig, volts, sensor, arguments.mass, arguments.when, date.today())  # noqa: DTZ011
-    judgements = judged(add_mass_ratio(arguments.into, ratio))
+    ratio = measure_mass_ratio(rig, volts, sensor, arguments.mass, arguments.when, date.today())  # noqa: DTZ011
+    judgements = judge_mass_ratios(add_mass_ratio(arguments.into, ratio))
     for judgement in judgements:
         console.print(f"{'good' if judgement.within else 'bad'}: {judgement.what}", markup=False, highlight=False)
     return 0 if all(judgement.within for judgement in judgements) else 1

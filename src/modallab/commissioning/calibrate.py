@@ -76,7 +76,7 @@ def by_rigid_mass(force_volts: Volts, acceleration: Volts, mass_kg: float) -> tu
     return slope, float(np.sqrt((rest @ rest) / max(1, volts.size - 1) / power))
 
 
-def entered(
+def with_calibration(
     rig: Rig,
     channel: Channel,
     method: Method,

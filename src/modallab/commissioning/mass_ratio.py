@@ -12,7 +12,7 @@ from modallab.core.rig import Channel, Rig
 from modallab.signals.conversion import volts_per_si
 
 
-def measured(
+def measure_mass_ratio(
     rig: Rig, volts: NDArray[np.float64], sensor: Channel, mass_kg: float, when: Literal["before", "after"], on: date
 ) -> MassRatio:
     """The ratio from (channels, n) volts while the free mass is struck or shaken, with the sensitivities of the rig.

@@ -91,7 +91,7 @@ class Judgement:
     within: bool
 
 
-def judged(
+def judge_mass_ratios(
     ratios: Sequence[MassRatio], most_error: float = MOST_ERROR, most_drift: float = MOST_DRIFT
 ) -> list[Judgement]:
     """The last ratio of each accelerometer before and after a test, each against 1 and the two against each other."""

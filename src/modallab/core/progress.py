@@ -16,7 +16,7 @@ _LISTENER: ContextVar[Listener | None] = ContextVar("progress", default=None)
 
 
 @contextmanager
-def reported_to(listener: Listener) -> Generator[None]:
+def report_progress_to(listener: Listener) -> Generator[None]:
     """While this lasts, `listener` hears how far what is computed in it is; the share never falls.
 
     What is tried again, because it did not lead far enough, is no step back for who waits.
@@ -46,7 +46,7 @@ def part(begin: float, end: float, stage: str = "") -> Generator[None]:
     def scaled(share: float, words: str) -> None:
         outer(begin + (end - begin) * min(max(share, 0.0), 1.0), ": ".join(filter(None, (stage, words))))
 
-    with reported_to(scaled):
+    with report_progress_to(scaled):
         scaled(0.0, "")
         yield
         scaled(1.0, "")
@@ -59,7 +59,7 @@ def report(share: float, stage: str = "") -> None:
         listener(share, stage)
 
 
-def counted(items: Iterable[Item], total: int, stage: str = "") -> Generator[Item]:
+def count_progress(items: Iterable[Item], total: int, stage: str = "") -> Generator[Item]:
     """Pass items on; after each, so many of `total` are done."""
     for n, item in enumerate(items, 1):
         report(n / total, f"{stage}, {n} of {total}")

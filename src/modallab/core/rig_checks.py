@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final, cast
 
-from modallab.core.rig_problem import INVALID, Problem, entries, number, repeated
+from modallab.core.rig_problem import INVALID, Problem, entries, number, repeated_entries
 from modallab.core.shaker_checks import shaker_problems
 from modallab.core.units import TO_SI
 
@@ -72,7 +72,7 @@ def _beam_problems(content: Mapping[str, object]) -> list[Problem]:
 
 
 def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str, object]]) -> list[Problem]:
-    problems = repeated("points", "id", [number(point.get("id")) for point in points])
+    problems = repeated_entries("points", "id", [number(point.get("id")) for point in points])
     beam = content.get("beam")
     length = number(cast("Mapping[str, object]", beam).get("length_m")) if isinstance(beam, Mapping) else None
     for place, point in enumerate(points):
@@ -103,9 +103,11 @@ def _channel_set_problems(
     channels: Sequence[Mapping[str, object]], shakers: Sequence[Mapping[str, object]], *, needs_force: bool
 ) -> list[Problem]:
     names = [channel.get("name") for channel in channels]
-    problems = repeated("channels", "name", [name if isinstance(name, str) else None for name in names])
+    problems = repeated_entries("channels", "name", [name if isinstance(name, str) else None for name in names])
     inputs = [channel.get("input") for channel in channels]
-    problems += repeated("channels", "input", [name if isinstance(name, str) and name else None for name in inputs])
+    problems += repeated_entries(
+        "channels", "input", [name if isinstance(name, str) and name else None for name in inputs]
+    )
     for place, channel in enumerate(channels):
         index = number(channel.get("index"))
         if index is not None and index != place:

@@ -18,7 +18,7 @@ class Problem(NamedTuple):
         return f"{self.field}: {self.found}; allowed: {self.allowed}"
 
 
-def repeated(group: str, field: str, values: Sequence[str | float | None]) -> list[Problem]:
+def repeated_entries(group: str, field: str, values: Sequence[str | float | None]) -> list[Problem]:
     """What occurs twice in a field of a group of entries; None: not known."""
     return [
         Problem(f"{group}[{place}].{field}", f"found {shown(value)}, as in {group}[{values.index(value)}]", "each once")

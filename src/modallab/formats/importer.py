@@ -7,7 +7,7 @@ from pathlib import Path
 from modallab.core.array_checks import identical_channels
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
-from modallab.core.progress import counted
+from modallab.core.progress import count_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure
@@ -44,7 +44,7 @@ def import_sources(
     for one in each:
         one.check(rig)
     errors, parts = Collected(), list[Campaign]()
-    for path, own in zip(counted(map(Path, paths), len(paths), "files"), each, strict=True):
+    for path, own in zip(count_progress(map(Path, paths), len(paths), "files"), each, strict=True):
         with errors:
             parts.append(_driven_at(_windowed(_checked(_read(path, rig, own)), own), own))
     errors.done()

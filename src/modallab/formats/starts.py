@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
-from modallab.signals.alignment import HALF, aligned
+from modallab.signals.alignment import HALF, align_channels
 
 _WHOLE = 1e-3
 """Share of a sample within which channels stand whole samples apart: 0.04 degrees at a tenth of the rate."""
@@ -146,7 +146,7 @@ def _from_sample(row: NDArray[Any], lead: Fraction, rate_hz: float) -> NDArray[A
         return row[:0]
     lag = np.array([float(lead - whole) / rate_hz])
     # What is next to the end of the record would be made up.
-    return aligned(row[None].astype(np.float64), rate_hz, lag)[0, whole:-HALF]
+    return align_channels(row[None].astype(np.float64), rate_hz, lag)[0, whole:-HALF]
 
 
 def _apart(rows: Sequence[NDArray[Any]], stamps: Sequence[Start], rate_hz: float, names: Sequence[str]) -> str:

@@ -36,7 +36,7 @@ from modallab.identification.selection.pre_trigger_noise import model_error, pre
 from modallab.pipelines.distortion import distortions_of
 from modallab.pipelines.levels import FORCE_RATIO, Groups, by_level, by_strength
 from modallab.signals.signals import Signals
-from modallab.verification.assessment import Assessment, assessed
+from modallab.verification.assessment import Assessment, assess_model
 
 Judge = tuple[str, Callable[[], Verdict]]
 LOUD = 0.01
@@ -172,7 +172,7 @@ def _assessed(model: ModalModel, fit: Fit, judges: Sequence[Judge], least: float
             unjudged.append((name, str(error)))
     omega = fit.point.parameters.omega / (2 * np.pi)
     place = [int(np.argmin(np.abs(omega - f))) for f in model.frequency_hz]
-    return assessed(model, tuple(verdicts), tuple(unjudged), confidence(strength(fit)[place], least))
+    return assess_model(model, tuple(verdicts), tuple(unjudged), confidence(strength(fit)[place], least))
 
 
 def _not_in_this_test(why: str) -> Callable[[], Verdict]:

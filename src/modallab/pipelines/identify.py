@@ -33,7 +33,7 @@ from modallab.pipelines.sound import sound
 from modallab.signals.drive_kind import check_kind
 from modallab.signals.signals import Signals, to_signals_of
 from modallab.verification.assessment import Assessment
-from modallab.verification.reservations import doubts, unmatched
+from modallab.verification.reservations import doubts, mismatch_warning
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
 
 
@@ -136,7 +136,7 @@ def _judged(
     source: Source, model: ModalModel, verification: Verification, assessment: Assessment, index: int = 0
 ) -> Identified:
     """With what is to be doubted of it among its notes."""
-    doubted = (*doubts(model, assessment.confidence), *unmatched(model, verification.frac))
+    doubted = (*doubts(model, assessment.confidence), *mismatch_warning(model, verification.frac))
     noted = model.model_copy(update={"notes": (*model.notes, *doubted)})
     return Identified(source, noted, verification, assessment, index)
 

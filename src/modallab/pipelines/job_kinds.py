@@ -18,7 +18,7 @@ from modallab.core.documents.models import CURVES
 from modallab.core.errors import IdentificationError, ModallabError, StorageError
 from modallab.core.frozen import Frozen
 from modallab.core.plan import Precision
-from modallab.core.progress import part, reported_to
+from modallab.core.progress import part, report_progress_to
 from modallab.formats.atomic import replacing
 from modallab.jobs import Computed, Kind, Notify
 from modallab.pipelines.parameters import (
@@ -107,7 +107,7 @@ def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> C
     from modallab.pipelines.model_file import model_document
 
     campaign, parameters = payload
-    with reported_to(notify):
+    with report_progress_to(notify):
         found = parameters.identified(campaign)
     curves = curves_of(campaign, found).model_dump_json().encode()
     return Computed(_plain(model_document(campaign, found)), {CURVES: curves})
@@ -123,7 +123,7 @@ def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> C
     names = ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma")
     so_far: dict[str, Any] = {"blocks": len(campaign.blocks), "agreement": compared}
     try:
-        with reported_to(notify):
+        with report_progress_to(notify):
             model = identify_campaign(campaign, Options(), None).identified[-1].model
     except IdentificationError:
         # One hit is enough for the comparison, if not for a model.
@@ -153,7 +153,7 @@ def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Compu
     from modallab.reporting.report import render
 
     campaign, parameters = payload
-    with reported_to(notify), part(0.0, 0.7):
+    with report_progress_to(notify), part(0.0, 0.7):
         result = parameters.identified(campaign)
     notify(0.7, "figures")
     content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
@@ -167,7 +167,7 @@ def _diagnose(payload: Compared, notify: Notify) -> Computed:
     campaign, parameters, before = payload
     if before is not None:
         return _by_model(campaign, before, notify)
-    with reported_to(notify), part(0.0, 0.95):
+    with report_progress_to(notify), part(0.0, 0.95):
         diagnosis = diagnose(campaign, parameters.hold_out)
     notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render(diagnosis, campaign).encode()})
@@ -177,9 +177,9 @@ def _by_model(campaign: Campaign, before: Campaign, notify: Notify) -> Computed:
     from modallab.pipelines.structure_gap import gap_of, model_to_compare
     from modallab.reporting.structure_report import render
 
-    with reported_to(notify), part(0.0, 0.4):
+    with report_progress_to(notify), part(0.0, 0.4):
         reference = model_to_compare(before)
-    with reported_to(notify), part(0.4, 0.95):
+    with report_progress_to(notify), part(0.4, 0.95):
         gap = gap_of(campaign, reference, f"a campaign from before, {before.source}")
     notify(0.95, "figures")
     return Computed(json.loads(gap.diagnosis.model_dump_json()), {"gap.html": render(gap).encode()})
@@ -190,7 +190,7 @@ def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> Computed:
     from modallab.blind.run import blind
 
     _, parameters = payload
-    with reported_to(notify), TemporaryDirectory() as folder:
+    with report_progress_to(notify), TemporaryDirectory() as folder:
         found = blind(Path(folder), parameters)
     return Computed(json.loads(found.model_dump_json()), {"blind.html": render(found).encode()})
 

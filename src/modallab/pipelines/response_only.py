@@ -18,7 +18,7 @@ from modallab.identification.response_only.periodic import words
 from modallab.pipelines.identify import Identified, Result, identify_campaign
 from modallab.pipelines.sound import sound
 from modallab.signals.signals import to_signals_of
-from modallab.verification.assessment import assessed
+from modallab.verification.assessment import assess_model
 
 Real = NDArray[np.float64]
 
@@ -88,7 +88,7 @@ def identify_responses(
     band, found = _found(records, rate, band_hz, seconds, method)
     periodic = (words(found.harmonics_hz),) if found.harmonics_hz.size else ()
     model = _model(found, campaign, name, band, (NO_FORCE, *periodic, *left_out), method)
-    return Result((Identified(name, model, None, assessed(model, (), (), found.confidence)),), ())
+    return Result((Identified(name, model, None, assess_model(model, (), (), found.confidence)),), ())
 
 
 def response_records(campaign: Campaign, test: Test | None) -> tuple[list[Real], float, Test, tuple[str, ...]]:

@@ -19,7 +19,7 @@ from modallab.identification.setups.readings import SetUpReading
 from modallab.pipelines.identify import Identified, Result
 from modallab.pipelines.response_only import identify_responses, response_records
 from modallab.pipelines.setups import common_provenance, require_distinct, setup_names
-from modallab.verification.assessment import assessed
+from modallab.verification.assessment import assess_model
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -90,7 +90,7 @@ def identify_response_setups(
     each = [of_modes(item.assessment.confidence if item.assessment else np.full(item.model.n_modes, np.nan), at)
             for item, at in zip(found, joined.places, strict=True)]  # fmt: skip
     sure = np.nan_to_num(np.array(each)).mean(axis=0)
-    result = Result((Identified(model.test or "random", model, None, assessed(model, (), (), sure)),), ())
+    result = Result((Identified(model.test or "random", model, None, assess_model(model, (), (), sure)),), ())
     return JoinedAlone(result, campaign, models, read)
 
 

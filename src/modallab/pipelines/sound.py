@@ -8,7 +8,7 @@ from modallab.core.errors import DataError
 from modallab.formats.error_list import Collected
 from modallab.signals.faults.fault import Fault
 from modallab.signals.faults.found import faults_of
-from modallab.signals.full_scale import overloaded
+from modallab.signals.full_scale import overloaded_channels
 
 _NAMED = 3
 """Faults that a message lists; more of them are counted."""
@@ -31,7 +31,7 @@ def sound(campaign: Campaign, blocks: Sequence[Block], force: str | None) -> tup
         with errors:
             check_signals(block.samples, block.channels, where, force=force, moving=moving)
     errors.done()
-    over = [b.name for b in blocks if overloaded(b, campaign.rig)]
+    over = [b.name for b in blocks if overloaded_channels(b, campaign.rig)]
     faults = {b.name: found for b in blocks if b.name not in over and (found := faults_of(b, campaign.rig))}
     clean = tuple(b for b in blocks if b.name not in over and b.name not in faults)
     if not clean and not faults:

@@ -4,7 +4,7 @@ from modallab.core.described import Learned
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.digits import rounded, with_interval
 from modallab.reporting.gap_candidates import closed_bar
-from modallab.reporting.gap_page import captioned, section
+from modallab.reporting.gap_page import captioned_picture, section
 from modallab.reporting.markup import Markup, table, tag
 from modallab.twin.effects import model_of
 
@@ -40,7 +40,7 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
         "What it behaves like",
         tag("p", f"The gap behaves like {described.says.rstrip(',')}."),
         table("A learned element of the simulation", ["number", "value", "95 % interval"], rows, numeric=(1,)),
-        captioned(closed_bar("with the learned element", shrink), caption),
+        captioned_picture(closed_bar("with the learned element", shrink), caption),
         tag("p", model_of(described.elements[0].element).experiment),
         tag("ul", *others) if others else None,
     )

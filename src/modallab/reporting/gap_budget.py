@@ -3,7 +3,7 @@
 from modallab.core.diagnosis import Budget, BudgetRow, Diagnosis
 from modallab.core.digits import part_of
 from modallab.reporting.bars import Bar, bars
-from modallab.reporting.gap_page import captioned, section, typeset
+from modallab.reporting.gap_page import captioned_picture, section, typeset
 from modallab.reporting.markup import Markup, table, tag
 
 LEAST_SHARE = 0.005
@@ -25,7 +25,7 @@ def budget_section(diagnosis: Diagnosis) -> Markup | None:
         return None
     largest = [Bar(typeset(r.said), r.share, part_of(r.share), COLOURS[r.kind]) for r in budget.rows[:LONGEST]]
     first = tag("ul", *(tag("li", typeset(line)) for line in budget.calibrate)) if budget.calibrate else None
-    picture = captioned(bars(largest, "Share of the gap of each part"), CAPTION)
+    picture = captioned_picture(bars(largest, "Share of the gap of each part"), CAPTION)
     return section("Where it comes from", picture, first, _table(budget), _usual(budget))
 
 

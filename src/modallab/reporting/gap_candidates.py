@@ -6,9 +6,9 @@ from modallab.gap.words.effects import named
 from modallab.reporting.bars import Bar, bars
 from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import Row, log_bars
-from modallab.reporting.gap_page import captioned, section
+from modallab.reporting.gap_page import captioned_picture, section
 from modallab.reporting.markup import Markup, table, tag
-from modallab.reporting.sections.section import plate
+from modallab.reporting.sections.section import captioned_figure
 
 CLOSED = "Share of the gap that is closed"
 
@@ -26,7 +26,7 @@ def candidates_section(diagnosis: Diagnosis) -> Markup | None:
         "The gap that each explanation leaves once it is fitted, beside the gap without any effect. 1 is noise alone."
     )
     figure = log_bars(rows, ("gap",), (style.MEASURED,), above=True)
-    return section("The candidates", plate(figure, "candidates", caption, caption, columns=1))
+    return section("The candidates", captioned_figure(figure, "candidates", caption, caption, columns=1))
 
 
 def _stated(candidate: CandidateSet, diagnosis: Diagnosis) -> float:
@@ -52,7 +52,7 @@ def shrink_section(diagnosis: Diagnosis) -> Markup | None:
         f"Share of the gap above noise that is closed on {len(shrink.held_out)} records that no fit has "
         f"seen{interval}: from {rounded(shrink.before)} to {rounded(shrink.after)} noise units."
     )
-    return section("How far it shrinks", captioned(bars(rows, CLOSED, 1.0), caption))
+    return section("How far it shrinks", captioned_picture(bars(rows, CLOSED, 1.0), caption))
 
 
 def closed_bar(name: str, shrink: Shrink) -> Markup:
@@ -65,7 +65,7 @@ def channel_bars(before: dict[str, float], after: dict[str, float], name: str, c
     """Two bars a channel on a logarithmic axis: before and after."""
     rows = [Row(channel, (gap, after.get(channel))) for channel, gap in before.items()]
     figure = log_bars(rows, ("before", "after"), (style.SOFT, style.SECOND))
-    return plate(figure, name, caption, caption, columns=1)
+    return captioned_figure(figure, name, caption, caption, columns=1)
 
 
 def residual_section(diagnosis: Diagnosis) -> Markup:

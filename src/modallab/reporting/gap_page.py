@@ -50,6 +50,6 @@ def section(heading: str, *parts: str | None) -> Markup:
     return tag("section", tag("h2", heading), *parts)
 
 
-def captioned(drawn: Markup, caption: str) -> Markup:
+def captioned_picture(drawn: Markup, caption: str) -> Markup:
     """A picture with what it shows."""
     return tag("figure", tag("div", drawn, class_="scroll"), tag("figcaption", caption), class_="plate")

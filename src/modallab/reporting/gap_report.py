@@ -16,10 +16,10 @@ from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
 from modallab.reporting.gap_budget import budget_section
 from modallab.reporting.gap_candidates import candidates_section, residual_section, shrink_section
-from modallab.reporting.gap_page import captioned, page, section, typeset
+from modallab.reporting.gap_page import captioned_picture, page, section, typeset
 from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.revisions_report import revisions_section
-from modallab.reporting.sections.section import plate
+from modallab.reporting.sections.section import captioned_figure
 from modallab.twin.effects import model_of
 
 
@@ -92,7 +92,7 @@ def _place(diagnosis: Diagnosis, rig: Rig) -> Markup:
         caption = f"Stage: {where.stage}{at}.{channels}{tests}"
     why = tag("ul", *(tag("li", typeset(w)) for w in where.why)) if where.why else None
     picture = tag("div", bench_picture(rig, where, within), class_="drawn")
-    return section("Where it lies", captioned(picture, typeset(caption)), why)
+    return section("Where it lies", captioned_picture(picture, typeset(caption)), why)
 
 
 def _names(rig: Rig) -> list[str]:
@@ -125,7 +125,7 @@ def _curves(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
         "and what is left between the latter and the measurement: below the curves of an FRF, and in a panel of its "
         "own for a record. Channels, hits and sine are those with the widest gap."
     )
-    return section("What was measured, and what was simulated", plate(figure, "curves", caption, caption))
+    return section("What was measured, and what was simulated", captioned_figure(figure, "curves", caption, caption))
 
 
 def _revisions(campaign: Campaign) -> Markup | None:

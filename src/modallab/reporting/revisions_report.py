@@ -8,7 +8,7 @@ from modallab.core.digits import rounded
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import Step
-from modallab.reporting.gap_page import captioned, page, section
+from modallab.reporting.gap_page import captioned_picture, page, section
 from modallab.reporting.markup import Markup, table, tag
 
 WIDTH, HEIGHT = 760, 240
@@ -43,7 +43,7 @@ def revisions_section(steps: Sequence[Step]) -> Markup:
     ]
     head = ["revision", "with", "when applied", *names]
     numbers = table("Gap of each revision, noise units", head, rows, numeric=tuple(range(2, len(head))))
-    return section("How the simulation came closer", captioned(revision_curve(steps), CAPTION), numbers)
+    return section("How the simulation came closer", captioned_picture(revision_curve(steps), CAPTION), numbers)
 
 
 def revision_curve(steps: Sequence[Step]) -> Markup:

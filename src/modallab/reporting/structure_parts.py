@@ -8,7 +8,7 @@ from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import Row, Scale, log_bars
 from modallab.reporting.gap_page import section
 from modallab.reporting.markup import Markup, table, tag
-from modallab.reporting.sections.section import plate
+from modallab.reporting.sections.section import captioned_figure
 
 SHARE = Scale("rms of measured less predicted [% of the response]", 0.1, 10.0, "{:.2g} %".format)
 """From a thousandth of the response."""
@@ -66,7 +66,7 @@ def _figure(parts: list[PartOfGap], caption: str, name: str, changed: bool) -> M
     many = 3 if changed else 2
     rows = [Row(_label(p), tuple(100 * v for v in (p.nominal, p.before, p.after)[:many])) for p in parts]
     figure = log_bars(rows, NAMES[:many], COLOURS[:many], scale=SHARE)
-    return plate(figure, name, caption, caption, columns=1)
+    return captioned_figure(figure, name, caption, caption, columns=1)
 
 
 def _label(part: PartOfGap) -> str:

@@ -15,9 +15,9 @@ from modallab.gap.words.effects import at_of_change, numbers_of, place_of_change
 from modallab.gap.words.verdicts import sentence_by_model
 from modallab.reporting.figures.structure_curves import structure_curves
 from modallab.reporting.figures.structure_picture import Marked, structure_picture
-from modallab.reporting.gap_page import captioned, page, section, typeset
+from modallab.reporting.gap_page import captioned_picture, page, section, typeset
 from modallab.reporting.markup import Markup, table, tag
-from modallab.reporting.sections.section import plate
+from modallab.reporting.sections.section import captioned_figure
 from modallab.reporting.structure_parts import candidates_section, parts_section
 from modallab.twin.effects import model_of
 
@@ -105,7 +105,9 @@ def _where(gap: StructureGap) -> Markup | None:
     else:
         caption = "No place stands out: no change that was tried explains the gap."
     caption += " Filled points have a sensor."
-    return section("Where it lies", captioned(tag("div", structure_picture(gap.rig, marked), class_="drawn"), caption))
+    return section(
+        "Where it lies", captioned_picture(tag("div", structure_picture(gap.rig, marked), class_="drawn"), caption)
+    )
 
 
 def _marked(gap: StructureGap, change: FoundChange) -> Marked | None:
@@ -150,7 +152,9 @@ def _curves(gap: StructureGap) -> Markup:
             " Thin, the records themselves: where a block ends before the ring-down, their peaks are lower and wider."
         )
     figure = structure_curves(gap.explained, gap.records)
-    return section("What was measured, and what the reference says", plate(figure, "curves", caption, caption))
+    return section(
+        "What was measured, and what the reference says", captioned_figure(figure, "curves", caption, caption)
+    )
 
 
 def _beside(gap: StructureGap) -> Markup:

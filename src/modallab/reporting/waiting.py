@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from modallab.core.progress import reported_to
+from modallab.core.progress import report_progress_to
 
 
 @contextmanager
@@ -32,5 +32,5 @@ def waiting(what: str, *, progress: bool = True) -> Generator[None]:
     )
     with Progress(*columns, console=console, transient=True) as bars:
         task = bars.add_task(what, total=1.0)
-        with reported_to(lambda share, words: bars.update(task, completed=share, description=words or what)):
+        with report_progress_to(lambda share, words: bars.update(task, completed=share, description=words or what)):
             yield

@@ -25,7 +25,7 @@ LEAST_SAMPLES = 8
 Real = NDArray[np.float64]
 
 
-def uncoupled(values: Real, rate_hz: float, rig: Rig, drive_hz: float | None = None) -> Real:
+def undo_ac_coupling(values: Real, rate_hz: float, rig: Rig, drive_hz: float | None = None) -> Real:
     """(channels, n) values of a block with the AC coupling of each channel undone, if the channels differ in it.
 
     What a channel reads at rest is no signal and would be integrated to a ramp, so it is taken off first: the level

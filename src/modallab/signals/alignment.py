@@ -24,7 +24,7 @@ def lags_s(rig: Rig) -> NDArray[np.float64]:
     return lags - lags.min()
 
 
-def aligned(values: NDArray[np.float64], rate_hz: float, lags: NDArray[np.float64]) -> NDArray[np.float64]:
+def align_channels(values: NDArray[np.float64], rate_hz: float, lags: NDArray[np.float64]) -> NDArray[np.float64]:
     """(channels, n) with each channel's lag taken off; where it must look past an end, the end is turned over there.
 
     Args:

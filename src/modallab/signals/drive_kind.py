@@ -56,7 +56,7 @@ _REMEDY = (
 )
 
 
-def mislabelled(signals: Sequence[Signals]) -> dict[str, Look]:
+def mislabelled_records(signals: Sequence[Signals]) -> dict[str, Look]:
     """The records of which the force is not that of the test they are labelled as, and what it looks like instead.
 
     Records without any force are none of them.
@@ -94,7 +94,7 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
     Raises:
         DataError: half of the records or more are of another kind: says of which.
     """
-    wrong = mislabelled(signals)
+    wrong = mislabelled_records(signals)
     if not wrong:
         return list(signals), _sweep_note(signals)
     name, kind = next(iter(wrong.items()))

@@ -6,7 +6,7 @@ from modallab.signals.checks import check_block
 from modallab.signals.conversion import Conversion
 
 
-def overloaded(block: Block, rig: Rig) -> tuple[str, ...]:
+def overloaded_channels(block: Block, rig: Rig) -> tuple[str, ...]:
     """Names of the channels that reach full scale in this block.
 
     For whole counts full scale is the type's own end; for volts it is the channel's or the converter's range. What came

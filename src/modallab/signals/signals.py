@@ -11,8 +11,8 @@ from modallab.core.axis_checks import check_rate
 from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.signals.ac_coupling import uncoupled
-from modallab.signals.alignment import aligned, lags_s
+from modallab.signals.ac_coupling import undo_ac_coupling
+from modallab.signals.alignment import align_channels, lags_s
 from modallab.signals.checks import check_block, check_rows
 from modallab.signals.conversion import Conversion, require_one_axis
 from modallab.signals.hit import Hit, find_hit, windowed_force
@@ -117,8 +117,8 @@ def to_signals(block: Block, rig: Rig) -> Signals:
     check_block(block, rig)
     require_one_axis(rig, f"record {block.name}")
     conversion = Conversion.of_block(block, rig)
-    values = uncoupled(conversion.si(block.samples), block.rate_hz, rig, block.frequency_hz)
-    values = aligned(values, block.rate_hz, lags_s(rig))
+    values = undo_ac_coupling(conversion.si(block.samples), block.rate_hz, rig, block.frequency_hz)
+    values = align_channels(values, block.rate_hz, lags_s(rig))
     return Signals(
         forces=values[forces_of(block, conversion)] if conversion.forces else np.zeros(block.n_samples),
         responses=values[list(conversion.responses)],

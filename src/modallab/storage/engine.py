@@ -126,7 +126,7 @@ def reading(engine: Engine) -> Generator[Connection]:
         with engine.connect().execution_options(reading=True) as connection:
             yield connection
     except SQLAlchemyError as error:
-        raise lost(error, engine) or StorageError(
+        raise server_lost(error, engine) or StorageError(
             f"cannot be read: {_said(error, engine)}", where=database_name(engine), remedy="look at the disk"
         ) from error
     except ValueError as error:
@@ -143,7 +143,7 @@ def next_number(connection: Connection, table: Table) -> int:
     return (connection.scalar(select(func.max(table.c.seq))) or 0) + 1
 
 
-def lost(error: SQLAlchemyError, engine: Engine) -> DatabaseLostError | None:
+def server_lost(error: SQLAlchemyError, engine: Engine) -> DatabaseLostError | None:
     """What to raise where a server cannot be reached; None if it is another error. Its own words are for its log."""
     gone = isinstance(error, (OperationalError, InterfaceError)) or getattr(error, "connection_invalidated", False)
     if engine.dialect.name == "sqlite" or not gone:
@@ -159,7 +159,7 @@ def _write_failure(error: SQLAlchemyError, engine: Engine) -> StorageError:
     full = failure(found, where) if isinstance(found, Exception) else None
     if isinstance(full, DiskFullError):
         return full
-    return lost(error, engine) or StorageError(
+    return server_lost(error, engine) or StorageError(
         f"cannot be written: {_said(error, engine)}",
         where=where,
         remedy="look at the disk; all acknowledged blocks are kept",

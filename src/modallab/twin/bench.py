@@ -174,7 +174,7 @@ def transfer(chain: Chain, channels: tuple[int, ...], s: Complex) -> Complex:
     return total
 
 
-def exchanged(chain: Chain, channels: tuple[int, ...], test: Test, y: S) -> S:
+def exchange_plugs(chain: Chain, channels: tuple[int, ...], test: Test, y: S) -> S:
     """The rows (..., channels, n) in SI units with two plugs exchanged, where the chain exchanges them.
 
     The volts of a sensor, with its sensitivity and its direction, are read as if they were the other's.

@@ -54,7 +54,7 @@ def _known_rows(places: bytes, length_m: float, derivative: int) -> Array:
     return rows
 
 
-def weakened(x_m: float, width_m: float, length_m: float, share: float) -> Array:
+def weakened_stiffness(x_m: float, width_m: float, length_m: float, share: float) -> Array:
     """(n, n) change of the stiffness of unit EI when it falls to 1 - share exp(-((x - x0) / width)^2).
 
     Cubics can't bend more in a part of an element: its stiffness is the inverse of its flexibility under linear

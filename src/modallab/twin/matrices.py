@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.twin.elements import ELEMENTS, patterns, shape_rows, slope_rows, weakened
+from modallab.twin.elements import ELEMENTS, patterns, shape_rows, slope_rows, weakened_stiffness
 from modallab.twin.structure import Structure
 
 OWN = 2 * ELEMENTS + 2
@@ -73,7 +73,7 @@ def term_matrix(term: Term, fields: Array, length_m: float) -> Array:
         return fields[int(numbers[0])]
     if kind == LOSS:
         x, share, width = numbers
-        return weakened(x, width, length_m, share)
+        return weakened_stiffness(x, width, length_m, share)
     if kind == FREEDOM:
         own = np.zeros((OWN, OWN))
         own[int(numbers[0]), int(numbers[0])] = 1.0

@@ -53,7 +53,7 @@ class Modes:
 def solve(structure: Structure) -> Modes:
     """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
     key = (*undamped_key(structure), structure.zeta.tobytes(), structure.dampers)
-    return beside(structure, _DAMPED.of(key, lambda: _damped(structure, *undamped(structure))))
+    return beside(structure, _DAMPED.of(key, lambda: _damped(structure, *undamped_modes(structure))))
 
 
 def beside(structure: Structure, bending: Modes) -> Modes:
@@ -70,7 +70,7 @@ def beside(structure: Structure, bending: Modes) -> Modes:
     )
 
 
-def alike(structure: Structure, other: Structure) -> bool:
+def have_same_modes(structure: Structure, other: Structure) -> bool:
     """Whether two structures have the same modes."""
     if (structure.dampers, structure.side) != (other.dampers, other.side):
         return False
@@ -81,7 +81,7 @@ def alike(structure: Structure, other: Structure) -> bool:
 
 def _damped(structure: Structure, omega: Array, phi: Array, out_of_band: Array) -> Modes:
     if structure.dampers:
-        poles, mixing = coupled(structure, omega, phi)
+        poles, mixing = damped_poles(structure, omega, phi)
         return Modes(poles, phi[:OWN] @ mixing, structure.length_m, out_of_band[:OWN, :OWN])
     zeta = structure.zeta
     damped = omega * np.sqrt(np.maximum(1 - zeta**2, 1e-6))
@@ -113,7 +113,7 @@ _UNDAMPED = _Latest[tuple[Array, Array, Array]](48)
 _DAMPED = _Latest[Modes](48)
 
 
-def undamped(structure: Structure) -> tuple[Array, Array, Array]:
+def undamped_modes(structure: Structure) -> tuple[Array, Array, Array]:
     """The undamped modes: (MODES,) rad/s, (n, MODES) shapes, and the (n, n) compliance of the modes above them.
 
     n counts the freedoms of the beam and of what hangs on it. Results are kept: damping and chain do not change them.
@@ -163,7 +163,7 @@ def damping_of(structure: Structure, omega: Array, phi: Array) -> Array:
     return damping
 
 
-def coupled(structure: Structure, omega: Array, phi: Array) -> tuple[Complex, Complex]:
+def damped_poles(structure: Structure, omega: Array, phi: Array) -> tuple[Complex, Complex]:
     """(p,) poles, and (MODES, p) weights of the undamped shapes in their shapes, coupled by dampers."""
     n = len(omega)
     damping = damping_of(structure, omega, phi)

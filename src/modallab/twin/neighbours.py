@@ -21,7 +21,7 @@ from modallab.twin.matrices import (
     term_matrix,
     term_rows,
 )
-from modallab.twin.modes import Modes, beside, coupled, damping_of, held_at_root, solve, undamped
+from modallab.twin.modes import Modes, beside, damped_poles, damping_of, held_at_root, solve, undamped_modes
 from modallab.twin.structure import MODES, Structure
 
 Array = NDArray[np.float64]
@@ -34,9 +34,9 @@ class Neighbours:
     def __init__(self, structure: Structure) -> None:
         """Solve the structure in the middle."""
         self._middle = structure
-        self._omega, self._phi, self._out_of_band = undamped(structure)
+        self._omega, self._phi, self._out_of_band = undamped_modes(structure)
         if structure.dampers:
-            self._poles, self._mixing = coupled(structure, self._omega, self._phi)
+            self._poles, self._mixing = damped_poles(structure, self._omega, self._phi)
         else:
             damped = self._omega * np.sqrt(np.maximum(1 - structure.zeta**2, 1e-6))
             self._poles = -structure.zeta * self._omega + 1j * damped

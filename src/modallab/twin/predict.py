@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.twin.bench import Chain, Twin, exchanged, transfer
+from modallab.twin.bench import Chain, Twin, exchange_plugs, transfer
 from modallab.twin.modes import Modes, solve
 from modallab.twin.nonlinear.element import coupling
 from modallab.twin.nonlinear.records import acceleration, in_hit, in_sine, ready
@@ -31,7 +31,7 @@ def predict_hit(
         tau: place of the record in the campaign's time, 0 to 1.
     """
     n, dt = len(force_n), 1 / rate_hz / (1 + twin.clock)
-    modes = drifted(solve(twin.structure), twin.ei_drift, float(twin.drifted(tau)))
+    modes = drifted_modes(solve(twin.structure), twin.ei_drift, float(twin.drifted(tau)))
     x = twin.struck_x_m(drive_x_m)
     struck = np.flatnonzero(force_n)
     first, last = (int(struck[0]), int(struck[-1]) + 1) if len(struck) else (0, 1)
@@ -61,7 +61,7 @@ def predict_hit(
     # An integral knows no constant: what begins from rest begins at 0.
     rows = [i for i, channel in enumerate(channels) if channel in twin.chain.integrals]
     record[rows] -= record[rows, :1]
-    return exchanged(twin.chain, channels, "impact", record)
+    return exchange_plugs(twin.chain, channels, "impact", record)
 
 
 def predict_sine(
@@ -93,7 +93,7 @@ def predict_sine(
     dt = 1 / rate_hz / (1 + twin.clock)
     rise = rise or Rise.usual(1)
     world_hz = frequency_hz * (1 + twin.clock)
-    modes = drifted(solve(twin.in_sine(drive_x_m)), twin.ei_drift, float(twin.drifted(tau)))
+    modes = drifted_modes(solve(twin.in_sine(drive_x_m)), twin.ei_drift, float(twin.drifted(tau)))
     source = Sines(np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]), rise.on_clock(twin.clock))
     residue = _outputs(twin.chain, modes, channels, x_m) * modes.at(drive_x_m)[0]
     t = np.arange(n) * dt
@@ -121,10 +121,10 @@ def predict_sine(
         seen = np.fft.rfft(acceleration(stiff, own, _outputs(twin.chain, stiff, channels, x_m), added, dt), axis=1)
         s = 2j * np.pi * np.fft.rfftfreq(n, dt)
         rings += np.fft.irfft(np.nan_to_num(transfer(twin.chain, channels, s)) * seen, n=n, axis=1)
-    return exchanged(twin.chain, channels, "sine", forced + rings)
+    return exchange_plugs(twin.chain, channels, "sine", forced + rings)
 
 
-def drifted(modes: Modes, ei_drift: float, tau: float) -> Modes:
+def drifted_modes(modes: Modes, ei_drift: float, tau: float) -> Modes:
     """Modes after EI has changed by its share of the drift."""
     if not ei_drift:
         return modes

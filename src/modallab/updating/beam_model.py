@@ -11,7 +11,7 @@ from modallab.core.rig import Beam, Rig
 from modallab.modification.freedoms import Freedom
 from modallab.twin.elements import shape_rows
 from modallab.twin.matrices import OWN
-from modallab.twin.modes import undamped
+from modallab.twin.modes import undamped_modes
 from modallab.twin.structure import ROOT, Structure, believed_root
 from modallab.updating.prior import Prior
 
@@ -77,7 +77,7 @@ class BeamModel:
         Raises:
             DataError: no such parameter or point, or a shape across the beam.
         """
-        omega, phi, _ = undamped(self._structure(numbers))
+        omega, phi, _ = undamped_modes(self._structure(numbers))
         x = np.array([self._place(point) for point, _ in self.freedoms])
         across = [f for f in self.freedoms if f[1] not in ("", self.rig.drive_direction[1])]
         if across:

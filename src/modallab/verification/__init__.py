@@ -5,21 +5,21 @@ from typing import TYPE_CHECKING
 from modallab.core.lazy import lazily
 
 if TYPE_CHECKING:
-    from modallab.verification.assessment import Assessment, assessed
+    from modallab.verification.assessment import Assessment, assess_model
     from modallab.verification.comparison import Comparison, compare
-    from modallab.verification.reservations import doubts, seen_by_one, unmatched
+    from modallab.verification.reservations import doubts, mismatch_warning, seen_by_one
     from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact, verify_sine
 
 __all__ = [
     "Assessment",
     "Comparison",
-    "assessed",
+    "assess_model",
     "compare",
     "doubts",
     "frac",
+    "mismatch_warning",
     "seen_by_one",
     "synthesised",
-    "unmatched",
     "verify_frf",
     "verify_impact",
     "verify_sine",
@@ -28,9 +28,9 @@ __all__ = [
 __getattr__ = lazily(
     __name__,
     {
-        "assessment": ("Assessment", "assessed"),
+        "assessment": ("Assessment", "assess_model"),
         "comparison": ("Comparison", "compare"),
-        "reservations": ("doubts", "seen_by_one", "unmatched"),
+        "reservations": ("doubts", "seen_by_one", "mismatch_warning"),
         "verify": ("frac", "synthesised", "verify_frf", "verify_impact", "verify_sine"),
     },
 )

@@ -34,7 +34,7 @@ class Assessment:
     auto_mac: Real
 
 
-def assessed(
+def assess_model(
     model: ModalModel, verdicts: tuple[Verdict, ...], unjudged: tuple[tuple[str, str], ...], confidence: Real
 ) -> Assessment:
     """Verdicts and confidence, with the indices of the shapes: operating ones, or from each mode's loudest input."""

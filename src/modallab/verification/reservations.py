@@ -49,7 +49,7 @@ def seen_by_one(model: ModalModel) -> NDArray[np.int64]:
     return found
 
 
-def unmatched(model: ModalModel, frac: NDArray[np.float64]) -> tuple[str, ...]:
+def mismatch_warning(model: ModalModel, frac: NDArray[np.float64]) -> tuple[str, ...]:
     """A warning where the model does not repeat what was measured.
 
     Args:

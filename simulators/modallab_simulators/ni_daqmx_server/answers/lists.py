@@ -3,6 +3,6 @@
 from collections.abc import Iterable
 
 
-def joined(names: Iterable[str]) -> str:
+def comma_list(names: Iterable[str]) -> str:
     """Names with commas between them."""
     return ", ".join(names)

@@ -22,7 +22,7 @@ _TERMINALS = ("_SRC", "_OUTPUT_TERM")
 _NO_TERMINAL = ("EXCIT", "INPUT_SRC", "CJC", "DAC", "SHUNT", "TIMEBASE_SRC")
 
 
-def chosen(task: Task, which: str) -> Sequence[Channel]:
+def chosen_channels(task: Task, which: str) -> Sequence[Channel]:
     """The channels that are meant; all where none is named.
 
     Raises:
@@ -43,7 +43,7 @@ def get(server: SimulatedSystem, family: str, name: str, kind: str, task: Task, 
     """What an attribute is."""
     if family == "Watchdog":
         return _watchdog(task, which, name, kind)
-    channels = chosen(task, which) if family == "Channel" else ()
+    channels = chosen_channels(task, which) if family == "Channel" else ()
     channel = channels[0] if channels else None
     _require_device_context(family, name, which)
     if family == "Timing":
@@ -79,7 +79,7 @@ def put(server: SimulatedSystem, family: str, name: str, task: Task, which: str,
     """Set an attribute."""
     _require_device_context(family, name, which)
     if family == "Channel":
-        for channel in chosen(task, which):
+        for channel in chosen_channels(task, which):
             _require_in_range(task, channel, name, value)
             if isinstance(task, OutputTask) and name == "AO_IDLE_OUTPUT_BEHAVIOR":
                 task.set_idle(int(value))
@@ -134,7 +134,7 @@ def reset(server: SimulatedSystem, family: str, name: str, task: Task, which: st
     """Back to what the device starts with."""
     _require_device_context(family, name, which)
     if family == "Channel":
-        for channel in chosen(task, which):
+        for channel in chosen_channels(task, which):
             task.attributes.pop((channel.name, name), None)
         return
     if name == "SAMP_CLK_RATE":

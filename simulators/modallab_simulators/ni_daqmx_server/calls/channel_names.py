@@ -28,11 +28,6 @@ def split(names: str) -> list[str]:
     return found
 
 
-def joined(names: list[str]) -> str:
-    """A list as it is written."""
-    return ", ".join(names)
-
-
 def assigned(wanted: str, physical: list[str]) -> list[str]:
     """The task's names of physical channels: those that were asked for, or their own."""
     if not wanted:

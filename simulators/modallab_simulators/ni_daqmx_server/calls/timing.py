@@ -6,13 +6,14 @@ import numpy as np
 
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
+from modallab_simulators.ni_daqmx_server.answers.lists import comma_list
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.calls.channel_names import joined, split
+from modallab_simulators.ni_daqmx_server.calls.channel_names import split
 from modallab_simulators.ni_daqmx_server.catalogue import DIGITAL, PXI, PXIE
 from modallab_simulators.ni_daqmx_server.counter_task import CounterInputTask, CounterOutputTask
 from modallab_simulators.ni_daqmx_server.line_task import LineTask
 from modallab_simulators.ni_daqmx_server.max_config import Section
-from modallab_simulators.ni_daqmx_server.modules import coerced
+from modallab_simulators.ni_daqmx_server.modules import coerced_rate
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Task
@@ -111,7 +112,7 @@ def _set_rate(task: Task, rate_hz: float, finite: int) -> None:
         if not np.isfinite(rate_hz) or rate_hz <= 0 or rate_hz > highest * (1 + 1e-9):
             raise StatusError(status.INVALID_VALUE, f"Property: SampClk.Rate\nRequested Value: {rate_hz}")
         for output in (task, *task.others):
-            output.rate_hz = coerced((module,), 1, rate_hz) if rate_hz <= module.max_rate_hz else rate_hz
+            output.rate_hz = coerced_rate((module,), 1, rate_hz) if rate_hz <= module.max_rate_hz else rate_hz
             output.finite = bool(finite)
             output.samples = finite
     elif isinstance(task, LineTask):
@@ -176,8 +177,8 @@ def set_change_detection(system: SimulatedSystem, request: Any) -> Answer:
     """A sample whenever one of these lines changes."""
     task = system.task(request.task.name, Task)
     _pace(task, CHANGE_DETECTION, request.sample_mode_raw or request.sample_mode, int(request.samps_per_chan))
-    task.attributes["", "CHANGE_DETECT_DI_RISING_EDGE_PHYSICAL_CHANS"] = joined(split(request.rising_edge_chan))
-    task.attributes["", "CHANGE_DETECT_DI_FALLING_EDGE_PHYSICAL_CHANS"] = joined(split(request.falling_edge_chan))
+    task.attributes["", "CHANGE_DETECT_DI_RISING_EDGE_PHYSICAL_CHANS"] = comma_list(split(request.rising_edge_chan))
+    task.attributes["", "CHANGE_DETECT_DI_FALLING_EDGE_PHYSICAL_CHANS"] = comma_list(split(request.falling_edge_chan))
     return {}
 
 

@@ -148,7 +148,7 @@ class BurstLook:
         if begin < 0 or end * self._dt > self.burst.duration_s:
             return None
         earlier, later = (self._drive[first - self._first : last - self._first] for first, last in windows)
-        if not driven(earlier):
+        if not has_drive(earlier):
             return None
         foreseen = foresee(self._cut(begin, stop), earlier, later)
         return self._cut(middle, end), foreseen
@@ -190,7 +190,7 @@ class BurstLook:
         return tone_basis(times, self.burst.frequency_hz, self.burst.envelope(times))
 
 
-def driven(basis: Real) -> NDArray[np.bool_]:
+def has_drive(basis: Real) -> NDArray[np.bool_]:
     """Whether there is any drive in the (..., n, 3) basis of a window."""
     return np.abs(basis[..., 1:]).max(axis=(-1, -2)) > DRIVEN
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.burst_look import HOP_S, WEAK_LATER_S, BurstLook, driven
+from modallab.acquisition.monitor.burst_look import HOP_S, WEAK_LATER_S, BurstLook, has_drive
 from modallab.acquisition.monitor.expected_force import SEEN, ExpectedForce
 from modallab.acquisition.monitor.tone_prediction import at_noise, dead, foresee, parts
 
@@ -67,5 +67,5 @@ def normal_looks(look: BurstLook, force: ExpectedForce) -> NormalLooks | None:
         | at_noise(look.windows(ends, weak), look.white_v)
         | ~(size > SEEN)
     )
-    normal = kept & ~suspect.any(axis=1) & force.believes(look, foreseen) & driven(earlier)
+    normal = kept & ~suspect.any(axis=1) & force.believes(look, foreseen) & has_drive(earlier)
     return NormalLooks(look.hop + 1, normal, size * foreseen.phase, moments, learned)

@@ -23,7 +23,7 @@ from modallab.acquisition.monitor.tone_prediction import (
     dead,
     faults,
     kept_up,
-    lost,
+    tone_is_lost,
 )
 from modallab.bench.protocol import Burst, Chunk
 from modallab.storage.samples import Samples
@@ -135,7 +135,7 @@ class Plausibility:
         if at_noise(look.latest(WEAK_LATER_S), look.white_v).any():
             weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
             if weak is not None:
-                gone |= self._unless_beats(lost(*weak, look.white_v) & ~self._at_a_node(look, weak[1]), *weak)
+                gone |= self._unless_beats(tone_is_lost(*weak, look.white_v) & ~self._at_a_node(look, weak[1]), *weak)
         gone |= self._missing(look, pair[1])
         look.gone = np.where(gone, look.gone + 1, 0)
         for channel in np.flatnonzero((look.gone >= GONE_LOOKS) & self._watched):

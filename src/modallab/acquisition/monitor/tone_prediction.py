@@ -1,6 +1,7 @@
 """Whether a channel still does what the drive made it do a moment ago; pure functions of samples.
 
-All but `faults` and `lost` take one look or many: then looks are the first axis of samples, bases and what is returned.
+All but `faults` and `tone_is_lost` take one look or many: then looks are the first axis of samples, bases and
+results.
 
 While a sine is on, x(t) = c + e(t) Re(A exp(j omega t)) holds from one moment to the next, e the drive's known
 envelope: a structure changes its amplitude slowly. It is fitted to an earlier window and compared with a later one.
@@ -148,7 +149,7 @@ def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int
     return found
 
 
-def lost(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
+def tone_is_lost(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a weak tone that was to stand above the noise over the later window is gone from it."""
     steady = foreseen.misfit < UNBEATEN * white
     expected = np.hypot(about_line_rms(foreseen.later), white)

@@ -9,7 +9,7 @@ from modallab.acquisition.monitor.context import Context, measure_floor
 from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import Seen, Setting, burst_of, look_at
 from modallab.acquisition.procedures.drive import Drive
-from modallab.acquisition.procedures.target import Step, again, steps_of
+from modallab.acquisition.procedures.target import Step, repeated_steps, steps_of
 from modallab.bench.protocol import LooksForSensors, SelfReporting
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
@@ -77,7 +77,7 @@ class SineTest:
     def _obey(self) -> None:
         for request in self.context.requests.take():
             if isinstance(request, Repeat):
-                self.todo.extendleft(again(request, self.kept))
+                self.todo.extendleft(repeated_steps(request, self.kept))
             elif self.context.drop(request.block, request.reason):
                 self.kept.pop(request.block, None)
 

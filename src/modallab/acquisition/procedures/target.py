@@ -65,7 +65,7 @@ def steps_of(plan: SinePlan) -> list[Step]:
     return steps
 
 
-def again(request: Repeat, kept: Mapping[str, Step]) -> list[Step]:
+def repeated_steps(request: Repeat, kept: Mapping[str, Step]) -> list[Step]:
     """The steps a request asks for, out of those that were kept."""
     return [
         replace(step, again=step.again + 1, replaces=name)

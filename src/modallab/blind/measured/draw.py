@@ -49,7 +49,7 @@ class MeasuredRequest(Frozen):
         return self
 
 
-def drawn(model: ModalModel, rig: Rig, request: MeasuredRequest) -> list[Put | None]:
+def draw_effects(model: ModalModel, rig: Rig, request: MeasuredRequest) -> list[Put | None]:
     """The effects of all trials, None for nothing done, in an order that says nothing."""
     rng = np.random.default_rng(request.seed)
     kinds = _kinds(model, rig)

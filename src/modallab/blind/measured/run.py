@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
-from modallab.blind.measured.draw import MeasuredRequest, drawn, places_of
+from modallab.blind.measured.draw import MeasuredRequest, draw_effects, places_of
 from modallab.blind.measured.noise import with_noise
 from modallab.blind.measured.put import Put, with_effect
-from modallab.blind.measured.score import MeasuredOutcome, Truth, figures, judged
-from modallab.blind.seal import opened, publish, seal
+from modallab.blind.measured.score import MeasuredOutcome, Truth, figures, judge_trial
+from modallab.blind.seal import open_truth, publish, seal
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import ModalDiagnosis
@@ -47,7 +47,7 @@ def blind_on(frf: Frf, rig: Rig, folder: Path, request: MeasuredRequest, named: 
     folder.mkdir(parents=True, exist_ok=True)
     report(0.0, "identifying")
     reference = _model(frf, rig)
-    puts = drawn(reference, rig, request)
+    puts = draw_effects(reference, rig, request)
     names = [f"trial_{n:03d}" for n in range(len(puts))]
     truths = [_truth(put, reference, rig) for put in puts]
     hashes = {name: seal(folder, name, _as_document(truth)) for name, truth in zip(names, truths, strict=True)}
@@ -58,7 +58,7 @@ def blind_on(frf: Frf, rig: Rig, folder: Path, request: MeasuredRequest, named: 
             rng = np.random.default_rng((request.seed, 1, n))
             there = with_noise(with_effect(frf, put), variance, rng)
             _keep(folder, name, _diagnosed(reference, (frf, there), rig))
-    trials = [judged(name, _opened(folder, name), _answer(folder, name)) for name in names]
+    trials = [judge_trial(name, _opened(folder, name), _answer(folder, name)) for name in names]
     return MeasuredOutcome(campaign=named, sealed=sealed, figures=figures(trials), trials=trials)
 
 
@@ -88,7 +88,7 @@ def _as_document(truth: Truth) -> dict[str, Any]:
 
 
 def _opened(folder: Path, name: str) -> Truth:
-    content = opened(folder, name)
+    content = open_truth(folder, name)
     put = content["put"]
     return Truth(None if put is None else Put(**put), content["place"], content["moved_m"])
 

@@ -71,7 +71,7 @@ class Truth:
     moved_m: float = 0.0
 
 
-def judged(name: str, truth: Truth, found: ModalDiagnosis | None) -> MeasuredTrial:
+def judge_trial(name: str, truth: Truth, found: ModalDiagnosis | None) -> MeasuredTrial:
     """A diagnosis held against what was done; None where no mode was identified."""
     put, named = truth.put, found.effects[0] if found and found.effects else None
     verdict = found.verdict if found else "not_identified"

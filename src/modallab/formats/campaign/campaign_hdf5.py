@@ -8,7 +8,7 @@ import h5py
 
 from modallab.core.block import Campaign
 from modallab.core.errors import FormatError, RigError
-from modallab.core.metrology import judged
+from modallab.core.metrology import judge_mass_ratios
 from modallab.core.rig import Rig
 from modallab.core.versions import CAMPAIGN_INT16, CAMPAIGN_NATIVE
 from modallab.formats.atomic import replacing
@@ -49,7 +49,7 @@ def read_campaign(path: Path, rig: Rig | None = None, *, check: bool = True) -> 
             campaign = Campaign(rig, hdf5_counts.read_blocks(source, rig, where), source=str(path))
         else:
             campaign = hdf5_native.read_content(source, rig, where, str(path))
-    ratios = judged(read_mass_ratios(file.parent))
+    ratios = judge_mass_ratios(read_mass_ratios(file.parent))
     if ratios:
         # Measured after the file was written, as often as before it.
         summary = "; ".join(f"{'good' if one.within else 'bad'}: {one.what}" for one in ratios)

@@ -33,7 +33,7 @@ from modallab.gap.conditioning.records import as_volts, usable
 from modallab.gap.conditioning.reduce import sine_clock_of
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.conversion import Conversion
-from modallab.signals.full_scale import overloaded
+from modallab.signals.full_scale import overloaded_channels
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -168,7 +168,7 @@ class Noises(NamedTuple):
 
 def _overloaded(blocks: Sequence[Block], rig: Rig) -> set[tuple[str, int]]:
     rows = {c.name: c.index for c in rig.channels}
-    return {(b.name, rows[name]) for b in blocks for name in overloaded(b, rig)}
+    return {(b.name, rows[name]) for b in blocks for name in overloaded_channels(b, rig)}
 
 
 def _full_scale_v(blocks: Sequence[Block], rig: Rig) -> Array:

@@ -17,7 +17,7 @@ from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.report.calibrated import carried, diagnosed_twin
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import unit_per_si, volts_per_si
-from modallab.twin.learned.row_curve import MODEL, curved
+from modallab.twin.learned.row_curve import MODEL, apply_curve
 
 Array = NDArray[np.float64]
 CURVE = MODEL.kind.name
@@ -53,7 +53,7 @@ def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Array]:
         limit = np.array([cut.get(row, np.inf) for row in rows]) / np.abs(volts_per_si(rig, b.test)[rows])
         for row, law in curves:
             at, volts = rows.index(row), float(volts_per_si(rig, b.test)[row])
-            si[at] = curved(si[at] * volts, law) / volts
+            si[at] = apply_curve(si[at] * volts, law) / volts
         found[b.name] = np.clip(si, -limit[:, None], limit[:, None]) * unit_per_si(rig)[rows, None]
     return found
 

@@ -18,7 +18,7 @@ from modallab.gap.inference.settings import Settings
 from modallab.gap.model.fit import GENERATOR, Problem
 from modallab.gap.model.forward import forward, impact_residue, with_shaker
 from modallab.gap.model.sensitivity import Tangent, next_to, smooth_in
-from modallab.twin.bench import Twin, exchanged, transfer
+from modallab.twin.bench import Twin, exchange_plugs, transfer
 from modallab.twin.modes import Modes, solve
 
 Array = NDArray[np.float64]
@@ -136,7 +136,7 @@ class View:
         constants = constants * transfer(twin.chain, self.data.channels, poles)
         if twin.clock:
             poles, constants = poles / (1 + twin.clock), constants * (1 + twin.clock)
-        return poles, exchanged(twin.chain, self.data.channels, q.data.piece.test, constants)
+        return poles, exchange_plugs(twin.chain, self.data.channels, q.data.piece.test, constants)
 
 
 def _modal_rows(q: PointModes, channels: int, names: tuple[str, ...], settings: Settings) -> list[ObjectiveRows]:

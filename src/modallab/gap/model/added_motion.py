@@ -15,7 +15,7 @@ from modallab.twin.bench import Twin
 from modallab.twin.modes import Modes, undamped_key
 from modallab.twin.nonlinear.element import Coupling, coupling
 from modallab.twin.nonlinear.records import in_hit, in_sine, ready
-from modallab.twin.predict import drifted, sensor_positions
+from modallab.twin.predict import drifted_modes, sensor_positions
 from modallab.twin.response import Hits, Sines
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ def added_to_hits(twin: Twin, modes: Modes, d: ImpactData, source: Hits, data: R
     assert twin.element is not None
     x, gain = twin.struck_x_m(d.piece.drive_x_m), twin.hit_gain(d.piece.drive_x_m)
     share = float(twin.drifted(d.piece.order / data.last_order)) if twin.ei_drift else 0.0
-    modes = drifted(twin.felt(modes), twin.ei_drift, share)
+    modes = drifted_modes(twin.felt(modes), twin.ei_drift, share)
     own = coupling(twin.element, twin.structure, modes)
 
     def step() -> tuple[Complex, Complex]:
@@ -56,7 +56,7 @@ def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: R
     x = d.pieces[0].drive_x_m
     shares = [float(twin.drifted(p.order / data.last_order)) if twin.ei_drift else 0.0 for p in d.pieces]
     modes = twin.felt(modes)
-    of_block = [drifted(modes, twin.ei_drift, share) for share in shares]
+    of_block = [drifted_modes(modes, twin.ei_drift, share) for share in shares]
     same = coupling(element, structure, modes)
     owns = [coupling(element, structure, m) if twin.ei_drift else same for m in of_block]
 

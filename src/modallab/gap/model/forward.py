@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, SineData
 from modallab.gap.model.added_motion import added_to_hits, added_to_sines
-from modallab.twin.bench import Chain, Twin, exchanged, transfer
+from modallab.twin.bench import Chain, Twin, exchange_plugs, transfer
 from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
 from modallab.twin.response import Averages, Hits, Sines
@@ -55,7 +55,7 @@ def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
     if twin.element is not None and isinstance(source, Hits):
         forced_sum += added_to_hits(twin, modes, d, source, data)
     total += transfer(twin.chain, data.channels, source.s) * forced_sum
-    return exchanged(twin.chain, data.channels, d.piece.test, total)
+    return exchange_plugs(twin.chain, data.channels, d.piece.test, total)
 
 
 def impact_residue(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> tuple[Complex, Complex]:
@@ -143,7 +143,7 @@ def _sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> Complex:
     if twin.element is not None:
         rings += transfer(twin.chain, data.channels, source.s) * added_to_sines(twin, modes, d, source, data)
     total = rings + (up * at_up)[:, :, None] * share_up + (down * at_down)[:, :, None] * share_down
-    return exchanged(twin.chain, data.channels, "sine", total.reshape(len(data.channels), -1))
+    return exchange_plugs(twin.chain, data.channels, "sine", total.reshape(len(data.channels), -1))
 
 
 def at_poles(chain: Chain, data: Reduced, pole: Complex) -> Complex:

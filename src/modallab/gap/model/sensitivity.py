@@ -19,8 +19,8 @@ from modallab.core.units import Test
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.gap.model.forward import hit_ratios, on_clock, sine_drift, with_shaker
 from modallab.gap.model.many_modes import ManyModes, Numbers, of_hits, of_sines, sensor_rows
-from modallab.twin.bench import Chain, Twin, exchanged, is_flat, transfer
-from modallab.twin.modes import Modes, alike, solve
+from modallab.twin.bench import Chain, Twin, exchange_plugs, is_flat, transfer
+from modallab.twin.modes import Modes, have_same_modes, solve
 from modallab.twin.neighbours import Neighbours
 from modallab.twin.structure import Structure
 
@@ -67,7 +67,7 @@ class Tangent:
         chain, channels = self.twin.chain, self.data.channels
         own = [by_hand if p.test == "impact" else by_shaker for p in self._parts]
         zipped = zip(self._parts, own, strict=True)
-        return [exchanged(chain, channels, p.test, p.changes(twins, m, self.data)) for p, m in zipped]
+        return [exchange_plugs(chain, channels, p.test, p.changes(twins, m, self.data)) for p, m in zipped]
 
     def _all_hung(self, twins: Sequence[Twin], modes: list[Modes], x_m: float, first: int) -> list[Modes]:
         """The modes while the shaker hangs on them."""
@@ -80,7 +80,7 @@ class Tangent:
 def next_to(modes: Modes, here: Structure, there: Sequence[Structure], first: int) -> list[Modes]:
     """The modes of structures next to one whose modes are known; those of the first of them exactly."""
     found = [solve(s) for s in there[:first]]
-    moved = [k for k in range(first, len(there)) if not alike(there[k], here)]
+    moved = [k for k in range(first, len(there)) if not have_same_modes(there[k], here)]
     near = dict(zip(moved, Neighbours(here).solve([there[k] for k in moved]), strict=True)) if moved else {}
     return [*found, *(near.get(k, modes) for k in range(first, len(there)))]
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from modallab.core.block import Campaign
 from modallab.core.effect import Revision
 from modallab.core.frozen import Frozen
-from modallab.core.progress import counted
+from modallab.core.progress import count_progress
 from modallab.core.rig import Rig
 from modallab.gap.report.initial_gap import gap_known
 from modallab.gap.revisions.apply import at_revision
@@ -55,7 +55,7 @@ def _measured(rig: Rig, campaigns: Sequence[Campaign]) -> dict[str, list[float]]
     pairs = [(campaign, number) for campaign in campaigns for number in numbers]
     gaps = [
         gap_known(replace(campaign, rig=at_revision(rig, number)))
-        for campaign, number in counted(pairs, len(pairs), "revisions")
+        for campaign, number in count_progress(pairs, len(pairs), "revisions")
     ]
     per = len(numbers)
     return {c.source or f"campaign {k + 1}": gaps[k * per : (k + 1) * per] for k, c in enumerate(campaigns)}

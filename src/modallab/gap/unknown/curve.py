@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from modallab.gap.unknown.volts import Channel
-from modallab.twin.learned.row_curve import curved
+from modallab.twin.learned.row_curve import apply_curve
 
 Array = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ class Curve:
     def made(self, channel: Channel) -> dict[str, Array]:
         """Record -> (n,) V that it makes of what the twin predicts."""
         law = self.law
-        return {name: curved(u, law) for name, u in channel.expected.items()}
+        return {name: apply_curve(u, law) for name, u in channel.expected.items()}
 
     def moved(self, q: Array) -> "Curve":
         """The same with other numbers."""
@@ -80,7 +80,7 @@ def curve_of(channel: Channel, names: Collection[str]) -> Curve:
 
         def off(q: Array) -> Array:
             law = begin.moved(q).law
-            return np.concatenate([curved(u, law)[::EVERY] for u, _ in pairs]) - v
+            return np.concatenate([apply_curve(u, law)[::EVERY] for u, _ in pairs]) - v
 
         q = least_squares(off, np.array(begin.q), x_scale=0.1, max_nfev=30).x
         rms = float(np.sqrt(np.mean(off(q) ** 2)))

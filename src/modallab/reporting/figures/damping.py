@@ -61,7 +61,7 @@ def paper_value(mode: Mode) -> float | None:
     return next((value for f, value in PAPER if abs(mode.frequency_hz - f) <= SAME_MODE * f), None)
 
 
-def papers_bench(rig: Rig) -> bool:
+def is_bench_of_paper(rig: Rig) -> bool:
     """Whether it is the paper's bench: a cantilever with the cross-section of its elastic link."""
     if rig.model != "cantilever" or rig.beam is None:
         return False

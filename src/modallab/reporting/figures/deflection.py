@@ -38,7 +38,7 @@ class Drawing:
             title: over it.
         """
         turned = straighten(motion.ravel()).reshape(motion.shape)
-        self.rest, self.moved, self.pairs = projected(rig, turned, float(np.abs(motion).max()) or 1.0)
+        self.rest, self.moved, self.pairs = project_shape(rig, turned, float(np.abs(motion).max()) or 1.0)
         with style.look():
             self.figure, (axes,) = style.grid(1, 1, style.Cell(560, 280))
             self._frame(axes, title)
@@ -82,7 +82,7 @@ class Drawing:
                 draft.write_bytes(written.read_bytes())
 
 
-def projected(rig: Rig, motion: Complex, reach: float) -> tuple[Real, Complex, list[tuple[int, int]]]:
+def project_shape(rig: Rig, motion: Complex, reach: float) -> tuple[Real, Complex, list[tuple[int, int]]]:
     """(points, 2) places at rest and (points, 2) motion in projection, and the pairs of points that are joined.
 
     Args:

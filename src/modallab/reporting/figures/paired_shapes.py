@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 from modallab.core.rig import Rig
 from modallab.modification.deflection import at_points
 from modallab.reporting.figures import style
-from modallab.reporting.figures.deflection import Complex, projected
+from modallab.reporting.figures.deflection import Complex, project_shape
 from modallab.updating.correlation import Correlation
 
 COLUMNS = 3
@@ -36,7 +36,7 @@ def _draw(axes: Axes, rig: Rig, motions: list[Complex]) -> None:
     axes.set_axis_off()
     axes.set_aspect("equal")
     for (_, colour, dash), motion in zip(LOOKS, motions, strict=True):
-        rest, moved, pairs = projected(rig, motion, float(np.abs(motions[0]).max()))
+        rest, moved, pairs = project_shape(rig, motion, float(np.abs(motions[0]).max()))
         now = rest + moved.real
         for a, b in pairs:
             axes.plot(*rest[[a, b]].T, color=style.GRID, linewidth=1.0, zorder=1)

@@ -7,10 +7,10 @@ import numpy as np
 from modallab.core.digits import plain, short
 from modallab.reporting.compare import Mode, Reading
 from modallab.reporting.content import ReportContent
-from modallab.reporting.figures.damping import damping, paper_value, papers_bench
+from modallab.reporting.figures.damping import damping, is_bench_of_paper, paper_value
 from modallab.reporting.figures.resolution import resolution
 from modallab.reporting.markup import Markup, join, tag
-from modallab.reporting.sections.section import Section, paragraph, plate
+from modallab.reporting.sections.section import Section, captioned_figure, paragraph
 
 BLURRED = 2.0
 """A reading below so many times the floor says more about the block than about the mode."""
@@ -24,7 +24,7 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
     if not any(isfinite(r.half_power_floor) for m in modes for r in m.readings):
         return Section(anchor, heading, None, ("What the half-power rule can see is not known for these data.",))
     seen = next((m for m in modes if _of_block(m) is not None), None)
-    paper = papers_bench(content.rig)
+    paper = is_bench_of_paper(content.rig)
     texts = [_rule(content)]
     if seen is not None:
         texts += [_mode(seen, content.models[0].method), _paper(modes) if paper else ""]
@@ -46,7 +46,7 @@ def _overview(modes: tuple[Mode, ...], papers: bool) -> Markup:
         if paper
         else ""
     )
-    return plate(
+    return captioned_figure(
         damping(modes, papers),
         "damping",
         _alt(modes),
@@ -61,10 +61,10 @@ def _curve(content: ReportContent, mode: Mode) -> Markup | None:
     reading = _of_block(mode)
     if not length or reading is None:
         return None
-    papers = papers_bench(content.rig) and paper_value(mode) is not None
+    papers = is_bench_of_paper(content.rig) and paper_value(mode) is not None
     dotted = "; the dotted lines are the paper's Table 1, taken for Δf/f (lower) and for ζ (upper)" if papers else ""
-    return plate(
-        resolution(mode, reading, length, _before_s(content), papers_bench(content.rig)),
+    return captioned_figure(
+        resolution(mode, reading, length, _before_s(content), is_bench_of_paper(content.rig)),
         "resolution",
         f"Half-power reading of mode {mode.number} over the damping of the beam, with no window and with a Hann "
         "window; each curve is flat up to the resolution of the block and rises only then",

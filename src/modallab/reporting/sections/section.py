@@ -41,7 +41,7 @@ class Section:
         return tag("section", tag("details", tag("summary", heading), inside), id=self.anchor, class_="folded")
 
 
-def plate(figure: Figure, name: str, alt: str, caption: str, columns: int = 2) -> Markup:
+def captioned_figure(figure: Figure, name: str, alt: str, caption: str, columns: int = 2) -> Markup:
     """A figure with its caption.
 
     Args:

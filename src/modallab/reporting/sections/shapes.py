@@ -8,8 +8,8 @@ from modallab.reporting.figures.mode_shapes import mode_shapes
 from modallab.reporting.figures.shape_data import shape
 from modallab.reporting.figures.wireframe import is_spatial, shapes_of_model, wireframes
 from modallab.reporting.markup import Markup, join
-from modallab.reporting.sections.section import Section, paragraph, plate
-from modallab.reporting.sections.shapes_compared import compared
+from modallab.reporting.sections.section import Section, captioned_figure, paragraph
+from modallab.reporting.sections.shapes_compared import comparison_tables
 
 OUT_OF_STEP_DEG = 5.0
 
@@ -33,7 +33,7 @@ def section(content: ReportContent) -> Section:
             "The places of the sensors are not known, so the mode shapes can't be drawn; they stand in the model below."
         )
         return Section(anchor, heading, None, (*absent, why) if unplaced else absent)
-    still = plate(
+    still = captioned_figure(
         figure,
         "shapes",
         "Mode shapes over the length of the beam with bars of one sigma, one panel a mode, the clamp at the left",
@@ -46,7 +46,7 @@ def section(content: ReportContent) -> Section:
     return Section(
         anchor,
         heading,
-        join([paragraph(text), animated_shapes(drawn, content.rig), _skew(content), still, compared(content)]),
+        join([paragraph(text), animated_shapes(drawn, content.rig), _skew(content), still, comparison_tables(content)]),
         absent,
     )
 

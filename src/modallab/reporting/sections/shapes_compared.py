@@ -16,7 +16,7 @@ WORDS = (
 )
 
 
-def compared(content: ReportContent) -> Markup | None:
+def comparison_tables(content: ReportContent) -> Markup | None:
     """Tables for every two tests that share modes and points."""
     there = [(o, o.model) for o in content.outcomes if o.model is not None and o.model.n_modes]
     parts: list[Markup] = []

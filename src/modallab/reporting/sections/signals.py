@@ -9,7 +9,7 @@ from modallab.reporting.figures.overview import frf_overview
 from modallab.reporting.figures.selection import farthest
 from modallab.reporting.figures.sine_block import sine_block
 from modallab.reporting.markup import Markup, join, table, tag
-from modallab.reporting.sections.section import Section, plate
+from modallab.reporting.sections.section import Section, captioned_figure
 
 
 def section(content: ReportContent) -> Section:
@@ -48,12 +48,14 @@ def _example(content: ReportContent, outcome: Outcome) -> list[Markup]:
         figure = sine_block(signals, output, content.rig, to_hz)
         caption = f"Force and response in time and as amplitude spectrum{at} (record {block.name})."
         return [
-            plate(figure, "sine", f"Force and response of one {block.test} block{at}, in time and as spectrum", caption)
+            captioned_figure(
+                figure, "sine", f"Force and response of one {block.test} block{at}, in time and as spectrum", caption
+            )
         ]
     figure = impact_block(signals, output, content.rig, outcome.filtered, to_hz)
     dashed = " The dashed line is the response after the band-pass filter." if outcome.filtered is not None else ""
     caption = f"Force and response in time and as amplitude spectrum (record {block.name}).{dashed}"
-    return [plate(figure, "impact", "Force and response of one hit, in time and as spectrum", caption)]
+    return [captioned_figure(figure, "impact", "Force and response of one hit, in time and as spectrum", caption)]
 
 
 def _hits(outcome: Outcome) -> list[Markup]:
@@ -63,7 +65,7 @@ def _hits(outcome: Outcome) -> list[Markup]:
     rejected = [h for h in outcome.hits if not h.accepted]
     good = len(outcome.hits) - len(rejected)
     text = f"{counted(good, 'hit')} counted, {len(rejected)} rejected."
-    figure = plate(
+    figure = captioned_figure(
         hits(outcome.hits, band),
         "hits",
         f"Force pulses of all hits and their spectra. {text}",
@@ -86,7 +88,7 @@ def _frfs(outcome: Outcome, place: int) -> list[Markup]:
     seen = " and their coherence" if frf.coherence is not None else ""
     drives = len(frf.input_points)
     more = f" Drawn for the first of {drives} drive points." if drives > 1 else ""
-    figure = plate(
+    figure = captioned_figure(
         frf_overview(frf, 0, modes),
         f"overview-{place}",
         f"Amplitude of the {frf.quantity} of {counted(len(frf.outputs), 'sensor')} over frequency{seen}",

@@ -7,7 +7,7 @@ from modallab.identification.selection.diagram import Diagram
 from modallab.reporting.content import Outcome, ReportContent
 from modallab.reporting.figures.stabilisation import stabilisation
 from modallab.reporting.markup import Markup, join, tag
-from modallab.reporting.sections.section import Section, paragraph, plate
+from modallab.reporting.sections.section import Section, captioned_figure, paragraph
 
 HEADING = "How the modes were found"
 LEAD = (
@@ -36,7 +36,7 @@ def _one(outcome: Outcome, model: ModalModel, diagram: Diagram, place: int) -> l
     order = _order(model)
     name = "order" if order is None else order.meaning
     says = _picked(model, diagram)
-    figure = plate(
+    figure = captioned_figure(
         stabilisation(diagram, model.frequency_hz, name),
         f"start-{outcome.test or 'frf'}-{place}",
         f"Stabilisation diagram, CMIF and MIF of {_called(outcome)} over frequency. {says}",

@@ -9,7 +9,7 @@ from modallab.reporting.figures.all_points import all_points
 from modallab.reporting.figures.one_point import one_point
 from modallab.reporting.figures.selection import farthest, place
 from modallab.reporting.markup import Markup, join, table, tag
-from modallab.reporting.sections.section import Section, paragraph, plate
+from modallab.reporting.sections.section import Section, captioned_figure, paragraph
 
 
 def section(content: ReportContent) -> Section:
@@ -60,7 +60,7 @@ def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) 
     named = where[0].lower() + where[1:]
     spread = f"FRAC from {share(known.min())} to {share(known.max())}"
     alone = len(check.measured.outputs) == 1
-    one = plate(
+    one = captioned_figure(
         one_point(check, output, worst),
         f"one-{test}-{i}",
         f"Amplitude, phase, real and imaginary part of the mobility at {named}, measured and regenerated. {spread}",
@@ -72,7 +72,7 @@ def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) 
         return [heading, one]
     return [
         heading,
-        plate(
+        captioned_figure(
             all_points(check, worst),
             f"all-{test}-{i}",
             f"Measured and regenerated mobility at {len(check.measured.outputs)} points over frequency, {spread}",

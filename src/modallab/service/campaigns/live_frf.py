@@ -15,7 +15,7 @@ from modallab.frf.running import RunningFrf
 from modallab.frf.stepped import Line, frf_of_lines, line_of
 from modallab.service.errors import ConflictError
 from modallab.signals.chosen_outputs import ChosenOutputs
-from modallab.signals.full_scale import overloaded
+from modallab.signals.full_scale import overloaded_channels
 from modallab.signals.signals import Signals, to_signals
 from modallab.storage import Store
 
@@ -106,7 +106,7 @@ class _Followed:
         for block in store.iterate(self.run, numbers=counted - self._seen.keys()):
             self._seen[block.order] = block.drive_point
             # A block with any channel at full scale counts nowhere, whichever channels are looked at.
-            if not overloaded(block, self._rig):
+            if not overloaded_channels(block, self._rig):
                 self.sums.add(self._chosen.block(block))
                 self._added.add(block.order)
                 changed.add(block.drive_point)

@@ -11,7 +11,7 @@ from modallab.twin.effect_model import EffectModel, NoChange
 Array = NDArray[np.float64]
 
 
-def curved(volts: Array, law: Mapping[str, float]) -> Array:
+def apply_curve(volts: Array, law: Mapping[str, float]) -> Array:
     """(n,) V that a channel reads of what it would read in one record, by its law.
 
     tanh_v: v tanh(u / v). knee_v, power: u / (1 + |u / v|^power)^(1 / power). With tanh_share or knee_share v is that

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.quadrature import gauss_legendre
-from modallab.twin.elements import ELEMENTS, curvature_rows, flexibility, shape_rows, slope_rows, weakened
+from modallab.twin.elements import ELEMENTS, curvature_rows, flexibility, shape_rows, slope_rows, weakened_stiffness
 from modallab.twin.modes import Modes
 from modallab.twin.structure import Structure
 
@@ -117,7 +117,7 @@ def _opening(element: Element, structure: Structure, modes: Modes) -> tuple[Arra
     What a crack takes off the stiffness is of many patterns; those count that the beam bends.
     """
     share, width, _ = element.numbers
-    loss = -structure.bending_stiffness * weakened(element.x_m, width, structure.length_m, share)
+    loss = -structure.bending_stiffness * weakened_stiffness(element.x_m, width, structure.length_m, share)
     values, vectors = np.linalg.eigh(loss)
     kept = values > 1e-12 * values[-1]
     rows = (vectors[:, kept] * np.sqrt(values[kept])).T
