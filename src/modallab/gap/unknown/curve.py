@@ -84,8 +84,8 @@ def curve_of(channel: Channel, names: Collection[str]) -> Curve:
             law = begin.moved(q).law
             return np.concatenate([curved(u, law)[::EVERY] for u, _ in pairs]) - v
 
-        bounds = np.array([_range(n, peak) for n in family]).T
-        q = least_squares(off, np.array(begin.q), bounds=bounds, x_scale=0.1, max_nfev=30).x
+        least, most = np.array([_range(n, peak) for n in family]).T
+        q = least_squares(off, np.array(begin.q), bounds=(least, most), x_scale=0.1, max_nfev=30).x
         rms = float(np.sqrt(np.mean(off(q) ** 2)))
         return len(v) * np.log(rms) + 0.5 * len(family) * np.log(len(v)), begin.moved(q)
 
