@@ -185,7 +185,17 @@ def _calibrate(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
     narrows = narrowing(fit)
     said = [m.said for m in moved(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]
-    return [f"The intervals would be {percent(narrows[k])} narrower if this were measured: {said[k]}." for k in best]
+    alike: dict[str, list[str]] = {}
+    for k in best:
+        alike.setdefault(percent(narrows[k]), []).append(said[k])
+    return [
+        f"The intervals would be {share} narrower with a measurement of {_one_of(names)}."
+        for share, names in alike.items()
+    ]
+
+
+def _one_of(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"one of these: {', '.join(names)}"
 
 
 def _within(row: BudgetRow) -> str:

@@ -32,6 +32,8 @@ EVERY = 2
 """One sample of so many counts: neighbours say the same."""
 STEPS = 4
 STEP = 1e-3
+NEAR = (0.02, 10.0)
+"""Levels that a saturation may have, over the largest number of the records."""
 WIDEST = 0.5
 """Largest step of a number, as its logarithm or in what it does at the peak."""
 
@@ -82,7 +84,8 @@ def curve_of(channel: Channel, names: Collection[str]) -> Curve:
             law = begin.moved(q).law
             return np.concatenate([apply_curve(u, law)[::EVERY] for u, _ in pairs]) - v
 
-        q = least_squares(off, np.array(begin.q), x_scale=0.1, max_nfev=30).x
+        least, most = np.array([_range(n, peak) for n in family]).T
+        q = least_squares(off, np.array(begin.q), bounds=(least, most), x_scale=0.1, max_nfev=30).x
         rms = float(np.sqrt(np.mean(off(q) ** 2)))
         return len(v) * np.log(rms) + 0.5 * len(family) * np.log(len(v)), begin.moved(q)
 
@@ -93,6 +96,16 @@ def _begin(name: str, peak: float) -> float:
     return {"power": float(np.log(2.0)), "square": 0.0, "cubic": 0.0, "tanh_share": 0.4, "knee_share": 0.4}.get(
         name, float(np.log(1.5 * peak))
     )
+
+
+def _range(name: str, peak: float) -> tuple[float, float]:
+    """Between which a number stays, as in `Curve.q`: a level that no record comes near cannot be seen."""
+    if name in ("square", "cubic"):
+        return -np.inf, np.inf
+    least, most = {"power": (0.5, 50.0), "tanh_share": NEAR, "knee_share": NEAR}.get(
+        name, (NEAR[0] * peak, NEAR[1] * peak)
+    )
+    return float(np.log(least)), float(np.log(most))
 
 
 def refined(curve: Curve, residual: Callable[[Curve], Array]) -> tuple[Curve, dict[str, tuple[float, float]]]:
