@@ -6,7 +6,7 @@ sweep, and diagnoses each. A row of the CSV is one diagnosis: verdict, effect, n
 `--summary` counts drives with the verdict of the hammer test, with an interval that meets its, and false alarms.
 
     python benchmarks/gap/drives.py --out rows.csv [--effects 7 --none 10 --drives random chirp]
-    python benchmarks/gap/drives.py --summary rows.csv
+    python benchmarks/gap/drives.py --summary benchmarks/gap/drives.csv
 """
 
 import argparse
