@@ -15,8 +15,9 @@ from modallab.gap.modal.diagnosis import Explained, explained_by_model
 from modallab.identification.impact import start_frf
 from modallab.identification.options import Options
 from modallab.modification.mesh import Mesh
-from modallab.pipelines.identify import Identified, Result, identify_campaign, usable
+from modallab.pipelines.identify import Identified, Result, usable
 from modallab.pipelines.model_file import read_models
+from modallab.pipelines.response_only import identify_chosen
 from modallab.reporting.structure_report import StructureGap
 from modallab.updating.elements import frf_of_elements, mesh_of_elements, model_of_elements
 
@@ -61,7 +62,7 @@ def gap_of(
         the diagnosis, with all that its report shows.
 
     Raises:
-        DataError: no force was measured, or the two have nothing in common.
+        DataError: the two have nothing in common.
         IdentificationError: the campaign holds no mode.
     """
     return gap_between(campaign, ComparedWith(reference, named, before=before), _identified(campaign))
@@ -74,7 +75,7 @@ def gap_against(campaign: Campaign, path: Path) -> StructureGap:
         the diagnosis, with all that its report shows.
 
     Raises:
-        DataError: no force was measured, or the two have nothing in common.
+        DataError: the two have nothing in common.
         FormatError: the file can be read as none of these.
         IdentificationError: a campaign holds no mode.
     """
@@ -136,20 +137,13 @@ def model_to_compare(campaign: Campaign) -> ModalModel:
     """The campaign's first modal model: of hits where there are any, else of the next test.
 
     Raises:
-        DataError: no force was measured, so that the modal constants are not known.
         IdentificationError: there is no mode.
     """
     return _identified(campaign).identified[0].model
 
 
 def _identified(campaign: Campaign) -> Result:
-    if campaign.rig.force is None:
-        raise DataError(
-            "no force was measured: modal constants are not known, and nothing can be compared with them",
-            where=campaign.source,
-            remedy="compare campaigns with a force channel",
-        )
-    return identify_campaign(campaign, Options())
+    return identify_chosen(campaign, Options())
 
 
 def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ComparedWith:

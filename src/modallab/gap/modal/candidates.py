@@ -1,7 +1,7 @@
 """The changes that are looked for: on the structure at a point, on a channel, or in the time of all channels."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -31,19 +31,25 @@ NEXT = 8
 def candidates(c: Compared) -> list[Candidate]:
     """All of them; without a driving point none whose size needs the modal mass."""
     hung = [one for effect in HANGS for one in hanging(c, effect)] if c.shapes.scaled else []
-    every = [*hung, *_gains(c), *_places(c), *_delays(c)]
+    # Of a force that was not measured nothing is late, and none has a gain.
+    of_force = [] if c.bench.operating_shapes is not None else [*_force_gain(), *_delays(c)]
+    every = [*hung, *_gains(c), *_places(c), *of_force]
     count = Counter(one.effect for one in every)
     return [replace(one, places=count[one.effect]) for one in every]
 
 
 def _gains(c: Compared) -> Iterator[Candidate]:
-    starts = tuple(np.array([g]) for g in GAINS)
-    open_, one, width = np.array([np.inf]), np.ones(1), (float(np.ptp(GAINS)),)
     for o in range(len(c.out_psi)):
-        yield Candidate(
-            "gain_error", (), o, lambda v, _, o=o: Change(gains=((o, float(v[0])),)), starts, open_, one, width
-        )
-    yield Candidate("force_gain", (), None, lambda v, _: Change(force_gain=float(v[0])), starts, open_, one, width)
+        yield _gain("gain_error", o, lambda v, _, o=o: Change(gains=((o, float(v[0])),)))
+
+
+def _force_gain() -> Iterator[Candidate]:
+    yield _gain("force_gain", None, lambda v, _: Change(force_gain=float(v[0])))
+
+
+def _gain(effect: str, output: int | None, make: Callable[[Real, Compared], Change]) -> Candidate:
+    starts = tuple(np.array([g]) for g in GAINS)
+    return Candidate(effect, (), output, make, starts, np.array([np.inf]), np.ones(1), (float(np.ptp(GAINS)),))
 
 
 def _places(c: Compared) -> Iterator[Candidate]:

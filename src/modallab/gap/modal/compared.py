@@ -4,6 +4,7 @@ At s = sigma + j omega an FRF is as smooth as if every mode had that much more d
 be held against one another there while their frequencies still differ, and no noise is between the lines.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,7 +20,7 @@ from modallab.gap.modal.off_axis import Means, MeasuredFrfs
 from modallab.gap.modal.same_form import in_form_of
 from modallab.gap.modal.state import Hung
 from modallab.gap.modal.weights import Weights
-from modallab.modification.freedoms import freedoms_of
+from modallab.modification.freedoms import Freedom, freedoms_of
 from modallab.modification.mesh import Mesh
 from modallab.modification.shapes import Shapes, shapes_of
 from modallab.modification.synthesis import kernels, synthesised
@@ -52,7 +53,7 @@ class Compared:
         out_psi: (outputs, modes) of the reference, complex as it is, along the freedoms.
         into_psi: (inputs, modes), with the phase of the chain.
         out_slopes: (outputs, 2, modes) along the surface, 1/m.
-        into_slopes: (inputs, 2, modes).
+        into_slopes: (inputs, 2, modes); (1, 2 modes, modes) of an unknown force, which may do anything to each mode.
         s: (lines,) complex frequencies.
         outside: (lines, outputs, inputs) all that the reference holds beside the products of its shapes: what lies
             outside the band, and what its model leaves of the measured FRFs; m/N.
@@ -197,7 +198,7 @@ def compared(
         out_psi=out_psi,
         into_psi=into_psi,
         out_slopes=np.array([shapes.slopes(f) for f in outputs]),
-        into_slopes=np.array([shapes.slopes(f) for f in inputs]) * shapes.turn,
+        into_slopes=_into_slopes(shapes, inputs, into_psi, after.model),
         s=s,
         outside=known - np.einsum("lr,or,ir->loi", kernels(model, s), out_psi, into_psi),
         known=known,
@@ -207,6 +208,13 @@ def compared(
         noise=noise,
         weights=weights(model, after.model, s, measured, noise),
     )
+
+
+def _into_slopes(shapes: Shapes, inputs: Sequence[Freedom], into_psi: Complex, bench: ModalModel) -> Complex:
+    if bench.operating_shapes is not None:
+        each = np.diag(into_psi[0])
+        return np.concatenate([each, 1j * each])[None]
+    return np.array([shapes.slopes(f) for f in inputs]) * shapes.turn
 
 
 def band_of(reference: ModalModel, bench: ModalModel, rig: Rig) -> tuple[float, float]:

@@ -188,8 +188,8 @@ def _place(c: Compared, fitted: Fitted) -> dict[str, object]:
     if candidate.effect in EVERY:
         return {"channels": "all"}
     if not candidate.freedoms:
-        force = c.rig.force_channel.name
-        return {"channel": force if candidate.channel is None else c.model.outputs[candidate.channel]}
+        of_force = candidate.channel is None
+        return {"channel": c.rig.force_channel.name if of_force else c.model.outputs[candidate.channel or 0]}
     freedom = candidate.freedoms[0]
     at = c.shapes.at_m[c.shapes.index(freedom)] + candidate.offset(v) @ c.shapes.tangents(freedom)
     nearest = int(np.argmin(np.linalg.norm(c.shapes.at_m - at, axis=1)))

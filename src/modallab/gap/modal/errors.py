@@ -58,6 +58,7 @@ def weights(
     terms, of_terms = _of_residuals(reference, bench, s)
     constants = np.abs(bench.modal_constants)
     of_modes = SHAPE * np.hypot(constants, SMALL * _rms(constants))
+    of_modes = np.hypot(of_modes, np.nan_to_num(bench.modal_constant_sigma))
     # A modal constant is complex: it may be off in size and in phase.
     modes = kernels(bench, s).T
     shapes = np.concatenate([terms, modes, 1j * modes])

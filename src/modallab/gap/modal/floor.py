@@ -28,10 +28,12 @@ def of_structure(
     Relative; of damping that of its logarithm. All differ by a factor `wide` of what the rig's tolerances say.
     """
     t, modes = rig.tolerance, reference.n_modes
-    frequency = np.hypot(_share(reference.frequency_sigma_hz, reference.frequency_hz), _usual(bench))
+    usual = _usual(bench.frequency_sigma_hz, bench.frequency_hz), _usual(bench.damping_sigma, bench.damping_ratio)
+    frequency = np.hypot(_share(reference.frequency_sigma_hz, reference.frequency_hz), usual[0])
     of_place = np.full((modes, modes), wide * np.hypot(t.stiffness_field, t.mass_field))
     of_place[np.diag_indices(modes)] = np.hypot(np.diag(of_place), 2 * frequency)
-    damping = np.hypot(wide * log(rig.damping_ratio.factor), _share(reference.damping_sigma, reference.damping_ratio))
+    of_models = np.hypot(_share(reference.damping_sigma, reference.damping_ratio), usual[1])
+    damping = np.hypot(wide * log(rig.damping_ratio.factor), of_models)
     stiffness, mass = wide * np.hypot(t.youngs_modulus, 3 * t.thickness), np.hypot(t.density, t.thickness)
     # E of a model that was computed is a guess: what it explains is no change at a place.
     stiffness = np.hypot(stiffness, GUESSED if reference.method == COMPUTED else 0.0)
@@ -43,6 +45,6 @@ def _share(sigma: Real, of: Real) -> Real:
     return np.where(np.isfinite(sigma), sigma, 0.0) / of
 
 
-def _usual(bench: ModalModel) -> float:
-    """Median relative sigma of its frequencies."""
-    return float(np.median(_share(bench.frequency_sigma_hz, bench.frequency_hz))) if bench.n_modes else 0.0
+def _usual(sigma: Real, of: Real) -> float:
+    """Median relative sigma."""
+    return float(np.median(_share(sigma, of))) if of.size else 0.0

@@ -20,6 +20,10 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 
+UNKNOWN_FORCE = 10.0
+"""Deviation of what a force that nobody measured does to a mode, over what it seems to do."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Change:
     """What may have been changed beyond all tolerances.
@@ -87,7 +91,7 @@ class Free:
             1,
             inputs,
             2 * outputs,
-            2 * inputs,
+            inputs * self.of.into_slopes.shape[1],
             outputs,
             len(self.of.close_pairs),
         )
@@ -105,7 +109,7 @@ class Free:
             FORCE_SHARE * t.sensitivity,
             t.hit_gain,
             t.position_m,
-            t.hit_position_m,
+            UNKNOWN_FORCE if self.of.bench.operating_shapes is not None else t.hit_position_m,
             t.sensor_mass_kg,
             np.array(pairs),
         )
@@ -143,7 +147,7 @@ class Free:
             else:
                 # Of a model alone: what an identification makes of a delay is a shape that is turned mode by mode.
                 moved[o] = moved[o] * np.exp(-2j * np.pi * c.model.frequency_hz * late_s)
-        driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(-1, 2), c.into_slopes)
+        driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(c.into_slopes.shape[:2]), c.into_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
         structure, flexibility = self.structure(u)
         return State(

@@ -49,9 +49,12 @@ def in_common(reference: Side, own: Rig, bench: Side, rig: Rig) -> tuple[Side, S
     """
     points = _points(own, rig)
     there, here = with_points(reference.model, own), with_points(bench.model, rig)
-    wanted, driven = freedoms_of(here, rig)
     outputs, inputs = ([(points.get(p, -p), axis) for p, axis in of] for of in freedoms_of(there, own))
-    if not set(driven) & set(inputs):
+    alone = here.operating_shapes is not None
+    if alone:
+        here = _driven_at(here, next((f[0] for f in inputs if f in outputs), None))
+    wanted, driven = freedoms_of(here, rig)
+    if inputs and not set(driven) & set(inputs):
         reference = Side(_driven_where_seen(there, own, [o for o, f in enumerate(outputs) if f in driven]))
         there = reference.model
         inputs = [outputs[o] for o in range(len(outputs)) if outputs[o] in driven][: len(there.input_points)]
@@ -66,7 +69,31 @@ def in_common(reference: Side, own: Rig, bench: Side, rig: Rig) -> tuple[Side, S
     turned = senses_of(there, own) * along * opposite
     known = _chosen(replace(reference, model=there), same, [inputs.index(driven[i]) for i in columns], turned)
     names = {n: getattr(found.model, n) for n in ("outputs", "output_points", "input_points")}
-    return replace(known, model=known.model.model_copy(update=names)), found
+    known = replace(known, model=known.model.model_copy(update=names))
+    return _of_responses(known.model, found.model) if alone else (known, found)
+
+
+def _driven_at(model: ModalModel, point: int | None) -> ModalModel:
+    """A model of responses alone as if a force at a point had made them, without a scale; as it is without a point."""
+    if point is None or model.operating_shapes is None:
+        return model
+    shapes = model.operating_shapes[:, :, None]
+    sigma = np.zeros(shapes.shape) if model.operating_shape_sigma is None else model.operating_shape_sigma[:, :, None]
+    changed = {"modal_constants": shapes, "modal_constant_sigma": sigma, "input_points": (point,)}
+    return model.model_copy(update={**changed, "residuals": np.zeros((0, shapes.shape[1], 1))})
+
+
+def _of_responses(reference: ModalModel, bench: ModalModel) -> tuple[Side, Side]:
+    """Shapes of a bench without a scale, each with that of the most similar one of a reference (MAC); modes alone."""
+    mine, theirs = bench.modal_constants[:, :, 0], reference.modal_constants[:, :, 0]
+    products, power = mine.conj() @ theirs.T, np.sum(np.abs(mine) ** 2, axis=1)
+    likest = np.argmax(np.abs(products) / np.linalg.norm(theirs, axis=1), axis=1)
+    scale = (products[np.arange(len(mine)), likest] / power)[:, None, None]
+    sigma = bench.modal_constant_sigma * np.abs(scale)
+    scaled = bench.model_copy(update={"modal_constants": bench.modal_constants * scale, "modal_constant_sigma": sigma})
+    # What lies outside the band depends on the force.
+    bare = reference.model_copy(update={"residuals": bench.residuals, "residual_powers": ()})
+    return Side(bare), Side(scaled)
 
 
 def _driven_where_seen(model: ModalModel, rig: Rig, rows: Sequence[int]) -> ModalModel:

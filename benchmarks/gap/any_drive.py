@@ -5,8 +5,8 @@ sweep, and diagnoses each. A row of the CSV is one diagnosis: verdict, effect, n
 `--reference` diagnoses against a hammer test of the same bench without the effect, as of a structure without a beam.
 `--summary` counts drives with the verdict of the hammer test, with an interval that meets its, and false alarms.
 
-    python benchmarks/gap/drives.py --out rows.csv [--effects 7 --none 10 --drives random chirp]
-    python benchmarks/gap/drives.py --summary rows.csv
+    python benchmarks/gap/any_drive.py --out rows.csv [--effects 7 --none 10 --drives random chirp]
+    python benchmarks/gap/any_drive.py --summary benchmarks/gap/any_drive.csv
 """
 
 import argparse
