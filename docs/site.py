@@ -15,6 +15,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from made import filled
+
 DOCS = Path(__file__).parent
 COPIED = (".png", ".svg", ".json", ".ipynb")
 CONFIGURATION = """
@@ -93,7 +95,7 @@ def _is_page(path: str) -> bool:
 
 
 def _mended(source: Path) -> str:
-    """Links to notebooks lead to their pages; what is outside of the site is named without a link."""
+    """With the parts that the program makes. Links to notebooks lead to their pages, others out of the site nowhere."""
 
     def mended(link: re.Match[str]) -> str:
         text, target = link.groups()
@@ -103,7 +105,7 @@ def _mended(source: Path) -> str:
         inside = (source.parent / path).resolve().is_relative_to(DOCS)
         return f"[{text}]({_as_page(path)}{mark}{anchor})" if inside else text
 
-    return _LINK.sub(mended, source.read_text(encoding="utf-8"))
+    return _LINK.sub(mended, filled(source.read_text(encoding="utf-8")))
 
 
 def _put_rest(pages: Path) -> None:

@@ -1,20 +1,17 @@
-"""Repeating one frequency of a recorded run: the plan of it, and what is rejected."""
+"""Repeating one frequency of a run: what is rejected."""
 
 import pytest
 
-from modallab.acquisition.procedures.target import repeat_plan, require_recorded
+from modallab.acquisition.procedures.target import require_recorded, require_step
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
 
 PLAN = SinePlan(frequencies_hz=(27.34375, 60.0), levels_v={"low": 0.5, "high": 2.0}, settle_s=3.0)
 
 
-def test_the_plan_holds_one_frequency_and_everything_else_as_it_was() -> None:
-    plan = repeat_plan(PLAN, 27.344, "high")
-    assert plan.frequencies_hz == (27.34375,)
-    assert plan.levels_v == {"high": 2.0}
-    assert plan.settle_s == 3.0
-    assert repeat_plan(PLAN, 60.0).levels_v == PLAN.levels_v
+def test_what_the_plan_holds_may_be_repeated() -> None:
+    assert require_step(PLAN, 27.344, "high") == PLAN
+    assert require_step(PLAN, 60.0) == PLAN
 
 
 @pytest.mark.parametrize(
@@ -30,7 +27,7 @@ def test_what_the_plan_does_not_hold_is_rejected(
     plan: SinePlan | ImpactPlan, frequency: float, level: str, said: str
 ) -> None:
     with pytest.raises(PlanError, match=said) as caught:
-        repeat_plan(plan, frequency, level)
+        require_step(plan, frequency, level)
     assert caught.value.remedy
 
 

@@ -101,7 +101,7 @@ def test_the_emergency_stop_latches_over_the_processs_end(link_rig: Rig, tmp_pat
     with RigProcess(URL, link_rig, tmp_path) as process:
         with pytest.raises(TrippedError, match="somebody shouted"):
             list(process.run(SINE))
-        trip = process.reset_trip()
+        trip = process.latch.reset()
         assert trip is not None
         assert trip.what == "somebody shouted"
         assert process.trip is None

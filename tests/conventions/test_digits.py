@@ -12,6 +12,7 @@ from modallab.core.digits import (
     day,
     glued,
     listed,
+    numbers,
     part_of,
     percent,
     plain,
@@ -29,20 +30,20 @@ from modallab.core.digits import (
 @pytest.mark.parametrize(
     ("value", "sigma", "text"),
     [
-        (4.80213, 0.00031, "4.8021 ± 0.0003 Hz"),
-        (4.80213, 0.00014, "4.80213 ± 0.00014 Hz"),
-        (87.9, 0.0996, "87.90 ± 0.10 Hz"),
-        (4392.3, 12.0, "4392 ± 12 Hz"),
-        (4392.3, 130.0, "4392 ± 130 Hz"),
-        (30.86, nan, "30.86 Hz (± unknown)"),
-        (30.86, inf, "30.86 Hz (± unknown)"),
-        (30.86, 0.0, "30.86 Hz (± unknown)"),
+        (4.80213, 0.00031, "4.8021 ± 0.0003"),
+        (4.80213, 0.00014, "4.80213 ± 0.00014"),
+        (87.9, 0.0996, "87.90 ± 0.10"),
+        (4392.3, 12.0, "4392 ± 12"),
+        (4392.3, 130.0, "4392 ± 130"),
+        (30.86, nan, "30.86 (± unknown)"),
+        (30.86, inf, "30.86 (± unknown)"),
+        (30.86, 0.0, "30.86 (± unknown)"),
         (nan, 0.1, "unknown"),
-        (-0.5, 0.1, "−0.50 ± 0.10 Hz"),
+        (-0.5, 0.1, "−0.50 ± 0.10"),
     ],
 )
 def test_a_value_has_the_digits_that_its_sigma_bears(value, sigma, text):
-    assert with_sigma(value, sigma, "Hz") == text
+    assert with_sigma(value, sigma) == text
 
 
 @pytest.mark.parametrize(
@@ -141,3 +142,8 @@ def test_a_probability_is_never_rounded_up_to_a_certainty():
 def test_an_interval_bears_the_digits():
     assert with_interval(1.7512345, (1.7508, 1.7516), "m") == ("1.7512 m", "1.7508 to 1.7516 m")
     assert with_interval(1.7512345, None) == ("1.751", "")
+
+
+def test_numbers_of_points_are_said_as_ranges():
+    assert numbers([3, 1, 2, 12, 4, 14, 15]) == "1 to 4, 12, 14 and 15"
+    assert (numbers([7]), numbers([None, 2])) == ("7", "2 and unknown")

@@ -36,8 +36,8 @@ def test_it_is_offered_everywhere_and_gone_without_its_file(folder: Path, capsys
     with added(known, folder):
         assert "plain columns" in " ".join(helped("import", capsys).split())
         assert "{columns,csv,hdf5,sep005,tdms,uff}" in helped("export", capsys).replace("\n", "")
-        tables = "\n".join(runpy.run_path(str(ROOT / "docs/reference/make_tables.py"))["pages"]().values())
-        assert "| `columns` | a line with the rate, then a line a sample | `.columns` |" in tables
+        table = runpy.run_path(str(ROOT / "docs/made.py"))["formats"]()
+        assert "| `columns` | a line with the rate, then a line a sample | `.columns` |" in table
     assert (helped("import", capsys), helped("export", capsys)) == before
     assert "columns" not in "".join(before)
 

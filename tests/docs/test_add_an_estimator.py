@@ -18,7 +18,7 @@ from modallab.reporting import write_report
 
 DATA = ROOT / "tests/data"
 HITS = DATA / "hammer_5hits.h5"
-TABLES = ROOT / "docs/reference/make_tables.py"
+MADE = ROOT / "docs/made.py"
 
 
 def helped(capsys: pytest.CaptureFixture[str]) -> str:
@@ -30,7 +30,8 @@ def helped(capsys: pytest.CaptureFixture[str]) -> str:
 def tables() -> str:
     import runpy
 
-    return "\n".join(runpy.run_path(str(TABLES))["pages"]().values())
+    made = runpy.run_path(str(MADE))
+    return str(made["estimators"]() + made["commands"]())
 
 
 @pytest.fixture
@@ -132,10 +133,3 @@ def test_a_file_that_declares_nothing_or_another_is_rejected(tmp_path: Path, con
     (tmp_path / "mute.py").write_text(content)
     with added(estimators, tmp_path), pytest.raises(ConfigurationError, match=sentence):
         find_estimator("mute")
-
-
-def test_the_pages_list_what_is_declared() -> None:
-    import runpy
-
-    for page, content in runpy.run_path(str(TABLES))["pages"]().items():
-        assert page.read_text(encoding="utf-8") == content, f"{page.name}: run docs/reference/make_tables.py"

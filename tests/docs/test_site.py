@@ -27,6 +27,12 @@ def test_all_pages_are_built_and_found_without_a_network(tmp_path: Path) -> None
     assert {p.with_suffix("").as_posix() for p in wanted} <= built
     assert "noise units" in (site / "explanation/gap.html").read_text(encoding="utf-8")
     assert "<table" in (site / "notebooks/gap.html").read_text(encoding="utf-8")
+    for page, holds in (
+        ("python", "ml.identify"),
+        ("command-line", "--response-only"),
+        ("rig-file", "sensitivity_v_per_unit"),
+    ):
+        assert holds in (site / f"reference/{page}.html").read_text(encoding="utf-8"), page
     assert "frequency_hz" in (site / "reference/rest-frame.html").read_text(encoding="utf-8")
     index = (site / "searchindex.js").read_text(encoding="utf-8")
     assert "explanation/gap" in index
@@ -37,7 +43,7 @@ def test_all_pages_are_built_and_found_without_a_network(tmp_path: Path) -> None
 @pytest.mark.thorough("builds pages")
 def test_a_link_that_leads_nowhere_ends_the_build(tmp_path: Path) -> None:
     docs = tmp_path / "docs"
-    for name in ("site.py", "history", "notebooks", "decisions", "reference/openapi.json", "tutorial"):
+    for name in ("site.py", "made.py", "history", "notebooks", "decisions", "reference/openapi.json", "tutorial"):
         target = docs / name
         target.parent.mkdir(parents=True, exist_ok=True)
         (shutil.copytree if (DOCS / name).is_dir() else shutil.copyfile)(DOCS / name, target)

@@ -102,7 +102,7 @@ def test_a_death_while_it_drove_trips_the_rig(paced: NiServer, rig: Rig, tmp_pat
         with pytest.raises(TrippedError, match="died while it drove"):
             list(later.run(PLAN))
         assert at_rest(paced)
-        assert later.reset_trip() is not None
+        assert later.latch.reset() is not None
 
 
 @pytest.mark.thorough("waits for the clock of a device, and kills what drives it")
@@ -130,7 +130,7 @@ def test_an_acquisition_without_a_sign_of_life_for_a_second_is_brought_to_zero_a
     with pytest.raises(TrippedError, match="time-out"):
         list(process.run(PLAN))
     assert at_rest(paced)
-    process.reset_trip()
+    process.latch.reset()
     process.close()
 
 

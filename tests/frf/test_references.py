@@ -66,22 +66,15 @@ def test_noise_on_the_forces_biases_h1_down_and_h2_not():
     assert gain("H1", on_force=0.3) < gain("Hv", on_force=0.3) < 0.99
 
 
-@pytest.mark.parametrize(("blocks", "pooled"), [(3, 1), (3, 7), (20, 1)])
-def test_circles_hold_the_truth_as_often_as_they_say_however_few_the_blocks(blocks, pooled):
+@pytest.mark.parametrize("blocks", [3, 20])
+def test_circles_hold_the_truth_as_often_as_they_say_however_few_the_blocks(blocks):
     inside = []
     for seed in range(40):
         force, response, true = spectra(blocks, 2, 2, on_response=0.1, seed=seed)
-        # Noise of one level over the lines, as pooling takes it to be.
-        found = estimate_frf(force, response, pooled=pooled)
-        assert found.freedom == 2 * (blocks - 2) * pooled
+        found = estimate_frf(force, response)
+        assert found.freedom == 2 * (blocks - 2)
         inside.append(np.abs(found.frf - true) < found.radius(0.95))
     assert np.mean(inside) == pytest.approx(0.95, abs=0.012)
-
-
-def test_pooling_makes_the_circles_of_few_blocks_much_smaller():
-    force, response, _ = spectra(3, 2, 2, on_response=0.1)
-    alone, pooled = (np.median(estimate_frf(force, response, pooled=p).radius()) for p in (1, 9))
-    assert pooled < 0.6 * alone
 
 
 @pytest.mark.parametrize(
@@ -109,9 +102,6 @@ def test_counts_that_cannot_be_are_rejected():
     for averages in (np.nan, 0.0, 2.0, 7.0):
         with pytest.raises(DataError, match="averages"):
             estimate_frf(force, response, averages=averages)
-    for pooled in (0, 2, -3, LINES + 1):
-        with pytest.raises(DataError, match="pooled"):
-            estimate_frf(force, response, pooled=pooled)
     with pytest.raises(DataError, match="H2 of 2 forces"):
         estimate_frf(force, response[:, :1], "H2")
     for level in (0.0, 1.0, np.nan, 95.0):

@@ -102,7 +102,6 @@ def test_the_filtered_response_is_dashed_in_the_fourth_panel_only(figures):
 
 def test_the_sine_block_nearest_to_the_papers_frequency_is_shown(content):
     assert example_block(content.campaign, "sine").frequency_hz == pytest.approx(28 / 1.024)
-    assert example_block(content.campaign, "sine", 95.0).frequency_hz == pytest.approx(96 / 1.024)
     assert example_block(content.campaign, "impact").name == "impact_001"
     assert example_block(replace(content.campaign, blocks=()), "sine") is None
 

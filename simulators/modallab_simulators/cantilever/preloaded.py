@@ -5,17 +5,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.attached import SUMMED
 from modallab_simulators.cantilever.eigenmodes import eigh
 from modallab_simulators.cantilever.modes import Modes
+from modallab_simulators.cantilever.ritz import RitzModes
 
 Floats = NDArray[np.float64]
 
 _NODES = 600
 
 
-class PreloadedModes:
+class PreloadedModes(RitzModes):
     """A structure under an axial force, behind the interface of its modes.
 
     Rayleigh-Ritz on the modes without: the force adds the integral of P W_i' W_j' to their stiffness (Blevins, 8.1).
@@ -26,33 +26,8 @@ class PreloadedModes:
     """
 
     def __init__(self, bare: Modes, force_n: float) -> None:
-        self._bare, self._force = bare, force_n
-
-    @property
-    def length_m(self) -> float:
-        """Of the beam."""
-        return self._bare.length_m
-
-    @property
-    def total_mass_kg(self) -> float:
-        """Of all that moves."""
-        return self._bare.total_mass_kg
-
-    def omega(self, count: int) -> Floats:
-        """Natural frequencies in rad/s, (count,)."""
-        return self._solved[0][:count]
-
-    def count_below(self, omega: float) -> int:
-        """How many modes lie below `omega` in rad/s."""
-        return int(np.searchsorted(self._solved[0], omega))
-
-    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
-        """Displacement or slope of the modes, (points, count)."""
-        return self._bare.shapes(x_m, SUMMED, order) @ self._solved[1][:, :count]
-
-    def participation(self, count: int) -> Floats:
-        """Integral of mass times shape, in kg^1/2, (count,)."""
-        return self._bare.participation(SUMMED) @ self._solved[1][:, :count]
+        super().__init__(bare, _NODES)
+        self._force = force_n
 
     def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
         """Static answer at `x_m` to a load at `force_x_m`, (points,)."""
@@ -64,11 +39,8 @@ class PreloadedModes:
 
     @cached_property
     def _solved(self) -> tuple[Floats, Floats]:
-        at, weights = gauss_legendre(_NODES)
-        half = self.length_m / 2
-        slopes = self._bare.shapes(half * (at + 1), SUMMED, 1)
-        stiffness = np.diag(self._bare.omega(SUMMED) ** 2) + self._force * slopes.T @ (
-            slopes * (weights * half)[:, None]
-        )
+        x_m, weights = self._nodes
+        slopes = self._bare.shapes(x_m, SUMMED, 1)
+        stiffness = np.diag(self._bare.omega(SUMMED) ** 2) + self._force * slopes.T @ (slopes * weights[:, None])
         values, vectors = eigh(stiffness)
         return np.sqrt(values), vectors

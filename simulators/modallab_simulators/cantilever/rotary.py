@@ -6,17 +6,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.attached import SUMMED
 from modallab_simulators.cantilever.eigenmodes import eigh
 from modallab_simulators.cantilever.modes import Modes
+from modallab_simulators.cantilever.ritz import RitzModes
 
 Floats = NDArray[np.float64]
 
 _NODES = 320
 
 
-class RotaryModes:
+class RotaryModes(RitzModes):
     """A structure with rotary inertia, behind the interface of its modes.
 
     Rayleigh-Ritz on the modes without: slices add the integral of rho I W_i' W_j' to their mass (Rayleigh's beam:
@@ -29,29 +29,8 @@ class RotaryModes:
     """
 
     def __init__(self, bare: Modes, inertia_kg_m: float, waves: Sequence[tuple[int, float]] = ()) -> None:
-        self._bare, self._inertia, self._waves = bare, inertia_kg_m, tuple(waves)
-
-    @property
-    def length_m(self) -> float:
-        """Of the beam."""
-        return self._bare.length_m
-
-    @property
-    def total_mass_kg(self) -> float:
-        """Of all that moves."""
-        return self._bare.total_mass_kg
-
-    def omega(self, count: int) -> Floats:
-        """Natural frequencies in rad/s, (count,)."""
-        return self._solved[0][:count]
-
-    def count_below(self, omega: float) -> int:
-        """How many modes lie below `omega` in rad/s."""
-        return int(np.searchsorted(self._solved[0], omega))
-
-    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
-        """Displacement or slope of the modes, (points, count)."""
-        return self._bare.shapes(x_m, SUMMED, order) @ self._solved[1][:, :count]
+        super().__init__(bare, _NODES)
+        self._inertia, self._waves = inertia_kg_m, tuple(waves)
 
     def participation(self, count: int) -> Floats:
         """Integral of mass times shape, in kg^1/2, (count,); a shift turns no slice."""
@@ -62,12 +41,6 @@ class RotaryModes:
     def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
         """Static answer at `x_m` to a load at `force_x_m`: slices at rest have no inertia, (points,)."""
         return self._bare.flexibility(x_m, force_x_m, seen, put)
-
-    @cached_property
-    def _nodes(self) -> tuple[Floats, Floats]:
-        at, weights = gauss_legendre(_NODES)
-        half = self.length_m / 2
-        return half * (at + 1), weights * half
 
     def _heavier(self, x_m: Floats) -> Floats:
         terms = [a * np.cos(k * np.pi * x_m / self.length_m) for k, a in self._waves]

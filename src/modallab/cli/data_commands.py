@@ -1,20 +1,15 @@
 """The commands that move and keep data: export, backup, restore, retention; and users, who are kept with them."""
 
 from pathlib import Path
-from typing import Any, Protocol
 
-from modallab.cli.options import not_negative, positive
+from modallab.cli.options import Commands, not_negative, positive
 from modallab.core.units import FRF_ESTIMATORS
 from modallab.formats.format import writers
 
 ROLES = ("observer", "operator", "admin")
 
 
-class _Commands(Protocol):
-    def add_parser(self, name: str, *, help: str) -> Any: ...  # noqa: A002
-
-
-def add_data_commands(commands: _Commands) -> None:
+def add_data_commands(commands: Commands) -> None:
     """Add them to the parser; nothing they need is imported."""
     _add_export(commands)
     _add_backup(commands)
@@ -23,10 +18,10 @@ def add_data_commands(commands: _Commands) -> None:
     _add_user(commands)
 
 
-def _add_export(commands: _Commands) -> None:
+def _add_export(commands: Commands) -> None:
     command = commands.add_parser("export", help="write a campaign in another format")
     command.add_argument("source", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="a campaign, or a data folder")
-    command.add_argument("--format", required=True, choices=tuple(f.name for f in writers()))
+    command.add_argument("--format", required=True, choices=tuple(f.name for f in writers()), help="what to write")
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help="for csv a folder")
     command.add_argument("--run", action="append", metavar="RUN", help="of a data folder; may be repeated")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
@@ -37,24 +32,24 @@ def _add_export(commands: _Commands) -> None:
     command.set_defaults(module="export")
 
 
-def _add_backup(commands: _Commands) -> None:
+def _add_backup(commands: Commands) -> None:
     command = commands.add_parser("backup", help="copy a data folder, also while a run is being recorded")
-    command.add_argument("data", type=Path, metavar="DATA")
+    command.add_argument("data", type=Path, metavar="DATA", help="a data folder")
     command.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="not there yet, or empty")
     command.set_defaults(module="backup", action="backup", out_is_folder=True)
 
 
-def _add_restore(commands: _Commands) -> None:
+def _add_restore(commands: Commands) -> None:
     command = commands.add_parser("restore", help="restore a data folder from a backup")
-    command.add_argument("backup", type=Path, metavar="BACKUP")
+    command.add_argument("backup", type=Path, metavar="BACKUP", help="what modallab backup wrote")
     command.add_argument("--out", type=Path, required=True, metavar="DATA", help="not there yet, or empty")
     command.add_argument("--database", metavar="URL", help="keep the catalogue in this empty PostgreSQL database")
     command.set_defaults(module="backup", action="restore", out_is_folder=True)
 
 
-def _add_retention(commands: _Commands) -> None:
+def _add_retention(commands: Commands) -> None:
     command = commands.add_parser("retention", help="list samples that may be deleted, and delete them with --delete")
-    command.add_argument("data", type=Path, metavar="DATA")
+    command.add_argument("data", type=Path, metavar="DATA", help="a data folder")
     command.add_argument("--older-than", type=not_negative, default=0.0, metavar="DAYS", help="since the run's end")
     command.add_argument("--state", action="append", choices=("done", "failed", "aborted"), help="may be repeated")
     command.add_argument("--valid", action="store_true", help="runs with valid data too")
@@ -62,7 +57,7 @@ def _add_retention(commands: _Commands) -> None:
     command.set_defaults(module="backup", action="retention")
 
 
-def _add_user(commands: _Commands) -> None:
+def _add_user(commands: Commands) -> None:
     user = commands.add_parser("user", help="manage users of the service and their tokens")
     actions = user.add_subparsers(metavar="ACTION", required=True, dest="action")
     add = actions.add_parser("add", help="add a user, and make a token")

@@ -1,17 +1,13 @@
 """The command `model` and its options, without importing what it does."""
 
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-from modallab.cli.options import JSON_HELP, add_saying, count, positive
+from modallab.cli.options import JSON_HELP, Commands, add_saying, count, positive
 from modallab.core.units import TESTS
 
 
-class _Commands(Protocol):
-    def add_parser(self, name: str, *, help: str) -> Any: ...  # noqa: A002
-
-
-def add_model_commands(commands: _Commands) -> None:
+def add_model_commands(commands: Commands) -> None:
     """Add it to the parser."""
     model = commands.add_parser(
         "model", help="put a modal model to use: what makes a response, and what a change makes of it"
@@ -29,22 +25,24 @@ def add_model_commands(commands: _Commands) -> None:
     model.set_defaults(module="model")
 
 
-def _participation(actions: _Commands) -> Any:
+def _participation(actions: Commands) -> Any:
     command = actions.add_parser("participation", help="which modes make the response at a point")
     command.add_argument("--at", type=int, required=True, metavar="POINT", help="of the force")
     command.add_argument("--of", type=int, required=True, metavar="POINT", help="of the motion")
     span = command.add_mutually_exclusive_group()
     span.add_argument("--band", nargs=2, type=positive, metavar=("LO", "HI"), help="in Hz (default: the model's)")
     span.add_argument("--after", nargs=2, type=float, metavar=("BEGIN", "END"), help="a time in s after a hit")
-    command.add_argument("--quantity", choices=("displacement", "velocity", "acceleration"), default="velocity")
+    command.add_argument(
+        "--quantity", choices=("displacement", "velocity", "acceleration"), default="velocity", help="of the motion"
+    )
     return command
 
 
-def _nodes(actions: _Commands) -> Any:
+def _nodes(actions: Commands) -> Any:
     return actions.add_parser("nodes", help="antinodes and nodes of each mode: where to hit, where to mount")
 
 
-def _shape(actions: _Commands) -> Any:
+def _shape(actions: Commands) -> Any:
     command = actions.add_parser("shape", help="the shape of a mode, or the deflection shape that was measured")
     which = command.add_mutually_exclusive_group(required=True)
     which.add_argument("--mode", type=int, metavar="N", help="from 1")
@@ -54,7 +52,7 @@ def _shape(actions: _Commands) -> Any:
     return command
 
 
-def _compare(actions: _Commands) -> Any:
+def _compare(actions: Commands) -> Any:
     command = actions.add_parser("compare", help="pairs of modes with another model: MAC, frequencies, damping, COMAC")
     command.add_argument(
         "--other", type=Path, required=True, metavar="FILE", help="models, finite elements, a campaign"
@@ -63,9 +61,14 @@ def _compare(actions: _Commands) -> Any:
     return command
 
 
-def _update(actions: _Commands) -> Any:
+def _update(actions: Commands) -> Any:
     command = actions.add_parser("update", help="estimate the parameters of a finite-element model, or of the beam")
-    command.add_argument("--fe", type=Path, metavar="FILE", help="matrices, or a function (default: the rig's beam)")
+    command.add_argument(
+        "--fe",
+        type=Path,
+        metavar="FILE",
+        help="matrices, or a Python file with predict(numbers) and priors (default: the rig's beam)",
+    )
     command.add_argument(
         "--prior",
         nargs=3,
@@ -77,34 +80,42 @@ def _update(actions: _Commands) -> Any:
     return command
 
 
-def _modify(actions: _Commands) -> Any:
+def _modify(actions: Commands) -> Any:
     command = actions.add_parser("modify", help="the modes with masses, springs, dampers, absorbers or links added")
     command.add_argument("--at", type=int, metavar="POINT", help="of --mass, --spring and --damper")
     command.add_argument("--to", type=int, metavar="POINT", help="other end of spring and damper (default: ground)")
     command.add_argument("--mass", type=float, default=0.0, metavar="KG", help="below 0: taken away")
-    command.add_argument("--spring", type=float, default=0.0, metavar="N/M")
-    command.add_argument("--damper", type=float, default=0.0, metavar="NS/M")
-    command.add_argument("--absorber", nargs=4, type=float, metavar=("POINT", "KG", "HZ", "PERCENT"))
+    command.add_argument("--spring", type=float, default=0.0, metavar="N/M", help="stiffness")
+    command.add_argument("--damper", type=float, default=0.0, metavar="NS/M", help="viscous damping")
+    command.add_argument(
+        "--absorber",
+        nargs=4,
+        type=float,
+        metavar=("POINT", "KG", "HZ", "PERCENT"),
+        help="its mass, natural frequency, damping ratio",
+    )
     command.add_argument("--ground", type=int, nargs="+", metavar="POINT", help="points that no longer move")
     command.add_argument("--check", type=Path, metavar="FILE", help="models or campaign measured with the changes")
     command.add_argument("--link", type=int, nargs=2, metavar="POINT", help="two points that move as one")
     return command
 
 
-def _tune(actions: _Commands) -> Any:
+def _tune(actions: Commands) -> Any:
     command = actions.add_parser("tune", help="the mass or spring that brings a mode to a frequency, at each point")
     command.add_argument("--mode", type=int, required=True, metavar="N", help="from 1")
-    command.add_argument("--to", type=positive, required=True, metavar="HZ")
-    command.add_argument("--by", choices=("mass", "spring"), required=True)
+    command.add_argument("--to", type=positive, required=True, metavar="HZ", help="the frequency")
+    command.add_argument("--by", choices=("mass", "spring"), required=True, help="what is added")
     command.add_argument("--at", type=int, nargs="+", metavar="POINT", help="points to try (default: all)")
     return command
 
 
-def _frf(actions: _Commands) -> Any:
+def _frf(actions: Commands) -> Any:
     command = actions.add_parser("frf", help="FRFs between points, measured pairs or not, for other programs")
     command.add_argument("--outputs", type=int, nargs="+", metavar="POINT", help="(default: all that have a sensor)")
     command.add_argument("--inputs", type=int, nargs="+", metavar="POINT", help="(default: those that were driven)")
-    command.add_argument("--quantity", choices=("receptance", "mobility", "inertance"), default="mobility")
+    command.add_argument(
+        "--quantity", choices=("receptance", "mobility", "inertance"), default="mobility", help="what is written"
+    )
     command.add_argument("--lines", type=int, default=1000, metavar="N", help="evenly over the band (default: 1000)")
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help=".uff, .mat or .h5")
     return command

@@ -1,11 +1,18 @@
 """Options that several commands share."""
 
 import argparse
-from typing import Any
+from typing import Any, Protocol
 
 from modallab.cli.usage import UsageError
 
 JSON_HELP = "write the {} as JSON; - is standard output, and all else then goes to standard error"
+
+
+class Commands(Protocol):
+    """What sub-commands are added to; argparse gives its own class for this no public name."""
+
+    def add_parser(self, name: str, *, help: str) -> Any:  # noqa: A002
+        """Add one."""
 
 
 def add_saying(command: Any) -> None:

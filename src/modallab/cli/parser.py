@@ -2,21 +2,15 @@
 
 import argparse
 from pathlib import Path
-from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
 from modallab.cli.gap_commands import add_gap_commands
 from modallab.cli.model_commands import add_model_commands
-from modallab.cli.options import JSON_HELP, add_saying, not_negative, positive
+from modallab.cli.options import JSON_HELP, Commands, add_saying, not_negative, positive
 from modallab.cli.usage import Parser
 from modallab.core.units import FRF_ESTIMATORS, TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
-
-
-class _Commands(Protocol):
-    # argparse gives its own class for this no public name.
-    def add_parser(self, name: str, *, help: str) -> Any: ...  # noqa: A002
 
 
 def build_parser(version: str) -> argparse.ArgumentParser:
@@ -39,7 +33,7 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     return parser
 
 
-def _add_demo(commands: _Commands) -> None:
+def _add_demo(commands: Commands) -> None:
     demo = commands.add_parser("demo", help="run a whole modal test on the simulated bench")
     demo.add_argument("--out", type=Path, default=Path("demo"), metavar="FOLDER", help="where the results go")
     demo.add_argument("--seed", type=int, default=1, help="seed of the simulated bench")
@@ -57,7 +51,7 @@ def _add_demo(commands: _Commands) -> None:
     demo.set_defaults(module="demo", out_is_folder=True)
 
 
-def _add_import(commands: _Commands) -> None:
+def _add_import(commands: Commands) -> None:
     command = commands.add_parser("import", help="convert recordings of other programs into one campaign file")
     command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=", ".join(f.title for f in readers()))
     command.add_argument(
@@ -66,7 +60,7 @@ def _add_import(commands: _Commands) -> None:
         metavar="RIG.yaml",
         help="names the channels; without it a draft is written from what the file says",
     )
-    command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5")
+    command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5", help="the campaign file")
     command.add_argument(
         "--test", choices=TESTS, help="what the recordings are of (default: impact; random if no force was measured)"
     )
@@ -79,7 +73,11 @@ def _add_import(commands: _Commands) -> None:
         "--window", type=positive, metavar="S", help="time constant of the exponential window that FRFs were made with"
     )
     command.add_argument(
-        "--variable", nargs="+", metavar="CHANNEL=NAME", help="what a MATLAB file or a table calls a channel"
+        "--variable",
+        nargs="+",
+        metavar="CHANNEL=NAME",
+        help="what a MATLAB file or a table calls a channel (NAME:2 its second column), or time, rate, frequency, frf, "
+        "coherence, all",
     )
     command.add_argument("--channels", nargs="+", metavar="NAME", help="take only these channels (default: all)")
     command.add_argument("--ignore", nargs="+", metavar="NAME", help="leave these channels out")
@@ -94,7 +92,7 @@ def _add_import(commands: _Commands) -> None:
     command.set_defaults(module="import_")
 
 
-def _add_identify(commands: _Commands) -> None:
+def _add_identify(commands: Commands) -> None:
     command = commands.add_parser("identify", help="identify the modal model of a campaign")
     command.add_argument(
         "campaign", type=Path, nargs="+", metavar="FOLDER|CAMPAIGN.h5", help="several: the set-ups of one test"
@@ -124,15 +122,19 @@ def _add_identify(commands: _Commands) -> None:
         choices=("ssi_cov", "plscf_spectra"),
         help="from the responses alone: the force is random, measured or not (default: where none was measured)",
     )
-    command.add_argument("--pick", type=positive, nargs="+", metavar="HZ", help="keep only the modes nearest to these")
-    command.add_argument("--drop", type=positive, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
+    command.add_argument(
+        "--pick", type=positive, nargs="+", metavar="HZ", help="keep only the modes within 2 %% of these"
+    )
+    command.add_argument(
+        "--drop", type=positive, nargs="+", metavar="HZ", help="leave out the modes within 2 %% of these"
+    )
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
     add_saying(command)
     command.set_defaults(module="identify")
 
 
-def _add_rig(commands: _Commands) -> None:
+def _add_rig(commands: Commands) -> None:
     rig = commands.add_parser("rig", help="check the channels of a bench, and calibrate them")
     actions = rig.add_subparsers(metavar="ACTION", required=True, dest="action")
     check = actions.add_parser("check", help="check every channel and say what is wrong")
@@ -141,17 +143,22 @@ def _add_rig(commands: _Commands) -> None:
         "--drive", type=float, metavar="V", help="check the generator's clock too, by a burst of this amplitude"
     )
     check.add_argument(
-        "--common", nargs=2, metavar="NAME", help="two channels of different devices that read one signal: their phase"
+        "--common",
+        nargs=2,
+        metavar="NAME",
+        help="two channels of different devices that read one signal, such as a tee: their phase, stated at 10 kHz",
     )
     calibrate = actions.add_parser("calibrate", help="find a channel's sensitivity and enter it into the rig's history")
-    calibrate.add_argument("--channel", required=True, metavar="NAME")
-    calibrate.add_argument("--method", required=True, choices=("turnover", "shunt", "reference", "rigid-mass"))
+    calibrate.add_argument("--channel", required=True, metavar="NAME", help="the channel")
+    calibrate.add_argument(
+        "--method", required=True, choices=("turnover", "shunt", "reference", "rigid-mass"), help="how"
+    )
     calibrate.add_argument(
         "--value", type=float, help="what the shunt stands for (SI), rms of the reference (SI), or the mass in kg"
     )
     calibrate.add_argument("--frequency", type=positive, default=159.15, metavar="HZ", help="of the reference shaker")
     calibrate.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
-    calibrate.add_argument("--remark", default="")
+    calibrate.add_argument("--remark", default="", metavar="TEXT", help="goes into the history")
     calibrate.add_argument("--yes", action="store_true", help="do not wait for Enter")
     calibrate.set_defaults(in_place=True)
     calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="where the new rig goes (default: in place)")
@@ -159,22 +166,22 @@ def _add_rig(commands: _Commands) -> None:
         "mass", help="check force transducer and accelerometer on a free rigid mass, before or after a test"
     )
     mass.add_argument("--mass", type=positive, required=True, metavar="KG", help="with the accelerometer on it")
-    mass.add_argument("--when", required=True, choices=("before", "after"))
+    mass.add_argument("--when", required=True, choices=("before", "after"), help="the test")
     mass.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
     mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="of the campaign that it belongs to")
     mass.add_argument("--yes", action="store_true", help="do not wait for Enter")
     for command in (check, calibrate, mass):
-        command.add_argument("rig", type=Path, metavar="RIG.yaml")
+        command.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
         command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
         command.add_argument("--seconds", type=positive, default=3.0, help="length of the record in s")
     reset = actions.add_parser("reset", help="reset a tripped rig, after somebody has looked at the bench")
-    reset.add_argument("rig", type=Path, metavar="RIG.yaml")
+    reset.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
     reset.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
     reset.add_argument("--data", type=Path, required=True, metavar="FOLDER", help="data folder of the recordings")
     rig.set_defaults(module="rig")
 
 
-def _add_devices(commands: _Commands) -> None:
+def _add_devices(commands: Commands) -> None:
     command = commands.add_parser("devices", help="list the devices, each with its address")
     command.add_argument("address", nargs="?", default="", help="look only there, such as nidaqmx+grpc://host:31763")
     command.add_argument("--release", action="store_true", help="release what a killed program has left reserved")
@@ -182,12 +189,14 @@ def _add_devices(commands: _Commands) -> None:
     command.set_defaults(module="devices")
 
 
-def _add_serve(commands: _Commands) -> None:
+def _add_serve(commands: Commands) -> None:
     command = commands.add_parser("serve", help="run the REST service, the operator's page and the emergency stop")
     command.add_argument("--rig", type=Path, action="append", metavar="RIG.yaml", help="may be repeated")
     command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
     command.add_argument("--data", type=Path, metavar="FOLDER", help="where the recordings go (default: data)")
-    command.add_argument("--host", metavar="ADDRESS", help="to listen on (default: 127.0.0.1)")
+    command.add_argument(
+        "--host", metavar="ADDRESS", help="to listen on; another needs a chosen token (default: 127.0.0.1)"
+    )
     command.add_argument("--port", type=int, metavar="N", help="of the REST service (default: 8000)")
     command.add_argument("--stop-port", type=int, metavar="N", help="of the emergency stop (default: 8001)")
     command.add_argument("--token-file", type=Path, metavar="FILE", help="where the token is kept")
@@ -203,11 +212,11 @@ def _add_serve(commands: _Commands) -> None:
     command.set_defaults(module="serve")
 
 
-def _add_campaign(commands: _Commands) -> None:
+def _add_campaign(commands: Commands) -> None:
     campaign = commands.add_parser("campaign", help="run tests on a bench")
     actions = campaign.add_subparsers(metavar="ACTION", required=True, dest="action")
     command = actions.add_parser("run", help="run the tests of a plan, identify, and show the model")
-    command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml")
+    command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml", help="the rig file")
     command.add_argument("--plan", type=Path, required=True, metavar="PLAN.yaml", help="one test, or a list of them")
     command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
     command.add_argument("--data", type=Path, default=Path("data"), metavar="FOLDER", help="where the recordings go")
@@ -216,5 +225,7 @@ def _add_campaign(commands: _Commands) -> None:
     command.add_argument("--out", type=Path, metavar="CAMPAIGN.h5", help="write the recordings as one file")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
     command.add_argument("--mute", action="store_true", help="no tones")
-    command.add_argument("--keys", default="", metavar="MAP", help="such as undo=b,accept=pagedown for a pedal")
+    command.add_argument(
+        "--keys", default="", metavar="MAP", help="of accept, undo, pause and quit: undo=b,accept=pagedown for a pedal"
+    )
     campaign.set_defaults(module="campaign")

@@ -21,7 +21,7 @@ RATE_HZ = 2000.0
 NOISE_FACTOR = 5.0
 OFFSET_PART = 0.05
 CLOCK_PPM = 100.0
-CLOCK_BURST_S, CLOCK_RAMP_S = 5.0, 0.5
+CLOCK_HZ, CLOCK_BURST_S, CLOCK_RAMP_S = 40.0, 5.0, 0.5
 TAP_N = 5.0
 TAP_PATIENCE_S = 60.0
 CONTACT_S = 0.01
@@ -62,7 +62,7 @@ def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[F
         bench.stop()
 
 
-def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0) -> list[Finding]:
+def check_clock(bench: Bench, rig: Rig, volts: float) -> list[Finding]:
     """A small burst, whose frequency on the converter's clock is compared with what the generator was set to."""
     if not bench.info.can_drive:
         return [Finding("generator", "clock", "this bench has no output", "look")]
@@ -70,7 +70,7 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
     bench.start()
     try:
         read = settle(bench, rig, delivery)[1]
-        begin = bench.play(Burst(frequency_hz, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S)) - read
+        begin = bench.play(Burst(CLOCK_HZ, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S)) - read
         count = begin + round(1.0 * delivery.rate_hz)
         lead, _ = take_samples(bench, delivery.rate_hz, count)
         held, _ = take(bench, delivery.rate_hz, 3.0)
@@ -83,8 +83,8 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
     row = (held[force] * delivery.scale[force])[None, :]
     if held[force].std() < 3 * before:
         return [Finding("generator", "clock", f"{volts:g} V give no force that can be seen", "bad")]
-    found = fit_frequency(row, delivery.rate_hz, frequency_hz).frequency_hz
-    ppm = 1e6 * (found / frequency_hz - 1)
+    found = fit_frequency(row, delivery.rate_hz, CLOCK_HZ).frequency_hz
+    ppm = 1e6 * (found / CLOCK_HZ - 1)
     verdict: Verdict = "good" if abs(ppm) <= CLOCK_PPM else "bad"
     return [Finding("generator", "clock", f"{ppm:+.1f} ppm beside the converter's clock", verdict)]
 

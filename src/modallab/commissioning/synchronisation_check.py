@@ -46,20 +46,20 @@ class Delay:
         return 360 * AT_HZ * value_s
 
 
-def check_synchronisation(bench: Bench, rate_hz: float = SLOW_HZ) -> list[Finding]:
+def check_synchronisation(bench: Bench) -> list[Finding]:
     """What the devices say: how they are synchronised, whether their clocks are locked, how far they have counted."""
     if not isinstance(bench, Synchronised):
         return []
-    bench.configure(Request("impact", rate_hz))
+    bench.configure(Request("impact", SLOW_HZ))
     if not bench.synchronisation().method:
         return []
     bench.start()
     try:
-        take(bench, rate_hz, LISTEN_S)
+        take(bench, SLOW_HZ, LISTEN_S)
         state = bench.synchronisation()
     finally:
         bench.stop()
-    spread = (max(state.acquired.values()) - min(state.acquired.values())) / rate_hz
+    spread = (max(state.acquired.values()) - min(state.acquired.values())) / SLOW_HZ
     locked = f"not locked: {', '.join(state.unlocked)}" if state.unlocked else "all are locked, or can't say"
     counts = ", ".join(f"{device} {count}" for device, count in state.acquired.items())
     return [
@@ -69,9 +69,7 @@ def check_synchronisation(bench: Bench, rate_hz: float = SLOW_HZ) -> list[Findin
     ]
 
 
-def check_common_signal(
-    bench: Bench, rig: Rig, names: tuple[str, str], volts: float | None = None, rate_hz: float = RATE_HZ
-) -> Finding:
+def check_common_signal(bench: Bench, rig: Rig, names: tuple[str, str], volts: float | None = None) -> Finding:
     """The phase between two channels that read one signal, stated at 10 kHz.
 
     Args:
@@ -79,13 +77,12 @@ def check_common_signal(
         rig: as believed.
         names: of the two channels.
         volts: of a burst the bench plays; None: whatever signal is there.
-        rate_hz: to ask for.
 
     Raises:
         PlanError: no such channel.
     """
     rows = [_row(rig, name) for name in names]
-    delivery = bench.configure(Request("impact", rate_hz))
+    delivery = bench.configure(Request("impact", RATE_HZ))
     bench.start()
     try:
         if volts is not None:

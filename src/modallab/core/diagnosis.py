@@ -289,11 +289,11 @@ class Diagnosis(Frozen):
         rig: its name.
         verdict: whether there is a gap, and whether it is explained.
         gap: how wide it is.
-        where: it lies.
+        where: where in the chain it lies.
         effects: that cause it, the most probable first.
         candidates: other explanations, with their probabilities.
         shrink: how far it shrank on records that were held out.
-        next_experiment: that would say more.
+        next_experiment: what to measure next, in a sentence.
         twin: the simulation as it was calibrated.
         notes: what was found on the way.
         budget: how far the calibration moved, against the tolerances; None in older documents.

@@ -19,18 +19,17 @@ LARGE = 1e6
 _UNIT = re.compile(r"(?<=[\d⁻⁰¹²³⁴⁵⁶⁷⁸⁹]) (?=(%|Hz|kHz|s|ms|m|mm|N|GPa|kg|V|sigmas?|bit|±|σ)(?![a-zA-Z]))|(?<=±) ")
 
 
-def with_sigma(value: float, sigma: float, unit: str = "") -> str:
-    """`4.8021 ± 0.0003 Hz`: the sigma to one digit (two if it starts with 1), the value to the same place.
+def with_sigma(value: float, sigma: float) -> str:
+    """`4.8021 ± 0.0003`: the sigma to one digit (two if it starts with 1), the value to the same place.
 
     A sigma that is not known is said so, and the value is given to four digits.
     """
     if not math.isfinite(value):
         return UNKNOWN
-    tail = f" {unit}" if unit else ""
     if not (math.isfinite(sigma) and sigma > 0):
-        return f"{plain(value)}{tail} (± {UNKNOWN})"
+        return f"{plain(value)} (± {UNKNOWN})"
     places = _places(sigma)
-    return f"{_fixed(value, places)} ± {_fixed(sigma, places)}{tail}"
+    return f"{_fixed(value, places)} ± {_fixed(sigma, places)}"
 
 
 def concise(value: float, sigma: float) -> str:
@@ -142,6 +141,18 @@ def deviations(count: float) -> str:
 def listed(items: Sequence[str]) -> str:
     """`a, b and c`."""
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}" if items else ""
+
+
+def numbers(values: Sequence[int | None]) -> str:
+    """Numbers of points as ranges, `1 to 9 and 12`; those that are not known as `unknown`."""
+    known, runs = sorted({v for v in values if v is not None}), list[list[int]]()
+    for v in known:
+        if runs and v == runs[-1][-1] + 1:
+            runs[-1].append(v)
+        else:
+            runs.append([v])
+    each = [t for r in runs for t in ([f"{r[0]} to {r[-1]}"] if len(r) > 2 else map(str, r))]
+    return listed([*each, *(["unknown"] if None in values else [])])
 
 
 def counted(number: int, noun: str, plural: str = "") -> str:

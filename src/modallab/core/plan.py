@@ -27,8 +27,8 @@ class HitAcceptance(Frozen):
         double_hit_ratio: a second contact must be smaller than this part of the first.
         max_contact_s: longest contact.
         max_residual_ratio: largest motion before the hit, as part of what the hit makes.
-        min_band_hz: up to here the spectrum of the force may fall by `band_drop_db` at most.
-        band_drop_db: see `min_band_hz`.
+        min_band_hz: up to this frequency a hit must excite.
+        band_drop_db: largest fall of the force spectrum up to `min_band_hz`.
         check_point: whether a hit that looks like one at another point is rejected.
     """
 
@@ -81,10 +81,10 @@ class ImpactPlan(Frozen):
         rate_hz: asked of the device.
         delivered_hz: of the blocks as they are read back; None: the device's.
         block_s: length of a block.
-        pre_trigger_s: of it before the hit.
+        pre_trigger_s: part of the block before the hit.
         trigger_n: force that triggers.
         hysteresis_n: the force must have been so far below the trigger before.
-        trigger: who triggers.
+        trigger: who triggers: `software` on the continuous stream, or the device itself.
         hit_timeout_s: how long to wait for rest, and for a hit.
         max_rejections: so many rejected hits at one point end the run.
         acceptance: when a hit counts.
@@ -152,7 +152,7 @@ class SinePlan(Frozen):
         rate_hz: asked of the device.
         delivered_hz: of the blocks as they are read back.
         block_s: length of a block.
-        ramp_s: of the cosine taper at both ends of a burst.
+        ramp_s: length of the cosine taper at both ends of a burst.
         settle_s: from the start of a burst to its block.
         max_settle_s: the same, at most; left out: `settle_s`, so that no burst is lengthened.
         modes: whose decays to look for; none: whether it has settled is not judged.
@@ -192,17 +192,17 @@ class BroadbandPlan(Frozen):
         band_hz: lowest and highest frequency driven.
         levels_v: root mean square of the drive by level, while it is on; its peak must stay within the rig's limits.
         blocks: recorded at each level.
-        blocks_per_wave: of them at most; then another wave with phases of its own follows. None: as many as fit.
+        blocks_per_wave: at most so many of them; then another wave follows, of other phases. None: as many as fit.
         shakers: the first one of the rig alone, or all of them at once, each with a wave of its own: of random drive
             another noise, of a periodic one phases that are turned from wave to wave.
         detection_lines: leave out of a pseudo-random drive all even lines, and of every four odd lines one, another in
             each wave: what the structure answers there is distortion.
         seed: of the random phases; each wave of a test has its own.
-        burst_share: of a block that a burst-random is on.
+        burst_share: share of a block during which a burst-random is on.
         rate_hz: asked of the device.
         delivered_hz: of the blocks as they are read back.
-        block_s: length of a block.
-        ramp_s: of the cosine taper at both ends of a wave.
+        block_s: length of a block, and the period of `pseudo-random` and `chirp`.
+        ramp_s: length of the cosine taper at both ends of a wave.
         settle_s: from the start of a wave to its first block.
         wait_s: after each wave, at least.
         max_rejections: so many blocks beyond a channel's range end the run.

@@ -48,9 +48,10 @@ class Beam(Frozen):
         length_m: from the clamp to the free end.
         width_m: across the direction of bending.
         thickness_m: in the direction of bending.
-        youngs_modulus_pa: E.
-        density_kg_m3: rho.
-        clamp: in words.
+        youngs_modulus_pa: of the material, E.
+        density_kg_m3: of the material, rho.
+        clamp: in words; a number followed by `EI/L` is the root's rotational spring, without one the root is
+            rigid.
     """
 
     length_m: Positive
@@ -189,8 +190,8 @@ class Channel(Frozen):
         index: place in the rig, from 0.
         name: unique.
         quantity: what is measured.
-        unit: of the sensitivity.
-        point: where on the beam.
+        unit: of what is measured, as N, m/s^2 or g.
+        point: number of the point where it stands.
         direction: of positive readings; the force channel's is the drive's unless it says otherwise.
         mass_kg: of the sensor.
         sensitivity_v_per_unit: one, or one per test.

@@ -52,7 +52,7 @@ class Estimate:
 
 
 def estimate_frf(
-    force: Complex, response: Complex, estimator: Estimator = "H1", averages: float | None = None, pooled: int = 1
+    force: Complex, response: Complex, estimator: Estimator = "H1", averages: float | None = None
 ) -> Estimate:
     """FRFs of all responses to all forces from spectra of several blocks.
 
@@ -61,13 +61,11 @@ def estimate_frf(
         response: (blocks, outputs, lines); for H2 at least as many outputs as inputs.
         estimator: H1, H2 or Hv.
         averages: number of independent averages, where blocks overlap; None for their number.
-        pooled: lines over which the noise's power is averaged, odd: few blocks alone determine it badly. The noise must
-            then be of one level over so many lines.
 
     Raises:
         DataError: shapes that do not fit, NaN, too few blocks, or forces that cannot be distinguished.
     """
-    independent, width = _checked(force, response, estimator, averages, pooled)
+    independent = _checked(force, response, estimator, averages)
     scale_f, scale_y = _level(force), _level(response)
     f, y = np.moveaxis(force / scale_f[:, None], -1, 0), np.moveaxis(response / scale_y[:, None], -1, 0)
     # (lines, inputs, inputs), (lines, outputs, inputs), (lines, outputs, outputs): means over the blocks.
@@ -83,7 +81,7 @@ def estimate_frf(
     left = np.maximum(power - np.einsum("loi,loi->lo", h1, yf.conj()).real, 0.0)
     coherence = 1 - np.divide(left, power, out=np.zeros_like(left), where=power > 0)
     inputs = force.shape[1]
-    noise = _running_mean(left, width) * independent / (independent - inputs)
+    noise = left * independent / (independent - inputs)
     variance = noise[:, :, None] * np.einsum("lii->li", inverse).real[:, None, :] / independent
     value = h1 if estimator == "H1" else _h2(y, yf) if estimator == "H2" else _hv(ff, yf, power)
     by_line = scale_y[:, None] / scale_f
@@ -91,7 +89,7 @@ def estimate_frf(
         np.moveaxis(value, 0, -1) * by_line[..., None],
         coherence.T,
         np.moveaxis(variance, 0, -1) * by_line[..., None] ** 2,
-        2 * (independent - inputs) * width,
+        2 * (independent - inputs),
     )
 
 
@@ -118,22 +116,14 @@ def _hv(ff: Complex, yf: Complex, power: Real) -> Complex:
     return np.where(np.abs(last) > 0, -least[..., :-1] / safe, 0) * root[..., -1:] / root[..., :-1]
 
 
-def _running_mean(power: Real, width: int) -> Real:
-    """Over the lines; at the ends over the nearest `width` of them."""
-    total = np.concatenate([np.zeros((1, power.shape[1])), np.cumsum(power, axis=0)])
-    start = np.clip(np.arange(len(power)) - width // 2, 0, len(power) - width)
-    return (total[start + width] - total[start]) / width
-
-
 def _level(spectra: Complex) -> Real:
     """(channels,) RMS, 1 for one that is zero: responses and forces may differ by many powers of ten."""
     size = np.sqrt(np.mean(np.abs(spectra) ** 2, axis=(0, 2)))
     return np.where(size > 0, size, 1.0)
 
 
-def _checked(
-    force: Complex, response: Complex, estimator: Estimator, averages: float | None, pooled: int
-) -> tuple[float, int]:
+def _checked(force: Complex, response: Complex, estimator: Estimator, averages: float | None) -> float:
+    """The number of independent averages."""
     if force.ndim != 3 or response.ndim != 3 or force.shape[::2] != response.shape[::2] or 0 in response.shape:
         raise DataError(
             f"force {force.shape} and response {response.shape} do not belong together",
@@ -141,7 +131,7 @@ def _checked(
         )
     if not (np.isfinite(force).all() and np.isfinite(response).all()):
         raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")
-    blocks, inputs, lines = force.shape
+    blocks, inputs, _ = force.shape
     independent = float(blocks if averages is None else averages)
     if inputs < 1 or not inputs < independent <= blocks:
         found = f"{blocks} blocks, {independent:g} independent averages, cannot determine {inputs} forces and the noise"
@@ -149,7 +139,4 @@ def _checked(
     if estimator == "H2" and response.shape[1] < inputs:
         found = f"H2 of {inputs} forces needs as many responses, not {response.shape[1]}"
         raise DataError(found, remedy="use H1 or Hv, or more responses")
-    if not (1 <= pooled <= lines and pooled % 2 == 1):
-        found = f"the noise cannot be pooled over {pooled} of {lines} lines"
-        raise DataError(found, remedy="give an odd number of lines, at most as many as there are")
-    return independent, pooled
+    return independent

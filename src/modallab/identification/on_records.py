@@ -9,6 +9,7 @@ from modallab.core.frf import Frf
 from modallab.core.units import FrfEstimator
 from modallab.frf.joined import RecordSpectra
 from modallab.identification.likelihood.driven_records import OF_H2, Driven, DrivenFit
+from modallab.identification.likelihood.equations import Covariance
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.poles import poles_of
@@ -52,7 +53,8 @@ def on_records(
     found = driven.search(at.omega, at.zeta, fit.point.groups[0].coefficients)
     found, stay = driven.needed(found, keep)
     there, n = fit_frf(frf, poles_of(found.omega, found.zeta), 0), 2 * stay.size
-    refined = replace(there.refined, covariance=found.covariance[:n, :n], settled=True)
+    covariance = Covariance.of_poles(found.covariance[:n, :n])
+    refined = replace(there.refined, covariance=covariance, settled=True)
     better = replace(there, refined=refined)
     constants, sigma = _constants(found)
     noise = float(np.median(1 - driven.true_share(found.force_noise)))

@@ -16,6 +16,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.core.verification import Verification
 from modallab.frf.broadband import driven_band
+from modallab.frf.driven import on_own_clock
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.backbone import DriveLevel
@@ -26,7 +27,7 @@ from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
 from modallab.pipelines.averaged_hits import identify_averaged_hits
-from modallab.pipelines.drive import frf_of_drive, identify_drive, on_own_clock
+from modallab.pipelines.drive import frf_of_drive, identify_drive
 from modallab.pipelines.levels import Identified, Source, by_level, by_strength, linear, of_weakest, softest
 from modallab.pipelines.sound import sound
 from modallab.signals.drive_kind import check_kind

@@ -45,19 +45,18 @@ def _over(found: ModalParticipation) -> str:
     return f"{low:.5g} Hz under a force" if low == high else f"{low:.4g} to {high:.4g} Hz under an even force"
 
 
-def node_rows(found: ModePlaces, along: str = "x") -> TableRows:
+def node_rows(found: ModePlaces) -> TableRows:
     """Where each mode moves most, and where its nodes are."""
     headings = ("mode", "frequency [Hz]", "antinode", "points near a node")
     between = bool(found.crossings)
-    axis = "xyz".index(along)
     rows: list[tuple[str, ...]] = []
     for r, hz in enumerate(found.frequency_hz):
-        places = [concise(float(c.place_m[axis]), c.sigma_m) for c in found.crossings if c.mode == r]
+        places = [concise(float(c.place_m[0]), c.sigma_m) for c in found.crossings if c.mode == r]
         near = ", ".join(_named(found, f) for f in found.nodes[r]) or "none"
         own = (str(r + 1), f"{hz:.5g}", _named(found, found.antinode[r]), near)
         rows.append((*own, ", ".join(places) or "none") if between else own)
     if between:
-        headings = (*headings, f"nodes at {along} [m]")
+        headings = (*headings, "nodes at x [m]")
     return TableRows(headings, tuple(rows), " ".join(advice_of(found)))
 
 

@@ -10,19 +10,18 @@ from modallab.storage.records import RunRecord
 from modallab.storage.store import Store
 
 
-def campaign_of(store: Store, runs: Sequence[str], *, invalid: bool = False) -> Campaign:
+def campaign_of(store: Store, runs: Sequence[str]) -> Campaign:
     """The accepted blocks of `runs`, in that order, with where they come from.
 
     Args:
         store: the data folder.
         runs: names of runs on one and the same rig.
-        invalid: whether aborted runs, whose data are marked as invalid, may be among them.
 
     Raises:
         StorageError: no run, an aborted one, or runs on different rigs; a block that is not what was recorded.
     """
     records = [store.catalogue.run(run) for run in runs]
-    _check(records, str(store.folder), invalid)
+    _check(records, str(store.folder))
     blocks: list[Block] = []
     taken: set[str] = set()
     for number, record in enumerate(records, start=1):
@@ -56,7 +55,7 @@ def rejected_blocks(store: Store, run: str) -> list[tuple[Block, str]]:
     return [(block, reasons[block.name]) for block in store.iterate(run, rejected=True) if block.name in reasons]
 
 
-def _check(records: Sequence[RunRecord], where: str, invalid: bool) -> None:
+def _check(records: Sequence[RunRecord], where: str) -> None:
     if not records:
         raise StorageError("no runs were named", where=where, remedy="name at least one run")
     # By the rigs themselves: the hash of the same rig may have been taken by an earlier version.
@@ -66,7 +65,7 @@ def _check(records: Sequence[RunRecord], where: str, invalid: bool) -> None:
             f"the runs are of different rigs ({rigs})", where=where, remedy="take runs of one rig revision only"
         )
     aborted = [record.id for record in records if not record.valid]
-    if aborted and not invalid:
+    if aborted:
         raise StorageError(
             f"aborted, so marked as invalid: {', '.join(aborted)}", where=where, remedy="leave these runs out"
         )

@@ -27,12 +27,6 @@ def test_the_document_is_serialised_once_and_every_answer_is_its_text(lab: Lab) 
     assert lab.app.state.openapi_json() is lab.app.state.openapi_json()
 
 
-def test_every_kind_of_problem_is_on_its_page() -> None:
-    text = (ROOT / "docs" / "reference" / "problems.md").read_text(encoding="utf-8")
-    for kind in kinds().values():
-        assert f"| `{kind.code}` | {kind.status} | {kind.title} | {kind.meaning} |" in text
-
-
 def test_codes_and_statuses_are_those_that_clients_know() -> None:
     assert {kind.code: kind.status for kind in kinds().values()} == {
         "bench": 503, "bench-busy": 409, "block-damaged": 500, "changed": 412, "media-type": 415, "row-damaged": 500,

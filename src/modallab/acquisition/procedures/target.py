@@ -79,31 +79,16 @@ def block_name(level: str, frequency_hz: float) -> str:
     return f"sine_{level}_{frequency_hz:07.3f}"
 
 
-def repeat_plan(plan: Plan, frequency_hz: float, level: str = "") -> SinePlan:
-    """The plan that repeats one frequency of a recorded sine run, with everything else as it was.
-
-    Run it, then drop the block it replaces: `Store.drop(run, block_name(level, frequency_hz))`. A campaign of both runs
-    then holds the frequency once.
-
-    Args:
-        plan: of the recorded run.
-        frequency_hz: one of the plan's.
-        level: one of the plan's; empty: all.
-
-    Raises:
-        PlanError: the plan is of no sine test, or does not hold this frequency or level.
-    """
-    sine = require_step(plan, frequency_hz, level)
-    found = tuple(f for f in sine.frequencies_hz if _same(f, frequency_hz))
-    levels = {name: volts for name, volts in sine.levels_v.items() if level in ("", name)}
-    return sine.model_copy(update={"frequencies_hz": found, "levels_v": levels})
-
-
 def require_step(plan: Plan, frequency_hz: float, level: str = "") -> SinePlan:
     """Reject what a plan does not hold.
 
+    Args:
+        plan: of the run.
+        frequency_hz: one of the plan's.
+        level: one of the plan's; empty: any.
+
     Raises:
-        PlanError: see `repeat_plan`.
+        PlanError: the plan is of no sine test, or does not hold this frequency or level.
     """
     if not isinstance(plan, SinePlan):
         raise PlanError(

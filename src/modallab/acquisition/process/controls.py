@@ -136,13 +136,11 @@ class RunControls(ABC):
             level: one of the plan's; empty: every level it was recorded at.
 
         Raises:
-            PlanError: no sine test is running, it has no such frequency or level, or it is still to come. When the run
-                has ended, `target.repeat_plan` gives the plan of a new one.
+            PlanError: no sine test is running, it has no such frequency or level, or it is still to come.
         """
         if not self._running or self._plan is None:
             raise PlanError(
-                "no run is going on",
-                remedy="run the plan that modallab.acquisition.procedures.target.repeat_plan gives",
+                "no run is going on", remedy="run a plan of this frequency alone, and drop the block before"
             )
         plan = require_step(self._plan, frequency_hz, level)
         require_recorded(plan, frequency_hz, level, self._view.blocks)

@@ -113,7 +113,7 @@ class RigProcess(RunControls):
         """Bring the output to 0 V past the rig's process where there is another way, trip the rig, abort the run.
 
         From any thread, in any state, with or without a run. Nothing is armed any more, by this process or a later one,
-        until `reset_trip`. It is not a safety-rated stop.
+        until the latch is reset. It is not a safety-rated stop.
 
         Raises:
             BenchError: the supervisor or the process could not be reached; the rig is tripped all the same.
@@ -132,10 +132,6 @@ class RigProcess(RunControls):
     def trip(self) -> Trip | None:
         """What has tripped the rig: an emergency stop, its process' death or time-out while it drove; None if not."""
         return self.latch.read()
-
-    def reset_trip(self) -> Trip | None:
-        """Let the rig be armed again, after somebody has looked at the bench; returns what had tripped it."""
-        return self.latch.reset()
 
     def ask_to_leave(self) -> None:
         """Have the process end the active run as interrupted, bring the output to zero, and leave. Waits for nothing:

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PositiveInt
 
-from modallab.core.documents.model_use import Frequency, Mass
+from modallab.core.documents.model_change import Frequency, Mass
 from modallab.core.frozen import Frozen, RealArray
 from modallab.core.units import Test
 

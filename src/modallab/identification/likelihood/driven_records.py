@@ -22,9 +22,10 @@ from scipy import linalg, ndimage, optimize
 from modallab.frf.joined import RecordSpectra
 from modallab.identification.likelihood.basis import BlockColumns, columns
 from modallab.identification.likelihood.derivatives import Vectors
+from modallab.identification.likelihood.equations import covariance_of
 from modallab.identification.likelihood.excitation import Grid, RandomExcitation
 from modallab.identification.likelihood.rows import unstack
-from modallab.identification.likelihood.search import MIN_ZETA, covariance_of
+from modallab.identification.likelihood.search import MIN_ZETA
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

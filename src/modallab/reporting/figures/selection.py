@@ -10,12 +10,12 @@ PAPER_SINE_HZ = 28 / 1.024
 """27.34 Hz, FFT line 28: the sine test the paper draws."""
 
 
-def example_block(campaign: Campaign, test: Test, frequency_hz: float = PAPER_SINE_HZ) -> Block | None:
-    """The block a figure shows: the sine block nearest to `frequency_hz`, or the first hit; None if there is none."""
+def example_block(campaign: Campaign, test: Test) -> Block | None:
+    """The block a figure shows: the sine block nearest to the paper's, or the first hit; None if there is none."""
     blocks = campaign.of(test)
     if test == "sine":
         blocks = tuple(b for b in blocks if b.frequency_hz is not None)
-        return min(blocks, key=lambda b: abs((b.frequency_hz or 0) - frequency_hz), default=None)
+        return min(blocks, key=lambda b: abs((b.frequency_hz or 0) - PAPER_SINE_HZ), default=None)
     return blocks[0] if blocks else None
 
 

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from fastapi import Body, Query
 
+from modallab.core.documents.model_change import ModificationNew, ModifiedView
 from modallab.core.documents.model_other import (
     BestAbsorberNew,
     BestAbsorberView,
@@ -13,8 +14,6 @@ from modallab.core.documents.model_other import (
 )
 from modallab.core.documents.model_use import (
     DeflectionView,
-    ModificationNew,
-    ModifiedView,
     NodesView,
     ParticipationView,
     PredictedFrf,

@@ -5,19 +5,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from modallab.core.documents.model_use import (
+from modallab.core.documents.model_change import (
     AbsorberNew,
     ChangeNew,
     CheckedMode,
     CouplingNew,
-    CrossingView,
-    DeflectionView,
     ElementNew,
     MobilityView,
     ModificationNew,
     ModifiedView,
-    NodesView,
     PairNew,
+)
+from modallab.core.documents.model_use import (
+    CrossingView,
+    DeflectionView,
+    NodesView,
     ParticipationView,
     PredictedFrf,
     ResponseNew,
