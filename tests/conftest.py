@@ -1,8 +1,9 @@
 """What all tests share."""
 
+import gc
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,10 @@ SLOW_FILES = (
     "page/test_the_page.py",
     "page/test_a_campaign_by_page.py",
     "service/api/test_live.py",
+    "docs/test_commands.py",
+    "identification/test_more_data.py",
+    "gap/test_corpus.py",
+    "blind/test_trials_on_a_structure.py",
     "drivers/test_local_mode.py",
     "service/process/test_token.py",
     "service/process/test_kills.py",
@@ -45,7 +50,6 @@ SLOW_FILES = (
     "identification/test_impact.py",
     "notebook/test_people.py",
     "contract/test_bench_contract.py",
-    "docs/test_commands.py",
     "service/api/test_schemathesis.py",
     "service/process/test_tutorial.py",
     "jobs/test_runner.py",
@@ -72,6 +76,17 @@ recording that others read.
 def pytest_xdist_auto_num_workers() -> int:
     """Two more than there are cores: many tests wait, for a process to begin or for a device's own clock."""
     return (os.cpu_count() or 1) + 2
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Modules and tests are no garbage: to look through them again and again takes each worker seconds."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -61,7 +61,7 @@ def cramer_rao(case: Case) -> NDArray[np.float64]:
     )
     # The noise of a line's real part is a half of the complex number's variance.
     point = solve_at(problem, at, case.sigma.ravel() / np.sqrt(2))
-    matrix, _ = normal_equations(problem, point)
+    matrix = normal_equations(problem, point).whole()
     scale = 1 / np.sqrt(np.diag(matrix))
     covariance = np.linalg.inv(matrix * np.outer(scale, scale)) * np.outer(scale, scale)
     sigma = np.sqrt(np.diag(covariance)).reshape(-1, 2)

@@ -1,6 +1,5 @@
 """The broadband test: waves of known peak from 0 V to 0 V, blocks without a gap, a model from each signal."""
 
-from dataclasses import replace
 from math import sqrt
 
 import numpy as np
@@ -12,12 +11,11 @@ from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import BenchInfo
 from modallab.core.block import Block, Campaign
-from modallab.core.errors import DataError, PlanError, SafetyError
+from modallab.core.errors import PlanError, SafetyError
 from modallab.core.events import Event, Notice
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband
-from modallab.gap.diagnosis import diagnose
 from modallab.identification.options import Options
 from modallab.pipelines.identify import identify_campaign
 from modallab.service.campaigns.live_frf import LiveFrfs
@@ -200,9 +198,3 @@ def test_beyond_a_limit_the_run_ends_at_zero_and_keeps_what_tripped(store: Store
         )
     rows = store.catalogue.blocks(store.catalogue.runs()[-1].id)
     assert [(r.note.accepted, r.note.name.endswith("_tripped")) for r in rows] == [(False, True)]
-
-
-def test_a_diagnosis_rejects_records_it_has_no_model_of(store: Store, link_rig: Rig) -> None:
-    blocks, _, _ = blocks_of(store, link_rig, plan_of("chirp", blocks=2))
-    with pytest.raises(DataError, match="records of chirp drive cannot be diagnosed"):
-        diagnose(Campaign(link_rig, (*blocks, replace(blocks[0], name="again"))))

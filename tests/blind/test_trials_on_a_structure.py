@@ -1,5 +1,6 @@
 """Semi-real trials on FRFs of a structure: three modes in a line, with noise, driven at the first point."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -30,3 +31,11 @@ def test_most_effects_are_named_and_nothing_done_is_no_gap(degrees: float, tmp_p
     assert all(t.said == "no_gap" for t in found.trials if t.effect == "none")
     with pytest.raises(DataError, match="other trials"):
         blind_on(measured(degrees), rig(), tmp_path, MeasuredRequest(trials=1, none=1, seed=2))
+
+
+def test_a_trial_without_modes_is_counted_and_ends_nothing(tmp_path: Path) -> None:
+    clean = measured(0.0)
+    # Noise of which a mode can be found only where nothing drowns it.
+    loud = replace(clean, variance=np.full(clean.values.shape, 1e4))
+    found = blind_on(loud, rig(), tmp_path, MeasuredRequest(trials=1, none=1, seed=1))
+    assert [(t.said, t.right) for t in found.trials] == [("not_identified", False)] * 2

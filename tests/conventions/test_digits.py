@@ -12,6 +12,7 @@ from modallab.core.digits import (
     day,
     glued,
     listed,
+    numbers,
     part_of,
     percent,
     plain,
@@ -141,3 +142,8 @@ def test_a_probability_is_never_rounded_up_to_a_certainty():
 def test_an_interval_bears_the_digits():
     assert with_interval(1.7512345, (1.7508, 1.7516), "m") == ("1.7512 m", "1.7508 to 1.7516 m")
     assert with_interval(1.7512345, None) == ("1.751", "")
+
+
+def test_numbers_of_points_are_said_as_ranges():
+    assert numbers([3, 1, 2, 12, 4, 14, 15]) == "1 to 4, 12, 14 and 15"
+    assert (numbers([7]), numbers([None, 2])) == ("7", "2 and unknown")

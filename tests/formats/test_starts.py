@@ -131,6 +131,15 @@ def test_a_part_of_a_sample_is_taken_off_as_a_delay(tmp_path: Path, name: str) -
     assert np.abs(np.degrees(phases - phases[2])).max() < 0.01
 
 
+def test_a_whole_second_without_its_zeros_is_as_exact_as_the_others(tmp_path: Path) -> None:
+    path = sep005(
+        tmp_path / "c.json", [row[k:] for row, k in zip(hit(4), (0, 3, 0, 0), strict=True)], [0, 0.0015, 0, 0]
+    )
+    path.write_text(path.read_text().replace("10:00:00.000000", "10:00:00"))
+    (block,) = import_sources([path], RIG).blocks
+    np.testing.assert_array_equal(block.samples, hit(4)[:, 3:])
+
+
 def test_starts_written_too_coarsely_are_rejected(tmp_path: Path) -> None:
     path = sep005(tmp_path / "c.json", list(hit(4)), [0.0, 0.0, 0.0, 0.0])
     text = path.read_text().replace("10:00:00.000000", "10:00:00")

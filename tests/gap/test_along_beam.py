@@ -8,7 +8,7 @@ from twin_campaign import built, link
 
 from modallab.core.rig import Tolerance
 from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.conditioning.reduce import ImpactData, Reduced
+from modallab.gap.conditioning.rows import ImpactData, Reduced
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import jacobian

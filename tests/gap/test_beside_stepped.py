@@ -9,7 +9,7 @@ import pytest
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import Prepared, prepare
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.report.initial_gap import bench_of, free_of

@@ -33,6 +33,15 @@ def test_the_derivatives_by_every_tolerance_are_those_of_differences() -> None:
         np.testing.assert_allclose(slopes[:, k], difference, atol=1e-5 * max(np.abs(difference).max(), 1e-3))
 
 
+def test_a_structure_that_is_stiffer_as_a_whole_bends_less_outside_the_band_too() -> None:
+    free = Free(compared(Side(REFERENCE), Side(REFERENCE), rig()))
+    u = np.eye(free.size)[0]
+    s = np.array([1e-3j])
+    static = free.at(s, np.full((1, *REFERENCE.modal_constants.shape[1:]), 1e-7 + 0j))
+    stiffer = np.exp(free.deviations[0])
+    np.testing.assert_allclose(static.predicted(u), static.predicted(0 * u) / stiffer, rtol=1e-4)
+
+
 def test_a_misfit_counts_by_the_covariance_of_its_lines() -> None:
     """r^T (S + B B^T)^-1 r, with the inverse taken as it stands."""
     rng = np.random.default_rng(3)

@@ -112,7 +112,7 @@ def scored(out: Path, *words: str) -> str:
 @pytest.mark.thorough("scores campaigns in processes of their own")
 def test_the_two_cheapest_campaigns_are_scored_and_not_scored_again(tmp_path: Path) -> None:
     out = tmp_path / "results.csv"
-    cheapest = ("--only", "own_ideal_none_0", "plate_none_0")
+    cheapest = ("--only", "own_built_none_1", "plate_none_0")
     scored(out, *cheapest, "--processes", "2")
     rows = read(out)
     assert {r["id"]: (r["verdict"], r["right"]) for r in rows} == dict.fromkeys(cheapest[1:], ("no_gap", "1"))

@@ -10,7 +10,9 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
+from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.rows import Reduced
+from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.candidates import of_channel
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import minimise

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from phased_line import OMEGA, PSI, ZETA, model, rig, with_mass
 
+from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.gap.modal.diagnosis import diagnose_by_model
 
@@ -87,3 +88,19 @@ def test_one_sensor_at_one_driven_point_shows_a_mass_there(kg: float) -> None:
     (effect,) = diagnose_by_model(model(sensors=(1,)), with_mass(kg, 1, sensors=(1,)), rig()).effects
     assert effect.effect == "added_mass"
     assert effect.parameters["mass"] == pytest.approx(kg, rel=0.1)
+
+
+def test_a_bench_driven_elsewhere_is_compared_by_reciprocity() -> None:
+    assert diagnose_by_model(model(), model(driven=(2,)), rig()).verdict == "no_gap"
+
+
+@AGAIN
+def test_a_mass_is_found_by_a_bench_driven_elsewhere() -> None:
+    (effect,) = diagnose_by_model(model(), with_mass(1.0, 3, driven=(2,)), rig()).effects
+    assert effect.effect == "added_mass"
+    assert effect.parameters["mass"] == pytest.approx(1.0, rel=0.1)
+
+
+def test_without_a_scale_nothing_is_driven_elsewhere() -> None:
+    with pytest.raises(DataError, match="share no output or no driven point"):
+        diagnose_by_model(model(sensors=(2, 3)), model(sensors=(2, 3), driven=(2,)), rig())

@@ -5,7 +5,9 @@ import pytest
 from twin_campaign import built, link
 
 from modallab.core.rig import Tolerance
-from modallab.gap.conditioning.reduce import Reduced, Weights, reduce, thinned
+from modallab.gap.conditioning.reduce import reduce, thinned
+from modallab.gap.conditioning.rows import Reduced
+from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import Nuisances, nuisances

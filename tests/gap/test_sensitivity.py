@@ -9,7 +9,9 @@ import pytest
 from modallab.core.block import Campaign
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
+from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.rows import Reduced
+from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.candidates import of_bench, of_channel
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian

@@ -12,6 +12,10 @@ TOGETHER = ("page", "service/api", "service/campaigns", "service/process")
 """Folders whose files share a service: one worker runs them all."""
 APART = (
     "docs/test_commands.py",
+    "identification/test_more_data.py",
+    "gap/test_corpus.py",
+    "blind/test_trials_on_a_structure.py",
+    "gap/test_selection.py",
     "service/process/test_a_session.py",
     "service/process/test_kills.py",
     "service/process/test_leaving.py",

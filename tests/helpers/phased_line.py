@@ -41,8 +41,10 @@ def model(
     )  # fmt: skip
 
 
-def with_mass(kg: float, point: int, degrees: float = 0.0, sensors: tuple[int, ...] = (1, 2, 3)) -> ModalModel:
+def with_mass(
+    kg: float, point: int, degrees: float = 0.0, sensors: tuple[int, ...] = (1, 2, 3), driven: tuple[int, ...] = (1,)
+) -> ModalModel:
     """By the eigenproblem of the modes with the mass among them; damping ratios stay."""
     there = PSI[:, [point - 1]]
     squared, turned = eigh(np.diag(OMEGA**2), np.eye(OMEGA.size) + kg * there @ there.T)
-    return model(turned.T @ PSI, np.sqrt(squared), degrees, sensors=sensors)
+    return model(turned.T @ PSI, np.sqrt(squared), degrees, sensors=sensors, driven=driven)

@@ -8,7 +8,8 @@ import numpy as np
 from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.core.units import si_factor
+from modallab.core.units import Broadband, si_factor
+from modallab.frf.broadband import PERIODIC
 from modallab.signals.alignment import lags_s
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.effects import apply
@@ -74,6 +75,24 @@ def sine(rig: Rig, twin: Twin, line: int, level: str, rng: np.random.Generator, 
     force = np.real(amplitude * np.exp(2j * np.pi * hz * np.arange(n) / 1000.0))
     block = _block(rig, f"sine_{level}_{hz:07.3f}", "sine", 1000.0, 4, level=level, frequency_hz=round(hz, 3))
     return _finish(rig, block, force * twin.chain.force_gain, answer * twin.chain.force_gain, rng, spoil)
+
+
+def drive(rig: Rig, twin: Twin, test: Broadband, rng: np.random.Generator, blocks: int = 3) -> list[Block]:
+    """Blocks of a drive of 2 to 200 Hz that follow each other and begin from rest."""
+    n, rate = 4096, 500.0
+    hz = np.fft.rfftfreq(n if test in PERIODIC else blocks * n, 1 / rate)
+    phase = np.pi * n / rate * hz**2 / 200 if test == "chirp" else rng.uniform(0, 2 * np.pi, hz.size)
+    spectrum = np.where((hz > 2) & (hz < 200), np.exp(-1j * phase), 0)
+    force = np.fft.irfft(spectrum)
+    force = np.resize(0.4 * force / force.std(), blocks * n)
+    channels = tuple(c.index for c in rig.responses)
+    x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
+    answer = predict_hit(twin, force, rate, 0.4 * LENGTH, channels, x, 0.0)
+    whole = _finish(rig, _block(rig, test, test, rate, 4), force, answer, rng, lambda volts, _: volts)
+    return [
+        replace(whole, name=f"{test}_{k}", order=k, samples=whole.samples[:, k * n : (k + 1) * n], first_sample=k * n)
+        for k in range(blocks)
+    ]
 
 
 def link() -> Rig:

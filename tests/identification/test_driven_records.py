@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
+from modallab.core.block import Block, Campaign
+from modallab.core.rig import Channel, Point, Rig
 from modallab.frf.joined import RecordSpectra
 from modallab.identification.likelihood.driven_records import Driven, DrivenFit
+from modallab.identification.options import Options
+from modallab.pipelines.identify import identify_campaign
 
 RATE, N = 256.0, 256 * 40
 HZ, ZETA = np.array([30.0, 70.0]), np.array([0.01, 0.008])
@@ -53,3 +57,33 @@ def test_h1_is_low_by_the_power_of_the_noise_and_h2_is_not() -> None:
 def test_intervals_hold_what_is_true() -> None:
     within = np.mean([np.abs(off(fitted(0.1, seed, "H2")[0])) < OUT_OF_95 for seed in range(20)])
     assert 0.88 < within < 0.99
+
+
+def record(noise: float, seed: int) -> Campaign:
+    """One response at the driven point, as exact as its noise of 0.1 %."""
+    rng, omega, w = np.random.default_rng(seed), 2 * np.pi * np.fft.rfftfreq(N, 1 / RATE), 2 * np.pi * HZ[:, None]
+    force = rng.normal(size=N)
+    mode = -(omega**2) / (w**2 - omega**2 + 2j * ZETA[:, None] * w * omega)
+    y = np.fft.irfft(PHI[0] ** 2 @ mode * np.fft.rfft(force), N)
+    samples = np.stack([force + noise * rng.normal(size=N), y + 1e-3 * y.std() * rng.normal(size=N)])
+    channels = (
+        Channel(index=0, name="force", quantity="force", unit="N", point=1),
+        Channel(index=1, name="a1", quantity="acceleration", unit="m/s^2", point=1),
+    )
+    rig = Rig(name="noisy force", model="unknown", points=(Point(id=1, x_m=0.0),), channels=channels)
+    block = Block("run", "random", 0, RATE, samples, np.ones(2), ("N", "m/s^2"), ("force", "a1"), drive_point=1)
+    return Campaign(rig, (block,))
+
+
+@pytest.mark.thorough("identifies a record twice")
+@pytest.mark.parametrize("how", ["H1", "H2"])
+def test_the_interval_of_a_modal_constant_holds_the_bias_of_either_estimator(how: str) -> None:
+    (found,) = identify_campaign(record(0.2, 3), Options(frf="H1" if how == "H1" else "H2")).identified
+    model = found.model
+    near = [int(np.argmin(np.abs(model.frequency_hz - hz))) for hz in HZ]
+    parts = model.modal_constant_part_sigma
+    assert parts is not None
+    away = np.abs(model.modal_constants[near, 0, 0].real - PHI[0] ** 2) / parts[near, 0, 0].real
+    assert (away < 2.5).all()
+    # A constant is known no better than the share of the force that may be noise: 0.04 / 1.04, evenly likely.
+    assert (parts[near, 0, 0].real > 0.02 * PHI[0] ** 2).all()

@@ -41,7 +41,8 @@ def test_the_normal_equations_are_those_of_the_projected_slopes():
     """J written out for one output after the other, P the projector off the columns, Kaufman's derivative."""
     _, _, fit = fitted(hits=2)
     problem, point = fit.problem, fit.point
-    matrix, gradient = normal_equations(problem, point)
+    equations = normal_equations(problem, point)
+    matrix, gradient = equations.whole(), equations.pull
     group, n_poles = point.groups[0], 2 * point.parameters.omega.size
     rows, width = group.columns[0].phi.shape[0], problem.n_local
     n_states = width - point.parameters.force.shape[1]

@@ -86,6 +86,16 @@ def test_without_sensors_at_the_forces_the_parts_still_add_up():
     assert all(np.linalg.matrix_rank(part, tol=1e-9) == 1 for part in found.constants)
 
 
+def test_misfit_as_large_in_each_further_direction_is_no_mode():
+    rng = np.random.default_rng(8)
+    outputs, inputs = np.linalg.qr(rng.standard_normal((3, 3)))[0], np.linalg.qr(rng.standard_normal((40, 3)))[0]
+    points = (range(3), range(3, 43))
+    for sizes, modes in (((1.0, 0.6, 0.5), 1), ((1.0, 0.6, 0.05), 2)):
+        a = (outputs * sizes) @ inputs.T + 0j
+        found = split_repeated(a[None], np.full((1, 3, 40), 1e-3), *points, apparent=np.array([0.27]))
+        assert found.pole.size == modes
+
+
 def test_a_band_split_in_two_gives_what_the_whole_gives():
     truth_hz = [12.0, 25.0, 41.0, 70.0, 88.0, 104.0]
     frf = _frf(truth_hz, [0.005] * 6)

@@ -15,7 +15,7 @@ from modallab.gap.modal.same_form import in_form_of
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
 from modallab.modification.synthesis import synthesised
-from modallab.updating.elements import mesh_of_elements, model_of_elements
+from modallab.updating.elements import frf_of_elements, mesh_of_elements, model_of_elements
 
 EI, PER_M, LENGTH, BAND = 70.0, 0.8, 0.9, (3.0, 250.0)
 K, M, FREEDOMS, NODES = beam(EI, PER_M, LENGTH, 12)
@@ -54,7 +54,7 @@ def free() -> FemModel:
 CLAMPED = FemModel(modes_of(K, M, FREEDOMS, PLACES, "clamped"), {})
 
 
-def receptance(k: np.ndarray, m: np.ndarray, omega: float) -> np.ndarray:
+def receptance(k: np.ndarray, m: np.ndarray, omega: complex) -> np.ndarray:
     """(3, 3) at the nodes 4, 8 and 12, by the matrices themselves."""
     rows = [2 * (node - 1) for node in (4, 8, 12)]
     return np.linalg.inv(k - omega**2 * m)[np.ix_(rows, rows)]
@@ -69,6 +69,17 @@ def test_in_the_band_it_answers_as_the_whole_model_does() -> None:
         made = synthesised(found, np.array([2j * np.pi * hz]))[0]
         # Without damping but for what it is believed to be, which is nothing away from the resonances.
         np.testing.assert_allclose(made.real, exact, atol=0.01 * np.abs(exact).max())
+
+
+def test_its_frfs_are_those_of_the_matrices_on_the_lines_of_the_test() -> None:
+    hz, shift = np.linspace(*BAND, 40), 2.0
+    like = Frf(hz, np.zeros((3, 1, 40), complex), "mobility", ("x", "y", "z"), (1, 2, 3), (3,), damping_shift=shift)
+    undamped = replace(CLAMPED, modes=replace(CLAMPED.modes, damping_ratio=np.zeros(24)))
+    found = frf_of_elements(undamped, rig(), like, (3,))
+    s = shift + 2j * np.pi * hz
+    exact = np.array([receptance(K, M, p / 1j)[:, 2:] * p for p in s])
+    np.testing.assert_allclose(np.moveaxis(found.values, -1, 0), exact, rtol=1e-6)
+    assert found.outputs == ("a0", "a1", "a2")
 
 
 def test_what_moves_as_a_whole_is_an_inertance() -> None:

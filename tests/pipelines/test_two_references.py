@@ -28,6 +28,7 @@ from modallab.formats.importer import import_sources
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.frf.broadband import broadband_frf, driven_band
+from modallab.frf.driven import on_own_clock
 from modallab.frf.joined import joined_frf
 from modallab.frf.settled_periods import without_decays
 from modallab.gap.diagnosis import diagnose
@@ -35,7 +36,6 @@ from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
-from modallab.pipelines.drive import on_own_clock
 from modallab.pipelines.identify import Identified, identify_campaign
 from modallab.signals.signals import Signals, to_signals, to_signals_of
 from modallab.storage import Store

@@ -2,6 +2,7 @@
 
 import functools
 import json
+from dataclasses import replace
 
 import modal_bench as bench
 import numpy as np
@@ -74,6 +75,16 @@ def test_an_frf_made_from_the_model_agrees_with_it_inside_its_band():
     np.testing.assert_allclose(found.frac, 1, rtol=1e-12)
     assert found.measured.frequency_hz.min() >= model.band_hz[0]
     assert found.measured.frequency_hz.max() <= model.band_hz[1]
+
+
+def test_drift_near_0_hz_does_not_hide_that_measured_inertances_are_repeated():
+    _, model, _ = verified()
+    lines = np.linspace(3.0, 400.0, 600)
+    frf = synthesised(model, lines, "inertance")
+    drift = 0.1 * np.abs(frf.values).max(axis=-1, keepdims=True) * (lines < 5.0)
+    found = verify_frf(model, replace(frf, values=frf.values + drift))
+    assert frac(found.measured.values, found.regenerated.values).min() < 0.9
+    assert not mismatch_warning(model, found.frac)
 
 
 @pytest.mark.parametrize(("quantity", "power"), [("mobility", 1), ("inertance", 2)])

@@ -14,14 +14,14 @@ from modallab.core.errors import ConfigurationError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.estimator import USUAL
-from modallab.identification.options import Options
+from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
 from modallab.identification.selection.assumptions import CANNOT_BE_SAID
 from modallab.identification.setups.compare import Compared
 from modallab.identification.setups.readings import SetUpReading
 from modallab.pipelines.identify import Result
 from modallab.pipelines.model_file import model_document
 from modallab.pipelines.report import report_content, truth_of
-from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
+from modallab.pipelines.response_only import identify_chosen
 from modallab.pipelines.response_setups import identify_response_setups
 from modallab.pipelines.setups import Joined, identify_setups
 from modallab.reporting.report import write_report
@@ -151,9 +151,7 @@ def print_remarks(console: Console, result: Result) -> None:
         if item.verification is not None:
             low, high = float(item.verification.frac.min()), float(item.verification.frac.max())
             band = f"{item.model.band_hz[0]:.4g} to {item.model.band_hz[1]:.4g} Hz"
-            console.print(
-                f"{item.source}: FRAC of the regenerated mobility {low:.4f} to {high:.4f}, {band}", markup=False
-            )
+            console.print(f"{item.source}: FRAC of the regenerated FRFs {low:.4f} to {high:.4f}, {band}", markup=False)
         if item.assessment is not None:
             for verdict in item.assessment.verdicts:
                 holds = "holds" if verdict.holds else "DOES NOT HOLD"

@@ -80,7 +80,7 @@ def _modify(known: Known, arguments: argparse.Namespace) -> None:
     changed = known.with_changes(changes)
     show_rows(arguments, modified_rows(known.model, changed.modes, [c.words for c in changes]))
     if arguments.check is not None:
-        for one in checked(changed.modes, read_reference(arguments.check, known.stated_rig, known.model)[0]):
+        for one in checked(changed.modes, read_reference(arguments.check, known.stated_rig, known.model).model):
             console_of(arguments).print(one.words, markup=False, highlight=False, soft_wrap=True)
     if arguments.json is not None:
         m = changed.modes

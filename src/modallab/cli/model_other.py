@@ -18,7 +18,7 @@ from modallab.updating.prior import Prior
 
 def compare(known: Known, arguments: argparse.Namespace) -> None:
     """Pairs of modes with another model."""
-    other = Known(read_reference(arguments.other, known.stated_rig, known.model)[0], known.rig)
+    other = Known(read_reference(arguments.other, known.stated_rig, known.model).model, known.rig)
     found = correlate(known, other)
     if arguments.out is not None:
         _draw(found, known.stated_rig, arguments.out)

@@ -143,6 +143,18 @@ def listed(items: Sequence[str]) -> str:
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}" if items else ""
 
 
+def numbers(values: Sequence[int | None]) -> str:
+    """Numbers of points as ranges, `1 to 9 and 12`; those that are not known as `unknown`."""
+    known, runs = sorted({v for v in values if v is not None}), list[list[int]]()
+    for v in known:
+        if runs and v == runs[-1][-1] + 1:
+            runs[-1].append(v)
+        else:
+            runs.append([v])
+    each = [t for r in runs for t in ([f"{r[0]} to {r[-1]}"] if len(r) > 2 else map(str, r))]
+    return listed([*each, *(["unknown"] if None in values else [])])
+
+
 def counted(number: int, noun: str, plural: str = "") -> str:
     """`1 block`, `3 blocks`."""
     return f"{number} {noun if number == 1 else plural or noun + 's'}"

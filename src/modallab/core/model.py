@@ -33,6 +33,28 @@ class ScaleUncertainty(Frozen):
     modal_mass: float | None
 
 
+class Backbone(Frozen):
+    """How the modes go with their amplitude: what each was at each level, from the weakest to the strongest.
+
+    Attributes:
+        levels: (levels,) names.
+        sensors: (modes,) the output that each mode's amplitude is of.
+        amplitude_m: (modes, levels) of the displacement in m, as it counts for the frequency.
+        frequency_hz: (modes, levels)
+        frequency_sigma_hz: (modes, levels)
+        damping_ratio: (modes, levels)
+        damping_sigma: (modes, levels)
+    """
+
+    levels: tuple[str, ...]
+    sensors: tuple[str, ...]
+    amplitude_m: RealArray
+    frequency_hz: RealArray
+    frequency_sigma_hz: RealArray
+    damping_ratio: RealArray
+    damping_sigma: RealArray
+
+
 class ModalModel(Frozen):
     """Modes of a structure, from one test.
 
@@ -68,6 +90,7 @@ class ModalModel(Frozen):
         scale_uncertainty: what the sensitivities' uncertainty adds; None where none is stated.
         operating_shapes: (modes, outputs) of unknown scale, 1 at the largest, where no force was measured; else None.
         operating_shape_sigma: (modes, outputs) of the complex number, or None.
+        backbone: how the modes go with their amplitude, where records of several levels show that they do.
     """
 
     format_version: Literal[1] = MODEL
@@ -95,6 +118,7 @@ class ModalModel(Frozen):
     scale_uncertainty: ScaleUncertainty | None = Field(default=None, exclude_if=unstated)
     operating_shapes: ComplexArray | None = Field(default=None, exclude_if=absent)
     operating_shape_sigma: RealArray | None = Field(default=None, exclude_if=absent)
+    backbone: Backbone | None = Field(default=None, exclude_if=absent)
 
     @property
     def n_modes(self) -> int:

@@ -16,7 +16,7 @@ class Verification:
         measured: mobility from the test's blocks.
         regenerated: mobility of the model's response to the measured force, cut as the blocks were.
         untruncated: the model's own mobility on a fine grid, with no block at all.
-        frac: (outputs, inputs) FRAC of measured against regenerated.
+        frac: (outputs, inputs) FRAC of measured against regenerated; of FRFs as imported in the quantity they came in.
     """
 
     measured: Frf

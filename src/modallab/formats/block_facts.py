@@ -34,9 +34,9 @@ class BlockFacts:
     def text(self) -> str:
         """A line that `read_facts` understands."""
         content = {name: getattr(self, name) for name in self.__slots__}
-        said = {name: value for name, value in content.items() if value not in (None, 0)}
+        facts = {name: value for name, value in content.items() if value not in (None, 0)}
         # Without blanks, which fields of fixed width lose at their ends.
-        return MARK + json.dumps(said, separators=(",", ":"), allow_nan=False).replace(" ", "\\u0020")
+        return MARK + json.dumps(facts, separators=(",", ":"), allow_nan=False).replace(" ", "\\u0020")
 
 
 def read_facts(line: str, where: str) -> BlockFacts | None:

@@ -23,7 +23,7 @@ FORCE_NAMES = ("force", "hammer", "ham", "kraft", "impact", "f")
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class DraftChannel:
     """What a file says of one channel; None or "" where it says nothing."""
 
     name: str
@@ -34,7 +34,7 @@ class Said:
 
 
 def rig_of(
-    said: Sequence[Said],
+    drafts: Sequence[DraftChannel],
     path: Path,
     points: tuple[Point, ...] = (),
     lines: tuple[tuple[int, int], ...] = (),
@@ -44,7 +44,7 @@ def rig_of(
     """A rig of the channels in their order; where a place is not known, points stand a metre apart.
 
     Args:
-        said: of each channel.
+        drafts: of each channel.
         path: of the file, which names the rig.
         points: the geometry's.
         lines: of the geometry.
@@ -54,14 +54,14 @@ def rig_of(
     Raises:
         DataError: several forces.
     """
-    forces = [i for i, s in enumerate(said) if _is_force(s)]
+    forces = [i for i, s in enumerate(drafts) if _is_force(s)]
     if len(forces) > 1:
         raise DataError(
-            f"has {len(forces)} channels of force: {', '.join(said[i].name for i in forces)}",
+            f"has {len(forces)} channels of force: {', '.join(drafts[i].name for i in forces)}",
             where=str(path),
             remedy="a rig holds one force: write a rig file with one of them, and give it with --rig",
         )
-    channels = [_channel(i, s, said, force=forces[:1] == [i]) for i, s in enumerate(said)]
+    channels = [_channel(i, s, drafts, force=forces[:1] == [i]) for i, s in enumerate(drafts)]
     named = sorted({c.point for c in channels if c.point} | set(driven))
     known = {p.id for p in points}
     more = tuple(Point(id=n, x_m=float(n)) for n in named if n not in known)
@@ -77,13 +77,13 @@ def rig_of(
     )
 
 
-def wanted(said: Iterable[Said], options: ImportOptions) -> list[Said]:
+def select_channels(drafts: Iterable[DraftChannel], options: ImportOptions) -> list[DraftChannel]:
     """The channels that the user takes, as `options.channels` and `options.ignore` say.
 
     Raises:
         DataError: a channel that is to be taken is not there, or none is left.
     """
-    every = list(said)
+    every = list(drafts)
     found = [one for one in every if options.takes(one.name)]
     missing = [n for n in options.channels if n.lower() not in {one.name.lower() for one in every}]
     if missing or not found:
@@ -121,21 +121,21 @@ def write_draft(rig: Rig, out: Path, notes: Sequence[str]) -> None:
         temporary.write_text("".join(f"# {line}\n" for line in head) + dump_rig(rig), encoding="utf-8")
 
 
-def _is_force(said: Said) -> bool:
-    if said.quantity is not None:
-        return said.quantity == "force"
-    return said.name.strip().lower() in FORCE_NAMES
+def _is_force(draft: DraftChannel) -> bool:
+    if draft.quantity is not None:
+        return draft.quantity == "force"
+    return draft.name.strip().lower() in FORCE_NAMES
 
 
-def _channel(index: int, said: Said, others: Sequence[Said], *, force: bool) -> Channel:
-    quantity = "force" if force else said.quantity if said.quantity not in (None, "force") else "acceleration"
-    unit = said.unit if said.unit and quantity_of(said.unit) == quantity else SI_UNIT[quantity]
-    twice = sum(s.name == said.name for s in others) > 1
+def _channel(index: int, draft: DraftChannel, others: Sequence[DraftChannel], *, force: bool) -> Channel:
+    quantity = "force" if force else draft.quantity if draft.quantity not in (None, "force") else "acceleration"
+    unit = draft.unit if draft.unit and quantity_of(draft.unit) == quantity else SI_UNIT[quantity]
+    twice = sum(s.name == draft.name for s in others) > 1
     return Channel(
         index=index,
-        name=f"{said.name} {index}" if twice else said.name,
+        name=f"{draft.name} {index}" if twice else draft.name,
         quantity=quantity,
         unit=unit,
-        point=said.point,
-        direction=said.direction or "+z",
+        point=draft.point,
+        direction=draft.direction or "+z",
     )

@@ -11,7 +11,7 @@ from modallab.core.progress import count_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure
-from modallab.formats.draft import Said, wanted
+from modallab.formats.draft import DraftChannel, select_channels
 from modallab.formats.error_list import Collected
 from modallab.formats.options import ImportOptions
 from modallab.formats.sniff import sniff
@@ -108,7 +108,7 @@ def taken_of(rig: Rig, options: ImportOptions) -> Rig:
     Raises:
         DataError: a channel that is to be taken is not on the rig, or none is left.
     """
-    names = [one.name for one in wanted((Said(c.name) for c in rig.channels), options)]
+    names = [one.name for one in select_channels((DraftChannel(c.name) for c in rig.channels), options)]
     kept = [c for c in rig.channels if c.name in names]
     return rig.model_copy(update={"channels": tuple(c.model_copy(update={"index": k}) for k, c in enumerate(kept))})
 

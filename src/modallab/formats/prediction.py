@@ -46,7 +46,7 @@ def read_prediction(path: Path, rig: Rig) -> dict[str, Array]:
         with h5py.File(path) as source:
             if isinstance(source.get("records"), h5py.Group):
                 raise FormatError("is a campaign, not predicted records", where=str(path), remedy=PREDICT)
-            said: dict[str, Any] = dict(source.attrs)
+            attributes: dict[str, Any] = dict(source.attrs)
             records: dict[str, Array] = {
                 name: np.asarray(values, dtype=np.float64)
                 for name, values in source.items()
@@ -56,7 +56,7 @@ def read_prediction(path: Path, rig: Rig) -> dict[str, Array]:
         no_hdf5 = path.is_file() and not h5py.is_hdf5(path)
         found = "is no HDF5 file" if no_hdf5 else f"cannot be read: {error}"
         raise FormatError(found, where=str(path), remedy=PREDICT) from error
-    order, factors = _rows(said, rig, str(path))
+    order, factors = _rows(attributes, rig, str(path))
     for name, values in records.items():
         if values.ndim != 2 or len(values) <= max(order):
             found = f"{name} holds an array of shape {values.shape}"
@@ -64,19 +64,21 @@ def read_prediction(path: Path, rig: Rig) -> dict[str, Array]:
     return {name: values[order] * factors[:, None] for name, values in records.items()}
 
 
-def _rows(said: Mapping[str, Any], rig: Rig, where: str) -> tuple[list[int], Array]:
+def _rows(attributes: Mapping[str, Any], rig: Rig, where: str) -> tuple[list[int], Array]:
     """Which row of the file belongs to each response channel, and its factor."""
-    version = int(said.get("format_version", PREDICTION))
+    version = int(attributes.get("format_version", PREDICTION))
     if version not in (1, PREDICTION):
         raise FormatError(f"is of version {version}", where=where, remedy=f"write version {PREDICTION}")
-    names = [str(name) for name in said.get("channels", [c.name for c in rig.responses])]
+    names = [str(name) for name in attributes.get("channels", [c.name for c in rig.responses])]
     missing = [c.name for c in rig.responses if c.name not in names]
     if missing:
         raise DataError(f"lacks {', '.join(missing)}", where=where, remedy="predict every response channel of the rig")
     order = [names.index(c.name) for c in rig.responses]
     # Version 1, and a file that says nothing, are in SI units along the drive.
-    units = list(map(str, said["units"])) if "units" in said else None
-    directions = list(map(str, said["directions"])) if "directions" in said else [rig.drive_direction] * len(names)
+    units = list(map(str, attributes["units"])) if "units" in attributes else None
+    directions = (
+        list(map(str, attributes["directions"])) if "directions" in attributes else [rig.drive_direction] * len(names)
+    )
     factors = [
         _factor(c, None if units is None else units[row], directions[row], where)
         for c, row in zip(rig.responses, order, strict=True)

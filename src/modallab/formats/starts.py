@@ -83,19 +83,19 @@ def on_common_times(
         DataError: records of the same start but of unequal length, that do not overlap, or whose starts are unknown or
             written too coarsely.
     """
-    said = [start for start in starts if start is not None]
-    if len({start.at_s for start in said}) < 2:
-        return _same_length(rows, said[0] if said else None, rate_hz, names, where), ""
-    if len(said) < len(starts):
-        unsaid = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
-        raise DataError(f"other channels begin at different times, and {unsaid} says none", where=where, remedy=_APART)
-    ahead = _samples_ahead(said, rate_hz, names, where)
+    stamps = [start for start in starts if start is not None]
+    if len({start.at_s for start in stamps}) < 2:
+        return _same_length(rows, stamps[0] if stamps else None, rate_hz, names, where), ""
+    if len(stamps) < len(starts):
+        without = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
+        raise DataError(f"other channels begin at different times, and {without} says none", where=where, remedy=_APART)
+    ahead = _samples_ahead(stamps, rate_hz, names, where)
     parts = [_from_sample(row, lead, rate_hz) for row, lead in zip(rows, ahead, strict=True)]
     n = min(len(part) for part in parts)
     if n < 2:
-        raise DataError(_apart(rows, said, rate_hz, names), where=where, remedy=_APART)
+        raise DataError(_apart(rows, stamps, rate_hz, names), where=where, remedy=_APART)
     late = ", ".join(
-        f"{name} {float(s.at_s - min(said, key=_at).at_s):.6g} s" for name, s in zip(names, said, strict=True)
+        f"{name} {float(s.at_s - min(stamps, key=_at).at_s):.6g} s" for name, s in zip(names, stamps, strict=True)
     )
     note = f"channels begin at different times ({late}); cut to the {n / rate_hz:g} s that all of them cover"
     return np.stack([part[:n] for part in parts]), note
@@ -120,19 +120,20 @@ def _same_length(
     return np.stack(rows)
 
 
-def _samples_ahead(said: Sequence[Start], rate_hz: float, names: Sequence[str], where: str) -> list[Fraction]:
+def _samples_ahead(stamps: Sequence[Start], rate_hz: float, names: Sequence[str], where: str) -> list[Fraction]:
     """By how many samples each channel begins before the last one; whole numbers where they are meant to be."""
-    coarse = max(start.resolution_s for start in said) * rate_hz
+    # A whole second is written without its zeros by some programs: a file's starts are as exact as the longest one.
+    index = int(np.argmin([start.resolution_s for start in stamps]))
+    coarse = stamps[index].resolution_s * rate_hz
     if coarse > _COARSE:
-        index = int(np.argmax([start.resolution_s for start in said]))
         raise DataError(
             f"channels begin at different times, and the start of {names[index]} is written to "
-            f"{2 * said[index].resolution_s:g} s where a sample lasts {1 / rate_hz:g} s",
+            f"{2 * stamps[index].resolution_s:g} s where a sample lasts {1 / rate_hz:g} s",
             where=where,
             remedy="export the starts with more digits, or channels that were recorded together",
         )
-    last = max(start.at_s for start in said)
-    exact = [(last - start.at_s) * Fraction(rate_hz) for start in said]
+    last = max(start.at_s for start in stamps)
+    exact = [(last - start.at_s) * Fraction(rate_hz) for start in stamps]
     return [Fraction(round(a)) if abs(a - round(a)) <= max(_WHOLE, 2 * coarse) else a for a in exact]
 
 
@@ -148,9 +149,9 @@ def _from_sample(row: NDArray[Any], lead: Fraction, rate_hz: float) -> NDArray[A
     return align_channels(row[None].astype(np.float64), rate_hz, lag)[0, whole:-HALF]
 
 
-def _apart(rows: Sequence[NDArray[Any]], said: Sequence[Start], rate_hz: float, names: Sequence[str]) -> str:
-    first = min(start.at_s for start in said)
-    begin = [float(start.at_s - first) for start in said]
+def _apart(rows: Sequence[NDArray[Any]], stamps: Sequence[Start], rate_hz: float, names: Sequence[str]) -> str:
+    first = min(start.at_s for start in stamps)
+    begin = [float(start.at_s - first) for start in stamps]
     end = [b + len(row) / rate_hz for b, row in zip(begin, rows, strict=True)]
     late, early = int(np.argmax(begin)), int(np.argmin(end))
     return (

@@ -23,6 +23,8 @@ _ALIASES = {
     "g's": "g",
     "Gs": "g",
     "seconds": "s",
+    "second": "s",
+    "Second": "s",
     "Seconds": "s",
     "lb": "lbf",
     "Lb": "lbf",

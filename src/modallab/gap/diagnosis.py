@@ -15,8 +15,10 @@ from modallab.core.effects import kind_of
 from modallab.core.progress import part, report
 from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
 from modallab.gap.conditioning.records import as_recorded
-from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
+from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.split import split
+from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import beam_of
@@ -252,7 +254,7 @@ def _as_found(prepared: Prepared, seen: list[Found], clean: Reduced, held: Seque
         return clean
     full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
     blocks = as_recorded(prepared.campaign, held)
-    return reduce(prepared.campaign, blocks, Weights(prepared.believed_v, full_scales))
+    return reduce(prepared.campaign, blocks, Weights(prepared.believed_v, full_scales, doubt=prepared.driven.doubt))
 
 
 def _shrink(choice: Choice, raw: Reduced, clean: Reduced, held: list[str]) -> Shrink:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.agreement import agreement_of
 from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.select import Level, StepwiseSelection

@@ -9,6 +9,7 @@ from modallab.core.frf import Frf
 from modallab.core.units import FrfEstimator
 from modallab.frf.joined import RecordSpectra
 from modallab.identification.likelihood.driven_records import OF_H2, Driven, DrivenFit
+from modallab.identification.likelihood.equations import Covariance
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.poles import poles_of
@@ -52,12 +53,15 @@ def on_records(
     found = driven.search(at.omega, at.zeta, fit.point.groups[0].coefficients)
     found, stay = driven.needed(found, keep)
     there, n = fit_frf(frf, poles_of(found.omega, found.zeta), 0), 2 * stay.size
-    refined = replace(there.refined, covariance=found.covariance[:n, :n], settled=True)
+    covariance = Covariance.of_poles(found.covariance[:n, :n])
+    refined = replace(there.refined, covariance=covariance, settled=True)
     better = replace(there, refined=refined)
     constants, sigma = _constants(found)
-    seen = replace(seen_by(better), constants=constants, sigma_of_parts=sigma, terms=found.coefficients[n:, :, None])
+    noise = float(np.median(1 - driven.true_share(found.force_noise)))
+    parts = _with_bias(constants, sigma, noise)
+    seen = replace(seen_by(better), constants=constants, sigma_of_parts=parts, terms=found.coefficients[n:, :, None])
     known = float(np.min(np.abs(sigma) / np.maximum(np.abs(constants), np.finfo(float).tiny), initial=np.inf))
-    return OnRecords(better, stay, seen, _noise_note(1 - driven.true_share(found.force_noise), estimator, known))
+    return OnRecords(better, stay, seen, _noise_note(noise, estimator, known))
 
 
 def _constants(found: Driven) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
@@ -70,15 +74,26 @@ def _constants(found: Driven) -> tuple[NDArray[np.complex128], NDArray[np.comple
     return 1j * scale * residue[..., None], scale * (sigmas[:, 1] + 1j * sigmas[:, 0])[..., None]
 
 
-def _noise_note(share: NDArray[np.float64], estimator: FrfEstimator, known: float) -> tuple[str, ...]:
+def _with_bias(
+    constants: NDArray[np.complex128], sigma: NDArray[np.complex128], noise: float
+) -> NDArray[np.complex128]:
+    """Sigmas of the parts with that of the bias: within plus or minus the noise's share of the force's power.
+
+    The records do not say which it is. A value anywhere within limits has their share 1 / sqrt(3) for its standard
+    deviation (JCGM 100:2008, 4.3.7).
+    """
+    bias = noise / np.sqrt(3)
+    return np.hypot(sigma.real, bias * constants.real) + 1j * np.hypot(sigma.imag, bias * constants.imag)
+
+
+def _noise_note(noise: float, estimator: FrfEstimator, known: float) -> tuple[str, ...]:
     """A bias that the best known modal constant would not show is not worth a word."""
-    noise = float(np.median(share))
     if noise < known:
         return ()
     low, high = 100 * noise * (1 - OF_H2[estimator]), 100 * noise * OF_H2[estimator]
     on_channel = f"{estimator} and the modal constants are {low:.2g} % low" if low else f"{estimator} is right"
     in_force = f"they are {high:.2g} % high" if high else "they are right"
     return (
-        f"Noise on the force, {100 * np.sqrt(noise):.2g} % of it, is in the uncertainties. If the force channel makes "
-        f"it, {on_channel}. If it is a force that was not measured, {in_force}.",
+        f"Noise on the force, {100 * np.sqrt(noise):.2g} % of it, is in the uncertainties, as is its bias. If the "
+        f"force channel makes it, {on_channel}. If it is a force that was not measured, {in_force}.",
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -10,6 +11,10 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.units import FRF_ESTIMATORS, FrfEstimator, Test
 from modallab.identification.estimator import USUAL, Estimator, find_estimator
+
+ResponseMethod = Literal["ssi_cov", "plscf_spectra"]
+"""How modes of the responses alone are found."""
+USUAL_RESPONSE: ResponseMethod = "ssi_cov"
 
 
 @dataclass(frozen=True, slots=True)

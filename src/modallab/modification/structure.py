@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.digits import numbers
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
@@ -132,7 +133,7 @@ def structure_of(model: ModalModel, rig: Rig | None = None) -> Structure:
     listed = tuple(dict.fromkeys([*outputs, *inputs]))
     rows, columns = [listed.index(f) for f in outputs], [listed.index(f) for f in inputs]
     if not set(rows) & set(columns):
-        driven = ", ".join(str(f[0]) for f in inputs)
+        driven = numbers([f[0] for f in inputs])
         raise DataError(
             f"no sensor stands at a driven point (driven: {driven}), so that the shapes have no scale",
             remedy="hit once at a point that has a sensor looking along the hit, and identify all together",

@@ -82,7 +82,7 @@ class Correlated:
             known = other.known
         else:
             rig = self.known.stated_rig
-            known = Known(read_reference(Path(other), rig, self.known.model)[0], rig)
+            known = Known(read_reference(Path(other), rig, self.known.model).model, rig)
         return CorrelatedModes(correlate(self.known, known), self.known.rig)
 
     def update(

@@ -7,12 +7,12 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL
-from modallab.identification.options import Options
+from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
 from modallab.notebook.arguments import band_of, frequencies_of
 from modallab.notebook.measured import MeasuredFrf, phase_rises
 from modallab.notebook.model import Model
 from modallab.notebook.recording import Recording
-from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
+from modallab.pipelines.response_only import identify_chosen
 from modallab.pipelines.response_setups import identify_response_setups
 from modallab.pipelines.setups import identify_setups
 from modallab.reporting.waiting import waiting

@@ -12,13 +12,15 @@ from pathlib import Path
 from modallab.core.documents.pages import EventView
 from modallab.core.errors import ModallabError
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
-from modallab.service.campaigns.local_session import record_campaign
 
 
 def main(folder: Path) -> int:
     """Record what the order says; 0 if it was done."""
     # Asked to end, it leaves the bench as Ctrl-C does: at rest.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # Not above: the bench's own process reads this module too, and needs none of it.
+    from modallab.service.campaigns.local_session import record_campaign
+
     url, rig, plans = pickle.loads((folder / "order.pickle").read_bytes())
     try:
         write_campaign(record_campaign(url, rig, plans, folder / "data", _reporter(len(plans))), folder / "campaign.h5")

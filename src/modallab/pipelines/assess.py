@@ -34,14 +34,12 @@ from modallab.identification.selection.assumptions import (
 from modallab.identification.selection.confidence import confidence, least_strength, strength
 from modallab.identification.selection.pre_trigger_noise import model_error, pre_trigger_noise
 from modallab.pipelines.distortion import distortions_of
+from modallab.pipelines.levels import FORCE_RATIO, Groups, by_level, by_strength
 from modallab.signals.signals import Signals
 from modallab.verification.assessment import Assessment, assess_model
 
 Judge = tuple[str, Callable[[], Verdict]]
-Groups = Sequence[Sequence[Signals]]
 LOUD = 0.01
-FORCE_RATIO = 1.5
-"""Two levels of a hit are two if the harder one is this much harder."""
 
 
 def assess_impact(model: ModalModel, fit: Fit, groups: Groups, rig: Rig) -> Assessment:
@@ -65,7 +63,7 @@ def assess_impact(model: ModalModel, fit: Fit, groups: Groups, rig: Rig) -> Asse
 
     by_hits, by_places = allowances(rig, band[1])
     judges: list[Judge] = [
-        ("linearity", lambda: linearity(*both(_two_levels), by_hits)),
+        ("linearity", lambda: linearity(*both(_softest_and_hardest), by_hits)),
         ("time invariance", lambda: time_invariance(*both(_first_and_last), by_hits)),
         ("reciprocity", lambda: reciprocity(_along(frf(groups), rig), by_places)),
         ("driving point", lambda: driving_point(_along(frf(groups), rig))),
@@ -124,15 +122,12 @@ def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], fr
         return one, other
 
     def levels() -> tuple[Frf, Frf]:
-        names = sorted({s.block.level or "" for s in signals})
-        if len(names) != 2:
-            raise DataError(f"the blocks are of {len(names)} drive levels", remedy="drive at two")
-        one, other = ([s for s in signals if (s.block.level or "") == name] for name in names)
+        (_, one), *_, (_, other) = by_level(signals)
         return broadband_frf(one, rig, band, signals), broadband_frf(other, rig, band, signals)
 
     def linear() -> Verdict:
-        # Two levels show what depends on the amplitude, several waves what has other frequencies than the drive.
-        if len({s.block.level for s in signals}) == 2:
+        # Levels show what depends on the amplitude, several waves what has other frequencies than the drive.
+        if len({s.block.level for s in signals}) > 1:
             return linearity(*levels())
         return distorted(distortions_of(ordered, model))
 
@@ -197,23 +192,12 @@ def _loud_band(groups: Groups, band_hz: tuple[float, float]) -> tuple[float, flo
     return band_hz[0], top
 
 
-def _two_levels(groups: Groups) -> tuple[Groups, Groups]:
-    soft: list[list[Signals]] = []
-    hard: list[list[Signals]] = []
-    for group in groups:
-        ordered = sorted(group, key=_peak)
-        if len(ordered) > 1 and _peak(ordered[-1]) > FORCE_RATIO * _peak(ordered[0]):
-            soft.append(ordered[:1])
-            hard.append(ordered[-1:])
-    if not soft:
-        raise DataError(
-            f"no two hits at one point differ by more than {FORCE_RATIO:g} in force", remedy="hit softly and hard"
-        )
-    return soft, hard
-
-
-def _peak(signals: Signals) -> float:
-    return float(np.max(np.abs(signals.force)))
+def _softest_and_hardest(groups: Groups) -> tuple[Groups, Groups]:
+    levels = by_strength(groups)
+    if not levels:
+        found = f"no two hits at one point differ by more than {FORCE_RATIO:g} in force"
+        raise DataError(found, remedy="hit softly and hard")
+    return levels[0][1], levels[-1][1]
 
 
 def _first_and_last(groups: Groups) -> tuple[Groups, Groups]:

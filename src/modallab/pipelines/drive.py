@@ -8,10 +8,9 @@ import numpy as np
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.frf.broadband import PERIODIC, broadband_frf, driven_lines, of_one_level
-from modallab.frf.drive_clock import on_clock_of_drive
-from modallab.frf.estimate import lines
-from modallab.frf.joined import check_followed, joined_frf, joined_spectra
+from modallab.frf.broadband import PERIODIC, of_one_level
+from modallab.frf.driven import RANDOM, alike, driven_frf
+from modallab.frf.joined import check_followed, joined_spectra
 from modallab.frf.settled_periods import without_decays
 from modallab.frf.shares import least_blocks, shares
 from modallab.frf.sums import Estimator
@@ -25,7 +24,6 @@ from modallab.signals.signals import Signals
 SETTLED_LOOKS = 2
 """Times that the decays are taken off a periodic drive's blocks: the poles of the first look are a little off."""
 
-RANDOM = ("random", "burst-random")
 LEAST_PARTS = 3
 TOO_FEW = (
     "So few blocks do not show by how much they scatter: the uncertainties are those of the noise alone, and may be"
@@ -33,14 +31,6 @@ TOO_FEW = (
 )
 UNKNOWN = 0.5
 """Share of a damping ratio beyond which its sigma says that it is that of noise, or an artefact of the FRF's errors."""
-
-
-def on_own_clock(signals: Sequence[Signals], band_hz: tuple[float, float]) -> list[Signals]:
-    """The blocks, of a periodic drive as its own clock would have cut them: else its lines leak into one another."""
-    first = signals[0]
-    if first.block.test not in PERIODIC:
-        return list(signals)
-    return on_clock_of_drive(signals, driven_lines(lines(first.n_samples, first.rate_hz, band_hz), signals))
 
 
 def frf_of_drive(
@@ -52,9 +42,9 @@ def frf_of_drive(
         DataError: the responses do not follow the force, a band without lines, or one block of a periodic drive for H2
             or Hv.
     """
-    measured = _made(of_one_level(signals), rig, band_hz, estimator)
+    measured = driven_frf(signals, rig, band_hz, estimator)
     check_followed(measured)
-    return _alike(measured)
+    return alike(measured)
 
 
 def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit, Frf]:
@@ -76,7 +66,7 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
     for _ in range(SETTLED_LOOKS if used[0].block.test in PERIODIC else 0):
         poles = poles_of(2 * np.pi * found.frequency_hz, found.damping_ratio)
         used = without_decays(of_one_level(signals), poles, band)
-        frf = _alike(_made(used, rig, band, options.frf))
+        frf = alike(driven_frf(used, rig, band, options.frf))
         found, fit = identify_frf(frf, rig, options)
     parts = _parts(used, rig, found.band_hz, options.frf) if options.refined and records is None else []
     few = (TOO_FEW,) if options.refined and records is None and not parts else ()
@@ -93,20 +83,9 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
     return kept.model_copy(update={"notes": (*kept.notes, note)}), fit, frf
 
 
-def _made(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator) -> Frf:
-    # A block of random drive is cut out of what never ends: only the blocks together are long enough.
-    made = joined_frf if signals[0].block.test in RANDOM else broadband_frf
-    return made(signals, rig, band_hz, estimator=estimator)
-
-
 def _of_one_random_force(signals: Sequence[Signals]) -> bool:
     """What its records scatter by is in their likelihood: other drives are held against parts of themselves."""
     return signals[0].block.test in RANDOM and len(signals[0].forces) == 1
-
-
-def _alike(frf: Frf) -> Frf:
-    """With lines that count alike: what varies from line to line is the drive's own level, which another look lacks."""
-    return replace(frf, coherence=None, variance=None)
 
 
 def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator) -> list[Frf]:
@@ -115,4 +94,4 @@ def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], e
     count = min(PARTS, len(signals) // each)
     if count < LEAST_PARTS:
         return []
-    return [in_band(_alike(_made(part, rig, band_hz, estimator)), band_hz) for part in shares(signals, count)]
+    return [in_band(alike(driven_frf(part, rig, band_hz, estimator)), band_hz) for part in shares(signals, count)]

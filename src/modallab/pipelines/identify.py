@@ -3,49 +3,38 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Literal
+
+import numpy as np
 
 from modallab.core.blas_threads import one_thread
 from modallab.core.block import Block, Campaign
-from modallab.core.errors import DataError, ModallabError
+from modallab.core.errors import DataError, IdentificationError, ModallabError
+from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.progress import part, report
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.core.verification import Verification
 from modallab.frf.broadband import driven_band
+from modallab.frf.driven import on_own_clock
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
+from modallab.identification.backbone import DriveLevel
 from modallab.identification.frf_model import identify_given_frf, in_band
-from modallab.identification.impact import default_band, identify_impact
+from modallab.identification.impact import LEAK, default_band, identify_impact
 from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
 from modallab.pipelines.averaged_hits import identify_averaged_hits
-from modallab.pipelines.drive import frf_of_drive, identify_drive, on_own_clock
+from modallab.pipelines.drive import frf_of_drive, identify_drive
+from modallab.pipelines.levels import Identified, Source, by_level, by_strength, linear, of_weakest, softest
 from modallab.pipelines.sound import sound
 from modallab.signals.drive_kind import check_kind
 from modallab.signals.signals import Signals, to_signals_of
 from modallab.verification.assessment import Assessment
 from modallab.verification.reservations import doubts, mismatch_warning
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
-
-Source = Test | Literal["frf"]
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Identified:
-    """One test's model, its verification and its assessment; none for the peak method: it has no model of the block.
-
-    `index` is the place among the campaign's FRFs of the one it came from.
-    """
-
-    source: Source
-    model: ModalModel
-    verification: Verification | None
-    assessment: Assessment | None = None
-    index: int = 0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -162,11 +151,40 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
     if options.frf != "H1":
         model, fit, frf = identify_averaged_hits(groups, campaign.rig, options)
         return _judged("impact", _with_notes(model, notes), verify_frf(model, frf), assess_frf(model, fit, frf))
+    pooled, error = _tried(lambda: _of_hits(signals, notes, campaign.rig, options))
+    if pooled is not None and linear(pooled):
+        return pooled
+    band = options.band_hz or default_band(groups)
+    shift = float(np.log(LEAK) * signals[0].rate_hz / signals[0].force.size)
+    levels = [
+        DriveLevel(name, impact_frf(parts, campaign.rig, band, damping_shift=shift), [s for p in parts for s in p])
+        for name, parts in by_strength(groups)
+    ]
+    found = of_weakest(pooled, levels, lambda o: _of_hits(softest(groups), notes, campaign.rig, o), options)
+    return _there(found, error)
+
+
+def _tried(identify: Callable[[], Identified]) -> tuple[Identified | None, ModallabError | None]:
+    """A model, or why there is none: that of records of several levels may be none where one level gives one."""
+    try:
+        return identify(), None
+    except IdentificationError as error:
+        return None, error
+
+
+def _there(found: Identified | None, error: ModallabError | None) -> Identified:
+    if found is None:
+        raise error or IdentificationError("no mode was found", remedy="look at the FRFs")
+    return found
+
+
+def _of_hits(signals: list[Signals], notes: tuple[str, ...], rig: Rig, options: Options) -> Identified:
+    groups = group_by_point(signals)
     with part(0.05, 0.9):
-        model, fit = identify_impact(signals, campaign.rig, options)
+        model, fit = identify_impact(signals, rig, options)
     report(0.9, "assessment")
-    assessment = assess_impact(model, fit, groups, campaign.rig)
-    verification = verify_impact(model, fit, groups, campaign.rig)
+    assessment = assess_impact(model, fit, groups, rig)
+    verification = verify_impact(model, fit, groups, rig)
     return _judged("impact", _with_notes(model, notes), verification, assessment)
 
 
@@ -194,9 +212,25 @@ def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identif
     own_model = options.own_model
     if own_model is not None:
         return Identified(test, _with_notes(own_model(frf, test), notes), None)
-    found, fit, frf = identify_drive(every, frf, campaign.rig, options)
+    pooled, error = _tried(lambda: _of_drive(test, every, frf, notes, campaign.rig, options))
+    if pooled is not None and linear(pooled):
+        return pooled
+    parts = by_level(every)
+    levels = (
+        [DriveLevel(n, frf_of_drive(s, campaign.rig, band, options.frf), s) for n, s in parts] if len(parts) > 1 else []
+    )
+    found = of_weakest(
+        pooled, levels, lambda o: _of_drive(test, parts[0][1], levels[0].frf, notes, campaign.rig, o), options
+    )
+    return _there(found, error)
+
+
+def _of_drive(
+    test: Broadband, signals: list[Signals], frf: Frf, notes: tuple[str, ...], rig: Rig, options: Options
+) -> Identified:
+    found, fit, frf = identify_drive(signals, frf, rig, options)
     model = found.model_copy(update={"test": test})
-    assessment = assess_broadband(model, fit, every, frf, campaign.rig)
+    assessment = assess_broadband(model, fit, signals, frf, rig)
     return _judged(test, _with_notes(model, notes), verify_frf(model, frf), assessment)
 
 

@@ -6,8 +6,6 @@ from modallab.core.block import Campaign
 from modallab.core.errors import ModallabError
 from modallab.core.model import ModalModel
 from modallab.core.plan import KnownMode, Plan, SinePlan
-from modallab.identification.options import Options
-from modallab.pipelines.identify import identify_campaign
 
 
 def with_modes(plan: SinePlan, model: ModalModel) -> SinePlan:
@@ -30,6 +28,10 @@ def with_known_modes(plan: Plan, recorded: Callable[[], Campaign]) -> Plan:
     """
     if not isinstance(plan, SinePlan) or plan.max_settle_s is None or plan.modes:
         return plan
+    # Not above: few plans need it, and every process that records loads this module.
+    from modallab.identification.options import Options
+    from modallab.pipelines.identify import identify_campaign
+
     try:
         result = identify_campaign(recorded(), Options(), "impact")
     except ModallabError:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from typing import Annotated, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 from pydantic import AfterValidator, Field, JsonValue, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
@@ -14,9 +14,10 @@ from modallab.core.field_errors import sentences
 from modallab.core.frozen import Frozen, unstated
 from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL, estimator_names, find_estimator
-from modallab.identification.options import Options
-from modallab.pipelines.identify import Result
-from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
+from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
+
+if TYPE_CHECKING:
+    from modallab.pipelines.identify import Result
 
 Hertz = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
@@ -77,12 +78,15 @@ class IdentifyParameters(Frozen):
             )
         return self
 
-    def identified(self, campaign: Campaign) -> Result:
+    def identified(self, campaign: Campaign) -> "Result":
         """What a campaign gives, asked so.
 
         Raises:
             ModallabError: there is nothing to identify, or no mode.
         """
+        # Not above: who only orders a job needs none of it.
+        from modallab.pipelines.response_only import identify_chosen
+
         return identify_chosen(
             campaign,
             self.options(),

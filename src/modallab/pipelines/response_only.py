@@ -1,7 +1,6 @@
 """Identifies the responses of a campaign alone, whatever drove them."""
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
 from modallab.frf.joined import contiguous
-from modallab.identification.options import Options
+from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
 from modallab.identification.response_only.covariances import TooShortError
 from modallab.identification.response_only.looks import PLSCF, SSI_COV, Method
 from modallab.identification.response_only.modes import ResponseModes, response_modes
@@ -23,8 +22,6 @@ from modallab.verification.assessment import assess_model
 
 Real = NDArray[np.float64]
 
-ResponseMethod = Literal["ssi_cov", "plscf_spectra"]
-USUAL_RESPONSE: ResponseMethod = "ssi_cov"
 POLES: dict[ResponseMethod, Method] = {"ssi_cov": SSI_COV, "plscf_spectra": PLSCF}
 LEAST_PERIODS = 100.0
 """The lower edge of the band by itself: so many periods of it fit into the records."""

@@ -11,13 +11,13 @@ from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test
-from modallab.identification.options import Options
+from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
 from modallab.identification.response_only.known_poles import shapes_at
 from modallab.identification.setups.found import joined_name
 from modallab.identification.setups.join_responses import Freedom, JoinedResponses, ResponseSetUp, join_responses
 from modallab.identification.setups.readings import SetUpReading
 from modallab.pipelines.identify import Identified, Result
-from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_responses, response_records
+from modallab.pipelines.response_only import identify_responses, response_records
 from modallab.pipelines.setups import common_provenance, require_distinct, setup_names
 from modallab.verification.assessment import assess_model
 

@@ -1,5 +1,6 @@
 """From records of any structure, and its modal model from before, to what has changed."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from modallab.core.block import Campaign
@@ -8,7 +9,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.formats.fem.fem_file import is_fem, read_fem
+from modallab.formats.fem.fem_file import FemModel, is_fem, read_fem
 from modallab.frf.estimate import group_by_point
 from modallab.gap.modal.diagnosis import Explained, explained_by_model
 from modallab.identification.impact import start_frf
@@ -17,7 +18,32 @@ from modallab.modification.mesh import Mesh
 from modallab.pipelines.identify import Identified, Result, identify_campaign, usable
 from modallab.pipelines.model_file import read_models
 from modallab.reporting.structure_report import StructureGap
-from modallab.updating.elements import mesh_of_elements, model_of_elements
+from modallab.updating.elements import frf_of_elements, mesh_of_elements, model_of_elements
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ComparedWith:
+    """What a structure is compared with.
+
+    Attributes:
+        model: at the rig's points and channels.
+        named: it in words.
+        mesh: its shapes at nodes between the points, where it was computed.
+        before: the campaign that it was identified from, if it was.
+        elements: the finite elements that it was computed with, if it was.
+    """
+
+    model: ModalModel
+    named: str
+    mesh: Mesh | None = None
+    before: Campaign | None = None
+    elements: FemModel | None = None
+
+    def frf(self, rig: Rig, like: Frf | None) -> Frf | None:
+        """Its FRFs, where they are known: measured, or computed on the lines of those of the bench."""
+        if self.elements is None:
+            return _frf_of(self.before, self.model)
+        return None if like is None else frf_of_elements(self.elements, rig, like, _driven(self.model))
 
 
 def gap_of(
@@ -38,7 +64,7 @@ def gap_of(
         DataError: no force was measured, or the two have nothing in common.
         IdentificationError: the campaign holds no mode.
     """
-    return gap_between(campaign, reference, _identified(campaign), named, before=before)
+    return gap_between(campaign, ComparedWith(reference, named, before=before), _identified(campaign))
 
 
 def gap_against(campaign: Campaign, path: Path) -> StructureGap:
@@ -53,38 +79,27 @@ def gap_against(campaign: Campaign, path: Path) -> StructureGap:
         IdentificationError: a campaign holds no mode.
     """
     identified = _identified(campaign)
-    bench = identified.identified[0]
-    reference, mesh, before = read_reference(path, campaign.rig, bench.model)
-    return gap_between(campaign, reference, identified, f"{_what(path)}, {path.name}", mesh, before)
+    return gap_between(campaign, read_reference(path, campaign.rig, identified.identified[0].model), identified)
 
 
-def gap_between(
-    campaign: Campaign,
-    reference: ModalModel,
-    identified: Result,
-    named: str,
-    mesh: Mesh | None = None,
-    before: Campaign | None = None,
-) -> StructureGap:
+def gap_between(campaign: Campaign, reference: ComparedWith, identified: Result) -> StructureGap:
     """What differs between a reference and the first model that a campaign gave.
 
     Args:
         campaign: it was identified from.
         reference: at the rig's points and channels.
         identified: what it gave.
-        named: the reference in words.
-        mesh: its shapes at nodes between the points, where it was computed.
-        before: the campaign that the reference was identified from, if it was.
 
     Raises:
         DataError: the two have nothing in common.
     """
     bench = identified.identified[0]
-    own = None if before is None else before.rig
-    frfs = _frf_of(before, reference), _frf_of(campaign, bench.model, bench.index)
-    explained = explained_by_model(reference, bench.model, campaign.rig, mesh, own, frfs)
+    own = None if reference.before is None else reference.before.rig
+    measured = _frf_of(campaign, bench.model, bench.index)
+    frfs = reference.frf(campaign.rig, measured), measured
+    explained = explained_by_model(reference.model, bench.model, campaign.rig, reference.mesh, own, frfs)
     records = None if bench.verification is None else bench.verification.measured
-    return StructureGap(campaign.rig, explained, named, records, _beside(identified, explained, bench))
+    return StructureGap(campaign.rig, explained, reference.named, records, _beside(identified, explained, bench))
 
 
 def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf | None:
@@ -137,10 +152,8 @@ def _identified(campaign: Campaign) -> Result:
     return identify_campaign(campaign, Options())
 
 
-def read_reference(path: Path, rig: Rig, bench: ModalModel) -> tuple[ModalModel, Mesh | None, Campaign | None]:
+def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ComparedWith:
     """The reference of a file of models, of a finite-element model, or of a campaign, which is identified.
-
-    With it the shapes at the nodes of a finite-element model, where it says its places, or the campaign.
 
     Args:
         path: of it.
@@ -152,18 +165,22 @@ def read_reference(path: Path, rig: Rig, bench: ModalModel) -> tuple[ModalModel,
         FormatError: it can be read as none of these.
         IdentificationError: the campaign holds no mode.
     """
+    named = f"{_what(path)}, {path.name}"
     if path.suffix == ".json":
         models = read_models(path)
         if not models:
             raise DataError("holds no model", where=str(path), remedy="write one with modallab identify --json")
-        return models[0], None, None
+        return ComparedWith(models[0], named)
     if is_fem(path):
-        driven = tuple(p for p in dict.fromkeys(bench.input_points) if p is not None)
         fem = read_fem(path)
-        how = (fem, rig, bench.band_hz, driven)
-        return model_of_elements(*how), mesh_of_elements(*how), None
+        how = (fem, rig, bench.band_hz, _driven(bench))
+        return ComparedWith(model_of_elements(*how), named, mesh_of_elements(*how), elements=fem)
     before = _on_its_own_rig(path, rig)
-    return model_to_compare(before), None, before
+    return ComparedWith(model_to_compare(before), named, before=before)
+
+
+def _driven(model: ModalModel) -> tuple[int, ...]:
+    return tuple(p for p in dict.fromkeys(model.input_points) if p is not None)
 
 
 def _on_its_own_rig(path: Path, rig: Rig) -> Campaign:

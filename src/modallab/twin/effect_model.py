@@ -8,7 +8,6 @@ from typing import Literal
 
 from modallab.core.effects import Effect, EffectKind, Place
 from modallab.core.rig import Beam, Rig
-from modallab.core.units import Test
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Candidate, Slot
 
@@ -34,7 +33,7 @@ class Search:
         slots: its free numbers on a beam; one called "x" is its place along the beam.
         fixed: parameters that are not free.
         forms: of its law, each by further parameters that are not free: rivals under one name.
-        needs: the test that distinguishes it from what is free anyhow; None if either will do.
+        needs: the test, or the shaker, that distinguishes it from what is free anyhow; None if either will do.
         absorbed_by: which numbers of the beam take its work over in a fit without it.
         replaces_gain: whether it stands for the sensitivity of its channel, which must then not be free beside it.
         replaces: tolerance of the rig file that is the same quantity, and must not be free beside it; "" for none.
@@ -64,7 +63,7 @@ class Search:
     slots: Callable[[Beam], tuple[Slot, ...]]
     fixed: tuple[tuple[str, float], ...] = ()
     forms: tuple[tuple[tuple[str, float], ...], ...] = ((),)
-    needs: Test | None = None
+    needs: Literal["impact", "shaker", "sine"] | None = None
     absorbed_by: Absorber = "nothing"
     replaces_gain: bool = False
     replaces: str = ""

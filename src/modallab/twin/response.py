@@ -56,6 +56,10 @@ class Hits:
             row[start : start + len(pulse)] = pulse[: self.n - start]
         return np.fft.rfft(whole)[:, self.lines.astype(int)] * self.weights
 
+    def kept(self, keep: NDArray[np.bool_]) -> Self:
+        """Some of the lines."""
+        return replace(self, lines=self.lines[keep], weights=self.weights[:, keep])
+
     def kernel(self, poles: Complex, ratios: Array | None = None) -> tuple[Complex, Complex]:
         """(p, k) of the forced part and of the tail, per unit residue and unit force.
 
@@ -88,6 +92,45 @@ class Hits:
             forced += own_forced * share / ratios[j]
             tail += own_tail / ratios[j]
         return forced, tail
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Averages:
+    """FRFs of settled records, averaged over bands by the power of the force, which says nothing else of the drive.
+
+    Attributes:
+        lines: (k,) DFT line in the middle of each band.
+        n: samples of a record.
+        dt: seconds.
+        fine: (m,) DFT lines that are averaged over, band after band.
+        share: (m,) of each in its band; together 1.
+        first: (k,) where each band begins among them.
+    """
+
+    lines: Array
+    n: int
+    dt: float
+    fine: Array
+    share: Array
+    first: NDArray[np.int64]
+
+    @property
+    def s(self) -> Complex:
+        """(k,) j omega of the lines."""
+        return 2j * np.pi * self.lines / (self.n * self.dt)
+
+    def kept(self, keep: NDArray[np.bool_]) -> Self:
+        """Some of the bands."""
+        count = np.diff(self.first, append=len(self.fine))
+        inside = np.repeat(keep, count)
+        first = np.cumsum(count[keep]) - count[keep]
+        return replace(self, lines=self.lines[keep], fine=self.fine[inside], share=self.share[inside], first=first)
+
+    def kernel(self, poles: Complex, ratios: Array | None = None) -> tuple[Complex, Complex]:
+        """(p, k) of the forced part and of the tail, which is none, per unit residue and unit force."""
+        s = 2j * np.pi * self.fine / (self.n * self.dt)
+        forced = np.add.reduceat(self.share * s**2 / (s - poles[:, None]), self.first, axis=1)
+        return forced, np.zeros_like(forced)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

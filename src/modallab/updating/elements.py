@@ -1,11 +1,13 @@
 """A finite-element model as the modal model that a test on the rig would give."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
+from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
@@ -53,6 +55,29 @@ def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inp
     whole = {-2: np.sum(constants[rigid], axis=0)} if np.any(rigid) else {}
     outside = whole | dict(zip(POWERS, _compliance(constants[above], hz[above], band_hz), strict=True))
     return _model(fem, rig, band_hz, channels, inputs, kept, constants, outside)
+
+
+def frf_of_elements(fem: FemModel, rig: Rig, like: Frf, inputs: tuple[int, ...]) -> Frf:
+    """What the model's modes, all of them, give on the lines and in the quantity of measured FRFs, without noise.
+
+    Raises:
+        DataError: a point is at no node.
+    """
+    channels = _channels(rig)
+    s = like.damping_shift + 2j * np.pi * like.frequency_hz[:, None]
+    omega, zeta = 2 * np.pi * fem.modes.frequency_hz, fem.modes.damping_ratio
+    zeta = np.where(np.isnan(zeta), rig.damping_ratio.guess, zeta)
+    kernels = s ** DERIVATIVES[like.quantity] / (s**2 + 2 * zeta * omega * s + omega**2)
+    values = np.einsum("roi,lr->oil", _constants(fem, rig, channels, inputs), kernels, optimize=True)
+    return replace(
+        like,
+        values=values,
+        outputs=tuple(c.name for c in channels),
+        output_points=tuple(c.point for c in channels),
+        input_points=inputs,
+        coherence=None,
+        variance=np.zeros(values.shape),
+    )
 
 
 def mesh_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inputs: tuple[int, ...]) -> Mesh | None:

@@ -92,6 +92,8 @@ def verify_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Ri
 def verify_frf(model: ModalModel, frf: Frf) -> Verification:
     """FRFs that came as such, against the model at their lines.
 
+    FRAC is that of the quantity they were measured in: integrated, drift near 0 Hz would be most of it.
+
     Raises:
         DataError: no FRF.
     """
@@ -100,9 +102,9 @@ def verify_frf(model: ModalModel, frf: Frf) -> Verification:
     used = replace(
         frf, frequency_hz=frf.frequency_hz[inside], values=frf.values[..., inside], coherence=None, variance=None
     )
-    measured = convert(used, "mobility")
-    again = synthesised(model, measured.frequency_hz, "mobility", measured.damping_shift)
-    return _verification(measured, again, model)
+    again = synthesised(model, used.frequency_hz, used.quantity, used.damping_shift)
+    compared = _verification(convert(used, "mobility"), convert(again, "mobility"), model)
+    return replace(compared, frac=frac(used.values, again.values))
 
 
 def synthesised(

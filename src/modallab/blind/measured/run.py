@@ -5,12 +5,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from modallab.blind.measured.draw import MeasuredRequest, draw_effects, places_of
 from modallab.blind.measured.noise import with_noise
 from modallab.blind.measured.put import Put, with_effect
 from modallab.blind.measured.score import MeasuredOutcome, Truth, figures, judge_trial
 from modallab.blind.seal import open_truth, publish, seal
+from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.core.model import ModalModel
@@ -29,7 +31,7 @@ def blind_on(frf: Frf, rig: Rig, folder: Path, request: MeasuredRequest, named: 
     """Put effects into measured FRFs, seal what was done, diagnose all, open the seals, and sum up.
 
     Each trial is the measured structure with one effect, or none, and with noise drawn anew; it is held against the
-    model of the FRFs as they were measured.
+    model of the FRFs as they were measured. A trial in which no mode is found is counted as not identified.
 
     Args:
         frf: measured.
@@ -55,13 +57,20 @@ def blind_on(frf: Frf, rig: Rig, folder: Path, request: MeasuredRequest, named: 
         with part(n / len(puts), (n + 1) / len(puts), name):
             rng = np.random.default_rng((request.seed, 1, n))
             there = with_noise(with_effect(frf, put), variance, rng)
-            _keep(folder, name, diagnose_by_model(reference, _model(there, rig), rig, frfs=(frf, there)))
+            _keep(folder, name, _diagnosed(reference, (frf, there), rig))
     trials = [judge_trial(name, _opened(folder, name), _answer(folder, name)) for name in names]
     return MeasuredOutcome(campaign=named, sealed=sealed, figures=figures(trials), trials=trials)
 
 
 def _model(frf: Frf, rig: Rig) -> ModalModel:
     return with_points(identify_frf(frf, rig, Options())[0], rig)
+
+
+def _diagnosed(reference: ModalModel, frfs: tuple[Frf, Frf], rig: Rig) -> ModalDiagnosis | None:
+    try:
+        return diagnose_by_model(reference, _model(frfs[1], rig), rig, frfs=frfs)
+    except IdentificationError:
+        return None
 
 
 def _truth(put: Put | None, model: ModalModel, rig: Rig) -> Truth:
@@ -84,12 +93,14 @@ def _opened(folder: Path, name: str) -> Truth:
     return Truth(None if put is None else Put(**put), content["place"], content["moved_m"])
 
 
-def _keep(folder: Path, name: str, found: ModalDiagnosis) -> None:
+_STORED: TypeAdapter[ModalDiagnosis | None] = TypeAdapter(ModalDiagnosis | None)
+
+
+def _keep(folder: Path, name: str, found: ModalDiagnosis | None) -> None:
     place = folder / ANSWERS / f"{name}.json"
     place.parent.mkdir(exist_ok=True)
-    place.write_text(found.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+    place.write_bytes(_STORED.dump_json(found, indent=1) + b"\n")
 
 
-def _answer(folder: Path, name: str) -> ModalDiagnosis:
-    text = (folder / ANSWERS / f"{name}.json").read_text(encoding="utf-8")
-    return ModalDiagnosis.model_validate_json(text)
+def _answer(folder: Path, name: str) -> ModalDiagnosis | None:
+    return _STORED.validate_json((folder / ANSWERS / f"{name}.json").read_bytes())

@@ -24,7 +24,7 @@ class MeasuredTrial(Frozen):
         effect: that was put in; "none" for none.
         value: its number, SI.
         place: of it: a channel or a point; "" for all.
-        said: effect that was named, else the verdict.
+        said: effect that was named, else the verdict; "not_identified" where the trial's FRFs showed no mode.
         probability: of the name; 0 without one.
         said_value: its number.
         said_place: its channel or point.
@@ -71,20 +71,21 @@ class Truth:
     moved_m: float = 0.0
 
 
-def judge_trial(name: str, truth: Truth, found: ModalDiagnosis) -> MeasuredTrial:
-    """A diagnosis held against what was done."""
-    put, named = truth.put, found.effects[0] if found.effects else None
+def judge_trial(name: str, truth: Truth, found: ModalDiagnosis | None) -> MeasuredTrial:
+    """A diagnosis held against what was done; None where no mode was identified."""
+    put, named = truth.put, found.effects[0] if found and found.effects else None
+    verdict = found.verdict if found else "not_identified"
     value = None if put is None else (put.value if put.other is None else truth.moved_m)
     said = None if named is None else _number(named.parameters)
     there = "" if named is None else str(named.place.get("channel", named.place.get("point", "")))
-    right = found.verdict == "no_gap" if put is None else named is not None and named.effect == put.effect
+    right = verdict == "no_gap" if put is None else named is not None and named.effect == put.effect
     counts = right and put is not None
     return MeasuredTrial(
         name=name,
         effect="none" if put is None else put.effect,
         value=value,
         place=truth.place,
-        said=found.verdict if named is None else named.effect,
+        said=verdict if named is None else named.effect,
         probability=0.0 if named is None else named.probability,
         said_value=said,
         said_place=there,

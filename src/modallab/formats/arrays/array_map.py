@@ -105,25 +105,25 @@ def map_of(content: object, where: str) -> ArrayMap:
     try:
         return ArrayMap.model_validate(content)
     except ValidationError as error:
-        said = "; ".join(_said(cast("Any", e)) for e in error.errors())
-        raise FormatError(said, where=where, remedy=REMEDY) from error
+        message = "; ".join(_message(cast("Any", e)) for e in error.errors())
+        raise FormatError(message, where=where, remedy=REMEDY) from error
 
 
-def array_named(arrays: Mapping[str, NDArray[Any]], said: str, where: str) -> NDArray[Any]:
+def array_named(arrays: Mapping[str, NDArray[Any]], key: str, where: str) -> NDArray[Any]:
     """The array of a name, or one of its columns if a number follows a colon.
 
     Raises:
         DataError: there is no such array or column; lists those there are.
     """
-    if said in arrays:
-        return arrays[said]
-    name, _, column = said.rpartition(":")
+    if key in arrays:
+        return arrays[key]
+    name, _, column = key.rpartition(":")
     if name not in arrays:
-        raise DataError(f"has no array {said!r}", where=where, remedy=f"name one of {listed(arrays)}")
+        raise DataError(f"has no array {key!r}", where=where, remedy=f"name one of {listed(arrays)}")
     values = arrays[name]
     if values.ndim != 2 or not column.isdigit() or not 1 <= int(column) <= min(values.shape):
         raise DataError(
-            f"{said!r} names no column of an array {values.shape}", where=where, remedy="count its columns from 1"
+            f"{key!r} names no column of an array {values.shape}", where=where, remedy="count its columns from 1"
         )
     rows = values if values.shape[0] < values.shape[1] else values.T
     return rows[int(column) - 1]
@@ -162,9 +162,9 @@ def listed(arrays: Mapping[str, NDArray[Any]]) -> str:
     return ", ".join(f"{name} {'x'.join(map(str, a.shape)) or '1'}" for name, a in arrays.items()) or "no arrays"
 
 
-def _said(error: dict[str, Any]) -> str:
+def _message(error: dict[str, Any]) -> str:
     place, kind = ".".join(str(part) for part in error["loc"]), error["type"]
     if kind == "extra_forbidden":
         return f"{place} is no field of a map; there are {', '.join(ArrayMap.model_fields)}"
-    said = str(error["msg"]).removeprefix("Value error, ")
-    return f"{place}: {said}" if place else said
+    message = str(error["msg"]).removeprefix("Value error, ")
+    return f"{place}: {message}" if place else message

@@ -11,53 +11,53 @@ from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.formats.arrays.array_map import REMEDY, ArrayMap, array_named, listed
 from modallab.formats.arrays.named import FREQUENCY, FRF, RATE, TIME, Arrays, find_usual
-from modallab.formats.draft import FORCE_NAMES, MEASURED, Said, rig_of
+from modallab.formats.draft import FORCE_NAMES, MEASURED, DraftChannel, rig_of
 from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 
 
-def draft_arrays(arrays: Arrays, said: ArrayMap | None, path: Path) -> Rig:
+def draft_arrays(arrays: Arrays, array_map: ArrayMap | None, path: Path) -> Rig:
     """The rig that the arrays of a file were made on.
 
     Args:
         arrays: by name.
-        said: what they are; None if nobody says it.
+        array_map: what they are; None if nobody says it.
         path: of the file.
 
     Raises:
         DataError: what an array is cannot be known; the message lists all of them.
     """
-    if said is not None:
-        return _of_map(arrays, said, path)
+    if array_map is not None:
+        return _of_map(arrays, array_map, path)
     found = {key: find_usual(arrays, key) for key in (FREQUENCY, FRF, TIME, RATE)}
     frf, frequency = found[FRF], found[FREQUENCY]
     if frf is not None and frequency is not None:
         names = [f"y{k}" for k in range(1, _outputs(frf, frequency, arrays, path) + 1)]
-        return rig_of([Said("force", "force", "N"), *(Said(name) for name in names)], path)
+        return rig_of([DraftChannel("force", "force", "N"), *(DraftChannel(name) for name in names)], path)
     if found[TIME] is None and found[RATE] is None:
         raise _unclear("says neither frequency and FRF nor time or rate", arrays, path)
     return rig_of(_channels(arrays, found, path), path)
 
 
-def _of_map(arrays: Arrays, said: ArrayMap, path: Path) -> Rig:
-    of_frf = frf_unit(normal_unit(said.unit), "") if said.unit else None
-    unit = normal_unit(said.response_unit)
+def _of_map(arrays: Arrays, array_map: ArrayMap, path: Path) -> Rig:
+    of_frf = frf_unit(normal_unit(array_map.unit), "") if array_map.unit else None
+    unit = normal_unit(array_map.response_unit)
     quantity: Quantity | None = MEASURED[of_frf[0]] if of_frf else quantity_of(unit)
-    if isinstance(said.responses, dict):
-        rows = [Said(name, quantity, unit) for name in said.responses]
+    if isinstance(array_map.responses, dict):
+        rows = [DraftChannel(name, quantity, unit) for name in array_map.responses]
     else:
-        outputs = said.outputs or tuple(f"y{k}" for k in range(1, _mapped_outputs(arrays, said, path) + 1))
-        rows = [Said(o if isinstance(o, str) else f"p{o}", quantity, unit, o if isinstance(o, int) else None)
+        outputs = array_map.outputs or tuple(f"y{k}" for k in range(1, _mapped_outputs(arrays, array_map, path) + 1))
+        rows = [DraftChannel(o if isinstance(o, str) else f"p{o}", quantity, unit, o if isinstance(o, int) else None)
                 for o in outputs]  # fmt: skip
-    if said.frf or said.force:
-        at = said.inputs[0] if len(said.inputs) == 1 else None
-        rows.insert(0, Said("force", "force", normal_unit(said.force_unit) or "N", at))
-    return rig_of(rows, path, driven=said.inputs)
+    if array_map.frf or array_map.force:
+        at = array_map.inputs[0] if len(array_map.inputs) == 1 else None
+        rows.insert(0, DraftChannel("force", "force", normal_unit(array_map.force_unit) or "N", at))
+    return rig_of(rows, path, driven=array_map.inputs)
 
 
-def _mapped_outputs(arrays: Arrays, said: ArrayMap, path: Path) -> int:
-    values = array_named(arrays, said.frf or str(said.responses), str(path))
-    if "outputs" not in said.axes:
-        if said.axes or values.ndim == 1:
+def _mapped_outputs(arrays: Arrays, array_map: ArrayMap, path: Path) -> int:
+    values = array_named(arrays, array_map.frf or str(array_map.responses), str(path))
+    if "outputs" not in array_map.axes:
+        if array_map.axes or values.ndim == 1:
             return 1
         raise DataError(
             f"how many responses an array {values.shape} holds is not certain",
@@ -65,7 +65,7 @@ def _mapped_outputs(arrays: Arrays, said: ArrayMap, path: Path) -> int:
             remedy="write axes into the map, or outputs",
         )
     # MATLAB drops axes of one element.
-    return values.shape[said.axes.index("outputs")] if values.ndim == len(said.axes) else 1
+    return values.shape[array_map.axes.index("outputs")] if values.ndim == len(array_map.axes) else 1
 
 
 def _outputs(frf: NDArray[Any], frequency: NDArray[Any], arrays: Arrays, path: Path) -> int:
@@ -75,7 +75,7 @@ def _outputs(frf: NDArray[Any], frequency: NDArray[Any], arrays: Arrays, path: P
     return rest[0] if rest else 1
 
 
-def _channels(arrays: Arrays, found: dict[str, NDArray[Any] | None], path: Path) -> list[Said]:
+def _channels(arrays: Arrays, found: dict[str, NDArray[Any] | None], path: Path) -> list[DraftChannel]:
     """A channel for every array as long as the record, and for every column of one that is."""
     of_time = {id(found[TIME]), id(found[RATE])}
     held = {name: a for name, a in arrays.items() if id(a) not in of_time and a.size > 1 and a.dtype.kind in "fiu"}
@@ -87,7 +87,7 @@ def _channels(arrays: Arrays, found: dict[str, NDArray[Any] | None], path: Path)
     if any(a.ndim == 2 for a in held.values()) and len(forces) != 1:
         raise _unclear("does not say which column is the force", arrays, path)
     return [
-        Said(name if a.ndim == 1 else f"{name}:{k}", "force" if name in forces else None)
+        DraftChannel(name if a.ndim == 1 else f"{name}:{k}", "force" if name in forces else None)
         for name, a in held.items()
         for k in range(1, (1 if a.ndim == 1 else min(a.shape)) + 1)
     ]

@@ -26,26 +26,26 @@ _RECORDS: tuple[Axis, ...] = ("records", "outputs", "samples")
 
 
 def campaign_of_map(
-    arrays: Arrays, said: ArrayMap, name: str, rig: Rig, options: ImportOptions, where: str
+    arrays: Arrays, array_map: ArrayMap, name: str, rig: Rig, options: ImportOptions, where: str
 ) -> Campaign:
     """The records, or one matrix of FRFs.
 
     Raises:
         DataError: arrays that are missing, or of other shapes, units or channels than the map and the rig say.
     """
-    if said.frf:
-        return Campaign(rig, (), (_frf(arrays, said, rig, options, where),), source=where)
-    return Campaign(rig, tuple(_blocks(arrays, said, name, rig, options, where)), source=where)
+    if array_map.frf:
+        return Campaign(rig, (), (_frf(arrays, array_map, rig, options, where),), source=where)
+    return Campaign(rig, tuple(_blocks(arrays, array_map, name, rig, options, where)), source=where)
 
 
-def channels_of(said: ArrayMap, rig: Rig, where: str) -> tuple[Channel, ...]:
+def channels_of(array_map: ArrayMap, rig: Rig, where: str) -> tuple[Channel, ...]:
     """The rig's channel of each response of the map, in the map's order; all responses if it names none.
 
     Raises:
         DataError: one is not on the rig, or several are at one point.
     """
     found: list[Channel] = []
-    for one in said.outputs:
+    for one in array_map.outputs:
         fitting = [c for c in rig.responses if one in (c.name, c.point)]
         if len(fitting) != 1:
             raise DataError(
@@ -57,23 +57,25 @@ def channels_of(said: ArrayMap, rig: Rig, where: str) -> tuple[Channel, ...]:
     return tuple(found) or rig.responses
 
 
-def _frf(arrays: Arrays, said: ArrayMap, rig: Rig, options: ImportOptions, where: str) -> Frf:
-    lines = np.ravel(array_named(arrays, said.frequency, where)).astype(np.float64) * _TO_HZ[said.frequency_unit]
-    outputs = channels_of(said, rig, where)
-    sizes = {"lines": lines.size, "outputs": len(outputs), "inputs": len(said.inputs) or 1}
-    if not said.inputs and "inputs" in said.axes:
+def _frf(arrays: Arrays, array_map: ArrayMap, rig: Rig, options: ImportOptions, where: str) -> Frf:
+    lines = (
+        np.ravel(array_named(arrays, array_map.frequency, where)).astype(np.float64) * _TO_HZ[array_map.frequency_unit]
+    )
+    outputs = channels_of(array_map, rig, where)
+    sizes = {"lines": lines.size, "outputs": len(outputs), "inputs": len(array_map.inputs) or 1}
+    if not array_map.inputs and "inputs" in array_map.axes:
         sizes.pop("inputs")
-    axes = said.axes or _guessed(array_named(arrays, said.frf, where), sizes, _FRF, where)
-    values = in_order(array_named(arrays, said.frf, where), axes, _FRF, sizes, f"{where}, {said.frf}")
-    quantity, factors = _units(said, outputs, rig, where)
+    axes = array_map.axes or _guessed(array_named(arrays, array_map.frf, where), sizes, _FRF, where)
+    values = in_order(array_named(arrays, array_map.frf, where), axes, _FRF, sizes, f"{where}, {array_map.frf}")
+    quantity, factors = _units(array_map, outputs, rig, where)
     names = tuple(c.name for c in outputs)
     coherence = None
-    if said.coherence:
-        found = in_order(array_named(arrays, said.coherence, where), axes, _FRF, sizes, f"{where}, coherence")
+    if array_map.coherence:
+        found = in_order(array_named(arrays, array_map.coherence, where), axes, _FRF, sizes, f"{where}, coherence")
         coherence = share_of_one(found.astype(np.float64), where)
     lines, values, coherence = rising(lines, values, coherence)
     check_frf(lines, values, names, where, even=False)
-    inputs = said.inputs or ((options.drive_point,) if values.shape[1] == 1 else (None,) * values.shape[1])
+    inputs = array_map.inputs or ((options.drive_point,) if values.shape[1] == 1 else (None,) * values.shape[1])
     return Frf(
         frequency_hz=lines,
         values=values.astype(np.complex128) * (factors * [turned(c, rig) for c in outputs])[:, None, None],
@@ -86,19 +88,19 @@ def _frf(arrays: Arrays, said: ArrayMap, rig: Rig, options: ImportOptions, where
 
 
 def _units(
-    said: ArrayMap, outputs: tuple[Channel, ...], rig: Rig, where: str
+    array_map: ArrayMap, outputs: tuple[Channel, ...], rig: Rig, where: str
 ) -> tuple[FrfQuantity, NDArray[np.float64]]:
     assumed = [assumed_factor(c, rig, where) for c in outputs]
     if len({quantity for quantity, _ in assumed}) > 1:
         raise DataError(
             "the outputs are of several quantities", where=where, remedy="name those of one quantity as outputs"
         )
-    if not said.unit:
+    if not array_map.unit:
         return assumed[0][0], np.array([factor for _, factor in assumed])
-    found = frf_unit(normal_unit(said.unit), "")
+    found = frf_unit(normal_unit(array_map.unit), "")
     if found is None or DERIVATIVES[found[0]] != DERIVATIVES[assumed[0][0]]:
         raise DataError(
-            f"unit {said.unit!r} is none of an FRF of {outputs[0].quantity} over force",
+            f"unit {array_map.unit!r} is none of an FRF of {outputs[0].quantity} over force",
             where=where,
             remedy="write it in the map as m/s^2/N, m/s/N or m/N; or mend the rig's channels",
         )
@@ -130,16 +132,20 @@ def _fitting(n: int, axes: int, sizes: Mapping[str, int], wanted: tuple[Axis, ..
     return found
 
 
-def _blocks(arrays: Arrays, said: ArrayMap, name: str, rig: Rig, options: ImportOptions, where: str) -> Iterator[Block]:
-    responses = _responses(arrays, said, rig, where)
+def _blocks(
+    arrays: Arrays, array_map: ArrayMap, name: str, rig: Rig, options: ImportOptions, where: str
+) -> Iterator[Block]:
+    responses = _responses(arrays, array_map, rig, where)
     records, _, n = responses.shape
-    _check_together(arrays, said, where)
+    _check_together(arrays, array_map, where)
     force = None
     if rig.force is not None:
-        if not said.force:
+        if not array_map.force:
             raise DataError("the map names no force, and the rig has one", where=where, remedy="name its array")
-        values = np.asarray(array_named(arrays, said.force, where), np.float64)
-        axes = _guessed(values, {"records": records, "samples": n}, ("records", "samples"), f"{where}, {said.force}")
+        values = np.asarray(array_named(arrays, array_map.force, where), np.float64)
+        axes = _guessed(
+            values, {"records": records, "samples": n}, ("records", "samples"), f"{where}, {array_map.force}"
+        )
         force = in_order(values, axes, ("records", "samples"), {"records": records, "samples": n}, where)
     place = {c.name: k for k, c in enumerate(rig.responses)}
     for k in range(records):
@@ -149,41 +155,41 @@ def _blocks(arrays: Arrays, said: ArrayMap, name: str, rig: Rig, options: Import
             name=name if records == 1 else f"{name}_{k + 1}",
             test=options.test,
             order=k,
-            rate_hz=_rate(arrays, said, options, n, where),
+            rate_hz=_rate(arrays, array_map, options, n, where),
             samples=np.ascontiguousarray(np.stack(rows), np.float64),
             scale=np.ones(len(rows)),
-            units=tuple(_unit(said, c, options) for c in rig.channels),
+            units=tuple(_unit(array_map, c, options) for c in rig.channels),
             channels=tuple(c.name for c in rig.channels),
-            drive_point=(said.inputs or (options.drive_point,))[0],
+            drive_point=(array_map.inputs or (options.drive_point,))[0],
             frequency_hz=options.frequency_hz,
         )
 
 
-def _responses(arrays: Arrays, said: ArrayMap, rig: Rig, where: str) -> NDArray[np.float64]:
+def _responses(arrays: Arrays, array_map: ArrayMap, rig: Rig, where: str) -> NDArray[np.float64]:
     """(records, responses in rig order, samples)."""
-    if isinstance(said.responses, dict):
+    if isinstance(array_map.responses, dict):
         names = [c.name for c in rig.responses]
-        missing = [name for name in names if name not in said.responses]
+        missing = [name for name in names if name not in array_map.responses]
         if missing:
             raise DataError(f"the map names no array for {', '.join(missing)}", where=where, remedy="add it")
-        each = [np.ravel(array_named(arrays, said.responses[name], where)) for name in names]
+        each = [np.ravel(array_named(arrays, array_map.responses[name], where)) for name in names]
         if len({row.size for row in each}) > 1:
             raise DataError("the responses differ in length", where=where, remedy="export them together")
         return np.stack(each).astype(np.float64)[None]
-    values, outputs = array_named(arrays, said.responses, where), channels_of(said, rig, where)
-    sizes = {"outputs": len(outputs)} | ({} if "records" in said.axes else {"records": 1})
-    axes = said.axes or _by_outputs(values, len(outputs))
-    turned = in_order(values, axes, _RECORDS, sizes, f"{where}, {said.responses}").astype(np.float64)
+    values, outputs = array_named(arrays, array_map.responses, where), channels_of(array_map, rig, where)
+    sizes = {"outputs": len(outputs)} | ({} if "records" in array_map.axes else {"records": 1})
+    axes = array_map.axes or _by_outputs(values, len(outputs))
+    turned = in_order(values, axes, _RECORDS, sizes, f"{where}, {array_map.responses}").astype(np.float64)
     order = [outputs.index(c) if c in outputs else -1 for c in rig.responses]
     if -1 in order:
         raise DataError("the map does not name all responses of the rig", where=where, remedy="add them to outputs")
     return turned[:, order]
 
 
-def _check_together(arrays: Arrays, said: ArrayMap, where: str) -> None:
+def _check_together(arrays: Arrays, array_map: ArrayMap, where: str) -> None:
     """Reject arrays whose own times, beside them in the file, begin apart: the map has one time for all."""
-    each = list(said.responses.values()) if isinstance(said.responses, dict) else [said.responses]
-    names = [name for name in (said.force, *each) if name in arrays]
+    each = list(array_map.responses.values()) if isinstance(array_map.responses, dict) else [array_map.responses]
+    names = [name for name in (array_map.force, *each) if name in arrays]
     starts = {n: channel_times(arrays, n, max(arrays[n].shape), where).start for n in names if arrays[n].ndim == 1}
     known = {name: float(start.at_s) for name, start in starts.items() if start is not None}
     if len(set(known.values())) > 1:
@@ -200,18 +206,18 @@ def _by_outputs(values: NDArray[Any], outputs: int) -> tuple[Axis, ...]:
     return ("outputs", "samples") if values.shape[0] == outputs else ("samples", "outputs")
 
 
-def _rate(arrays: Arrays, said: ArrayMap, options: ImportOptions, n: int, where: str) -> float:
-    if said.time:
-        times = np.ravel(array_named(arrays, said.time, where)).astype(np.float64)
+def _rate(arrays: Arrays, array_map: ArrayMap, options: ImportOptions, n: int, where: str) -> float:
+    if array_map.time:
+        times = np.ravel(array_named(arrays, array_map.time, where)).astype(np.float64)
         if times.size != n:
             raise DataError(
                 f"has {times.size} times and {n} samples", where=where, remedy="name the record's own times"
             )
         own = check_time(times, f"{where}, times")
-    elif isinstance(said.rate_hz, str) and said.rate_hz:
-        own = check_rate(float(np.ravel(array_named(arrays, said.rate_hz, where))[0]), where)
-    elif isinstance(said.rate_hz, float):
-        own = check_rate(said.rate_hz, where)
+    elif isinstance(array_map.rate_hz, str) and array_map.rate_hz:
+        own = check_rate(float(np.ravel(array_named(arrays, array_map.rate_hz, where))[0]), where)
+    elif isinstance(array_map.rate_hz, float):
+        own = check_rate(array_map.rate_hz, where)
     elif options.rate_hz is not None:
         return check_rate(options.rate_hz, where)
     else:
@@ -220,6 +226,6 @@ def _rate(arrays: Arrays, said: ArrayMap, options: ImportOptions, n: int, where:
     return own
 
 
-def _unit(said: ArrayMap, channel: Channel, options: ImportOptions) -> str:
-    own = said.force_unit if channel.quantity == "force" else said.response_unit
+def _unit(array_map: ArrayMap, channel: Channel, options: ImportOptions) -> str:
+    own = array_map.force_unit if channel.quantity == "force" else array_map.response_unit
     return normal_unit(own) or options.unit(channel)

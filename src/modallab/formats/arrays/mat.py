@@ -13,10 +13,12 @@ from modallab.core.block import Campaign
 from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
 from modallab.formats.arrays.arrays_draft import draft_arrays
+from modallab.formats.arrays.implied import Texts, implied_map
 from modallab.formats.arrays.mapped import campaign_of_map
-from modallab.formats.arrays.named import campaign_of_arrays
+from modallab.formats.arrays.named import Arrays, campaign_of_arrays
 from modallab.formats.options import ImportOptions
 
+Variable = NDArray[Any] | tuple[str, ...]
 MARKS = (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file")
 _AGAIN = "save it again in MATLAB: save('file.mat', '-v7') or '-v7.3'"
 
@@ -30,9 +32,13 @@ def read_mat(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         FormatError: no whole MATLAB file.
         DataError: variables that are missing or do not fit.
     """
-    if options.array_map is not None:
-        return campaign_of_map(_arrays(path), options.array_map, path.stem, rig, options, str(path))
-    return campaign_of_arrays(_arrays(path), path.stem, rig, options, str(path))
+    arrays, texts = _variables(path)
+    found = options.array_map
+    if found is None and not options.variables:
+        arrays, found = implied_map(arrays, texts, rig, str(path))
+    if found is not None:
+        return campaign_of_map(arrays, found, path.stem, rig, options, str(path))
+    return campaign_of_arrays(arrays, path.stem, rig, options, str(path))
 
 
 def draft_mat(path: Path, options: ImportOptions) -> Rig:
@@ -42,19 +48,26 @@ def draft_mat(path: Path, options: ImportOptions) -> Rig:
         FormatError: no whole MATLAB file.
         DataError: what a variable is cannot be known.
     """
-    return draft_arrays(_arrays(path), options.array_map, path)
+    arrays, texts = _variables(path)
+    found = options.array_map
+    if found is None:
+        arrays, found = implied_map(arrays, texts, None, str(path))
+    return draft_arrays(arrays, found, path)
 
 
-def _arrays(path: Path) -> dict[str, NDArray[Any]]:
+def _variables(path: Path) -> tuple[Arrays, Texts]:
+    """The arrays of numbers, and the variables of text with a string for each row or cell."""
     with path.open("rb") as source:
         newer = source.read(len(MARKS[1])) == MARKS[1]
     try:
-        return dict(_of_hdf5(path) if newer else _flat("", io.loadmat(str(path), simplify_cells=True)))
+        held = dict(_of_hdf5(path) if newer else _flat("", io.loadmat(str(path), simplify_cells=True)))
     except Exception as error:  # On damaged files SciPy and HDF5 raise nearly every type there is.
         raise FormatError(f"is no whole MATLAB file: {error}", where=str(path), remedy=_AGAIN) from error
+    texts = {name: value for name, value in held.items() if isinstance(value, tuple)}
+    return {name: value for name, value in held.items() if not isinstance(value, tuple)}, texts
 
 
-def _flat(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, NDArray[Any]]]:
+def _flat(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Variable]]:
     for name, value in content.items():
         if name.startswith("__"):
             continue
@@ -63,16 +76,26 @@ def _flat(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, NDArray[A
         elif isinstance(value, list | np.ndarray) and len(value) and all(isinstance(one, dict) for one in value):
             for k, one in enumerate(value, start=1):
                 yield from _flat(f"{prefix}{name}({k}).", one)
+        elif texts := _texts(value):
+            yield f"{prefix}{name}", texts
         elif (array := np.asarray(value)).dtype.kind in "fiuc":
             yield f"{prefix}{name}", array
 
 
-def _of_hdf5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:
-    found: dict[str, NDArray[Any]] = {}
+def _texts(value: object) -> tuple[str, ...]:
+    """The strings of a cell or of an array of characters; () if it holds something else."""
+    cells = [value] if isinstance(value, str) else list(np.ravel(np.asarray(value, object)))
+    return tuple(str(cell).strip() for cell in cells) if all(isinstance(cell, str) for cell in cells) else ()
+
+
+def _of_hdf5(path: Path) -> Iterator[tuple[str, Variable]]:
+    found: dict[str, Variable] = {}
 
     def look(name: str, item: object) -> None:
         if isinstance(item, h5py.Dataset) and not name.startswith("#") and "MATLAB_empty" not in item.attrs:
             values = item[()]
+            if text := _hdf5_texts(item):
+                found[name.replace("/", ".")] = text
             if values.dtype.names == ("real", "imag"):
                 values = values["real"] + 1j * values["imag"]
             if values.dtype.kind in "fiuc" and item.attrs.get("MATLAB_class", b"double") not in (b"char", b"cell"):
@@ -82,3 +105,14 @@ def _of_hdf5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:
     with h5py.File(path, "r") as source:
         source.visititems(look)
     yield from found.items()
+
+
+def _hdf5_texts(item: h5py.Dataset) -> tuple[str, ...]:
+    """The strings of a cell, whose elements HDF5 holds by reference, or of an array of characters; () else."""
+    kind, values = item.attrs.get("MATLAB_class", b""), item[()]
+    if kind == b"char":
+        return tuple("".join(map(chr, row)).strip() for row in np.atleast_2d(values.T))
+    if kind != b"cell" or values.dtype.kind != "O":
+        return ()
+    parts = [_hdf5_texts(item.file[reference]) for reference in np.ravel(values.T)]
+    return tuple(part[0] for part in parts) if all(len(part) == 1 for part in parts) else ()

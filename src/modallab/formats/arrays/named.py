@@ -6,15 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.array_checks import check_frf, check_rate, check_time
+from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
-from modallab.core.frf import Frf
 from modallab.core.rig import Rig
-from modallab.formats.arrays.array_map import array_named, listed
+from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, listed
 from modallab.formats.arrays.channel_times import RATE_NAMES, STEP_NAMES, channel_times
-from modallab.formats.frf_factor import assumed_factor, turned
-from modallab.formats.frf_lines import rising, share_of_one
+from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import on_common_times
 
@@ -22,13 +20,25 @@ Arrays = Mapping[str, NDArray[Any]]
 
 TIME, RATE, STEP, FREQUENCY, FRF, COHERENCE, ALL = "time", "rate", "step", "frequency", "frf", "coherence", "all"
 _USUAL = {
-    TIME: ("time", "t"),
+    TIME: ("time", "t", "timestamps"),
     RATE: RATE_NAMES,
     STEP: STEP_NAMES,
     FREQUENCY: ("frequency", "freq", "f", "frequency_hz"),
     FRF: ("frf", "h", "frfs"),
     COHERENCE: ("coherence", "coh"),
 }
+_FRF_AXES: tuple[tuple[Axis, ...], ...] = (
+    ("lines",),
+    ("outputs", "lines"),
+    ("lines", "outputs"),
+    ("outputs", "inputs", "lines"),
+    ("lines", "outputs", "inputs"),
+    ("inputs", "outputs", "lines"),
+    ("lines", "inputs", "outputs"),
+    ("outputs", "lines", "inputs"),
+    ("inputs", "lines", "outputs"),
+)
+"""Ways round that FRFs may stand; of those that fit the first is taken."""
 _SAME_RATE = 1e-3
 """Relative: times may be written with few digits."""
 _SAMPLES = ("data", "values", "samples", "signal", "y", "y_values.values")
@@ -44,9 +54,10 @@ def campaign_of_arrays(arrays: Arrays, name: str, rig: Rig, options: ImportOptio
     Raises:
         DataError: channels, times or lines that are missing or do not fit.
     """
-    found = {key: _find(arrays, key, options, where) for key in _USUAL}
-    if found[FRF] is not None and found[FREQUENCY] is not None:
-        return Campaign(rig, (), (_frf(found, rig, options, where),), source=where)
+    array_map = _map_of_frf(arrays, rig, options, where)
+    if array_map is not None:
+        return campaign_of_map(arrays, array_map, name, rig, options, where)
+    found = {key: _find(arrays, key, options, where) for key in (TIME, RATE, STEP)}
     samples, rate, note = _record(arrays, found, rig, options, where)
     block = Block(
         name=name,
@@ -65,20 +76,26 @@ def campaign_of_arrays(arrays: Arrays, name: str, rig: Rig, options: ImportOptio
 
 def find_usual(arrays: Arrays, key: str) -> NDArray[Any] | None:
     """The array that is usually called so, or the only field of a structure that is; None if there is none."""
+    name = usual_name(arrays, key)
+    return None if name is None else arrays[name]
+
+
+def usual_name(arrays: Arrays, key: str) -> str | None:
+    """The name of the array that is usually called so."""
     usual = _USUAL.get(key, (key.lower(),))
     for last in (False, True):
         names = [(name.rpartition(".")[2] if last else name).lower() for name in arrays]
         for name in usual:
             if names.count(name) == 1:
-                return list(arrays.values())[names.index(name)]
+                return list(arrays)[names.index(name)]
     return None
 
 
 def _find(arrays: Arrays, key: str, options: ImportOptions, where: str) -> NDArray[Any] | None:
     """The array that a key stands for; None if there is none."""
-    said = dict(options.variables).get(key)
-    if said is not None:
-        return array_named(arrays, said, where)
+    name = dict(options.variables).get(key)
+    if name is not None:
+        return array_named(arrays, name, where)
     if key.rpartition(":")[0] in arrays:
         return array_named(arrays, key, where)
     return find_usual(arrays, key)
@@ -98,14 +115,14 @@ def _record(
     own = [channel_times(arrays, key or "", row.size, where) for key, row in zip(keys.values(), rows, strict=True)]
     rates = {one.rate_hz for one in own}
     if len(rates) > 1:
-        said = ", ".join(f"{n} {o.rate_hz or 'unknown'} Hz" for n, o in zip(names, own, strict=True))
-        raise DataError(f"the channels differ in rate: {said}", where=where, remedy="export channels of one rate")
+        text = ", ".join(f"{n} {o.rate_hz or 'unknown'} Hz" for n, o in zip(names, own, strict=True))
+        raise DataError(f"the channels differ in rate: {text}", where=where, remedy="export channels of one rate")
     rate = rates.pop() or _rate(found, options, rows[0].size, where)
     options.agree(rate, where)
     starts = [one.start for one in own]
     if any(starts) and None in starts:
-        unsaid = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
-        found_ = f"says when other channels begin, and nothing of {unsaid}"
+        without = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
+        found_ = f"says when other channels begin, and nothing of {without}"
         raise DataError(found_, where=where, remedy="give every channel its start, or none")
     samples, note = on_common_times([_real(row, where) for row in rows], starts, rate, names, where)
     return samples, rate, note
@@ -123,9 +140,9 @@ def _row(values: NDArray[Any], key: str, where: str) -> NDArray[Any]:
 
 def _key(arrays: Arrays, channel: str, options: ImportOptions) -> str | None:
     """The name of a channel's array, perhaps with a column; None if there is none."""
-    said = dict(options.variables).get(channel)
-    if said is not None or channel.rpartition(":")[0] in arrays:
-        return said or channel
+    name = dict(options.variables).get(channel)
+    if name is not None or channel.rpartition(":")[0] in arrays:
+        return name or channel
     low = channel.lower()
     wanted = (low, *(f"{low}.{name}" for name in _SAMPLES))
     for last in (False, True):
@@ -190,50 +207,29 @@ def _require_one(own: float, rate: NDArray[Any] | None, options: ImportOptions, 
         )
 
 
-def _frf(found: Mapping[str, NDArray[Any] | None], rig: Rig, options: ImportOptions, where: str) -> Frf:
-    lines, coherence = np.ravel(_there(found[FREQUENCY])).astype(np.float64), found[COHERENCE]
-    outputs = rig.responses
-    values = _matrix(_there(found[FRF]), lines.size, len(outputs), where).astype(np.complex128)
-    names = tuple(channel.name for channel in outputs)
-    if coherence is not None:
-        coherence = share_of_one(_matrix(coherence, lines.size, len(outputs), where).astype(np.float64), where)
-    lines, values, coherence = rising(lines, values, coherence)
-    check_frf(lines, values, names, where, even=False)
-    assumed = [assumed_factor(channel, rig, where) for channel in outputs]
-    if len({quantity for quantity, _ in assumed}) > 1:
+def _map_of_frf(arrays: Arrays, rig: Rig, options: ImportOptions, where: str) -> ArrayMap | None:
+    """What a file of FRFs holds, by the usual names or those of the options; None for a file of records.
+
+    Raises:
+        DataError: FRFs of other sizes than the rig's responses at these lines.
+    """
+    named = dict(options.variables)
+    frf, frequency, coherence = (named.get(key) or usual_name(arrays, key) or "" for key in (FRF, FREQUENCY, COHERENCE))
+    if not frf or not frequency:
+        return None
+    shape, outputs = array_named(arrays, frf, where).shape, len(rig.responses)
+    sizes = {"lines": array_named(arrays, frequency, where).size, "outputs": outputs}
+    axes = next((axes for axes in _FRF_AXES if _fits(axes, shape, sizes)), None)
+    if axes is None:
         raise DataError(
-            "the rig's responses are of several quantities", where=where, remedy="leave the others out of the rig"
+            f"FRFs of shape {shape} are none of {outputs} outputs at {sizes['lines']} lines",
+            where=where,
+            remedy="give (outputs, inputs, lines) or (lines, outputs, inputs), with the rig's responses as outputs",
         )
-    inputs = values.shape[1]
-    return Frf(
-        frequency_hz=lines,
-        values=values
-        * np.array([f * turned(c, rig) for c, (_, f) in zip(outputs, assumed, strict=True)])[:, None, None],
-        quantity=assumed[0][0],
-        outputs=names,
-        output_points=tuple(channel.point for channel in outputs),
-        input_points=(options.drive_point,) if inputs == 1 else (None,) * inputs,
-        coherence=coherence,
-    )
+    return ArrayMap(frf=frf, frequency=frequency, coherence=coherence, axes=axes)
 
 
-def _there(values: NDArray[Any] | None) -> NDArray[Any]:
-    assert values is not None
-    return values
-
-
-def _matrix(values: NDArray[Any], lines: int, outputs: int, where: str) -> NDArray[Any]:
-    """(outputs, inputs, lines), whichever way round they stand."""
-    if values.ndim <= 2 and values.size == lines * outputs:
-        rows = values.reshape(-1, lines) if values.ndim < 2 or values.shape[-1] == lines else values.T
-        return np.ascontiguousarray(rows.reshape(outputs, 1, lines))
-    places = [axis for axis in range(values.ndim) if values.shape[axis] == lines]
-    if values.ndim == 3 and len(places) == 1:
-        turned = np.moveaxis(values, places[0], -1)
-        if outputs in turned.shape[:2]:
-            return np.ascontiguousarray(turned if turned.shape[0] == outputs else turned.transpose(1, 0, 2))
-    raise DataError(
-        f"FRFs of shape {values.shape} are none of {outputs} outputs at {lines} lines",
-        where=where,
-        remedy="give (outputs, inputs, lines) or (lines, outputs, inputs), with the rig's responses as outputs",
-    )
+def _fits(axes: tuple[Axis, ...], shape: tuple[int, ...], sizes: Mapping[str, int]) -> bool:
+    """Whether an array may have these axes; one of a single element may be missing."""
+    alike = len(axes) == len(shape) and all(sizes.get(axis, n) == n for axis, n in zip(axes, shape, strict=True))
+    return alike and all(axis in axes or n == 1 for axis, n in sizes.items())

@@ -52,8 +52,8 @@ def read_campaign(path: Path, rig: Rig | None = None, *, check: bool = True) -> 
     ratios = judge_mass_ratios(read_mass_ratios(file.parent))
     if ratios:
         # Measured after the file was written, as often as before it.
-        said = "; ".join(f"{'good' if one.within else 'bad'}: {one.what}" for one in ratios)
-        campaign = replace(campaign, provenance=campaign.provenance | {RIGID_MASS: said})
+        summary = "; ".join(f"{'good' if one.within else 'bad'}: {one.what}" for one in ratios)
+        campaign = replace(campaign, provenance=campaign.provenance | {RIGID_MASS: summary})
     check_structure(campaign)
     if check:
         check_recordings(campaign)

@@ -6,10 +6,10 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Direction, Rig
 from modallab.core.units import Quantity
 from modallab.formats.csv.csv_frf_table import columns_of, holds_frfs
-from modallab.formats.csv.csv_heads import TIME_NAMES
-from modallab.formats.csv.csv_table import Table, read_table
+from modallab.formats.csv.csv_heads import time_column
+from modallab.formats.csv.csv_table import Table, read_tables, side_by_side
 from modallab.formats.csv.frf_heading import FrfHeading, pair_of
-from modallab.formats.draft import MEASURED, Said, rig_of, wanted
+from modallab.formats.draft import MEASURED, DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, quantity_of
 
@@ -23,7 +23,8 @@ def draft_csv(path: Path, options: ImportOptions) -> Rig:
         FormatError: no table, or cut off.
         DataError: the table has no header.
     """
-    table = read_table(path)
+    tables = read_tables(path)
+    table = side_by_side(tables, str(path)) if holds_frfs(tables[-1]) else tables[0]
     if not table.names:
         raise DataError(
             "has no header, so that its columns have no names",
@@ -33,11 +34,12 @@ def draft_csv(path: Path, options: ImportOptions) -> Rig:
     if holds_frfs(table):
         return _of_frfs(table, path, options)
     units = table.units or ("",) * len(table.names)
-    columns = [(n, u) for n, u in zip(table.names, units, strict=True) if n.lower() not in TIME_NAMES]
-    said = wanted((Said(n, quantity_of(unit), unit) for n, unit in columns), options)
-    numbers = [one for one in said if table.names.index(one.name) not in table.no_numbers]
+    time = time_column(table.names, table.units)
+    columns = [(n, u) for k, (n, u) in enumerate(zip(table.names, units, strict=True)) if k != time]
+    drafts = select_channels((DraftChannel(n, quantity_of(unit), unit) for n, unit in columns), options)
+    numbers = [one for one in drafts if table.names.index(one.name) not in table.no_numbers]
     if not numbers:
-        table.require([table.names.index(one.name) for one in said])
+        table.require([table.names.index(one.name) for one in drafts])
     return rig_of(numbers, path)
 
 
@@ -45,15 +47,15 @@ def _of_frfs(table: Table, path: Path, options: ImportOptions) -> Rig:
     headings = [c.heading for c in columns_of(table, None, str(path)) if c.heading.part not in ("phase", "coherence")]
     pairs = [pair_of(h.of) for h in headings]
     drives = {p.input for p in pairs if p.input is not None}
-    responses: dict[str, Said] = {}
+    responses: dict[str, DraftChannel] = {}
     for heading, pair in zip(headings, pairs, strict=True):
         name = pair.name or "response" if pair.point is None else f"p{pair.point}{pair.axis}"
         if name not in responses or responses[name].quantity is None:
-            responses[name] = Said(name, _quantity(heading), "", pair.point, _DIRECTIONS.get(pair.axis))
-    force = Said("force", "force", "N", min(drives) if len(drives) == 1 else None)
-    return rig_of([force, *wanted(responses.values(), options)], path, driven=drives)
+            responses[name] = DraftChannel(name, _quantity(heading), "", pair.point, _DIRECTIONS.get(pair.axis))
+    force = DraftChannel("force", "force", "N", min(drives) if len(drives) == 1 else None)
+    return rig_of([force, *select_channels(responses.values(), options)], path, driven=drives)
 
 
 def _quantity(heading: FrfHeading) -> Quantity | None:
-    said = frf_unit(heading.unit, "")
-    return None if said is None else MEASURED[said[0]]
+    pair = frf_unit(heading.unit, "")
+    return None if pair is None else MEASURED[pair[0]]

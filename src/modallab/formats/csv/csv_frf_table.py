@@ -173,14 +173,14 @@ def _factor(heading: FrfHeading, channel: Channel, rig: Rig, where: str) -> tupl
     assumed, factor = assumed_factor(channel, rig, where)
     if not heading.unit:
         return assumed, factor
-    said = (assumed, 1.0) if heading.unit.lower() == "db" else frf_unit(reference_of(heading.unit), "")
-    if said is None or DERIVATIVES[said[0]] != DERIVATIVES[assumed]:
+    pair = (assumed, 1.0) if heading.unit.lower() == "db" else frf_unit(reference_of(heading.unit), "")
+    if pair is None or DERIVATIVES[pair[0]] != DERIVATIVES[assumed]:
         raise DataError(
             f"column {heading.text!r}: unit {heading.unit!r} is none of an FRF of {channel.quantity} over force",
             where=where,
             remedy="write it as m/s^2/N, m/s/N or m/N, or as dB re 1 m/s^2/N; or mend the rig's channel",
         )
-    return said
+    return pair
 
 
 def _coherence(

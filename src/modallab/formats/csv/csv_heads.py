@@ -9,7 +9,8 @@ from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 _SQUARE = re.compile(r"^(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]\s*$")
 _ROUND = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>.*)[\])]\s*$")
 _OF_FREQUENCY = {"Hz", "hz", "HZ", "kHz", "rad/s"}
-_OF_AXES = {"s", "ms", "us", "min", "h", "d", "%", *_OF_FREQUENCY, "deg", "rad", "dB", ""}
+_OF_TIME = {"s", "ms", "us", "min", "h", "d"}
+_OF_AXES = {*_OF_TIME, "%", *_OF_FREQUENCY, "deg", "rad", "dB", ""}
 _UNIT_TAG = re.compile(r"unit|einheit", re.IGNORECASE)
 TIME_NAMES = {"t", "time", "zeit", "temps", "tiempo", "tempo", "time_s", "t_s", "seconds", "sec", "x_time"}
 FREQUENCY_NAMES = {
@@ -65,15 +66,27 @@ def headings(above: Sequence[str], comments: Sequence[str], delimiter: str, colu
 def _pair_of(rows: Sequence[Sequence[str]], *, alone: bool) -> tuple[Sequence[str], Sequence[str]]:
     """The line of names and that of units, which stands below it or above; () if there is none.
 
+    Names are distinct and no units. Loggers write more lines of one cell a column: stations, processing, rates.
+
     Args:
         rows: lines with a cell for each column, at least one.
         alone: whether two lines are all there is: the second then holds units, known or not.
     """
-    if len(rows) > 1 and _are_units(rows[-2]) and not _are_units(rows[-1]):
-        return rows[-1], rows[-2]
-    if len(rows) > 1 and ((alone and len(rows) == 2) or _are_units(rows[-1])):
-        return rows[-2], rows[-1]
-    return rows[-1], ()
+    last = len(rows) - 1
+    if alone and last == 1 and not _are_units(rows[0]):
+        return rows[0], rows[1]
+    named = [k for k, row in enumerate(rows) if _are_names(row)]
+    place = named[-1] if named else max(0, last - _are_units(rows[-1]))
+    below = rows[place + 1] if place < last else ()
+    if any(_is_unit(normal_unit(cell.strip("[]"))) for cell in below if cell):
+        return rows[place], below
+    above = rows[place - 1] if place else ()
+    return rows[place], above if above and _are_units(above) else ()
+
+
+def _are_names(row: Sequence[str]) -> bool:
+    distinct = len({cell.casefold() for cell in row}) == len(row) and all(row[1:])
+    return distinct and not _are_units(row)
 
 
 def _tagged(rows: Sequence[Sequence[str]], columns: int) -> Sequence[str]:
@@ -89,6 +102,12 @@ def _tagged(rows: Sequence[Sequence[str]], columns: int) -> Sequence[str]:
             if len(units) == columns - 1:
                 return ["", *units]
     return [""] * columns
+
+
+def time_column(names: Sequence[str], units: Sequence[str]) -> int | None:
+    """The place of the column of times, by its name, or as the first one by its unit; None if there is none."""
+    named = next((place for place, name in enumerate(names) if name.lower() in TIME_NAMES), None)
+    return 0 if named is None and units and units[0] in _OF_TIME else named
 
 
 def is_frequency(name: str, unit: str) -> bool:

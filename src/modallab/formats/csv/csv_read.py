@@ -1,6 +1,5 @@
 """CSV files: a column of times and one column per channel, by the names of the rig; or FRFs."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,14 +8,13 @@ import numpy as np
 from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
-from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.formats.axis_units import to_seconds
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_frf import frf_of, is_frf
 from modallab.formats.csv.csv_frf_table import frf_of_table, holds_frfs
-from modallab.formats.csv.csv_heads import FREQUENCY_NAMES, TIME_NAMES
-from modallab.formats.csv.csv_table import Table, read_tables
+from modallab.formats.csv.csv_heads import FREQUENCY_NAMES, time_column
+from modallab.formats.csv.csv_table import Table, read_tables, side_by_side
 from modallab.formats.options import ImportOptions
 
 FASTEST_HZ = 1e7
@@ -39,27 +37,17 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     tables = read_tables(path)
     table = tables[-1]
     if is_frf(table) or holds_frfs(table):
-        frf = _only_frf(tables, rig, options, where)
+        table = side_by_side(tables, where)
+        frf = frf_of(table, rig, where) if is_frf(table) else frf_of_table(table, rig, options, where)
         return Campaign(rig, (), (frf,), source=where)
     names = [path.stem] if len(tables) == 1 else [f"{path.stem}_{k}" for k in range(1, len(tables) + 1)]
     found = [record_of(one, rig, options, name, where) for one, name in zip(tables, names, strict=True)]
     blocks = tuple(replace(block, order=order) for order, (block, _) in enumerate(found))
-    notes = tuple(dict.fromkeys(note for _, said in found for note in said))
+    notes = tuple(dict.fromkeys(note for _, remarks in found for note in remarks))
     if not table.ended:
         notes = (*notes, "the last line has no end; if the file was cut off there, its last number is wrong")
-    said = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
-    return Campaign(rig, blocks, provenance=said, source=where)
-
-
-def _only_frf(tables: Sequence[Table], rig: Rig, options: ImportOptions, where: str) -> Frf:
-    if len(tables) > 1:
-        raise DataError(
-            f"holds {len(tables)} tables of FRFs below each other",
-            where=where,
-            remedy="export the FRFs side by side in one table, or each response to a file of its own",
-        )
-    (table,) = tables
-    return frf_of(table, rig, where) if is_frf(table) else frf_of_table(table, rig, options, where)
+    provenance = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
+    return Campaign(rig, blocks, provenance=provenance, source=where)
 
 
 def record_of(table: Table, rig: Rig, options: ImportOptions, name: str, where: str) -> tuple[Block, tuple[str, ...]]:
@@ -76,8 +64,8 @@ def record_of(table: Table, rig: Rig, options: ImportOptions, name: str, where: 
         FormatError, DataError: as `read_csv`.
     """
     names = table.names or _names_by_place(table, rig, options, where)
-    places, left = _places(names, rig, options, where)
-    time = _time_column(names)
+    time = time_column(names, table.units)
+    places, left = _places(names, time, rig, options, where)
     order = [places[channel.name] for channel in rig.channels]
     table.require(order if time is None else [time, *order])
     rate = _rate(table, names, time, options, where)
@@ -114,12 +102,8 @@ def _names_by_place(table: Table, rig: Rig, options: ImportOptions, where: str) 
     )
 
 
-def _time_column(names: tuple[str, ...]) -> int | None:
-    return next((place for place, name in enumerate(names) if name.lower() in TIME_NAMES), None)
-
-
 def _places(
-    names: tuple[str, ...], rig: Rig, options: ImportOptions, where: str
+    names: tuple[str, ...], time: int | None, rig: Rig, options: ImportOptions, where: str
 ) -> tuple[dict[str, int], tuple[str, ...]]:
     """The column of each channel, and the names of other columns. Rejects channels that are missing or there twice."""
     lowered = [name.lower() for name in names]
@@ -132,7 +116,8 @@ def _places(
     called = dict(options.variables)
     requested = {called.get(channel.name, channel.name).lower(): channel.name for channel in rig.channels}
     missing = [name for low, name in requested.items() if low not in lowered]
-    other = tuple(name for name in names if name.lower() not in requested and name.lower() not in TIME_NAMES)
+    channels = [name for place, name in enumerate(names) if place != time]
+    other = tuple(name for name in channels if name.lower() not in requested)
     twice = sorted({name for name in names if lowered.count(name.lower()) > 1 and name.lower() in requested})
     parts = [f"no column for channel {', '.join(missing)}"] if missing else []
     parts += [f"column {', '.join(map(repr, other))} is no channel of the rig"] if missing and other else []

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.errors import FormatError
+from modallab.core.errors import DataError, FormatError
 from modallab.formats.csv.csv_cells import BLANKS, cells, complex_number, n_cells
 from modallab.formats.csv.csv_heads import headings
 from modallab.formats.csv.digits import half_last_digits
 from modallab.formats.csv.text_lines import Line, TextLines, read_lines
 
 Real = NDArray[np.float64]
+
+_TITLE = re.compile(r"^(?:(?:FRF|transfer function|frequency response(?: function)?|H[12v])\b[\s:(]*)+", re.IGNORECASE)
+"""What stands before the response in the title of a table of FRFs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +35,7 @@ class Table:
         remark: the comment lines, one after the other.
         imaginary: (rows, columns), 0 in columns of real numbers; None if there are no complex ones.
         no_numbers: by column, what stands there instead of a number.
+        title: the last line of a single cell above it.
     """
 
     names: tuple[str, ...]
@@ -41,6 +46,7 @@ class Table:
     remark: str = ""
     imaginary: Real | None = None
     no_numbers: Mapping[int, FormatError] = field(default_factory=dict[int, FormatError])
+    title: str = ""
 
     def require(self, columns: Sequence[int]) -> None:
         """Reject columns that hold something else than numbers.
@@ -87,7 +93,62 @@ def _table(lines: TextLines, where: str) -> Table:
     real = np.ascontiguousarray(values.real)
     texts = [cells(line.text, lines.delimiter)[0].replace(",", ".") for line in lines.body]
     resolution = half_last_digits(texts, real[:, 0])
-    return Table(names, units, real, resolution, lines.ended, "".join(lines.comments), imaginary, others)
+    titles = [
+        text for text in (line.text.strip().strip('"') for line in lines.above) if n_cells(text, lines.delimiter) == 1
+    ]
+    remark, title = "".join(lines.comments), titles[-1] if titles else ""
+    return Table(names, units, real, resolution, lines.ended, remark, imaginary, others, title)
+
+
+def side_by_side(tables: Sequence[Table], where: str) -> Table:
+    """Tables of FRFs below each other as one. Columns that are called alike in two take their table's title.
+
+    Raises:
+        DataError: the tables differ in their first column, or columns called alike have no titles.
+    """
+    first = tables[0]
+    if len(tables) == 1:
+        return first
+    _require_lines(tables, where)
+    parts = [t.values if t.imaginary is None else t.values + 1j * t.imaginary for t in tables]
+    whole = np.hstack([first.values[:, :1], *(part[:, 1:] for part in parts)])
+    return replace(
+        first,
+        names=(first.names[0], *_names_of_all(tables, where)),
+        units=(first.units[0], *(unit for table in tables for unit in table.units[1:])),
+        values=np.ascontiguousarray(whole.real),
+        ended=tables[-1].ended,
+        imaginary=np.ascontiguousarray(whole.imag) if np.iscomplexobj(whole) else None,
+    )
+
+
+def _require_lines(tables: Sequence[Table], where: str) -> None:
+    first = tables[0]
+    for k, table in enumerate(tables, start=1):
+        if not np.array_equal(table.values[:, 0], first.values[:, 0]):
+            raise DataError(
+                f"table {k} of {len(tables)} has other frequencies than the first: {_span(table)}, not {_span(first)}",
+                where=where,
+                remedy="export FRFs at the same lines, or each to a file of its own",
+            )
+
+
+def _names_of_all(tables: Sequence[Table], where: str) -> list[str]:
+    names = [name for table in tables for name in table.names[1:]]
+    if len(set(names)) == len(names):
+        return names
+    titles = [_TITLE.sub("", table.title).rstrip(") ").replace(",", "/") for table in tables]
+    if "" in titles or len(set(titles)) < len(titles):
+        raise DataError(
+            f"holds {len(tables)} tables of FRFs below each other, and not the response of each",
+            where=where,
+            remedy="write the response above each table, as FRF a1/force, or give one table with a column for each",
+        )
+    return [f"{name} {title}" for table, title in zip(tables, titles, strict=True) for name in table.names[1:]]
+
+
+def _span(table: Table) -> str:
+    return f"{len(table.values)} from {table.values[0, 0]:g} to {table.values[-1, 0]:g}"
 
 
 def _check_end(lines: TextLines, where: str) -> None:
@@ -146,6 +207,13 @@ def _other_columns(lines: TextLines, counts: NDArray[np.int64], columns: int, wh
             "columns and as decimal marks",
             where=where,
             remedy="export it with decimal points, or with ; or tabs between the columns",
+        )
+    if len(set(counts.tolist())) == 1 and lines.above:
+        return FormatError(
+            f"line {body[0].number} has {counts[0]} columns, and no line above it names as many: the last one, line "
+            f"{lines.above[-1].number}, is {lines.above[-1].text.strip()[:40]!r}",
+            where=where,
+            remedy="write a line above the numbers with a name for each column",
         )
     cut = wrong == len(body) - 1
     found = f"line {body[wrong].number} has {counts[wrong]} columns, not {columns}: {body[wrong].text.strip()[:40]!r}"

@@ -114,10 +114,10 @@ def decoded(path: Path) -> str:
 
 def _delimited(lines: list[Line]) -> tuple[str, list[Line]]:
     """The delimiter, and the lines without the one that may say it, and without quotes."""
-    said = re.fullmatch(r"sep=(.)", lines[0].text.strip()) if lines else None
-    lines = lines[1:] if said else lines
+    separator = re.fullmatch(r"sep=(.)", lines[0].text.strip()) if lines else None
+    lines = lines[1:] if separator else lines
     shown = [_QUOTED.sub('""', plain_numbers(line.text)) for line in lines[-_SHOWN:]]
-    delimiter = said[1] if said else delimiter_of(shown)
+    delimiter = separator[1] if separator else delimiter_of(shown)
     if delimiter == "\t" or not any('""' in line for line in shown):
         return delimiter, lines
     # Within quotes a comma may be a decimal mark.

@@ -133,39 +133,41 @@ def read_matrix_model(path: Path) -> tuple[MatrixModel, dict[str, FemParameter]]
         DataError: matrices that do not belong together.
     """
     if path.is_file() and path.suffix.lower() in DESCRIBED:
-        said = _said(path)
-        if not said.results:
-            return _matrices_of(path, said), said.parameters
+        description = _description(path)
+        if not description.results:
+            return _matrices_of(path, description), description.parameters
     elif path.is_file() and holds(path, K):
         return _of_one_file(path), {}
     raise FormatError("holds no matrices", where=str(path), remedy=f"name {', '.join(READ)}, or such as {EXAMPLE}")
 
 
 def _described(path: Path) -> FemModel:
-    said = _said(path)
-    if said.results:
-        modes = in_si(read_fem(path.parent / said.results).modes, said.units)
+    description = _description(path)
+    if description.results:
+        modes = in_si(read_fem(path.parent / description.results).modes, description.units)
     else:
-        modes = _matrices_of(path, said).modes({})
-    if said.damping_ratio is not None:
-        modes = replace(modes, damping_ratio=np.full(modes.frequency_hz.size, said.damping_ratio))
-    return FemModel(modes, dict(said.points))
+        modes = _matrices_of(path, description).modes({})
+    if description.damping_ratio is not None:
+        modes = replace(modes, damping_ratio=np.full(modes.frequency_hz.size, description.damping_ratio))
+    return FemModel(modes, dict(description.points))
 
 
-def _matrices_of(path: Path, said: FemFile) -> MatrixModel:
-    here, believed = path.parent, said.parameters
-    stiff, heavy = here / said.stiffness, here / said.mass
-    whole = _of_matrices(stiff, heavy, here / said.freedoms, here / said.nodes if said.nodes else None)
+def _matrices_of(path: Path, description: FemFile) -> MatrixModel:
+    here, believed = path.parent, description.parameters
+    stiff, heavy = here / description.stiffness, here / description.mass
+    whole = _of_matrices(
+        stiff, heavy, here / description.freedoms, here / description.nodes if description.nodes else None
+    )
     return replace(
         whole,
         stiffness_by={n: read_matrix(here / p.stiffness, K) for n, p in believed.items() if p.stiffness},
         mass_by={n: read_matrix(here / p.mass, M) for n, p in believed.items() if p.mass},
-        points=said.points,
-        units=said.units,
+        points=description.points,
+        units=description.units,
     )
 
 
-def _said(path: Path) -> FemFile:
+def _description(path: Path) -> FemFile:
     try:
         return FemFile.model_validate(yaml.safe_load(path.read_text(encoding="utf-8-sig")))
     except ValidationError as error:
@@ -180,8 +182,8 @@ def _fault(error: dict[str, Any]) -> str:
     place = ".".join(map(str, error["loc"]))
     if error["type"] == "extra_forbidden":
         return f"{place} is no field of a model; there are {', '.join(FemFile.model_fields)}"
-    said = str(error["msg"]).removeprefix("Value error, ")
-    return f"{place}: {said}" if place else said
+    message = str(error["msg"]).removeprefix("Value error, ")
+    return f"{place}: {message}" if place else message
 
 
 def _of_one_file(path: Path) -> MatrixModel:

@@ -46,7 +46,7 @@ def read_op2(path: Path) -> NodeModes:
         # Of tables that are no eigenvectors it warns; what there is of them is said below.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            vectors, said = _tables(package, path)
+            vectors, params = _tables(package, path)
     except ModallabError:
         raise
     except Exception as error:  # pyYeti has no error of its own: what is damaged dies of what it meets first
@@ -59,8 +59,8 @@ def read_op2(path: Path) -> NodeModes:
         raise DataError(
             "holds eigenvectors of several subcases", where=str(path), remedy="compute one, or print them (.f06)"
         )
-    scale = 1 / np.sqrt(_masses(said, hz.size))
-    places = _places(said, path) or read_grids(path)
+    scale = 1 / np.sqrt(_masses(params, hz.size))
+    places = _places(params, path) or read_grids(path)
     return NodeModes(path.stem, hz, _motions(vectors, scale), places, np.full(hz.size, np.nan))
 
 
@@ -98,15 +98,15 @@ def _tables(package: Any, path: Path) -> tuple[Any, dict[str, Any]]:
             break
     with package.OP2(str(path)) as source:
         try:
-            said: dict[str, Any] = source.rdparampost(get_mats=False, get_dr_tables=False)
+            params: dict[str, Any] = source.rdparampost(get_mats=False, get_dr_tables=False)
         except ValueError:
             # Of a part of a model, whose grid points are elsewhere.
-            said = {}
-    return vectors, said
+            params = {}
+    return vectors, params
 
 
-def _masses(said: dict[str, Any], modes: int) -> Real:
-    lama = said.get("lama")
+def _masses(params: dict[str, Any], modes: int) -> Real:
+    lama = params.get("lama")
     if lama is None or len(lama) != modes:
         return np.ones(modes)
     masses = np.asarray(lama, np.float64)[:, MODAL_MASS]
@@ -122,8 +122,8 @@ def _motions(vectors: Any, scale: Real) -> dict[int, Real]:
     return {int(nodes[n]): rows[n : n + 3].T for n in grids}
 
 
-def _places(said: dict[str, Any], path: Path) -> Places:
-    table = said.get("uset")
+def _places(params: dict[str, Any], path: Path) -> Places:
+    table = params.get("uset")
     if table is None:
         return {}
     nodes, freedoms = (np.asarray(table.index.get_level_values(n)) for n in (0, 1))

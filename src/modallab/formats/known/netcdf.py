@@ -30,7 +30,7 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 FORMAT = Format(
     name="netcdf",
     title="netCDF4 of Rattlesnake",
-    description="time records as Rattlesnake streams them: channels in rig order",
+    description="time records as Rattlesnake streams them: channels by node and direction",
     endings=(".nc4", ".nc"),
     is_no="netCDF4 file of Rattlesnake",
     holds=("records",),

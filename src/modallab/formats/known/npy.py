@@ -27,11 +27,11 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 FORMAT = Format(
     name="npy",
     title="NPY",
-    description="an array of NumPy: rows are times and then the channels in rig order",
+    description="an array of NumPy: fields by name, or rows of times and then the channels in rig order",
     endings=(".npy",),
     is_no="NPY file",
     holds=("records",),
-    asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz"),
+    asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz", "variables"),
     priority=20,
     fits=_fits,
     read=_read,

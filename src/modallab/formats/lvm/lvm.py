@@ -14,7 +14,7 @@ from modallab.formats.axis_units import to_seconds
 from modallab.formats.csv.csv_draft import draft_csv
 from modallab.formats.csv.csv_read import read_csv, record_of
 from modallab.formats.csv.csv_table import Table
-from modallab.formats.draft import Said, rig_of, wanted
+from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.lvm.lvm_read import LvmChannel, has_header, read_lvm
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, on_common_times, start_of, start_of_text
@@ -43,8 +43,8 @@ def campaign_of_lvm(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         block, more = record_of(table, rig, options, name, place)
         blocks.append(block)
         notes |= dict.fromkeys([*([note] if note else []), *more])
-    said = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
-    return Campaign(rig, tuple(blocks), provenance=said, source=where)
+    provenance = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
+    return Campaign(rig, tuple(blocks), provenance=provenance, source=where)
 
 
 def draft_lvm(path: Path, options: ImportOptions) -> Rig:
@@ -57,7 +57,7 @@ def draft_lvm(path: Path, options: ImportOptions) -> Rig:
     if not has_header(path):
         return draft_csv(path, options)
     units = [(c.name, normal_unit(c.unit)) for c in read_lvm(path)[0]]
-    return rig_of(wanted((Said(name, quantity_of(unit), unit) for name, unit in units), options), path)
+    return rig_of(select_channels((DraftChannel(name, quantity_of(unit), unit) for name, unit in units), options), path)
 
 
 def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, where: str) -> tuple[Table, str]:
@@ -103,15 +103,15 @@ def _in_seconds(channel: LvmChannel, where: str) -> LvmChannel:
 
 
 def _rate(channel: LvmChannel, options: ImportOptions, where: str) -> float:
-    said = whole_rate(1 / channel.step, channel.step_error / channel.step**2) if channel.step > 0 else 0.0
-    if channel.x.size > 1 and not (said and 2 * channel.x_error.max() > channel.step / 4):
+    step_rate = whole_rate(1 / channel.step, channel.step_error / channel.step**2) if channel.step > 0 else 0.0
+    if channel.x.size > 1 and not (step_rate and 2 * channel.x_error.max() > channel.step / 4):
         rate = check_time(channel.x, f"{where}, x of {channel.name}", resolution_s=channel.x_error)
-        if said and abs(1 / rate - channel.step) > max(channel.step_error, _SAME * channel.step):
-            found = f"channel {channel.name}: Delta_X says {said:g} Hz, the column of x {rate:g} Hz"
+        if step_rate and abs(1 / rate - channel.step) > max(channel.step_error, _SAME * channel.step):
+            found = f"channel {channel.name}: Delta_X says {step_rate:g} Hz, the column of x {rate:g} Hz"
             raise DataError(found, where=where, remedy="export the record again, or correct Delta_X")
         return rate
-    if said:
-        return said
+    if step_rate:
+        return step_rate
     if options.rate_hz is None:
         found = f"channel {channel.name} has neither Delta_X nor a column of x"
         raise DataError(found, where=where, remedy="give the rate with --rate")

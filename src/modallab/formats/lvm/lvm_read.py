@@ -98,8 +98,8 @@ def _without_special(lines: Sequence[Line]) -> list[Line]:
 
 
 def _separator(lines: Sequence[Line]) -> str:
-    said = next((line.text for line in lines if line.text.startswith("Separator")), "")
-    return "," if said.removeprefix("Separator")[1:].lower().startswith("comma") else "\t"
+    line = next((line.text for line in lines if line.text.startswith("Separator")), "")
+    return "," if line.removeprefix("Separator")[1:].lower().startswith("comma") else "\t"
 
 
 def _cells(line: Line, separator: str) -> list[str]:
@@ -259,9 +259,9 @@ class _Segment:
     @property
     def _decimal(self) -> str:
         """The decimal mark; where the header does not say it, as in version 1, that of the first row."""
-        said = (self.general.get("Decimal_Separator") or [""])[0]
+        mark = (self.general.get("Decimal_Separator") or [""])[0]
         comma = self.body.separator != "," and bool(self.body.rows) and "," in self.body.rows[0].text
-        return said or ("," if comma else ".")
+        return mark or ("," if comma else ".")
 
     def _value(self, key: str, k: int) -> str:
         values = self.head.get(key) or ()

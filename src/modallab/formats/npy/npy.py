@@ -1,4 +1,4 @@
-"""NPY files: rows are channels in rig order, after a row of times unless a rate is given."""
+"""NPY files: fields with the channels' names, or rows in rig order after a row of times unless a rate is given."""
 
 import warnings
 from pathlib import Path
@@ -11,6 +11,7 @@ from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
+from modallab.formats.arrays.named import campaign_of_arrays
 from modallab.formats.options import ImportOptions
 
 _LAYOUT = "give an array of floating-point numbers: one row of times in s, then one row per channel in rig order"
@@ -19,7 +20,8 @@ _LAYOUT = "give an array of floating-point numbers: one row of times in s, then 
 def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     """Read one block.
 
-    The array is (1 + channels, n) with times in s in its first row, or (channels, n) if the options give a rate.
+    Named fields are channels and `time`, in any order. Else the array is (1 + channels, n) with times in s in its first
+    row, or (channels, n) if the options give a rate.
     Numbers are in each channel's own unit, or volts if the options say so.
 
     Raises:
@@ -28,6 +30,9 @@ def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     """
     where = str(path)
     array = _load(path)
+    if array.dtype.names:
+        fields = {name: array[name] for name in array.dtype.names}
+        return campaign_of_arrays(fields, path.stem, rig, options, where)
     _check_layout(array, rig, options, where)
     rate, samples = _split(array, rig, options, where)
     channels = tuple(channel.name for channel in rig.channels)

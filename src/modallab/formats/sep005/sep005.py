@@ -120,8 +120,8 @@ def _row(values: object, key: str, where: str) -> NDArray[np.float64]:
 
 def _rate(series: dict[str, Any], where: str) -> float:
     """The rate of a series by its fs, which its times must not contradict, or by these alone."""
-    times, said = series.get("time"), series.get("fs")
-    own = check_rate(float(said), where) if isinstance(said, float | int) else 0.0
+    times, fs = series.get("time"), series.get("fs")
+    own = check_rate(float(fs), where) if isinstance(fs, float | int) else 0.0
     if times is None:
         return own
     if len(times) != len(series["data"]):
@@ -162,8 +162,8 @@ def _block(
     rates = {part["name"]: _rate(part, where) for part in parts}
     rate = next(iter(rates.values()))
     if any(abs(other - rate) > _SAME * rate for other in rates.values()):
-        said = ", ".join(f"{n} {r:g} Hz" for n, r in rates.items())
-        raise DataError(f"the series of group {name} differ in rate: {said}", where=where, remedy="export one rate")
+        text = ", ".join(f"{n} {r:g} Hz" for n, r in rates.items())
+        raise DataError(f"the series of group {name} differ in rate: {text}", where=where, remedy="export one rate")
     options.agree(rate, where)
     dated = any(part.get("start_timestamp") for part in parts)
     starts = [_start(part, where) if bool(part.get("start_timestamp")) == dated else None for part in parts]

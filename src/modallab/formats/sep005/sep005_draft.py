@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from modallab.core.rig import Rig
-from modallab.formats.draft import Said, rig_of, wanted
+from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
 from modallab.formats.sep005.sep005 import series_of
 from modallab.formats.unit_text import normal_unit, quantity_of
@@ -15,8 +15,8 @@ def draft_sep005(path: Path, options: ImportOptions) -> Rig:
     Raises:
         FormatError: no list of series.
     """
-    said: list[Said] = []
+    drafts: list[DraftChannel] = []
     for name, series in next(iter(series_of(path).values())).items():
         unit = normal_unit(str(series["unit_str"]))
-        said.append(Said(name, quantity_of(unit), unit))
-    return rig_of(wanted(said, options), path)
+        drafts.append(DraftChannel(name, quantity_of(unit), unit))
+    return rig_of(select_channels(drafts, options), path)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.formats.draft import Said, rig_of, wanted
+from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
 from modallab.formats.tdms.tdms_groups import chosen, fastest, is_time
 from modallab.formats.tdms.tdms_read import read_tdms_groups
@@ -23,8 +23,8 @@ def draft_tdms(path: Path, options: ImportOptions) -> Rig:
     groups = tuple(g for g in groups if any(not is_time(c) for c in g.channels.values()))
     if not groups:
         raise DataError("holds nothing but times", where=str(path), remedy="export the records again")
-    said: list[Said] = []
+    drafts: list[DraftChannel] = []
     for channel in fastest(groups, str(path)):
         unit = unit_said(channel)
-        said.append(Said(channel.name, quantity_of(unit), unit))
-    return rig_of(wanted(said, options), path)
+        drafts.append(DraftChannel(channel.name, quantity_of(unit), unit))
+    return rig_of(select_channels(drafts, options), path)

@@ -105,5 +105,5 @@ def seconds_of_x(channel: TdmsChannel, where: str) -> float:
 
 def listed(channels: Iterable[TdmsChannel]) -> str:
     """Names, with the rate where it is said."""
-    said = [(c.name, c.properties.get("wf_increment")) for c in channels]
-    return ", ".join(f"{n} ({1 / s:g} Hz)" if isinstance(s, float) and s > 0 else n for n, s in said)
+    steps = [(c.name, c.properties.get("wf_increment")) for c in channels]
+    return ", ".join(f"{n} ({1 / s:g} Hz)" if isinstance(s, float) and s > 0 else n for n, s in steps)

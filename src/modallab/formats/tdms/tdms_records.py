@@ -46,8 +46,8 @@ def read_tdms(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 
 def unit_said(channel: TdmsChannel) -> str:
     """The unit that a channel's properties name; "" if they name none."""
-    said = (normal_unit(str(channel.properties.get(name, ""))) for name in _UNIT_PROPERTIES)
-    return next((unit for unit in said if unit), "")
+    units = (normal_unit(str(channel.properties.get(name, ""))) for name in _UNIT_PROPERTIES)
+    return next((unit for unit in units if unit), "")
 
 
 def _left_out(groups: tuple[TdmsGroup, ...], records: tuple[TdmsGroup, ...], rig: Rig, name: str) -> list[str]:
@@ -112,8 +112,8 @@ def _start(part: TdmsChannel, where: str) -> Start:
 def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, where: str) -> float:
     steps = {part.name: step_of(part, where) for part in parts}
     if len(set(steps.values())) > 1:
-        said = ", ".join(f"{name} {1 / step:g} Hz" if step else f"{name} no rate" for name, step in steps.items())
-        raise DataError(f"the channels differ in rate: {said}", where=where, remedy="export channels of one rate")
+        rates = ", ".join(f"{name} {1 / step:g} Hz" if step else f"{name} no rate" for name, step in steps.items())
+        raise DataError(f"the channels differ in rate: {rates}", where=where, remedy="export channels of one rate")
     step = next(iter(steps.values()))
     if step > 0:
         rate = check_rate(whole_rate(1 / step, 1e-12 / step), where)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from modallab.core.errors import DataError
 from modallab.core.rig import Direction, Point, Rig
-from modallab.formats.draft import MEASURED, Said, rig_of, wanted
+from modallab.formats.draft import MEASURED, DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
 from modallab.formats.uff.uff_functions import KINDS, Function, read_functions
 from modallab.formats.uff.uff_match import SPECIFIC
@@ -39,19 +39,21 @@ def draft_uff(path: Path, options: ImportOptions) -> Rig:
         )
     nodes = read_nodes(path)
 
-    def turned(one: Said) -> Said:
+    def turned(one: DraftChannel) -> DraftChannel:
         if one.point is None or one.direction is None:
             return one
         return replace(one, direction=nodes.direction(one.point, one.direction, where))
 
-    said = wanted((turned(one) for one in dict.fromkeys(_said(f, _name_at(used)) for f in used)), options)
+    drafts = select_channels(
+        (turned(one) for one in dict.fromkeys(_draft_of(f, _name_at(used)) for f in used)), options
+    )
     if used[0].kind == 4:
         node, axis = used[0].reference_node, used[0].reference_direction
-        said.insert(0, turned(Said("force", "force", "N", node or None, _DIRECTIONS.get(axis))))
+        drafts.insert(0, turned(DraftChannel("force", "force", "N", node or None, _DIRECTIONS.get(axis))))
     found = read_results(path).geometry
     drives = {f.reference_node for f in used if f.reference_node}
     places = {n: Point(id=n, x_m=at[0], y_m=at[1], z_m=at[2]) for n, at in found.points.items() if n > 0}
-    return rig_of(said, path, tuple(places.values()), found.lines, drives, found.surfaces)
+    return rig_of(drafts, path, tuple(places.values()), found.lines, drives, found.surfaces)
 
 
 def _name_at(functions: Sequence[Function]) -> int:
@@ -59,7 +61,7 @@ def _name_at(functions: Sequence[Function]) -> int:
     return 0 if len({f.names[0] for f in functions}) >= len({f.names[1] for f in functions}) else 1
 
 
-def _said(function: Function, name_at: int) -> Said:
+def _draft_of(function: Function, name_at: int) -> DraftChannel:
     of_frf = frf_unit(function.unit, function.divisor_unit) if function.kind == 4 else None
     if of_frf is not None:
         quantity, unit = MEASURED[of_frf[0]], ""
@@ -70,7 +72,7 @@ def _said(function: Function, name_at: int) -> Said:
     name = next((n for n in ordered if n not in ("", "NONE")), "")
     at = f"p{function.node}{_DIRECTIONS.get(function.direction, '')}" if function.node else f"set {function.place}"
     # What stands at a node is known by it; of FRFs to several nodes the name would not tell.
-    return Said(
+    return DraftChannel(
         at if not name or (function.kind == 4 and function.node) else name,
         quantity,
         unit,

@@ -46,8 +46,8 @@ def match_channel(function: Function, candidates: Sequence[Channel], where: str)
         DataError: no channel or several fit, or the direction is not the channel's.
     """
     names = {name.casefold() for name in function.names}
-    said = quantity_of(function.unit)
-    quantity = SPECIFIC.get(function.specific, said) if said in (None, "voltage") else said
+    by_unit = quantity_of(function.unit)
+    quantity = SPECIFIC.get(function.specific, by_unit) if by_unit in (None, "voltage") else by_unit
     there = [c for c in candidates if function.node and c.point == function.node and _same_axis(function.direction, c)]
     groups = (
         [c for c in candidates if c.name.casefold() in names],

@@ -32,8 +32,8 @@ def read_uff(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         )
     skipped = [f for f in content.functions if f.kind not in _USED]
     left_out = (f"{path.name}: left out {_contents(content)}",) if skipped or content.others else ()
-    said = (*notes, *left_out)
-    return Campaign(rig, blocks, frfs, {"notes": "\n".join(said)} if said else {}, where)
+    remarks = (*notes, *left_out)
+    return Campaign(rig, blocks, frfs, {"notes": "\n".join(remarks)} if remarks else {}, where)
 
 
 def _contents(content: UniversalFile) -> str:

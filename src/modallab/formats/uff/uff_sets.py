@@ -73,15 +73,15 @@ def form_of(lines: Sequence[str], where: str) -> Form:
     Raises:
         FormatError: the set has no such record, or it announces what the format does not know.
     """
-    said = numbers(lines[6:7], where) if len(lines) >= HEAD_LINES else ()
-    if len(said) < 5 or not np.isfinite(said[:3]).all():
+    fields = numbers(lines[6:7], where) if len(lines) >= HEAD_LINES else ()
+    if len(fields) < 5 or not np.isfinite(fields[:3]).all():
         raise FormatError("is cut off or damaged within its head", where=where, remedy=EXPORT_AGAIN)
-    kind, count, even = (int(value) for value in said[:3])
+    kind, count, even = (int(value) for value in fields[:3])
     if kind not in _PART_BYTES:
         raise FormatError(
             f"has ordinates of type {kind}; the format knows 2, 4, 5 and 6", where=where, remedy=EXPORT_AGAIN
         )
-    return Form(kind, count, bool(even), float(said[3]), float(said[4]))
+    return Form(kind, count, bool(even), float(fields[3]), float(fields[4]))
 
 
 def decoded(sets: Sequence[RawSet], kind: int, where: str) -> tuple[dict[str, Any], ...]:
@@ -142,10 +142,10 @@ class _Divider:
     def _set(self) -> RawSet:
         self._place += 1
         head = self._line() or b""
-        said = re.match(rb"\s*(\d+)\s*([bB]?)", head)
-        kind = int(said[1]) if said is not None and len(said[1]) < 7 else 0
-        if kind == FUNCTION_SET and said is not None and said[2]:
-            return self._binary(head[said.end() :].decode("ascii", "replace"))
+        found = re.match(rb"\s*(\d+)\s*([bB]?)", head)
+        kind = int(found[1]) if found is not None and len(found[1]) < 7 else 0
+        if kind == FUNCTION_SET and found is not None and found[2]:
+            return self._binary(head[found.end() :].decode("ascii", "replace"))
         lines: list[str] = []
         for line in iter(self._line, None):
             if _is_mark(line):
@@ -153,11 +153,11 @@ class _Divider:
             lines.append(line.decode("utf-8", "replace"))
         raise self._cut_off()
 
-    def _binary(self, said: str) -> RawSet:
+    def _binary(self, header: str) -> RawSet:
         where = f"{self._where}, set {self._place}"
         lines = tuple((self._line() or b"").decode("utf-8", "replace") for _ in range(HEAD_LINES))
         form = form_of(lines, where)
-        order, fp, _, announced = [int(v) for v in [*numbers([said], where), 0, 0, 0, 0][:4]]
+        order, fp, _, announced = [int(v) for v in [*numbers([header], where), 0, 0, 0, 0][:4]]
         if fp not in _IEEE or order not in (1, 2):
             found = f"holds binary numbers of format {fp} and order {order}; IEEE numbers (2) of order 1 or 2 are read"
             raise FormatError(found, where=where, remedy="export it as text, or as IEEE numbers")

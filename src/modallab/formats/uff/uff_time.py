@@ -100,8 +100,8 @@ def _check_complete(group: _Group, rig: Rig, where: str) -> None:
 def _common_rate(functions: Sequence[Function], options: ImportOptions, where: str) -> float:
     rates = {function.place: _rate(function, where) for function in functions}
     if len(set(rates.values())) > 1:
-        said = ", ".join(f"set {place} {rate:g} Hz" for place, rate in rates.items())
-        raise DataError(f"the records differ in rate: {said}", where=where, remedy="export records of one rate")
+        text = ", ".join(f"set {place} {rate:g} Hz" for place, rate in rates.items())
+        raise DataError(f"the records differ in rate: {text}", where=where, remedy="export records of one rate")
     rate = next(iter(rates.values()))
     options.agree(rate, where)
     return rate

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block
 from modallab.core.rig import Rig
+from modallab.core.units import BROADBAND
+from modallab.frf.broadband import driven_band
+from modallab.signals.signals import to_signals
 
 Array = NDArray[np.float64]
 
@@ -44,7 +47,8 @@ def measured_noise(blocks: Sequence[Block], rig: Rig) -> Array:
 
     The lower quartile over the records: what is in every record is noise, what is in some is a response.
     """
-    spreads = [spread for b in blocks if (spread := _of_block(b, rig.force_channel.index)) is not None]
+    force = rig.force_channel.index
+    spreads = [spread for b in blocks if (spread := _of_block(b, force, _driven_to(b, rig))) is not None]
     if not spreads:
         return np.full(len(blocks[0].scale) if blocks else 0, np.nan)
     return np.quantile(np.array(spreads), 0.25, axis=0)
@@ -53,10 +57,15 @@ def measured_noise(blocks: Sequence[Block], rig: Rig) -> Array:
 def lines_behind(blocks: Sequence[Block]) -> int:
     """Lines of spectra that the measured noise rests on."""
     share = (NOISE_BAND[1] - NOISE_BAND[0]) / 2
-    return sum(int(share * (b.n_samples if b.test == "sine" else PRE_TRIGGER)) for b in blocks)
+    return sum(int(share * (PRE_TRIGGER if b.test == "impact" else b.n_samples)) for b in blocks)
 
 
-def _of_block(block: Block, force: int) -> Array | None:
+def _driven_to(block: Block, rig: Rig) -> float:
+    """Share of the Nyquist frequency up to which a broadband drive reaches."""
+    return driven_band([to_signals(block, rig)])[1] * 2 / block.rate_hz if block.test in BROADBAND else 0.0
+
+
+def _of_block(block: Block, force: int, driven_to: float = 0.0) -> Array | None:
     volts = block.samples * block.scale[:, None]
     if block.test == "impact":
         before = min(PRE_TRIGGER, int(np.argmax(np.abs(volts[force]))) - 30)
@@ -66,7 +75,9 @@ def _of_block(block: Block, force: int) -> Array | None:
     n = volts.shape[1]
     window = np.hanning(n)
     spectrum = np.fft.rfft((volts - volts.mean(axis=1, keepdims=True)) * window, axis=1)
-    low, high = (int(share * n / 2) for share in NOISE_BAND)
+    low, high = (int(max(share, driven_to) * n / 2) for share in NOISE_BAND)
+    if low >= high:
+        return None
     power = np.abs(spectrum[:, low:high]) ** 2
     # The median of an exponential variable is its mean times ln 2; a line of a harmonic cannot move it.
     return np.sqrt(np.median(power, axis=1) / np.log(2) / np.sum(window**2))

@@ -18,6 +18,7 @@ from modallab.gap.conditioning.ambient import (
     without_ringing,
 )
 from modallab.gap.conditioning.clipped import Clipped, find_clipped
+from modallab.gap.conditioning.driven import Settled, settled
 from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, weak_hum, without_hum
 from modallab.gap.conditioning.lost import losing
 from modallab.gap.conditioning.noise import (
@@ -67,7 +68,8 @@ class Prepared:
         floor: motion of the base.
         noisy: rows whose noise stands out.
         repeated: rows that lose samples, in whose place others are repeated or nothing is read.
-        poles: of the ring-down.
+        poles: of the ring-down, or of the drive where nothing was struck.
+        driven: what the records of broadband drives are settled by.
         sine_ratio: frequency of the sines in the records over what the generator was set to.
         notes: plain sentences on what was left out or could not be examined.
     """
@@ -87,6 +89,7 @@ class Prepared:
     noisy: tuple[int, ...]
     repeated: tuple[int, ...]
     poles: Complex
+    driven: Settled
     sine_ratio: float
     notes: tuple[str, ...]
 
@@ -118,6 +121,8 @@ def prepare(campaign: Campaign) -> Prepared:
         decays = poles if moves_before_hits(cleaned, campaign.rig, noise) else NO_DECAYS
         cleaned = tuple(without_hum(b, hum, decays) for b in blocks)
         poles = _poles(campaign, cleaned, masked, noisy)
+    driven = settled(cleaned, campaign.rig)
+    cleaned, poles = driven.blocks, poles if len(poles) else driven.poles
     ratio = sine_clock_of(cleaned, campaign.rig, noise)
     floor = find_floor(cleaned, campaign.rig, noise, poles, ratio)
     ringing = None if floor is not None else find_ringing(cleaned, campaign.rig, noise, poles)
@@ -139,6 +144,7 @@ def prepare(campaign: Campaign) -> Prepared:
         () if floor is not None else tuple(row for row in noisy if row not in repeated),
         repeated,
         poles,
+        driven,
         ratio,
         _notes(campaign, blocks, at_full_scale),
     )

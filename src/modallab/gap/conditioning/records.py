@@ -49,19 +49,12 @@ def usable(campaign: Campaign, hum: Hum | None = None) -> tuple[Block, ...]:
         DataError: there are none.
     """
     rig = campaign.rig
-    broadband = sorted({b.test for b in campaign.blocks if b.test in BROADBAND})
-    if broadband:
-        raise DataError(
-            f"records of {', '.join(broadband)} drive cannot be diagnosed yet, only hits and sines",
-            where=campaign.source,
-            remedy="diagnose a campaign of the impact and sine tests alone",
-        )
     found = [
         b
         for b in campaign.blocks
         if b.drive_point is not None
         and np.ptp(b.samples[rig.force_channel.index]) > 0
-        and (_has_hit(b if hum is None else without_hum(b, hum), rig) if b.test == "impact" else bool(b.frequency_hz))
+        and _drives(b if hum is None else without_hum(b, hum), rig)
     ]
     if not found:
         check_kind([to_signals(b, rig) for b in campaign.blocks if b.test == "impact"])
@@ -74,7 +67,7 @@ def usable(campaign: Campaign, hum: Hum | None = None) -> tuple[Block, ...]:
 
 
 def as_recorded(campaign: Campaign, cleaned: Sequence[Block]) -> list[Block]:
-    """Records as they came, but for a force in which hum hides the hit: that comes without it.
+    """Records as they came, but for a force in which hum hides the hit, and for drives, which are joined.
 
     Args:
         campaign: in V.
@@ -84,10 +77,17 @@ def as_recorded(campaign: Campaign, cleaned: Sequence[Block]) -> list[Block]:
     clean = {b.name: b for b in cleaned}
     found: list[Block] = []
     for b in campaign.blocks:
-        if b.name in clean:
+        if b.name in clean and b.test in BROADBAND:
+            found.append(clean[b.name])
+        elif b.name in clean:
             hidden = b.test == "impact" and not _has_hit(b, rig)
             found.append(_with_row(b, force, clean[b.name].samples[force]) if hidden else b)
     return found
+
+
+def _drives(block: Block, rig: Rig) -> bool:
+    """Whether a record says what drove it."""
+    return _has_hit(block, rig) if block.test == "impact" else block.test in BROADBAND or bool(block.frequency_hz)
 
 
 def _has_hit(block: Block, rig: Rig) -> bool:

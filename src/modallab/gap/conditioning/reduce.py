@@ -3,13 +3,12 @@
 Hits at one point share one response: six hits are one set of lines. A sine block is its own line, its neighbours
 and two harmonics. Noise of the converter is white; noise of the force is common to all channels of a line.
 
-Lines of hits are the H1 estimate (Bendat and Piersol, Random Data, 2010) with the variance of its noise. The force's
-noise is a rank-one part c d d^H of each line's covariance: I - (1 - 1 / sqrt(1 + c)) d d^H whitens I + c d d^H for a
-unit vector d. Sines by the three- and four-parameter fits of IEEE Std 1057, the frequency common to all blocks.
+Lines of hits are the H1 estimate (Bendat and Piersol, Random Data, 2010) with the variance of its noise. Sines by the
+three- and four-parameter fits of IEEE Std 1057, the frequency common to all blocks.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,8 +16,9 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
-from modallab.core.units import Test
-from modallab.signals.conversion import volts_per_si
+from modallab.gap.conditioning.drive_rows import drives, reduce_drive
+from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, Rows, SineData, rows_of
+from modallab.gap.conditioning.weights import Weights
 from modallab.signals.hit import Hit
 from modallab.signals.signals import Signals, to_signals
 from modallab.signals.tone_fit import clock_ratio, fit_at
@@ -35,149 +35,6 @@ NEIGHBOURS = 2
 """Lines on either side of a sine's own."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Rows:
-    """One kind of data: responses per unit force on lines.
-
-    Attributes:
-        y: (channels, rows) measured, SI units of each channel's quantity per N.
-        sigma: (channels, rows) noise of each part, real and imaginary; inf where not to be used.
-        common: (rows,) variance of the force's noise along the response, in units of sigma.
-        direction: (channels, rows) unit vectors of that response, whitened.
-    """
-
-    y: Complex
-    sigma: Array
-    common: Array
-    direction: Complex
-
-    def whiten(self, residual: Complex) -> Complex:
-        """Residuals (..., channels, rows) in noise units, the force's noise taken out."""
-        # A complex number is divided ten times as slowly as it is multiplied.
-        r = residual * (1 / self.sigma)
-        if not np.any(self.common):
-            return r
-        along = np.einsum("cr,...cr->...r", self.direction.conj(), r)
-        shrink = 1 - 1 / np.sqrt(1 + self.common)
-        r -= self.direction * (shrink * along)[..., None, :]
-        return r
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Piece:
-    """A piece of data with one drive point and one place in time.
-
-    Attributes:
-        name: of the hits at a point, or of the record.
-        order: mean place of its records in the campaign, in records.
-        drive_x_m: place of the force from the clamp, m.
-        level: of the drive; None for hits.
-        records: names of its records.
-        orders: place in time of each; empty where they are taken together.
-    """
-
-    name: str
-    order: float
-    drive_x_m: float
-    level: str | None
-    records: tuple[str, ...]
-    orders: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class ImpactData:
-    """All hits at one point that are taken together."""
-
-    piece: Piece
-    source: Hits
-    rows: Rows
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class SineData:
-    """All sine blocks; rows are blocks x lines, flattened. `ratio` is the seen frequency over the one that was set."""
-
-    pieces: tuple[Piece, ...]
-    source: Sines
-    rows: Rows
-    ratio: float
-    ratio_sigma: float
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Reduced:
-    """What the fits see.
-
-    Attributes:
-        rig: the bench as believed.
-        impacts: a set of lines for each drive point.
-        sines: the sine test, None if there is none.
-        channels: numbers of the accelerometers, 1 is the first after the force.
-        x_m: (channels,) their places.
-        last_order: place in time of the campaign's last record.
-    """
-
-    rig: Rig
-    impacts: tuple[ImpactData, ...]
-    sines: SineData | None
-    channels: tuple[int, ...]
-    x_m: Array
-    last_order: float
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Weights:
-    """What each number weighs.
-
-    Attributes:
-        noise_v: (rows,) V rms of each row.
-        masked: (record, row) that must not be used: cut or overloaded.
-        floor: (channels, lines) two-sided density in (m/s^2)^2/Hz of what a shaking base adds; or None.
-        floor_s: length of the blocks whose lines these are.
-        rising_v2: power at 1 Hz, in V^2 per sample, of noise that rises as 1 / f; 0 for white noise.
-        hum_v: (rows,) V amplitude of hum too weak to be taken out.
-        hum_hz: its frequency.
-    """
-
-    noise_v: Array
-    masked: frozenset[tuple[str, int]] = frozenset()
-    floor: Array | None = None
-    floor_s: float = 1.0
-    rising_v2: float = 0.0
-    hum_v: Array | None = None
-    hum_hz: float = 50.0
-
-    def sigma(self, rig: Rig, test: Test, lines: Array, n: int, dt: float) -> Array:
-        """(channels, lines) noise per sample in SI units, on the lines of a block of n samples, dt s apart."""
-        rows, hz = [c.index for c in rig.responses], np.abs(lines) / (n * dt)
-        total = self._si(rig, test)[rows][:, None] * self.rise(hz)[rows]
-        if self.floor is None:
-            return total
-        at = np.minimum(np.rint(hz * self.floor_s).astype(int), self.floor.shape[1] - 1)
-        # Noise of a band stands the higher above white noise of the same variance, the faster it is sampled.
-        return np.sqrt(total**2 + self.floor[:, at] / dt)
-
-    def rise(self, hz: Array) -> Array:
-        """(rows, hz) factor on the white noise of each row at these frequencies."""
-        return np.sqrt(1 + self.rising_v2 / self.noise_v[:, None] ** 2 / np.maximum(hz, 0.5))
-
-    def hum(self, rig: Rig, test: Test, lines: Array, n: int, dt: float) -> Array:
-        """(channels, lines) SI amplitude that hum of unknown phase leaves on the lines of a block, of n / 2."""
-        if self.hum_v is None:
-            return np.zeros((len(rig.responses), len(lines)))
-        a = 2j * np.pi * (self.hum_hz * dt - np.abs(lines) / n)
-        leaked = np.abs((1 - np.exp(a * n)) / np.where(np.abs(a) < 1e-9, 1, 1 - np.exp(a))) / n
-        size = (self.hum_v / np.abs(volts_per_si(rig, test)))[[c.index for c in rig.responses]]
-        return size[:, None] * np.where(np.abs(a) < 1e-9, 1.0, leaked)
-
-    def force(self, rig: Rig, test: Test) -> float:
-        """Noise of the force per sample in N."""
-        return float(self._si(rig, test)[rig.force_channel.index])
-
-    def _si(self, rig: Rig, test: Test) -> Array:
-        return self.noise_v / np.abs(volts_per_si(rig, test))
-
-
 def reduce(campaign: Campaign, blocks: Sequence[Block], weights: Weights) -> Reduced:
     """Reduce some blocks of a campaign."""
     rig = campaign.rig
@@ -185,6 +42,7 @@ def reduce(campaign: Campaign, blocks: Sequence[Block], weights: Weights) -> Red
     impacts = tuple(
         reduce_hits([b for b in blocks if b.test == "impact" and b.drive_point == p], rig, weights) for p in points
     )
+    impacts += tuple(reduce_drive(records, rig, weights) for records in drives(blocks))
     sines = [b for b in blocks if b.test == "sine"]
     x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
     last = float(max(1, *(b.order for b in campaign.blocks))) if campaign.blocks else 1.0
@@ -330,13 +188,6 @@ def on_line(hz: float, n: int, dt: float) -> float:
     return round(line) / (n * dt) if abs(line - round(line)) < 2e-3 else hz
 
 
-def rows_of(y: Complex, sigma: Array, force_noise: Array) -> Rows:
-    """Rows of (channels, rows) responses with their noise, and (rows,) noise of the force over the force."""
-    whitened = y / sigma
-    length = np.maximum(np.linalg.norm(whitened, axis=0), 1e-300)
-    return Rows(y, sigma, (force_noise * length) ** 2, whitened / length)
-
-
 def thinned(data: Reduced, poles: Complex) -> Reduced:
     """The data with fewer lines, for a first look: all lines about the poles, few between them, three about a sine."""
     sines = _thin_sines(data.sines) if data.sines is not None else None
@@ -360,5 +211,4 @@ def _thin(d: ImpactData, poles: Complex) -> ImpactData:
     keep = (np.arange(len(hz)) % 12 == 0) | (hz < 8)
     for pole in np.abs(poles) / (2 * np.pi):
         keep |= np.abs(hz - pole) < np.maximum(3.5 * df, 0.025 * pole)
-    source = replace(d.source, lines=d.source.lines[keep], weights=d.source.weights[:, keep])
-    return replace(d, source=source, rows=_kept(d.rows, keep))
+    return replace(d, source=d.source.kept(keep), rows=_kept(d.rows, keep))

@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from modallab.core.block import Block
 from modallab.core.errors import PlanError
+from modallab.core.units import BROADBAND, TESTS
 
 RULES = "mixed, spread, point:N, level:NAME, test:impact, test:sine, last:SHARE"
 
@@ -31,12 +32,12 @@ def split(blocks: Sequence[Block], rule: str) -> tuple[list[Block], list[Block]]
     """
     kind, _, value = rule.partition(":")
     if kind in WHERE_POSSIBLE:
-        held = _third_of_hits(blocks, each_point=kind == "spread") | _third_of_sines(blocks)
+        held = _third_of_hits(blocks, each_point=kind == "spread") | _third_of_sines(blocks) | _third_of_drives(blocks)
     elif kind == "point" and value.isdigit():
         held = {b.name for b in blocks if b.drive_point == int(value)}
     elif kind == "level" and value:
         held = {b.name for b in blocks if b.level == value}
-    elif kind == "test" and value in {"impact", "sine"}:
+    elif kind == "test" and value in TESTS:
         held = {b.name for b in blocks if b.test == value}
     elif kind == "last" and _is_share(value):
         held = {b.name for b in blocks[round(len(blocks) * (1 - float(value))) :]}
@@ -68,6 +69,12 @@ def _third_of_sines(blocks: Sequence[Block]) -> set[str]:
     frequencies = sorted({b.frequency_hz for b in blocks if b.test == "sine" and b.frequency_hz})
     chosen = set(third(frequencies, 1))
     return {b.name for b in blocks if b.test == "sine" and b.frequency_hz in chosen}
+
+
+def _third_of_drives(blocks: Sequence[Block]) -> set[str]:
+    driven = [b for b in blocks if b.test in BROADBAND]
+    drives = list(dict.fromkeys((b.test, b.level) for b in driven))
+    return {b.name for d in drives for b in third([b for b in driven if (b.test, b.level) == d], 1)}
 
 
 def _is_share(value: str) -> bool:

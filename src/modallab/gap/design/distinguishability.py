@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.planned import planned
 from modallab.gap.model.candidates import of_bench, of_channel, testable
 from modallab.gap.model.fit import Problem

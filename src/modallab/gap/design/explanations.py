@@ -12,8 +12,10 @@ from modallab.core.diagnosis import CandidateSet, Diagnosis
 from modallab.core.effects import kind_of
 from modallab.core.errors import DataError, PlanError
 from modallab.gap.conditioning.prepare import Prepared, prepare
-from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
+from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.split import split
+from modallab.gap.conditioning.weights import Weights
 from modallab.gap.design.continued import FITTED
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import minimise

@@ -15,7 +15,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import Explanation
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import jacobian

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.split import third
 from modallab.gap.design.explanations import Explanation, Recorded, explanations, recorded, to_decide
 from modallab.gap.design.information import (
@@ -27,6 +27,7 @@ from modallab.gap.model.fit import Fit, Problem, seen, softened
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.best_place import at_best_place
 from modallab.twin.bench import Twin
+from modallab.twin.response import Hits
 
 Array = NDArray[np.float64]
 
@@ -119,7 +120,7 @@ class Planning:
 
     def _laid_out(self, plan: Plan) -> Layout:
         data = self.there.data
-        hits = data.impacts[0].source if data.impacts else None
+        hits = next((d.source for d in data.impacts if isinstance(d.source, Hits)), None)
         return laid_out(data.rig, [plan], self.there.weights, hits, data)
 
     def _columns(self, layout: Layout) -> Array:

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import ImpactData, Reduced
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
+from modallab.gap.conditioning.rows import ImpactData, Reduced
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -76,7 +76,9 @@ class PointModes:
         )
 
 
-def identified(data: Reduced, hits: Sequence[Block], channels: Sequence[int], top_hz: float) -> tuple[PointModes, ...]:
+def identified(
+    data: Reduced, hits: Sequence[Block], channels: Sequence[int], top_hz: float, driven: Complex
+) -> tuple[PointModes, ...]:
     """The modes at each drive point; those of all points are looked for at each.
 
     Args:
@@ -84,8 +86,10 @@ def identified(data: Reduced, hits: Sequence[Block], channels: Sequence[int], to
         hits: the records it was made of.
         channels: indices into its channels that may be used for the poles.
         top_hz: end of the band.
+        driven: poles that records of a drive show.
     """
-    first = [_begins(d, hits, data.rig, channels, top_hz) for d in data.impacts]
+    within = driven[np.abs(driven) < 2 * np.pi * top_hz]
+    first = [within if d.piece.by_shaker else _begins(d, hits, data.rig, channels, top_hz) for d in data.impacts]
     whole = _distinct(np.concatenate([*first, np.zeros(0, complex)]))
     found: list[PointModes] = []
     for d, own in zip(data.impacts, first, strict=True):
@@ -152,7 +156,7 @@ class _Projection:
 
     def __init__(self, d: ImpactData, top: float) -> None:
         keep = d.source.lines / (d.source.n * d.source.dt) < top
-        self.source = replace(d.source, lines=d.source.lines[keep], weights=d.source.weights[:, keep])
+        self.source = d.source.kept(keep)
         y, sigma = d.rows.y[:, keep], d.rows.sigma[:, keep]
         self.used = np.all(np.isfinite(sigma), axis=1)
         y, sigma = y[self.used], sigma[self.used]

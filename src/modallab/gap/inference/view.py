@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import Reduced, SineData
+from modallab.gap.conditioning.rows import Reduced, SineData
 from modallab.gap.inference.discrepancy import ObjectiveRows, ScaledObjective
 from modallab.gap.inference.identified import PointModes
 from modallab.gap.inference.settings import Settings
 from modallab.gap.model.fit import GENERATOR, Problem
-from modallab.gap.model.forward import forward, impact_residue
+from modallab.gap.model.forward import forward, impact_residue, with_shaker
 from modallab.gap.model.sensitivity import Tangent, next_to, smooth_in
 from modallab.twin.bench import Twin, exchange_plugs, transfer
 from modallab.twin.modes import Modes, solve
@@ -73,7 +73,8 @@ class View:
     def matched(self, twin: Twin) -> Match:
         """Which mode of a twin each identified pole is."""
         modes = solve(twin.structure)
-        return tuple(_matched(q.poles, self._predicted(twin, modes, q)[0]) for q in self.points)
+        hung = with_shaker(twin, modes, self.data)
+        return tuple(_matched(q.poles, self._predicted(twin, modes, hung, q)[0]) for q in self.points)
 
     def predict(self, twin: Twin, match: Match | None = None) -> Array:
         """(rows,) what a twin says; the poles are matched to its modes where that is not given."""
@@ -119,22 +120,23 @@ class View:
         return J
 
     def _modal(self, twin: Twin, modes: Modes, match: Match | None) -> Array:
-        parts = [np.zeros(0)]
+        parts, hung = [np.zeros(0)], with_shaker(twin, modes, self.data)
         for k, q in enumerate(self.points):
-            poles, constants = self._predicted(twin, modes, q)
+            poles, constants = self._predicted(twin, modes, hung, q)
             own = _matched(q.poles, poles) if match is None else match[k]
             poles, used = poles[own], q.where_used(constants[:, own])
             damping = np.maximum(-poles.real / np.abs(poles), 1e-6)
             parts += [np.log(np.abs(poles)), np.log(damping), *_parts(used)]
         return np.concatenate(parts)
 
-    def _predicted(self, twin: Twin, modes: Modes, q: PointModes) -> tuple[Complex, Complex]:
+    def _predicted(self, twin: Twin, modes: Modes, hung: Modes, q: PointModes) -> tuple[Complex, Complex]:
         """(modes,) poles and (channels, modes) modal constants as they would be identified from the hits at a point."""
-        poles, constants = impact_residue(twin, modes, q.data, self.data)
+        own = hung if q.data.piece.by_shaker else modes
+        poles, constants = impact_residue(twin, own, q.data, self.data)
         constants = constants * transfer(twin.chain, self.data.channels, poles)
         if twin.clock:
             poles, constants = poles / (1 + twin.clock), constants * (1 + twin.clock)
-        return poles, exchange_plugs(twin.chain, self.data.channels, "impact", constants)
+        return poles, exchange_plugs(twin.chain, self.data.channels, q.data.piece.test, constants)
 
 
 def _modal_rows(q: PointModes, channels: int, names: tuple[str, ...], settings: Settings) -> list[ObjectiveRows]:

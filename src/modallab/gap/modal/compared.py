@@ -23,6 +23,7 @@ from modallab.modification.freedoms import freedoms_of
 from modallab.modification.mesh import Mesh
 from modallab.modification.shapes import Shapes, shapes_of
 from modallab.modification.synthesis import kernels, synthesised
+from modallab.updating.elements import COMPUTED
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -58,7 +59,7 @@ class Compared:
         known: (lines, outputs, inputs) the reference's receptances.
         measured: (lines, outputs, inputs) the bench's.
         frfs: of the reference, where those of both were measured.
-        noise: (lines, lines, outputs, inputs) covariance of the noise of both where it was measured, else None.
+        noise: (lines, lines, outputs, inputs) covariance of the noise of both where FRFs are compared, else None.
         weights: of misfits.
     """
 
@@ -201,7 +202,8 @@ def compared(
         outside=known - np.einsum("lr,or,ir->loi", kernels(model, s), out_psi, into_psi),
         known=known,
         measured=measured,
-        frfs=None if means is None else means[0],
+        # What hangs on a computed reference is not coupled line by line: its resonances are not the bench's.
+        frfs=None if means is None or model.method == COMPUTED else means[0],
         noise=noise,
         weights=weights(model, after.model, s, measured, noise),
     )

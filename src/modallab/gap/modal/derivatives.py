@@ -10,6 +10,9 @@ from modallab.gap.modal.state import State
 
 Complex = NDArray[np.complexfloating[Any, Any]]
 
+SMALL = 1e-6
+"""Relative step of a difference."""
+
 
 def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     """(numbers, lines, outputs, inputs) by each number in its own unit, in the order of `Free.sizes`.
@@ -19,14 +22,17 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     """
     s, known = c.s, state.structure
     omega, modes = known.omega, known.omega.size
-    x, y, whole = state.paths(s, c.outside)
+    outside = c.outside / known.stiffness
+    x, y, whole = state.paths(s, outside)
+    of_outside = (state.paths(s, (1 + SMALL) * outside)[2] - whole) / SMALL
     read = state.read(s)[:, :, None]
     x, y, whole = read * x, y * state.applied, read * whole * state.applied
     squared = (s**2)[:, None, None]
     found = np.zeros((sum(sizes), *whole.shape), np.complex128)
     parts = np.split(found, np.cumsum(sizes)[:-1])
     stiff, mass, field, damping, gains, force, hits, at, struck, masses, across = parts
-    stiff[0] = -known.stiffness * (x * omega**2 @ y)
+    # All modes are as much stiffer, those outside the band too.
+    stiff[0] = -known.stiffness * (x * omega**2 @ y) - read * of_outside * state.applied
     mass[0] = -known.mass * squared * (x @ y)
     for n, (r, q) in enumerate(zip(*np.triu_indices(modes), strict=True)):
         field[n] = x[:, :, r, None] * y[:, None, q, :]

@@ -186,7 +186,8 @@ class Free:
 
     def predicted(self, u: Real, change: Change = NOTHING) -> Complex:
         """(lines, outputs, inputs) receptances."""
-        return self.state(u, change).receptance(self.of.s, self.of.outside)
+        state = self.state(u, change)
+        return state.receptance(self.of.s, self.of.outside / state.structure.stiffness)
 
     def derivatives(self, u: Real, change: Change = NOTHING) -> Complex:
         """(numbers, lines, outputs, inputs) of what is predicted, by each number in its own unit."""

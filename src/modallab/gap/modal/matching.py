@@ -12,6 +12,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.modification.freedoms import Freedom, freedoms_of, senses_of, with_points
+from modallab.modification.shapes import shapes_of
 
 Real = NDArray[np.float64]
 
@@ -48,8 +49,12 @@ def in_common(reference: Side, own: Rig, bench: Side, rig: Rig) -> tuple[Side, S
     """
     points = _points(own, rig)
     there, here = with_points(reference.model, own), with_points(bench.model, rig)
-    outputs, inputs = ([(points.get(p, -p), axis) for p, axis in of] for of in freedoms_of(there, own))
     wanted, driven = freedoms_of(here, rig)
+    outputs, inputs = ([(points.get(p, -p), axis) for p, axis in of] for of in freedoms_of(there, own))
+    if not set(driven) & set(inputs):
+        reference = Side(_driven_where_seen(there, own, [o for o, f in enumerate(outputs) if f in driven]))
+        there = reference.model
+        inputs = [outputs[o] for o in range(len(outputs)) if outputs[o] in driven][: len(there.input_points)]
     rows = [o for o, f in enumerate(wanted) if f in outputs]
     columns = [i for i, f in enumerate(driven) if f in inputs and f not in driven[:i]]
     _require(rows, columns, here, rig)
@@ -62,6 +67,26 @@ def in_common(reference: Side, own: Rig, bench: Side, rig: Rig) -> tuple[Side, S
     known = _chosen(replace(reference, model=there), same, [inputs.index(driven[i]) for i in columns], turned)
     names = {n: getattr(found.model, n) for n in ("outputs", "output_points", "input_points")}
     return replace(known, model=known.model.model_copy(update=names)), found
+
+
+def _driven_where_seen(model: ModalModel, rig: Rig, rows: Sequence[int]) -> ModalModel:
+    """The same driven at some of its outputs instead: by reciprocity, as far as its modes go; as it is without a scale.
+
+    Of what lies outside the band the sensors of other points say nothing.
+    """
+    shapes, outputs = shapes_of(model, rig), freedoms_of(model, rig)[0]
+    at = [shapes.index(f) for f in outputs]
+    into = shapes.turn * shapes.driven[:, [at[o] for o in rows]]
+    sigma = model.modal_constant_sigma.mean(axis=2, keepdims=True)
+    return model.model_copy(
+        update={
+            "input_points": tuple(model.output_points[o] for o in rows) if shapes.scaled else (),
+            "modal_constants": shapes.seen[:, at, None] * into[:, None] if shapes.scaled else into[:, None, :0],
+            "modal_constant_sigma": np.repeat(sigma, len(rows), axis=2),
+            "residuals": np.zeros((0, len(at), len(rows))),
+            "residual_powers": (),
+        }
+    )
 
 
 def _require(rows: Sequence[int], columns: Sequence[int], bench: ModalModel, rig: Rig) -> None:

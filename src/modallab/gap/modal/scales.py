@@ -41,8 +41,8 @@ class ScaleLadder:
 
     @classmethod
     def about(cls, c: Compared) -> "ScaleLadder":
-        """Of lines and shapes they are inferred where FRFs were measured: what models leave of them is no sample."""
-        steps = (1.0,) if c.noise is None else USUAL
+        """Of lines and shapes they are inferred where both FRFs were measured: what models leave is no sample."""
+        steps = (1.0,) if c.frfs is None else USUAL
         return cls(c, {(a, b): c.scaled(a, b) for a, b in product(steps, steps)})
 
     @property

@@ -22,6 +22,8 @@ REFINED = 2
 """Candidates of each kind that are fitted where the search begins."""
 NEARBY = 3
 """Points about the place that was found, from which it is looked for again."""
+RIVAL = 2 * float(np.log(100.0))
+"""Evidence, as -2 ln of it, within which a rival is fitted to its end: it would have a probability of a percent."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -104,7 +106,7 @@ def _likely(here: Marginal, fitted: Callable[[Candidate, Real], Fitted]) -> list
 def best_first(
     begun: Sequence[Fitted], afar: Sequence[float], ended: Callable[[Fitted, int], Fitted]
 ) -> tuple[list[Fitted], Fitted]:
-    """The best of them ended, until it stays the best; all of them, and that one.
+    """The best of them ended, until it stays the best and no rival is near; all of them, and the best.
 
     Args:
         begun: explanations with an estimate of their evidence, which may be far too bad where a change is large.
@@ -114,9 +116,10 @@ def best_first(
     found, open_ = list(begun), set(range(len(begun)))
     while True:
         first = min(range(len(found)), key=lambda n: found[n].evidence)
-        better = [n for n in open_ if n == first or afar[n] < afar[first]]
-        if not better:
+        near = [n for n in open_ if found[n].evidence < found[first].evidence + RIVAL]
+        better = [n for n in open_ if afar[n] < afar[first]]
+        if not near and not better:
             return found, found[first]
-        at = first if first in open_ else min(better, key=lambda n: afar[n])
+        at = min(near, key=lambda n: found[n].evidence) if near else min(better, key=lambda n: afar[n])
         found[at] = ended(found[at], at)
         open_.remove(at)

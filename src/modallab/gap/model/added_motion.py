@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
+from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.twin.bench import Twin
 from modallab.twin.modes import Modes, undamped_key
 from modallab.twin.nonlinear.element import Coupling, coupling

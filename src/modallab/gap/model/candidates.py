@@ -8,7 +8,7 @@ from itertools import combinations
 
 from modallab.core.effects import PlaceKind
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.twin.candidate import Candidate
 from modallab.twin.effect_model import EffectModel, Overtones
 from modallab.twin.effects import models, search_of
@@ -42,7 +42,8 @@ def of_pairs(rig: Rig, channels: tuple[int, ...]) -> list[Candidate]:
 def testable(candidate: Candidate, data: Reduced) -> bool:
     """Whether the data hold the test that the effect needs."""
     needs = search_of(candidate.effect).needs
-    return {"impact": bool(data.impacts), "sine": data.sines is not None, None: True}[needs]
+    struck = any(not d.piece.by_shaker for d in data.impacts)
+    return {"impact": struck, "shaker": data.shaker_x_m is not None, "sine": data.sines is not None, None: True}[needs]
 
 
 def _searched(place: PlaceKind | None = None) -> list[EffectModel]:

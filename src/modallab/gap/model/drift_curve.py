@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import Piece
+from modallab.gap.conditioning.rows import Piece
 from modallab.gap.model.fit import Fit, Problem, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise

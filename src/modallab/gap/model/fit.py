@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.effects import Effect, Place
-from modallab.gap.conditioning.reduce import Reduced, Rows
+from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import Nuisances
 from modallab.twin.bench import Twin

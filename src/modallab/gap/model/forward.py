@@ -10,16 +10,16 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
+from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, SineData
 from modallab.gap.model.added_motion import added_to_hits, added_to_sines
 from modallab.twin.bench import Chain, Twin, exchange_plugs, transfer
 from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
-from modallab.twin.response import Hits, Sines
+from modallab.twin.response import Averages, Hits, Sines
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
-S = TypeVar("S", Hits, Sines)
+S = TypeVar("S", Hits | Averages, Sines)
 
 APART = 0.003
 """Drift from which hits at one point are no longer alike: their mean then answers as no beam does."""
@@ -28,11 +28,18 @@ APART = 0.003
 def forward(twin: Twin, data: Reduced) -> list[Complex]:
     """What the twin says the reduced data are: (channels, rows) for each drive point, then for the sine test."""
     modes = solve(twin.structure)
-    answers = [_impact(twin, modes, d, data) for d in data.impacts]
+    hung = with_shaker(twin, modes, data)
+    answers = [_impact(twin, hung if d.piece.by_shaker else modes, d, data) for d in data.impacts]
     if data.sines is not None:
-        hung = twin.in_sine(data.sines.pieces[0].drive_x_m)
-        answers.append(_sines(twin, modes if hung is twin.structure else solve(hung), data.sines, data))
+        answers.append(_sines(twin, hung, data.sines, data))
     return answers
+
+
+def with_shaker(twin: Twin, modes: Modes, data: Reduced) -> Modes:
+    """The modes while the shaker hangs on the beam: those without it where it adds nothing, or drove nothing."""
+    x = data.shaker_x_m
+    structure = twin.structure if x is None else twin.in_sine(x)
+    return modes if structure is twin.structure else solve(structure)
 
 
 def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
@@ -44,17 +51,25 @@ def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
         forced, tail = source.kernel(pole, hit_ratios(twin, d, data))
         forced_sum += r @ forced
         total += (r * transfer(twin.chain, data.channels, pole)) @ tail
-    if twin.element is not None:
+    # The FRF of a drive is that of the best linear approximation: it says nothing of a law.
+    if twin.element is not None and isinstance(source, Hits):
         forced_sum += added_to_hits(twin, modes, d, source, data)
     total += transfer(twin.chain, data.channels, source.s) * forced_sum
-    return exchange_plugs(twin.chain, data.channels, "impact", total)
+    return exchange_plugs(twin.chain, data.channels, d.piece.test, total)
 
 
 def impact_residue(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> tuple[Complex, Complex]:
     """(p,) poles and (channels, p) displacement residues of hits at one point, drift included."""
     scale = float(drift_scale(twin, d.piece.order, data))
-    drive = modes.at(twin.struck_x_m(d.piece.drive_x_m))[0] * twin.hit_gain(d.piece.drive_x_m)
+    x, gain = driven_at(twin, d.piece)
+    drive = modes.at(x)[0] * gain
     return modes.poles * scale, _outputs(twin.chain, modes, data) * drive / scale
+
+
+def driven_at(twin: Twin, piece: Piece) -> tuple[float, float]:
+    """Place of the force in m, and what the beam gets of it over what is read: a shaker is screwed on, a hit is not."""
+    x = piece.drive_x_m
+    return (x, 1.0) if piece.by_shaker else (twin.struck_x_m(x), twin.hit_gain(x))
 
 
 def drift_scale(twin: Twin, order: float | Array, data: Reduced) -> Array:
@@ -71,9 +86,9 @@ def hit_ratios(twin: Twin, d: ImpactData, data: Reduced) -> Array | None:
 
 def impact_residual(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Array:
     """(channels,) static displacement per N of hits at one point that the modes left out add, drift included."""
-    drive = twin.struck_x_m(d.piece.drive_x_m)
+    drive, gain = driven_at(twin, d.piece)
     softer = float(drift_scale(twin, d.piece.order, data)) ** 2
-    share = twin.residual_compliance / softer * twin.hit_gain(d.piece.drive_x_m)
+    share = twin.residual_compliance / softer * gain
     return share * modes.remainder(_sensor_positions(twin.chain, modes, data), drive)
 
 

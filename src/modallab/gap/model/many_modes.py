@@ -10,8 +10,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
-from modallab.gap.model.forward import drift_scale
+from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
+from modallab.gap.model.forward import drift_scale, driven_at
 from modallab.twin.bench import Twin
 from modallab.twin.elements import shape_rows
 from modallab.twin.modes import Modes
@@ -75,9 +75,10 @@ def sensor_rows(twins: Sequence[Twin], modes: Modes, data: Reduced) -> Array:
 
 def of_hits(twins: Sequence[Twin], modes: ManyModes, d: ImpactData, data: Reduced) -> Numbers:
     """The numbers of hits at one point, on twins that drift alike."""
-    x, scale = d.piece.drive_x_m, float(drift_scale(twins[0], d.piece.order, data))
-    drive, static = modes.at([t.struck_x_m(x) for t in twins])
-    gain = np.array([[t.hit_gain(x)] for t in twins])
+    scale = float(drift_scale(twins[0], d.piece.order, data))
+    x, gains = zip(*(driven_at(t, d.piece) for t in twins), strict=True)
+    drive, static = modes.at(x)
+    gain = np.array(gains)[:, None]
     residue = modes.outputs * (drive * gain / scale)[:, None]
     return modes.poles * scale, residue, static * gain * _shares(twins) / scale**2
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.drift_curve import improved
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import STEP
@@ -35,9 +35,9 @@ def twin_of(fit: Fit, data: Reduced) -> Twin:
 
 def with_own_hits(fit: Fit, data: Reduced) -> Array:
     """(u,) the fit's numbers, those of hits at drive points it has not seen as these records show them."""
-    seen = {d.piece.drive_x_m for d in fit.problem.data.impacts}
+    seen = {d.piece.drive_x_m for d in fit.problem.data.impacts if not d.piece.by_shaker}
     u = fit.u.copy()
-    for d in data.impacts:
+    for d in (one for one in data.impacts if not one.piece.by_shaker):
         x = d.piece.drive_x_m
         free, first = fit.problem.free, fit.problem.free.first_deviation
         own = [first + k for k, t in enumerate(free.deviations) if t.tolerance in OF_HITS and t.at == x]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from modallab.core.diagnosis import Calibrated, CandidateSet
 from modallab.core.effects import Effect, kind_of
 from modallab.core.errors import DataError
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.nuisances import Nuisances, beam_of

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.units import Test
-from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
-from modallab.gap.model.forward import hit_ratios, on_clock, sine_drift
+from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
+from modallab.gap.model.forward import hit_ratios, on_clock, sine_drift, with_shaker
 from modallab.gap.model.many_modes import ManyModes, Numbers, of_hits, of_sines, sensor_rows
 from modallab.twin.bench import Chain, Twin, exchange_plugs, is_flat, transfer
 from modallab.twin.modes import Modes, have_same_modes, solve
@@ -41,10 +41,10 @@ class Tangent:
     def __init__(self, twin: Twin, data: Reduced) -> None:
         """Evaluate the kernels of `twin` on `data`."""
         self.data, self.twin = data, twin
-        modes = self._modes = self._hung = solve(twin.structure)
-        self._parts = [_of_hits(twin, modes, d, data) for d in data.impacts]
+        modes = self._modes = solve(twin.structure)
+        self._hung = with_shaker(twin, modes, data)
+        self._parts = [_of_hits(twin, self._hung if d.piece.by_shaker else modes, d, data) for d in data.impacts]
         if data.sines is not None:
-            self._hung = _hung(twin, modes, data)
             self._parts.append(_of_sines(twin, self._hung, data.sines, data))
 
     def changes(self, twins: Sequence[Twin], near: int = 0) -> list[Complex]:
@@ -60,12 +60,14 @@ class Tangent:
         first, usual = len(twins) - near, len(self._modes.poles)
         modes = next_to(self._modes, self.twin.structure, [t.structure for t in twins], first)
         sensors = sensor_rows([self.twin, *twins], self._modes, self.data)[1:]
-        own = {"impact": ManyModes.of(modes, sensors, usual)}
-        if self.data.sines is not None:
-            hung = self._all_hung(twins, modes, self.data.sines.pieces[0].drive_x_m, first)
-            own["sine"] = own["impact"] if hung is modes else ManyModes.of(hung, sensors, len(self._hung.poles))
+        by_hand = by_shaker = ManyModes.of(modes, sensors, usual)
+        if (x := self.data.shaker_x_m) is not None:
+            hung = self._all_hung(twins, modes, x, first)
+            by_shaker = by_hand if hung is modes else ManyModes.of(hung, sensors, len(self._hung.poles))
         chain, channels = self.twin.chain, self.data.channels
-        return [exchange_plugs(chain, channels, p.test, p.changes(twins, own[p.test], self.data)) for p in self._parts]
+        own = [by_hand if p.test == "impact" else by_shaker for p in self._parts]
+        zipped = zip(self._parts, own, strict=True)
+        return [exchange_plugs(chain, channels, p.test, p.changes(twins, m, self.data)) for p, m in zipped]
 
     def _all_hung(self, twins: Sequence[Twin], modes: list[Modes], x_m: float, first: int) -> list[Modes]:
         """The modes while the shaker hangs on them."""
@@ -81,12 +83,6 @@ def next_to(modes: Modes, here: Structure, there: Sequence[Structure], first: in
     moved = [k for k in range(first, len(there)) if not have_same_modes(there[k], here)]
     near = dict(zip(moved, Neighbours(here).solve([there[k] for k in moved]), strict=True)) if moved else {}
     return [*found, *(near.get(k, modes) for k in range(first, len(there)))]
-
-
-def _hung(twin: Twin, modes: Modes, data: Reduced) -> Modes:
-    assert data.sines is not None
-    structure = twin.in_sine(data.sines.pieces[0].drive_x_m)
-    return modes if structure is twin.structure else solve(structure)
 
 
 def _gains(chain: Chain, data: Reduced) -> Array:
@@ -172,7 +168,7 @@ def _of_hits(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> _Part:
     def numbers(twins: Sequence[Twin], m: ManyModes) -> Numbers:
         return of_hits(twins, m, d, data)
 
-    return _part("impact", numbers, kernel, on_lines * source.s**2, (twin, modes), data)
+    return _part(d.piece.test, numbers, kernel, on_lines * source.s**2, (twin, modes), data)
 
 
 def _of_sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> _Part:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import Reduced, Rows
+from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.fit import all_rows
 
 Array = NDArray[np.float64]
@@ -55,7 +55,7 @@ def records(data: Reduced) -> Iterator[Record]:
     """The records of reduced data, hits first."""
     for i, d in enumerate(data.impacts):
         hz = np.abs(d.source.lines) / (d.source.n * d.source.dt)
-        yield Record(d.piece.name, "impact", i, slice(None), hz, d.rows.y, _noise(d.rows))
+        yield Record(d.piece.name, d.piece.test, i, slice(None), hz, d.rows.y, _noise(d.rows))
     if data.sines is None:
         return
     s, at = data.sines, len(data.impacts)

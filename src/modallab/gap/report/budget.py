@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from modallab.core.diagnosis import Budget, BudgetRow, Division
 from modallab.core.digits import percent
 from modallab.core.quadrature import gauss_legendre
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.own_numbers import with_own_hits

@@ -9,7 +9,7 @@ from modallab.core.diagnosis import Calibrated, Departure, Diagnosis
 from modallab.core.effect import Effect
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.own_numbers import OF_HITS, with_own_hits

@@ -8,8 +8,10 @@ from modallab.core.block import Block, Campaign
 from modallab.gap.conditioning.overtones import overtones
 from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.records import as_recorded
-from modallab.gap.conditioning.reduce import Reduced, Weights, reduce, sine_clock, thinned
+from modallab.gap.conditioning.reduce import reduce, sine_clock, thinned
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.split import split
+from modallab.gap.conditioning.weights import Weights
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.inference.identified import identified
 from modallab.gap.inference.settings import DEFAULT
@@ -21,7 +23,7 @@ from modallab.gap.report.measure import Squares, squares
 from modallab.gap.search.fitting import FLAT, WATCHED, Bench
 from modallab.twin.bench import Twin
 
-TOP_HZ = 450.0
+TOP_HZ = 650.0
 """Modes up to here have a damping ratio of their own."""
 
 NOT_BETTER = 1.3
@@ -95,7 +97,7 @@ def bench_of(
     watched = WATCHED if flat == FLAT else flat
     found = tuple(overtones(fitted, prepared.campaign.rig, sine_clock(data)))
     thin = thinned(data, prepared.poles)
-    points = identified(data, fitted, reliable(prepared), DEFAULT.top_hz)
+    points = identified(data, fitted, reliable(prepared), DEFAULT.top_hz, prepared.driven.poles)
     return Bench(data, thin, free, prepared.poles, allowed, flat, watched, found, points=points)
 
 
@@ -110,13 +112,16 @@ def as_came(prepared: Prepared, twin: Twin) -> Squares:
     campaign = prepared.campaign
     blocks = as_recorded(campaign, prepared.blocks)
     full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
-    return squares(twin, reduce(campaign, blocks, Weights(prepared.believed_v, full_scales)))
+    return squares(
+        twin, reduce(campaign, blocks, Weights(prepared.believed_v, full_scales, doubt=prepared.driven.doubt))
+    )
 
 
 def weights_of(prepared: Prepared) -> Weights:
     """How much each row of the records counts."""
     hz, hum = prepared.weak_hum or (0.0, None)
-    alone = Weights(prepared.noise_v, prepared.masked, rising_v2=prepared.rising_v2, hum_v=hum, hum_hz=hz)
+    noise, masked, doubt = prepared.noise_v, prepared.masked, prepared.driven.doubt
+    alone = Weights(noise, masked, rising_v2=prepared.rising_v2, hum_v=hum, hum_hz=hz, doubt=doubt)
     floor = prepared.floor
     return alone if floor is None else replace(alone, floor=floor.spectrum, floor_s=floor.block_s)
 

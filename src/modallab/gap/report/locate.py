@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from modallab.core.digits import change, part_of, percent, rounded
 from modallab.core.effects import Stage
 from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.reduce import Reduced, Rows
+from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.fit import Fit, Problem, all_hz, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
@@ -182,7 +182,7 @@ def pole_spread(bench: Bench, base: Fit) -> float:
 
 
 def _tests(data: Reduced) -> tuple[str, ...]:
-    return (*(("impact",) if data.impacts else ()), *(("sine",) if data.sines is not None else ()))
+    return (*dict.fromkeys(d.piece.test for d in data.impacts), *(("sine",) if data.sines is not None else ()))
 
 
 def _channel_alone(bench: Bench, base: Fit) -> tuple[tuple[int, ...], float]:
@@ -209,7 +209,7 @@ def _masked(rows: Rows, channels: list[int]) -> Rows:
 def _on_test(bench: Bench, base: Fit, test: str) -> Fit:
     data = replace(
         bench.thin,
-        impacts=bench.thin.impacts if test == "impact" else (),
+        impacts=tuple(d for d in bench.thin.impacts if d.piece.test == test),
         sines=bench.thin.sines if test == "sine" else None,
     )
     return _afresh(bench, data, base)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Division
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import all_hz, all_rows
 from modallab.gap.model.forward import forward
 from modallab.twin.bench import Twin
@@ -99,7 +99,15 @@ def squares_of(answers: Sequence[Complex], data: Reduced) -> Squares:
 
     for d, r in zip(data.impacts, parts, strict=False):
         for i, channel in enumerate(data.channels):
-            add(r[i], np.isfinite(d.rows.sigma[i]), d.piece.name, "impact", "", channel, d.piece.order)
+            add(
+                r[i],
+                np.isfinite(d.rows.sigma[i]),
+                d.piece.name,
+                d.piece.test,
+                d.piece.level or "",
+                channel,
+                d.piece.order,
+            )
     if data.sines is not None:
         shape = (len(data.channels), *data.sines.source.lines.shape)
         r, used = parts[-1].reshape(shape), np.isfinite(data.sines.rows.sigma).reshape(shape)
@@ -154,7 +162,7 @@ def divisions(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple
 
 def _kinds(data: Reduced) -> list[tuple[str, Array, NDArray[np.bool_]]]:
     """Test, (rows,) Hz and (channels, rows) use of each part of the data."""
-    tests = ["impact"] * len(data.impacts) + ["sine"] * (data.sines is not None)
+    tests = [d.piece.test for d in data.impacts] + ["sine"] * (data.sines is not None)
     used = (np.isfinite(rows.sigma) for rows in all_rows(data))
     return list(zip(tests, (np.abs(hz) for hz in all_hz(data)), used, strict=True))
 

@@ -6,7 +6,7 @@ from modallab.core.diagnosis import Found, Verdict, Where
 from modallab.core.digits import part_of
 from modallab.core.effects import Stage, kind_of
 from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.report.locate import Location
 from modallab.gap.report.measure import band_of, by_frequency, share_within
 from modallab.gap.report.shrinkage import closed

@@ -8,7 +8,7 @@ element in its place (as in `beside_stepped`).
 
 from dataclasses import replace
 
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.progress import part
-from modallab.gap.conditioning.reduce import Reduced, thinned
+from modallab.gap.conditioning.reduce import thinned
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import again
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.candidates import of_bench

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.effects import kind_of
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.fit import Fit

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from modallab.core.digits import percent
 from modallab.core.effects import Effect
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, seen
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of

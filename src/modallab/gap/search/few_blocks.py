@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.gap.conditioning.overtones import Overtone
-from modallab.gap.conditioning.reduce import Reduced, Rows, SineData
+from modallab.gap.conditioning.rows import Reduced, Rows, SineData
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.search.overtone_lines import with_overtones

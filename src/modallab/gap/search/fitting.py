@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.conditioning.overtones import Overtone
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import PointModes
 from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem, seen

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.conditioning.overtones import Overtone
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.overtone_lines import FEWEST

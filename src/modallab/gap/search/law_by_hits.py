@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.choose import Choice, choose, stepped

@@ -7,7 +7,7 @@ makes them on records it has not seen is named, though what it does at the sines
 from dataclasses import replace
 
 from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward

@@ -11,7 +11,8 @@ from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.overtones import of_record
 from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.reduce import Reduced, sine_clock
+from modallab.gap.conditioning.reduce import sine_clock
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.predicted_records import predict_record

@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.gap.conditioning.overtones import ORDERS, Overtone
-from modallab.gap.conditioning.reduce import NEIGHBOURS, Reduced, Rows
+from modallab.gap.conditioning.reduce import NEIGHBOURS
+from modallab.gap.conditioning.rows import Reduced, Rows
 
 LINES = 2 * NEIGHBOURS + 1
 """Lines about a sine, and about each overtone."""

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.few_blocks import looked_at

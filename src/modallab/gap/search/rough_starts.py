@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import WORKERS

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import WORKERS, minimise

@@ -11,7 +11,7 @@ from modallab.core.effects import Stage
 from modallab.core.progress import report
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.locate import Location

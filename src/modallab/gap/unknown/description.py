@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.described import Learned
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, priced
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.intervals import intervals

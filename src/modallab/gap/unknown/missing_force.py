@@ -14,14 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import ImpactData, Reduced
+from modallab.gap.conditioning.rows import ImpactData, Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward, hit_ratios, on_clock
 from modallab.gap.model.minimise import jacobian
 from modallab.twin.bench import Twin, transfer
 from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
-from modallab.twin.response import Hits
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -171,7 +170,7 @@ def _ends(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
 
     One column for the real and one for the imaginary part of each.
     """
-    source: Hits = on_clock(d.source, twin)
+    source = on_clock(d.source, twin)
     # What has died away by the end leaves nothing.
     block_s = source.n * source.dt
     rings = np.exp(modes.poles.real * block_s) > 1e-7

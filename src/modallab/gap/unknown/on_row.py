@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from modallab.core.block import Block
 from modallab.core.described import Learned
 from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.reduce import Reduced, reduce
+from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.fit import Fit, all_rows
 from modallab.gap.model.forward import forward

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.agreement import Agreement
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, Problem, cost_of, seen

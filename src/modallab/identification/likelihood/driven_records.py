@@ -22,18 +22,17 @@ from scipy import linalg, ndimage, optimize
 from modallab.frf.joined import RecordSpectra
 from modallab.identification.likelihood.basis import BlockColumns, columns
 from modallab.identification.likelihood.derivatives import Vectors
+from modallab.identification.likelihood.equations import covariance_of
 from modallab.identification.likelihood.excitation import Grid, RandomExcitation
 from modallab.identification.likelihood.rows import unstack
-from modallab.identification.likelihood.search import MIN_ZETA, covariance_of
+from modallab.identification.likelihood.search import MIN_ZETA
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 STEPS, TRIALS, LEAST_DAMPING = 40, 8, 1e-8
-SETTLED = 0.01
-"""A step that lowers the cost by less, a sum of squares in noise units, ends the search."""
-AT_ONCE, SMOOTHED = 2000, 101
-"""Lines that are worked on at once, and over which the force's power is averaged."""
+SETTLED = 0.01  # A step that lowers the cost by less, a sum of squares in noise units, ends the search.
+AT_ONCE, SMOOTHED = 2000, 101  # Lines that are worked on at once, and over which the force's power is averaged.
 LEAST_NOISE, LEAST_TRUE = 1e-12, 0.05  # Shares of a force's power that are noise, and are not.
 OF_H2 = {"H1": 0.0, "Hv": 0.5, "H2": 1.0}
 

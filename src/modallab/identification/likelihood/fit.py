@@ -42,8 +42,7 @@ class Fit:
     @property
     def pole_sigma(self) -> Real:
         """(modes, 2) sigma of omega (rad/s) and zeta."""
-        n = 2 * self.point.parameters.omega.size
-        own = np.sqrt(np.diag(self.refined.covariance)[:n]).reshape(-1, 2)
+        own = np.sqrt(np.diag(self.refined.covariance.poles)).reshape(-1, 2)
         return own if self.by_scatter is None else own * self.by_scatter
 
     @cached_property
@@ -77,10 +76,10 @@ def _modal_constants(fit: Fit) -> tuple[NDArray[np.complex128], NDArray[np.compl
     n = at.omega.size
     values: list[NDArray[np.complex128]] = []
     sigmas: list[NDArray[np.complex128]] = []
-    for group in fit.point.groups:
+    for group, covariance in zip(fit.point.groups, fit.refined.covariance.inputs, strict=True):
         parts = group.coefficients[: 2 * n].reshape(n, 2, -1)
         values.append(parts[:, 0] + 1j * parts[:, 1])
-        sigma = np.sqrt(_coefficient_variance(fit, group)[: 2 * n]).reshape(n, 2, -1)
+        sigma = np.sqrt(_coefficient_variance(fit, group, covariance)[: 2 * n]).reshape(n, 2, -1)
         # A stands a quarter turn off R.
         sigmas.append(np.asarray(sigma[:, 1] + 1j * sigma[:, 0], dtype=np.complex128))
     scale = 2 * poles_of(at.omega, at.zeta).imag[:, None, None]
@@ -99,12 +98,11 @@ def residuals(fit: Fit) -> Real:
     return _unfolded(fit, np.stack([group.coefficients[n:] for group in fit.point.groups], axis=-1))
 
 
-def _coefficient_variance(fit: Fit, group: GroupSolution) -> Real:
+def _coefficient_variance(fit: Fit, group: GroupSolution, covariance: Real) -> Real:
     """Variance (columns, outputs) of the coefficients: their own noise, and what the searched parameters add."""
     inverse = np.linalg.inv(group.r)
     own = np.sum(inverse**2, axis=1)[:, None] * fit.point.noise**2
-    searched, slopes = _slopes_on_q(fit, group)
-    covariance = fit.refined.covariance[np.ix_(searched, searched)]
+    slopes = _slopes_on_q(fit, group)
     added = np.empty_like(own)
     for o in range(own.shape[1]):
         change = inverse @ slopes(o)
@@ -112,13 +110,12 @@ def _coefficient_variance(fit: Fit, group: GroupSolution) -> Real:
     return own + added
 
 
-def _slopes_on_q(fit: Fit, group: GroupSolution) -> tuple[NDArray[np.int64], Callable[[int], Real]]:
-    """Which searched parameters move this input's coefficients, and Q^T (slope of an output) by them."""
+def _slopes_on_q(fit: Fit, group: GroupSolution) -> Callable[[int], Real]:
+    """Q^T (slope of an output) by the poles and by what the blocks of this input have to themselves."""
     problem, n_poles = fit.problem, 2 * fit.point.parameters.omega.size
     rows, width = group.columns[0].phi.shape[0], problem.n_local
     parts = [group.q[m * rows : (m + 1) * rows].T for m in range(len(group.members))]
     poles = np.sum([p @ c.poles.values for p, c in zip(parts, group.columns, strict=True)], axis=0)
-    searched = np.concatenate([np.arange(n_poles), *[n_poles + width * i + np.arange(width) for i in group.members]])
     forces = force_parts(problem, fit.point, group).on_q if problem.force_sigma is not None else None
     local = [p @ c.local.values if c.local.parameter.size else None for p, c in zip(parts, group.columns, strict=True)]
 
@@ -133,7 +130,7 @@ def _slopes_on_q(fit: Fit, group: GroupSolution) -> tuple[NDArray[np.int64], Cal
                 found.append(forces[m][:, o] * fit.point.noise[o])
         return np.concatenate(found, axis=1)
 
-    return searched, of_output
+    return of_output
 
 
 def _summed(values: Real, vectors: Vectors, coefficient: Real, size: int) -> Real:

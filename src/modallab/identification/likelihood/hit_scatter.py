@@ -55,7 +55,7 @@ def factors_by_scatter(fit: Fit, misfit: float) -> Real:
     found = np.where(hits.far(1.0), hits.factor, np.clip(hits.factor, least, 1.0))
     found = np.where(hits.enough, found, 1.0).reshape(-1, 2)
     if len(scores) >= LEAST_HITS and not is_even(fit):
-        stated = np.sqrt(np.diag(fit.refined.covariance)[1 : 2 * len(found) : 2])
+        stated = np.sqrt(np.diag(fit.refined.covariance.poles)[1::2])
         found[:, 1] = np.hypot(_of_outputs(fit, scores, known, hits)[1::2], broadened(fit) / stated)
     return found
 
@@ -128,7 +128,7 @@ def _scatter(fit: Fit, pulls: Real, known: Real) -> _Scatter:
     square, cube = np.sum(shares**2, axis=0), np.sum(shares**3, axis=0)
     spare = np.maximum(1 - square, 1e-9)
     freedom = spare**2 / np.maximum(square - 2 * cube + square**2, 1e-12)
-    stated = np.diag(fit.refined.covariance)[: pulls.shape[1]]
+    stated = np.diag(fit.refined.covariance.poles)
     return _Scatter(np.sum(pulls**2, axis=0) / spare / np.maximum(stated, np.finfo(float).tiny), freedom)
 
 
@@ -144,8 +144,7 @@ def hit_pulls(fit: Fit) -> tuple[Real, Real]:
 
 def scores_pull(fit: Fit, scores: Real) -> Real:
     """(hits, 2 modes, outputs) of scores of that shape."""
-    n = scores.shape[1]
-    return np.einsum("hpo,pq->hqo", scores, fit.refined.covariance[:n, :n])
+    return np.einsum("hpo,pq->hqo", scores, fit.refined.covariance.poles)
 
 
 def _shares(known: Real) -> Real:

@@ -11,35 +11,46 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.identification.likelihood.derivatives import Vectors
+from modallab.identification.likelihood.equations import Equations, Own
 from modallab.identification.likelihood.force_noise import force_equations
 from modallab.identification.likelihood.projection import GroupSolution, Point, Problem
 
 Real = NDArray[np.float64]
 
 
-def normal_equations(problem: Problem, point: Point) -> tuple[Real, Real]:
+def normal_equations(problem: Problem, point: Point) -> Equations:
     """J^T J and J^T residual in noise units, priors included.
 
     Parameters: omega and zeta of every mode, then block by block its states and drive error, real and imaginary part
     next to each other, and the errors of its force samples.
     """
-    n_poles, n_local = 2 * point.parameters.omega.size, problem.n_local
-    size = n_poles + n_local * len(problem.blocks)
-    width = 0 if problem.force_sigma is None else problem.force_sigma.shape[1]
-    matrix, gradient = np.zeros((size, size)), np.zeros(size)
-    for group in point.groups:
-        part, slope = _group_equations(group, point.noise, n_local - width)
-        if width:
-            part, slope = force_equations(problem, point, group, (part, slope))
-        begin = [n_poles + n_local * i for i in group.members]
-        states = [b + np.arange(n_local - width) for b in begin]
-        forces = [b + np.arange(n_local - width, n_local) for b in begin]
-        index = np.concatenate([np.arange(n_poles), *states, *forces])
-        matrix[np.ix_(index, index)] += part
-        gradient[index] += slope
+    n, n_local = 2 * point.parameters.omega.size, problem.n_local
     weight, pull = _priors(problem, point)
-    matrix[np.arange(size), np.arange(size)] += weight
-    return matrix, gradient - weight * pull
+    poles, gradient, inputs = np.diag(weight[:n]), -weight * pull, list[Own]()
+    for group in point.groups:
+        part, slope = _input_equations(problem, point, group)
+        at = np.concatenate([n + n_local * i + np.arange(n_local) for i in group.members])
+        part[np.arange(n, len(slope)), np.arange(n, len(slope))] += weight[at]
+        poles += part[:n, :n]
+        gradient[:n] += slope[:n]
+        gradient[at] += slope[n:]
+        inputs.append(Own(at, part[n:, n:], part[:n, n:]))
+    return Equations(poles, inputs, gradient)
+
+
+def _input_equations(problem: Problem, point: Point, group: GroupSolution) -> tuple[Real, Real]:
+    """Of one input: poles, then what each of its blocks has to itself."""
+    width = 0 if problem.force_sigma is None else problem.force_sigma.shape[1]
+    n, n_states = 2 * point.parameters.omega.size, problem.n_local - width
+    part, slope = _group_equations(group, point.noise, n_states)
+    if not width:
+        return part, slope
+    part, slope = force_equations(problem, point, group, (part, slope))
+    members = len(group.members)
+    states = n + np.arange(members * n_states).reshape(members, -1)
+    forces = n + members * n_states + np.arange(members * width).reshape(members, -1)
+    order = np.concatenate([np.arange(n), np.concatenate([states, forces], axis=1).ravel()])
+    return part[np.ix_(order, order)], slope[order]
 
 
 def _priors(problem: Problem, point: Point) -> tuple[Real, Real]:

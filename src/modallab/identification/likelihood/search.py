@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
-from scipy.linalg import lapack
 
 from modallab.core.errors import IdentificationError
 from modallab.core.progress import report
+from modallab.identification.likelihood.equations import Covariance, Equations
 from modallab.identification.likelihood.normal_matrix import normal_equations
 from modallab.identification.likelihood.projection import Parameters, Point, Problem, solve_at, with_own_noise
 
@@ -19,7 +19,6 @@ FIRST_LOOK = 12
 NOT_SETTLED = "The search for the poles had not settled when it was ended; the uncertainties may be too small."
 LEAST_DAMPING = 1e-6
 """Of the search, not of a mode: less does not change a step, and takes many trials to become more."""
-LEAST_KNOWN = 1e-200
 MAX_ZETA = 0.5
 HIGHEST = 0.98
 """Share of half the sampling rate that no pole goes beyond."""
@@ -38,7 +37,7 @@ class Refined:
     """End of a search: the model there, the covariance of all parameters, steps taken, whether it settled."""
 
     point: Point
-    covariance: Real
+    covariance: Covariance
     iterations: int
     settled: bool
 
@@ -88,13 +87,13 @@ def search(problem: Problem, start: Parameters, effort: Effort = THOROUGH) -> Re
         equations = normal_equations(problem, point)
         trial, damping = _descend(problem, point, equations, damping, least_gain=effort.tolerance)
         if trial is None:
-            return Refined(point, covariance_of(equations[0]), done + 1, settled=True)
+            return Refined(point, equations.covariance(), done + 1, settled=True)
         gain = point.cost - trial.cost
         gains.append(gain)
         point = with_own_noise(problem, trial)
         if gain < effort.tolerance:
-            return Refined(point, covariance_of(normal_equations(problem, point)[0]), done + 1, settled=True)
-    return Refined(point, covariance_of(normal_equations(problem, point)[0]), effort.max_iterations, settled=False)
+            return Refined(point, normal_equations(problem, point).covariance(), done + 1, settled=True)
+    return Refined(point, normal_equations(problem, point).covariance(), effort.max_iterations, settled=False)
 
 
 def _share(gains: list[float], effort: Effort) -> float:
@@ -106,33 +105,32 @@ def _share(gains: list[float], effort: Effort) -> float:
 
 
 def _descend(
-    problem: Problem, point: Point, equations: tuple[Real, Real], damping: float, held: int = 0, least_gain: float = 0.0
+    problem: Problem, point: Point, equations: Equations, damping: float, held: int = 0, least_gain: float = 0.0
 ) -> tuple[Point | None, float]:
     """One step, with the first `held` parameters held; the point it leads to, or None if none is better.
 
     `equations` are the normal equations there. A step that promises a gain below `least_gain` is not taken.
     """
-    matrix, gradient = equations
     n_poles = 2 * point.parameters.omega.size
-    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    scale = 1 / np.sqrt(np.maximum(equations.diagonal, 1e-300))
     scale[:held] = 0
     if problem.fixed is not None:
         scale[: 2 * problem.fixed.size][np.repeat(problem.fixed, 2)] = 0
-    scale[1:n_poles:2][_at_an_end(problem, point.parameters, gradient[1:n_poles:2])] = 0
-    scaled, pull = matrix * np.outer(scale, scale), scale * gradient
+    scale[1:n_poles:2][_at_an_end(problem, point.parameters, equations.pull[1:n_poles:2])] = 0
+    scaled = equations.scaled(scale)
     factor = 4.0
     for _ in range(10):
         try:
-            move = linalg.cho_solve(linalg.cho_factor(scaled + damping * np.eye(len(scaled))), pull)
+            move = scaled.step(damping)
         except linalg.LinAlgError:
             # Rounding has made it indefinite: two poles hardly differ.
             damping = max(10 * damping, 1e-6)
             continue
-        if move @ pull < least_gain and damping <= 1e-3:
+        if move @ scaled.pull < least_gain and damping <= 1e-3:
             return None, damping
         after = _solved(problem, _moved(problem, point.parameters, scale * move), point.noise)
         if after is not None and after.cost <= point.cost:
-            share = (point.cost - after.cost) / max(move @ (pull + damping * move), 1e-300)
+            share = (point.cost - after.cost) / max(move @ (scaled.pull + damping * move), 1e-300)
             return after, max(damping * _eased(float(share)), LEAST_DAMPING)
         damping, factor = damping * factor, 4 * factor
     return None, damping
@@ -191,32 +189,3 @@ def _at_an_end(problem: Problem, at: Parameters, pull: Real) -> NDArray[np.bool_
     """
     low, high = _ends_of_zeta(problem)
     return ((at.zeta <= low) & (pull < 0)) | ((at.zeta >= high) & (pull > 0))
-
-
-def covariance_of(matrix: Real) -> Real:
-    """Covariance of the parameters of normal equations J^T J (n, n) in noise units, even if some are undetermined."""
-    # Scaled to a unit diagonal first: rad/s beside damping ratios differ by many powers of ten. What is not known at
-    # all has a variance that can still be multiplied.
-    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), LEAST_KNOWN))
-    scaled = matrix * np.outer(scale, scale)
-    inverse = _inverse(scaled)
-    if inverse is not None:
-        return inverse * np.outer(scale, scale)
-    values, vectors = np.linalg.eigh(scaled)
-    # What rounding has made zero or less is not known at all, as between two poles that hardly differ.
-    least = len(values) * np.finfo(float).eps * values[-1]
-    root = vectors * (scale[:, None] / np.sqrt(np.maximum(values, least)))
-    return root @ root.T
-
-
-def _inverse(scaled: Real) -> Real | None:
-    """Of a symmetric matrix, in a tenth of the time its eigenvectors take; None where rounding may tell in it."""
-    factor, failed = lapack.dpotrf(scaled, lower=1)
-    if failed:
-        return None
-    reciprocal_condition, _ = lapack.dpocon(factor, float(np.abs(scaled).sum(axis=0).max()), uplo="L")
-    if reciprocal_condition < len(scaled) ** 2 * np.finfo(float).eps:
-        return None
-    lower, _ = lapack.dpotri(factor, lower=1)
-    lower = np.tril(lower)
-    return lower + np.tril(lower, -1).T

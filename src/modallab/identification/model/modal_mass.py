@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.digits import numbers
 from modallab.core.errors import DataError
 
 
@@ -79,7 +80,7 @@ def why_unavailable(
         return "no shapes: fewer than two sensors stand at known points; no modal mass for the same reason"
     along = known if driving is None else driving
     if not any(p is not None and p in along for p in input_points):
-        driven = ", ".join("unknown" if p is None else str(p) for p in input_points)
+        driven = numbers(input_points)
         if any(p is not None and p in known for p in input_points):
             return f"no modal mass: no sensor at a driven point (driven: {driven}) looks along the drive; put one there"
         return f"no modal mass: no sensor stands at a driven point (driven: {driven}); put one there"

@@ -98,6 +98,9 @@ def _rank(a: Complex, sigma: Real, share: float) -> int:
     each = float(np.sqrt(np.mean(sigma**2)))
     noise = each * (np.sqrt(a.shape[0]) + np.sqrt(a.shape[1]) + SIGMAS)
     rank = max(1, int(np.sum((values > noise) & (values > share * values[0]))))
+    # The first that is no mode is misfit: no mode stands out that is not clear of it.
+    while rank > 1 and values[rank - 1] < MORE * np.append(values, 0.0)[rank]:
+        rank -= 1
     parts = u.T[:rank, :, None] * values[:rank, None, None] * vh[:rank, None]
     # Noise turns about as many numbers of a part as the matrix has rows and columns, half of it in quadrature.
     by_noise = MORE * each**2 * sum(a.shape) / 2

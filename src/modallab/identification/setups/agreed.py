@@ -1,5 +1,6 @@
 """Modes of FRFs whose points disagree: merged over the points, with poles of each point's own."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -7,9 +8,10 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
-from modallab.identification.likelihood.fit import Fit, residuals
+from modallab.identification.likelihood.equations import Covariance
+from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.model.modal_model import Seen
+from modallab.identification.model.modal_model import Seen, seen_by
 from modallab.identification.options import Options
 from modallab.identification.setups.merge import Merged, merged
 from modallab.identification.setups.roving import PointPoles, point_name, poles_at_points, roved_axis, seen_alone
@@ -95,20 +97,28 @@ def _spread(found: Merged) -> Real:
 def _agreed(frf: Frf, points: PointPoles, common: Common, notes: tuple[str, ...]) -> Agreed:
     omega, zeta = common.value.T
     at_common = fit_frf(frf, np.asarray(-zeta * omega + 1j * omega, np.complex128), 0)
-    covariance = np.diag((common.sigma**2).ravel())
+    covariance = Covariance.of_poles(np.diag((common.sigma**2).ravel()))
     axis = 1 + roved_axis(frf)
-    constants, sigma = zip(*[f.modal_constants for f in points.fits], strict=True)
+    each = [seen_by(f) for f in points.fits]
+    constants = np.concatenate([one.constants for one in each], axis=axis)
     # A pole that moves by a part of its half-width leaves as much of the mode to its neighbours.
-    apparent = common.between[:, 0] / (zeta * omega)
+    apparent = np.hypot(common.between[:, 0] / (zeta * omega), _misfit(each))
     seen = Seen(
-        np.concatenate(constants, axis=axis),
-        np.concatenate(sigma, axis=axis),
-        np.concatenate([residuals(f) for f in points.fits], axis=axis),
+        constants,
+        np.concatenate([one.sigma_of_parts for one in each], axis=axis),
+        np.concatenate([one.terms for one in each], axis=axis),
         apparent,
     )
     return Agreed(
         replace(at_common, refined=replace(at_common.refined, covariance=covariance, settled=True)), seen, notes
     )
+
+
+def _misfit(each: Sequence[Seen]) -> Real:
+    """(modes,) of all points what is apparent of each: in proportion to the mode's size there."""
+    size = np.array([np.linalg.norm(one.constants, axis=(1, 2)) for one in each])
+    own = size * np.array([one.apparent for one in each])
+    return np.linalg.norm(own, axis=0) / np.maximum(np.linalg.norm(size, axis=0), np.finfo(float).tiny)
 
 
 def _notes(frf: Frf, found: Merged, common: Common, asked: int) -> tuple[str, ...]:

@@ -56,16 +56,17 @@ def stable_poles(orders: Sequence[OrderPoles], tolerance: Tolerance | None = Non
     open_runs: list[list[complex]] = []
     closed: list[list[complex]] = []
     for found in orders:
-        free = list(_plausible(found.poles, limits))
+        poles = _plausible(found.poles, limits)
+        free = np.ones(poles.size, dtype=np.bool_)
         continued: list[list[complex]] = []
         for run in sorted(open_runs, key=len, reverse=True):
-            match = _nearest(run[-1], free, limits)
+            match = _nearest(run[-1], poles, free, limits)
             if match is None:
                 closed.append(run)
             else:
-                free.remove(match)
-                continued.append([*run, match])
-        open_runs = continued + [[pole] for pole in free]
+                free[match] = False
+                continued.append([*run, complex(poles[match])])
+        open_runs = continued + [[complex(pole)] for pole in poles[free]]
     closed += open_runs
     enough = max(limits.min_run, int(limits.min_share * len(orders)))
     return _distinct([_summary(run) for run in closed if len(run) >= enough], limits)
@@ -76,14 +77,13 @@ def _plausible(poles: NDArray[np.complex128], limits: Tolerance) -> NDArray[np.c
     return poles[(zeta > limits.min_zeta) & (zeta < limits.max_zeta)]
 
 
-def _nearest(pole: complex, candidates: list[complex], limits: Tolerance) -> complex | None:
-    def same(other: complex) -> bool:
-        return abs(other.imag - pole.imag) < limits.frequency * abs(pole) and abs(
-            other.real - pole.real
-        ) < limits.damping * abs(pole)
-
-    near = [c for c in candidates if same(c)]
-    return min(near, key=lambda c: abs(c - pole)) if near else None
+def _nearest(
+    pole: complex, candidates: NDArray[np.complex128], free: NDArray[np.bool_], limits: Tolerance
+) -> int | None:
+    off = candidates - pole
+    same = (np.abs(off.imag) < limits.frequency * abs(pole)) & (np.abs(off.real) < limits.damping * abs(pole))
+    near = np.flatnonzero(same & free)
+    return int(near[np.argmin(np.abs(off[near]))]) if near.size else None
 
 
 def _summary(run: list[complex]) -> StablePole:

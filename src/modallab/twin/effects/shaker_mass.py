@@ -35,7 +35,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=90, slots=_slots, needs="sine", replaces="shaker_mass_kg", deviations=_own_deviations),
+    search=Search(rank=90, slots=_slots, needs="shaker", replaces="shaker_mass_kg", deviations=_own_deviations),
     experiment="Repeat the hits with the shaker fastened: a mass that hangs there then lowers the frequencies.",
     rivals=(
         Rival("stinger_moment", "Repeat the sines with the shaker at another point.", rank=50),

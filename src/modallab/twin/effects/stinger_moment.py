@@ -38,6 +38,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=100, slots=_slots, needs="sine", replaces="stinger_rotation", deviations=_own_deviations),
+    search=Search(rank=100, slots=_slots, needs="shaker", replaces="stinger_rotation", deviations=_own_deviations),
     experiment="Repeat the sines with the shaker at another point, or with a thinner stinger.",
 )

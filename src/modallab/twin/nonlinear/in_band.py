@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import firwin
 
 from modallab.twin.nonlinear.pushed import Pushed
 
@@ -155,4 +154,6 @@ def _reach(every: int) -> int:
 def _taps(every: int) -> Array:
     if every == 1:
         return np.ones(1)
-    return np.asarray(firwin(2 * REACH * every + 1, 1 / every, window=("kaiser", 8.0)), dtype=np.float64)
+    at = np.arange(-REACH * every, REACH * every + 1) / every
+    taps = np.sinc(at) * np.kaiser(at.size, 8.0)
+    return taps / taps.sum()

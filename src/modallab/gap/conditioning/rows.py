@@ -1,0 +1,129 @@
+"""The reduced data of a campaign: responses per unit force on lines, in noise units, whatever drove them.
+
+The force's noise is a rank-one part c d d^H of each line's covariance: I - (1 - 1 / sqrt(1 + c)) d d^H whitens
+I + c d d^H for a unit vector d.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.rig import Rig
+from modallab.core.units import Test
+from modallab.twin.response import Averages, Hits, Sines
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Rows:
+    """One kind of data: responses per unit force on lines.
+
+    Attributes:
+        y: (channels, rows) measured, SI units of each channel's quantity per N.
+        sigma: (channels, rows) noise of each part, real and imaginary; inf where not to be used.
+        common: (rows,) variance of the force's noise along the response, in units of sigma.
+        direction: (channels, rows) unit vectors of that response, whitened.
+    """
+
+    y: Complex
+    sigma: Array
+    common: Array
+    direction: Complex
+
+    def whiten(self, residual: Complex) -> Complex:
+        """Residuals (..., channels, rows) in noise units, the force's noise taken out."""
+        # A complex number is divided ten times as slowly as it is multiplied.
+        r = residual * (1 / self.sigma)
+        if not np.any(self.common):
+            return r
+        along = np.einsum("cr,...cr->...r", self.direction.conj(), r)
+        shrink = 1 - 1 / np.sqrt(1 + self.common)
+        r -= self.direction * (shrink * along)[..., None, :]
+        return r
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Piece:
+    """A piece of data with one drive point and one place in time.
+
+    Attributes:
+        name: of the hits at a point, or of the record.
+        order: mean place of its records in the campaign, in records.
+        drive_x_m: place of the force from the clamp, m.
+        level: of the drive; None for hits.
+        records: names of its records.
+        orders: place in time of each; empty where they are taken together.
+        test: they belong to.
+    """
+
+    name: str
+    order: float
+    drive_x_m: float
+    level: str | None
+    records: tuple[str, ...]
+    orders: tuple[float, ...] = ()
+    test: Test = "impact"
+
+    @property
+    def by_shaker(self) -> bool:
+        """Whether a shaker hangs on the structure."""
+        return self.test != "impact"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ImpactData:
+    """All hits at one point that are taken together, or all records of a broadband drive."""
+
+    piece: Piece
+    source: Hits | Averages
+    rows: Rows
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SineData:
+    """All sine blocks; rows are blocks x lines, flattened. `ratio` is the seen frequency over the one that was set."""
+
+    pieces: tuple[Piece, ...]
+    source: Sines
+    rows: Rows
+    ratio: float
+    ratio_sigma: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Reduced:
+    """What the fits see.
+
+    Attributes:
+        rig: the bench as believed.
+        impacts: a set of lines for each drive point of hits, then for each broadband drive.
+        sines: the sine test, None if there is none.
+        channels: numbers of the accelerometers, 1 is the first after the force.
+        x_m: (channels,) their places.
+        last_order: place in time of the campaign's last record.
+    """
+
+    rig: Rig
+    impacts: tuple[ImpactData, ...]
+    sines: SineData | None
+    channels: tuple[int, ...]
+    x_m: Array
+    last_order: float
+
+    @property
+    def shaker_x_m(self) -> float | None:
+        """Place of the shaker from the clamp; None where none drove."""
+        driven = [d.piece for d in self.impacts if d.piece.by_shaker]
+        pieces = [*(() if self.sines is None else self.sines.pieces[:1]), *driven]
+        return pieces[0].drive_x_m if pieces else None
+
+
+def rows_of(y: Complex, sigma: Array, force_noise: Array) -> Rows:
+    """Rows of (channels, rows) responses with their noise, and (rows,) noise of the force over the force."""
+    whitened = y / sigma
+    length = np.maximum(np.linalg.norm(whitened, axis=0), 1e-300)
+    return Rows(y, sigma, (force_noise * length) ** 2, whitened / length)

@@ -1,0 +1,144 @@
+"""What a file itself says of its columns is believed before the order of the rig."""
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from exchange_records import RATE_HZ, hit, times
+from exchange_rigs import beam_rig
+from scipy import io
+
+from modallab.core.errors import DataError
+from modallab.formats import import_sources
+from modallab.formats.arrays.mat import draft_mat
+from modallab.formats.options import ImportOptions
+
+RIG = beam_rig()
+NAMES = ("force", "a01", "a02", "a03")
+ORDER = (2, 0, 3, 1)
+"""The rows of a hit as a file with an order of its own holds them."""
+
+
+def cell(names: Any) -> np.ndarray:
+    held = np.empty((1, len(names)), object)
+    held[0] = list(names)
+    return held
+
+
+def named(order: tuple[int, ...] = ORDER) -> list[str]:
+    return [NAMES[k] for k in order]
+
+
+def rattlesnake(path: Path, nodes: list[str], units: list[str]) -> None:
+    with h5py.File(path, "w") as target:
+        target.create_dataset("time_data", data=hit(4)[list(ORDER)])
+        target.attrs["sample_rate"] = np.int64(RATE_HZ)
+        text = h5py.string_dtype()
+        for key, values in {"node_number": nodes, "node_direction": ["Z+"] * 4, "unit": units}.items():
+            target.create_dataset(f"channels/{key}", data=np.array(values, object), dtype=text)
+
+
+def write_matlab(path: Path) -> None:
+    io.savemat(path, {"x": hit(4)[list(ORDER)].T, "fs": RATE_HZ, "chNames": cell(named())})
+
+
+def write_simulink(path: Path) -> None:
+    signals = np.zeros((1, 4), dtype=[("values", "O"), ("label", "O")])
+    for k, row in enumerate(ORDER):
+        signals[0, k] = (hit(4)[row], NAMES[row])
+    io.savemat(path, {"Scope": {"time": times()[:, None], "signals": signals}})
+
+
+def write_npy(path: Path) -> None:
+    fields = np.zeros(times().size, [(name, "f8") for name in ("a02", "time", "force", "a03", "a01")])
+    for name, row in (*zip(NAMES, hit(4), strict=True), ("time", times())):
+        fields[name] = row
+    np.save(path, fields)
+
+
+def write_logger(path: Path) -> None:
+    """Campbell's TOA5: station, names, units, processing."""
+    heads = [
+        '"TOA5","CR6","1","2","3","4"',
+        '"TIMESTAMP","RECORD","a02","force","a03","a01"',
+        '"TS","RN","m/s^2","N","m/s^2","m/s^2"',
+        '"","","Smp","Smp","Smp","Smp"',
+    ]
+    rows = zip(times(), hit(4)[list(ORDER)].T, strict=True)
+    body = [f'"2026-11-26 10:00:{t:09.6f}",{k},{",".join(map(repr, map(float, r)))}' for k, (t, r) in enumerate(rows)]
+    path.write_text("\n".join([*heads, *body]) + "\n", encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("write", "ending"), [(write_matlab, "mat"), (write_simulink, "mat"), (write_npy, "npy"), (write_logger, "csv")]
+)
+def test_columns_are_taken_by_the_names_that_the_file_gives(tmp_path: Path, write: Any, ending: str) -> None:
+    path = tmp_path / f"run.{ending}"
+    write(path)
+    (block,) = import_sources([path], RIG).blocks
+    np.testing.assert_allclose(block.samples, hit(4), rtol=1e-12)
+    assert block.rate_hz == pytest.approx(RATE_HZ)
+
+
+def test_names_of_a_matlab_cell_that_are_not_the_rigs_are_rejected(tmp_path: Path) -> None:
+    io.savemat(tmp_path / "x.mat", {"x": hit(4).T, "fs": RATE_HZ, "names": cell(["hammer", "p1", "p2", "p3"])})
+    with pytest.raises(DataError, match="names the columns hammer, p1, p2, p3; channel force, a01, a02, a03"):
+        import_sources([tmp_path / "x.mat"], RIG)
+
+
+def test_a_rig_of_matlab_columns_is_drafted_with_their_names(tmp_path: Path) -> None:
+    write_matlab(tmp_path / "x.mat")
+    assert {c.name for c in draft_mat(tmp_path / "x.mat", ImportOptions()).channels} == set(NAMES)
+
+
+def test_channels_of_rattlesnake_are_found_by_node_and_unit(tmp_path: Path) -> None:
+    points = {c.name: str(c.point) for c in RIG.channels}
+    units = ["N" if NAMES[k] == "force" else "m/s^2" for k in ORDER]
+    rattlesnake(tmp_path / "run.nc4", [points[name] for name in named()], units)
+    (block,) = import_sources([tmp_path / "run.nc4"], RIG).blocks
+    np.testing.assert_array_equal(block.samples, hit(4))
+    rattlesnake(tmp_path / "other.nc4", ["91", "92", "93", "94"], units)
+    with pytest.raises(DataError, match="is no single row of the file's table: 91 Z"):
+        import_sources([tmp_path / "other.nc4"], RIG)
+
+
+LINES = np.arange(10.0, 60.0, 0.5)
+
+
+def frfs() -> np.ndarray:
+    w, w0 = 2 * np.pi * LINES, 2 * np.pi * 31.0
+    return np.array([[1.0], [0.4], [-0.7]]) * -(w**2) / (w0**2 - w**2 + 0.02j * w0 * w)
+
+
+def test_frfs_of_testlab_are_read_with_axis_unit_and_names(tmp_path: Path) -> None:
+    values = {"values": frfs()[[2, 0, 1]].T * 1000, "quantity": {"label": "mm/s^2/N"}}
+    axis = {"start_value": 10.0, "increment": 0.5, "number_of_values": float(LINES.size)}
+    names = np.array([f"FRF {name}:+Z/force:+Z" for name in ("a03", "a01", "a02")], object)
+    block = {"x_values": axis, "y_values": values, "function_record": {"name": names}}
+    io.savemat(tmp_path / "x.mat", {"FRF": block})
+    (frf,) = import_sources([tmp_path / "x.mat"], RIG, ImportOptions(drive_point=RIG.points[0].id)).frfs
+    np.testing.assert_allclose(frf.values[[frf.outputs.index(n) for n in NAMES[1:]], 0], frfs(), rtol=1e-9)
+    np.testing.assert_allclose(frf.frequency_hz, LINES)
+
+
+def stacked(titles: list[str]) -> str:
+    tables: list[str] = []
+    for title, values in zip(titles, frfs(), strict=True):
+        rows = [f"{f}\t{float(v.real)!r}\t{float(v.imag)!r}" for f, v in zip(LINES, values, strict=True)]
+        tables.append("\n".join([title, "Frequency [Hz]\tReal\tImag", *rows]))
+    return "\n".join(tables) + "\n"
+
+
+def test_frfs_below_each_other_are_known_by_their_titles(tmp_path: Path) -> None:
+    path = tmp_path / "frfs.txt"
+    path.write_text(stacked(["FRF a01/force", "Frequency Response H1(a02,force)", "a03"]), encoding="utf-8")
+    (frf,) = import_sources([path], RIG, ImportOptions(drive_point=RIG.points[0].id)).frfs
+    np.testing.assert_allclose(frf.values[:, 0], frfs(), rtol=1e-12)
+
+
+def test_frfs_below_each_other_without_a_title_are_rejected(tmp_path: Path) -> None:
+    (tmp_path / "frfs.txt").write_text(stacked(["", "", ""]), encoding="utf-8")
+    with pytest.raises(DataError, match="3 tables of FRFs below each other, and not the response of each"):
+        import_sources([tmp_path / "frfs.txt"], RIG)
