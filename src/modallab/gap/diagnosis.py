@@ -93,7 +93,7 @@ def diagnose(
     choice = search.choice
     report(0.7, "where the gap lies and what it is made of")
     report(0.72, "location")
-    location = None if choice.flat else locate(bench, prepared, choice.base, search.agreement)
+    location = None if choice.flat else locate(bench, prepared, choice.base)
     nonlinear = location is not None and location.nonlinear
     shows = [f for f in inspected(prepared, twin_of(choice.believed, everything)) if allowed(f.effect)]
     seen = [f for f in shows if not _harmless(prepared, f) and not known_already(f, campaign.rig)]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.inference.agreement import Agreement, agreement_of
+from modallab.gap.inference.agreement import agreement_of
 from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit, seen
@@ -27,12 +27,10 @@ class Searched:
 
     Attributes:
         choice: what explains the gap.
-        agreement: by how much channels and modes differ from the twin without effects.
         behaves: what the gap behaves like, best first, where that was seen before all effects were tried.
     """
 
     choice: Choice
-    agreement: Agreement
     behaves: tuple[Description, ...] = ()
 
 
@@ -49,12 +47,13 @@ def searched(
         held: their names.
     """
     view, found = without_effects(bench)
-    base, agreement = completed(bench, seen(found.problem, found.u)), agreement_of(bench, view, found)
+    base = completed(bench, seen(found.problem, found.u))
     if knows_element(base):
-        return Searched(beside_known(bench, base, matters), agreement)
+        return Searched(beside_known(bench, base, matters))
     overtones = out_of_proportion(prepared) if base.gap > bench.flat else None
     if overtones is not None:
-        return Searched(search_stepped(bench, prepared, base, overtones, matters, unseen), agreement)
+        return Searched(search_stepped(bench, prepared, base, overtones, matters, unseen))
+    agreement = agreement_of(bench, view, found)
     alone = channel_alone(bench, prepared, agreement, held) if base.gap > bench.flat else None
     if alone is not None:
         # Where all others agree with a sound bench, the cause stands in this channel.
@@ -63,17 +62,17 @@ def searched(
     first = selection.rounds(1)[0]
     choice = choose(bench, [first], matters)
     if choice.flat:
-        return Searched(choice, agreement)
+        return Searched(choice)
     if choice.explained and not loses_samples(prepared, choice.fit):
         # Most of the gap has a name; what is left may have one too.
-        return Searched(choose(bench, selection.rounds(), matters), agreement)
+        return Searched(choose(bench, selection.rounds(), matters))
     behaves = () if clock_shows(bench) else _without_name(bench, prepared, selection, alone, unseen, held)
     if behaves:
-        return Searched(Choice(base, base, first.fits, False, False), agreement, behaves)
+        return Searched(Choice(base, base, first.fits, False, False), behaves)
     choice = choose(bench, selection.rounds(), matters)
     if choice.explained or alone is not None:
-        return Searched(choice, agreement)
-    return Searched(_by_level(bench, prepared, selection, choice, matters, unseen), agreement)
+        return Searched(choice)
+    return Searched(_by_level(bench, prepared, selection, choice, matters, unseen))
 
 
 def _without_name(

@@ -56,11 +56,6 @@ class Agreement:
         return not self.differing and not self.modes_differ
 
     @property
-    def few_channels(self) -> bool:
-        """Whether the modes and most channels agree, and some channels do not."""
-        return 0 < len(self.differing) <= len(self.channels) // 2 and not self.modes_differ
-
-    @property
     def sentence(self) -> str:
         """What agrees, what does not, and what to check."""
         off = [f"{name} ({percent(self.channels[name])})" for name in self.differing]
@@ -74,7 +69,7 @@ class Agreement:
                 f"The simulation agrees with all {len(self.channels)} channels within {percent(self.tolerated)} of "
                 "their response."
             )
-        if self.few_channels:
+        if len(off) <= len(self.channels) // 2:
             return f"The response of {', '.join(off)} differs from the simulation; the other channels agree. {SENSOR}"
         return (
             f"The response of {len(off)} of {len(self.channels)} channels differs from the simulation, most that of "

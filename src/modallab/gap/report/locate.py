@@ -14,19 +14,21 @@ from numpy.typing import NDArray
 from modallab.core.digits import change, part_of, percent, rounded
 from modallab.core.effects import Stage
 from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.inference.agreement import Agreement
+from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.fit import Fit, Problem, all_hz, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.report.harmonics import OFTEN, harmonic_shares
 from modallab.gap.report.levels import levels_differ
+from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.fitting import COARSE, Bench, excess
 from modallab.twin.modes import solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
+CURES = 0.08
+"""Leaving a channel out must bring the excess below this share for the gap to be that channel's."""
 ALIKE = 0.15
 """Share of the gap that may stay for channels to count as off alike."""
 SKEWS_S = (0.0, *np.geomspace(1e-6, 2e-4, 24).tolist())
@@ -52,23 +54,16 @@ class Location:
     nonlinear: bool = False
 
 
-def locate(bench: Bench, prepared: Prepared, base: Fit, agreement: Agreement) -> Location:
-    """Stage, channels and tests of the gap a baseline fit leaves.
-
-    Args:
-        bench: what was searched.
-        prepared: the campaign.
-        base: the twin without effects.
-        agreement: by how much channels and modes differ from it.
-    """
+def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
+    """Stage, channels and tests of the gap a baseline fit leaves."""
     tests = _tests(bench.data)
-    few = tuple(c for c in bench.data.channels if bench.data.rig.channels[c].name in agreement.differing)
-    if few and agreement.few_channels:
-        held = [c for c in few if c in prepared.repeated]
+    alone, cured = _channel_alone(bench, base)
+    if alone:
+        held = [c for c in alone if c in prepared.repeated]
+        names = ", ".join(bench.data.rig.channels[c].name for c in alone)
         if held:
-            names = ", ".join(bench.data.rig.channels[c].name for c in held)
-            return Location("acquisition", few, tests, (f"{names} repeats samples that no motion repeats.",))
-        return Location("sensor", few, tests, (agreement.sentence,))
+            return Location("acquisition", alone, tests, (f"{names} repeats samples that no motion repeats.",))
+        return Location("sensor", alone, tests, (f"Without {names} {part_of(1 - cured)} of the gap is gone.",))
     harmonic, driven = harmonic_shares(prepared)
     if driven > OFTEN:
         return Location("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
@@ -188,6 +183,27 @@ def pole_spread(bench: Bench, base: Fit) -> float:
 
 def _tests(data: Reduced) -> tuple[str, ...]:
     return (*dict.fromkeys(d.piece.test for d in data.impacts), *(("sine",) if data.sines is not None else ()))
+
+
+def _channel_alone(bench: Bench, base: Fit) -> tuple[tuple[int, ...], float]:
+    order = np.argsort(channel_share(base))[::-1]
+    for count in (1, 2):
+        chosen = [int(i) for i in order[:count]]
+        data = replace(
+            bench.thin,
+            impacts=tuple(replace(d, rows=_masked(d.rows, chosen)) for d in bench.thin.impacts),
+            sines=replace(bench.thin.sines, rows=_masked(bench.thin.sines.rows, chosen)) if bench.thin.sines else None,
+        )
+        left = excess(_afresh(bench, data, base)) / excess(base)
+        if left < CURES:
+            return tuple(sorted(bench.data.channels[i] for i in chosen)), left
+    return (), 1.0
+
+
+def _masked(rows: Rows, channels: list[int]) -> Rows:
+    sigma = rows.sigma.copy()
+    sigma[channels] = np.inf
+    return replace(rows, sigma=sigma)
 
 
 def _on_test(bench: Bench, base: Fit, test: str) -> Fit:
