@@ -1,5 +1,7 @@
 """Many files of any kind become one campaign, or one message with all that is wrong with them."""
 
+import re
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,7 @@ from exchange_rigs import beam_rig, plain_rig
 
 from modallab.core.errors import DataError, FormatError, ModallabError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
+from modallab.formats.format import readers
 from modallab.formats.importer import import_sources
 from modallab.formats.sniff import sniff
 
@@ -124,3 +127,9 @@ def test_everything_that_is_wrong_in_any_file_stands_in_one_message(tmp_path: Pa
 def test_no_sources_are_no_campaign() -> None:
     with pytest.raises(DataError, match="no recordings were given"):
         import_sources([], RIG)
+
+
+def test_the_page_knows_the_format_of_every_ending_that_is_read() -> None:
+    page = files("modallab.service").joinpath("page/views/campaigns.js").read_text(encoding="utf-8")
+    listed = dict(re.findall(r'(\w+): "(\.[^"]*)"', page.partition("const ENDINGS")[2].partition("\n")[0]))
+    assert {name: set(text.split()) for name, text in listed.items()} == {f.name: set(f.endings) for f in readers()}
