@@ -13,6 +13,7 @@ from modallab.core.errors import DataError, FormatError, ModallabError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.format import readers
 from modallab.formats.importer import import_sources
+from modallab.formats.options import ImportOptions
 from modallab.formats.sniff import sniff
 
 RIG = beam_rig()
@@ -67,6 +68,12 @@ def test_the_real_hits_are_one_campaign_of_five_blocks(tmp_path: Path) -> None:
     assert [b.rate_hz for b in read.blocks] == [25600.0] * 5
     for got, expected in zip(read.blocks, original.blocks, strict=True):
         np.testing.assert_array_equal(got.samples, expected.samples * expected.scale[:, None])
+
+
+def test_a_drive_point_is_that_of_the_records_of_a_campaign_that_have_none() -> None:
+    rig = beam_rig().model_copy(update={"channels": plain_rig().channels})
+    read = import_sources([DATA / "hammer_5hits.h5"], rig, ImportOptions(drive_point=3))
+    assert {b.drive_point for b in read.blocks} == {3}
 
 
 def test_the_content_decides_what_a_file_is_not_its_ending(tmp_path: Path) -> None:
