@@ -7,16 +7,19 @@ Each bench is as built in an ordinary lab, and no other one. A row is a mode bel
 
 import csv
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 import modallab as ml
 from modallab.core.errors import ModallabError
+from modallab.core.model import ModalModel
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Tolerance
 from modallab.modification.attachments import Element
 from modallab.modification.known import Known
+from modallab.modification.modified import ModesAfter
 
 PLAN = ImpactPlan(points=(10, 6, 3), hits=5)
 POINTS = 10
@@ -51,7 +54,13 @@ def rows_of(seed: int) -> list[list[object]]:
     rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
     known = Known(bare.modal, rig, [PLAN.hits] * len(PLAN.points))
     after = known.with_changes([Element(point, **{kind: size})]).modes
-    measured, before = changed.modal, bare.modal
+    return beside(kind, seed, size, point, bare.modal, after, changed.modal)
+
+
+def beside(
+    kind: str, seed: int, size: float, point: int, before: ModalModel, after: ModesAfter, measured: ModalModel
+) -> list[list[object]]:
+    """A row for each predicted mode below half the band, with the nearest one that was measured."""
     found = []
     for r, hz in enumerate(after.frequency_hz):
         m = int(np.argmin(np.abs(measured.frequency_hz - hz)))
@@ -88,10 +97,9 @@ def kept_in(out: Path) -> list[list[object]]:
         return [[int(row[0]), *row[1:]] for row in list(csv.reader(file))[1:]]
 
 
-def main() -> None:
-    count, out = int(sys.argv[1]), Path(sys.argv[2])
+def main(rows_of: Callable[[int], list[list[object]]], first: int, count: int, out: Path) -> None:
     rows = kept_in(out)
-    for seed in range(max([FIRST_SEED - 1, *(int(str(r[0])) for r in rows)]) + 1, FIRST_SEED + count):
+    for seed in range(max([first - 1, *(int(str(r[0])) for r in rows)]) + 1, first + count):
         try:
             rows += rows_of(seed)
         except ModallabError as error:
@@ -106,4 +114,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(rows_of, FIRST_SEED, int(sys.argv[1]), Path(sys.argv[2]))

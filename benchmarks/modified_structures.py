@@ -8,6 +8,7 @@ mode below half the band that was identified again: no other within 5 %. All sen
 
 import csv
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -29,12 +30,13 @@ FIRST_SEED, LINES, ZETA, NOISE, HITS = 9501, 3000, 0.004, 1e-3, 5
 FAR = 0.05
 """Relative distance from which a predicted mode was not identified: one that an absorber damps by several per cent."""
 TOLERANCE = Tolerance.usual()
+Row = Callable[[np.ndarray, str], np.ndarray]
 
 
 class Bench:
     """A plate or a tube with its sensors, before and after."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, thickness: float = 1.0) -> None:
         self.rng = np.random.default_rng(seed)
         kind = ("plate", "tube")[seed % 2]
         self.places = plate_places() if kind == "plate" else tube_places()
@@ -42,16 +44,29 @@ class Bench:
         uneven = {
             n: structures.field(self.rng, s) for n, s in (("stiff_x", TOLERANCE.stiffness_field), ("mass_x", 2e-3))
         }
-        whole = {"plate": structures.plate, "tube": structures.tube}[kind](structures.Material(**uneven))
+        whole = {"plate": structures.plate, "tube": structures.tube}[kind](
+            structures.Material(thickness=thickness, **uneven)
+        )
         omega, phi = whole.modes(len(whole.mass) - 1)
         heavy = whole.mass @ phi
         self.mass, self.stiffness, self.row = whole.mass, whole.stiffness, whole.row
         self.damping = (heavy * (2 * ZETA * omega)) @ heavy.T
-        self.omega = omega
+        self.omega, self.high_hz = omega, float(omega[9:11].mean()) / 2 / np.pi
         self.sensors = moved(self.places, self.rng, self.along)
         self.gain = 1 + TOLERANCE.sensitivity * self.rng.standard_normal(len(self.places) * len(self.axes))
         self.hits = len(self.places), len(self.places) // 2
         self.rig = rig_of(self.places, self.axes)
+
+    @property
+    def matrices(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Mass, stiffness and damping."""
+        return self.mass, self.stiffness, self.damping
+
+    def like(self, mass: np.ndarray, stiffness: np.ndarray, damping: np.ndarray, row: Row) -> "Bench":
+        """A structure of these matrices, with the same sensors and hits."""
+        other = object.__new__(Bench)
+        other.__dict__ = self.__dict__ | {"mass": mass, "stiffness": stiffness, "damping": damping, "row": row}
+        return other
 
     def drawn(self) -> tuple[str, float, int, Addition]:
         """What is added: sizes are shares of the modal mass, stiffness and damping of a mode below half the band."""
@@ -73,8 +88,7 @@ class Bench:
 
     def with_added(self, kind: str, size: float, point: int, added: Addition) -> "Bench":
         """The matrices with it."""
-        other = object.__new__(Bench)
-        other.__dict__ = dict(self.__dict__)
+        other = self.like(*self.matrices, self.row)
         row = self.row(self.places[point - 1], "z")
         if kind == "mass":
             other.mass = self.mass + size * np.outer(row, row)
@@ -94,10 +108,9 @@ class Bench:
             other.row = lambda at, axis: np.append(self.row(at, axis), 0.0)
         return other
 
-    def measured(self) -> ModalModel:
-        """As it is identified from noisy FRFs of both driven points."""
-        high = float(self.omega[9:11].mean()) / 2 / np.pi
-        hz = np.linspace(high / LINES, high, LINES)
+    def frfs(self) -> ml.MeasuredFrf:
+        """Noisy FRFs of both driven points."""
+        hz = np.linspace(self.high_hz / LINES, self.high_hz, LINES)
         s = 2j * np.pi * hz
         # No two hits of a point land at one place: their mean is nearer to it.
         off = TOLERANCE.hit_position_m / np.sqrt(HITS) * self.rng.standard_normal((len(self.hits), 3))
@@ -115,7 +128,11 @@ class Bench:
         noise = self.rng.standard_normal((2, *frf.shape)) * NOISE * np.sqrt(np.mean(np.abs(frf) ** 2, axis=0))
         frf = frf + (noise[0] + 1j * noise[1]) / np.sqrt(2)
         points = [p for p in range(1, len(self.places) + 1) for _ in self.axes]
-        found = ml.identify(ml.frf(hz, frf, inputs=list(self.hits), outputs=points), progress=False).modal
+        return ml.frf(hz, frf, inputs=list(self.hits), outputs=points)
+
+    def identified(self, measured: ml.MeasuredFrf) -> ModalModel:
+        """The model of FRFs."""
+        found = ml.identify(measured, progress=False).modal
         return found.model_copy(update={"outputs": tuple(c.name for c in self.rig.channels[1:])})
 
 
@@ -123,7 +140,8 @@ def rows_of(seed: int) -> list[list[object]]:
     """Predicted and measured modes of one bench."""
     bench = Bench(seed)
     kind, size, point, added = bench.drawn()
-    before, after = bench.measured(), bench.with_added(kind, size, point, added).measured()
+    other = bench.with_added(kind, size, point, added)
+    before, after = (one.identified(one.frfs()) for one in (bench, other))
     predicted = (
         Known(before, bench.rig.model_copy(update={"tolerance": TOLERANCE}), [HITS] * 2).with_changes([added]).modes
     )

@@ -1,5 +1,7 @@
 """Many files of any kind become one campaign, or one message with all that is wrong with them."""
 
+import re
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,9 @@ from exchange_rigs import beam_rig, plain_rig
 
 from modallab.core.errors import DataError, FormatError, ModallabError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
+from modallab.formats.format import readers
 from modallab.formats.importer import import_sources
+from modallab.formats.options import ImportOptions
 from modallab.formats.sniff import sniff
 
 RIG = beam_rig()
@@ -64,6 +68,12 @@ def test_the_real_hits_are_one_campaign_of_five_blocks(tmp_path: Path) -> None:
     assert [b.rate_hz for b in read.blocks] == [25600.0] * 5
     for got, expected in zip(read.blocks, original.blocks, strict=True):
         np.testing.assert_array_equal(got.samples, expected.samples * expected.scale[:, None])
+
+
+def test_a_drive_point_is_that_of_the_records_of_a_campaign_that_have_none() -> None:
+    rig = beam_rig().model_copy(update={"channels": plain_rig().channels})
+    read = import_sources([DATA / "hammer_5hits.h5"], rig, ImportOptions(drive_point=3))
+    assert {b.drive_point for b in read.blocks} == {3}
 
 
 def test_the_content_decides_what_a_file_is_not_its_ending(tmp_path: Path) -> None:
@@ -124,3 +134,9 @@ def test_everything_that_is_wrong_in_any_file_stands_in_one_message(tmp_path: Pa
 def test_no_sources_are_no_campaign() -> None:
     with pytest.raises(DataError, match="no recordings were given"):
         import_sources([], RIG)
+
+
+def test_the_page_knows_the_format_of_every_ending_that_is_read() -> None:
+    page = files("modallab.service").joinpath("page/views/campaigns.js").read_text(encoding="utf-8")
+    listed = dict(re.findall(r'(\w+): "(\.[^"]*)"', page.partition("const ENDINGS")[2].partition("\n")[0]))
+    assert {name: set(text.split()) for name, text in listed.items()} == {f.name: set(f.endings) for f in readers()}

@@ -13,7 +13,8 @@ from modallab.modification.inverse import By, best_absorber, tuned
 from modallab.modification.known import Known
 from modallab.modification.structure import structure_of
 
-S = 2j * np.pi * np.linspace(5.0, 60.0, 40)
+HZ = np.linspace(5.0, 60.0, 40)
+S = 2j * np.pi * HZ
 
 
 def with_matrices(mass: np.ndarray, damping: np.ndarray, stiffness: np.ndarray) -> Chain:
@@ -110,6 +111,17 @@ def test_two_structures_coupled_are_one_and_taken_apart_again_are_two(joint: flo
         np.testing.assert_allclose(both.attached.receptance(S)[:, 3, 3], _parallel(S), rtol=1e-8)
 
 
+def test_what_is_coupled_brings_its_own_uncertainty() -> None:
+    bare = Known(BARE.model())
+    unsure = Known(OTHER.model().model_copy(update={"frequency_sigma_hz": np.full(2, 0.05)}))
+    one = bare.with_changes([Coupled(unsure.structure, [(4, 1)], samples=unsure.samples)])
+    other = unsure.with_changes([Coupled(bare.structure, [(1, 4)], samples=bare.samples)])
+    assert one.modes.frequency_sigma_hz.max() > 1e-3
+    np.testing.assert_allclose(one.modes.frequency_sigma_hz, other.modes.frequency_sigma_hz, rtol=1e-6)
+    variance = one.frf(HZ, [4], [4]).variance, other.frf(HZ, [1], [1]).variance
+    np.testing.assert_allclose(variance[0], variance[1], rtol=1e-6)
+
+
 def _matrices(chain: Chain) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return chain.mass, chain.damping, chain.stiffness
 
@@ -132,11 +144,13 @@ def test_a_mass_at_a_node_of_a_mode_leaves_it_alone() -> None:
     np.testing.assert_allclose(modes.psi[1, 1], 0, atol=1e-8)
 
 
-def test_a_model_without_a_driving_point_says_how_to_get_its_scale() -> None:
-    model = BARE.model()
-    blind = model.model_copy(update={"output_points": (11, 12, 13, 14)})
-    with pytest.raises(DataError, match="hit once at a point that has a sensor"):
-        Known(blind)
+def test_a_model_without_a_driving_point_knows_measured_pairs_and_says_how_to_get_the_others() -> None:
+    blind = Known(BARE.model().model_copy(update={"output_points": (11, 12, 13, 14)}))
+    found = blind.frf(HZ, [12, 14], [1], "receptance", sigma=False).values[:, 0].T
+    np.testing.assert_allclose(found, BARE.receptance(S)[:, [1, 3], 0], rtol=1e-9)
+    for of_all in (lambda: blind.frf(HZ, [12], [14]), lambda: blind.with_changes([Element(12, mass=0.1)])):
+        with pytest.raises(DataError, match="hit once at a point that has a sensor"):
+            of_all()
 
 
 def test_a_point_that_the_model_does_not_know_is_named_with_those_it_knows() -> None:

@@ -104,7 +104,7 @@ def _changes(arguments: argparse.Namespace) -> Iterator[Addition]:
 
 
 def _tune(known: Known, arguments: argparse.Namespace) -> None:
-    at = arguments.at or known.structure.freedoms[: len(known.model.outputs)]
+    at = arguments.at or known.sensors
     answers = tuned(known, arguments.mode, arguments.to, arguments.by, at)
     show_rows(arguments, tuned_rows(answers, arguments.by, arguments.mode, arguments.to))
     if arguments.json is not None:

@@ -26,7 +26,9 @@ def parts(known: Known, arguments: argparse.Namespace) -> None:
     """Each mode's share of a response."""
     a = arguments
     band, after = (None if given is None else (given[0], given[1]) for given in (a.band, a.after))
-    found = participation(known.structure, known.samples.first(FRF_SAMPLES), a.at, a.of, a.quantity, band, after)
+    found = participation(
+        known.between([a.of], [a.at]), known.samples.first(FRF_SAMPLES), a.at, a.of, a.quantity, band, after
+    )
     show_rows(a, participation_rows(found, known.model.frequency_hz.tolist()))
     names = ("share", "share_sigma", "alone")
     _write(a, {name: getattr(found, name).tolist() for name in names} | {"outside": found.outside})

@@ -5,7 +5,7 @@ search of poles, by mass, damping and stiffness matrices with constraints.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Any, NamedTuple, Protocol
 
@@ -253,12 +253,14 @@ class Coupled:
         pairs: (point of this one, point of the other).
         joint_spring: N/m of the joint at each pair; None for rigid ones.
         sign: -1 where the other is taken away from a measurement of both.
+        samples: (samples, ...) of the other structure, for the uncertainty; None where it is taken as exact.
     """
 
     other: Structure
     pairs: Sequence[tuple[At, At]]
     joint_spring: float | None = None
     sign: int = 1
+    samples: Structure | None = None
     _own: Real = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -278,13 +280,11 @@ class Coupled:
     def compliance(self, s: Complex) -> Complex:
         """Of the other structure at its points, with the joints'."""
         joint = 0.0 if self.joint_spring is None else np.eye(len(self.pairs)) / self.joint_spring
-        return (
-            self.sign
-            * (self.other.receptance(s.reshape(-1), self._own, self._own)).reshape(
-                *s.shape, len(self.pairs), len(self.pairs)
-            )
-            + joint
-        )
+        return self.sign * self.other.receptance(s, self._own, self._own) + joint
+
+    def sampled(self, count: int) -> "Coupled":
+        """The same with samples of the other structure."""
+        return self if self.samples is None else replace(self, other=self.samples.first(count))
 
     @property
     def poles(self) -> Complex:

@@ -13,6 +13,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.modification.attachments import Addition
+from modallab.modification.freedoms import Freedom
 from modallab.modification.frfs import Receptances, frf_between
 from modallab.modification.measured import MeasuredPairs
 from modallab.modification.modified import ModesAfter, modify, residues_of
@@ -48,16 +49,38 @@ class Known:
         """Look up what the model knows.
 
         Args:
-            model: with a driving point.
+            model: with a driving point, or it says nothing of pairs of points that were not measured.
             rig: of the recordings.
             hits: (inputs,) over how many hits each input was averaged.
             changes: what hangs on it.
 
         Raises:
-            DataError: no driving point, or an output or input without a point.
+            DataError: an output or input without a point.
         """
         self.model, self.rig, self.hits, self.changes = model, rig, hits, tuple(changes)
-        self.structure = structure_of(model, rig)
+        self._measured = structure_of(model, rig)
+
+    @property
+    def structure(self) -> Structure:
+        """The structure of all its points.
+
+        Raises:
+            DataError: no sensor stands at a driven point.
+        """
+        return self._measured.with_scale
+
+    @property
+    def sensors(self) -> tuple[Freedom, ...]:
+        """(outputs,) where motion was measured."""
+        return self._measured.freedoms[: len(self.model.outputs)]
+
+    def between(self, outputs: Sequence[At], inputs: Sequence[At]) -> Structure:
+        """The structure, for use at pairs of points.
+
+        Raises:
+            DataError: a pair was not measured, and no sensor stands at a driven point.
+        """
+        return self._measured.between(outputs, inputs)
 
     @property
     def stated_rig(self) -> Rig:
@@ -125,19 +148,19 @@ class Known:
         Raises:
             DataError: frequencies that do not ascend, or a point that the model does not know.
         """
-        rows, columns = places_of(self.model, self.structure)
-        freedoms = self.structure.freedoms
-        left = [freedoms[r] for r in rows] if outputs is None else outputs
-        right = [freedoms[c] for c in columns] if inputs is None else inputs
+        freedoms = self._measured.freedoms
+        left = self.sensors if outputs is None else outputs
+        right = [freedoms[c] for c in places_of(self.model, self._measured)[1]] if inputs is None else inputs
+        structure = self.between(left, right)
         varied = None
         if sigma:
             few = self.samples.first(FRF_SAMPLES)
-            varied = self.attached.with_structure(few) if self.changes else few
-        return frf_between(self.structure, self._now, varied, f, left, right, quantity)
+            varied = self.attached.sampled(few) if self.changes else few
+        return frf_between(structure, self._now, varied, f, left, right, quantity)
 
     @cached_property
     def _now(self) -> Receptances:
-        return self.attached if self.changes else MeasuredPairs.of(self.model, self.structure)
+        return self.attached if self.changes else MeasuredPairs.of(self.model, self._measured)
 
     def response(
         self,
@@ -168,7 +191,7 @@ class Known:
         return respond(modes, force, dt, quantity, between, None if start is None else self._started(start))
 
     def _modes_at(self, of: Sequence[At], at: Sequence[At]) -> Modes:
-        structure = self.structure
+        structure = self.between(of, at)
         poles, psi = self._poles_and_shapes
         left, right = structure.columns(of), structure.columns(at)
         return Modes(poles, psi @ left, psi @ right, self._now, left, right, self.model.band_hz)
@@ -185,7 +208,7 @@ class Known:
     @cached_property
     def _poles_and_shapes(self) -> tuple[Complex, Complex]:
         if not self.changes:
-            return self.structure.poles, self.structure.psi
+            return self._measured.poles, self._measured.psi
         m = self.modes
         poles = 2 * np.pi * m.frequency_hz * (-m.damping_ratio + 1j * np.sqrt(1 - m.damping_ratio**2))
         return poles, residues_of(self.attached, poles)

@@ -68,7 +68,7 @@ def modify(structure: Structure, changes: Sequence[Addition], samples: Structure
     hz = np.abs(poles) / (2 * np.pi)
     sigma = np.full((2, poles.size), np.nan)
     if samples is not None:
-        sigma = _spread(attached.with_structure(samples), poles)
+        sigma = _spread(attached.sampled(samples), poles)
     return ModesAfter(
         frequency_hz=hz,
         damping_ratio=-poles.real / np.abs(poles),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from modallab.core.errors import DataError
-from modallab.modification.attachments import Addition, RigidLink, together
+from modallab.modification.attachments import Addition, Coupled, RigidLink, together
 from modallab.modification.structure import Structure
 
 Real = NDArray[np.float64]
@@ -60,7 +60,8 @@ class Attached:
     def compliance(self, s: Complex) -> Complex:
         """(..., links, links) of all attachments."""
         parts = [a.compliance(s) for a in self.attachments]
-        whole = np.zeros((*s.shape, self.b.shape[1], self.b.shape[1]), np.complex128)
+        leading = np.broadcast_shapes(s.shape, *(part.shape[:-2] for part in parts))
+        whole = np.zeros((*leading, self.b.shape[1], self.b.shape[1]), np.complex128)
         at = 0
         for part in parts:
             size = part.shape[-1]
@@ -86,8 +87,14 @@ class Attached:
         return np.einsum("loi,il->ol", self.receptance(s, left, right), forces, optimize=True)
 
     def with_structure(self, structure: Structure) -> "Attached":
-        """The same attachments on another structure, such as samples of this one."""
+        """The same attachments on another structure."""
         return replace(self, structure=structure)
+
+    def sampled(self, samples: Structure) -> "Attached":
+        """Samples (samples, ...) of the structure, and of those that are coupled to it."""
+        count = len(samples.poles)
+        varied = tuple(a.sampled(count) if isinstance(a, Coupled) else a for a in self.attachments)
+        return replace(self, structure=samples, attachments=varied)
 
 
 def _require_single(rigid: Sequence[Real]) -> None:
@@ -183,8 +190,8 @@ def refined(attached: Attached, starts: Complex) -> Complex:
 def _deflated(attached: Attached) -> Complex:
     """(..., poles) of the structure and of the attachments."""
     poles = attached.structure.poles
-    more = np.concatenate([a.poles for a in attached.attachments])
-    both = np.concatenate([poles, np.broadcast_to(more, (*poles.shape[:-1], more.size))], axis=-1)
+    more = [np.broadcast_to(a.poles, (*poles.shape[:-1], a.poles.shape[-1])) for a in attached.attachments]
+    both = np.concatenate([poles, *more], axis=-1)
     return np.concatenate([both, both.conj()], axis=-1)
 
 

@@ -43,6 +43,8 @@ class Structure:
         known: (freedoms, freedoms) whether a pair, or the one exchanged, was measured.
         band_hz: of the model.
         drive_axis: along which forces acted.
+        driven: points where forces acted.
+        scaled: whether a sensor stands at one of them; without it measured pairs alone are known.
     """
 
     freedoms: tuple[Freedom, ...]
@@ -53,6 +55,22 @@ class Structure:
     known: NDArray[np.bool_]
     band_hz: tuple[float, float]
     drive_axis: str
+    driven: tuple[int, ...]
+    scaled: bool
+
+    @property
+    def with_scale(self) -> "Structure":
+        """Itself.
+
+        Raises:
+            DataError: no sensor stands at a driven point.
+        """
+        if not self.scaled:
+            raise DataError(
+                f"no sensor stands at a driven point (driven: {numbers(self.driven)}), so the shapes have no scale",
+                remedy="hit once at a point that has a sensor looking along the hit, and identify all together",
+            )
+        return self
 
     def index(self, at: At) -> int:
         """Place of a freedom; of a point alone the one along the drive, or the only one.
@@ -72,6 +90,15 @@ class Structure:
             f"the model knows nothing of {at!r}" if not here else f"point {at} moves along several axes in the model",
             remedy=f"name one of the points {points}" + (", with its axis, such as (3, 'z')" if here else ""),
         )
+
+    def between(self, outputs: Sequence[At], inputs: Sequence[At]) -> "Structure":
+        """Itself, for use at pairs of points.
+
+        Raises:
+            DataError: one of them was not measured, and no driving point says what it is.
+        """
+        rows, columns = ([self.index(a) for a in places] for places in (outputs, inputs))
+        return self if self.known[np.ix_(rows, columns)].all() else self.with_scale
 
     def columns(self, at: Sequence[At]) -> Real:
         """(freedoms, places) unit vectors at places."""
@@ -123,27 +150,21 @@ def structure_of(model: ModalModel, rig: Rig | None = None) -> Structure:
     """The structure that a model describes.
 
     Args:
-        model: with a driving point, since nothing else gives its shapes a scale.
+        model: with a driving point, or nothing gives its shapes a scale.
         rig: with the axes of its channels; without one all are taken along the drive.
 
     Raises:
-        DataError: an output or an input has no point, or no sensor stands at a driven point.
+        DataError: an output or an input has no point.
     """
     outputs, inputs = _freedoms(model, rig)
     listed = tuple(dict.fromkeys([*outputs, *inputs]))
     rows, columns = [listed.index(f) for f in outputs], [listed.index(f) for f in inputs]
-    if not set(rows) & set(columns):
-        driven = numbers([f[0] for f in inputs])
-        raise DataError(
-            f"no sensor stands at a driven point (driven: {driven}), so that the shapes have no scale",
-            remedy="hit once at a point that has a sensor looking along the hit, and identify all together",
-        )
     known = np.zeros((len(listed), len(listed)), bool)
     known[np.ix_(rows, columns)] = known[np.ix_(columns, rows)] = True
     poles, psi = modes_of(model.frequency_hz, model.damping_ratio, model.modal_constants, rows, columns, len(listed))
     residual = completed(terms_of(model), rows, columns, len(listed))
-    axis = inputs[0][1]
-    return Structure(listed, poles, psi, model.residual_powers, residual, known, model.band_hz, axis)
+    axis, driven, scaled = inputs[0][1], tuple(f[0] for f in inputs), bool(set(rows) & set(columns))
+    return Structure(listed, poles, psi, model.residual_powers, residual, known, model.band_hz, axis, driven, scaled)
 
 
 def terms_of(model: ModalModel) -> Real:

@@ -70,7 +70,7 @@ class Model(PutToUse, Understood, Correlated):
         """The structure that the model describes, ready for use.
 
         Raises:
-            DataError: no sensor stands at a driven point, or an output or input has no point.
+            DataError: an output or input has no point.
         """
         return known_of(self.campaign, self.modal)
 

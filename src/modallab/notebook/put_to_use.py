@@ -151,9 +151,14 @@ class PutToUse:
             remove: whether the other one is taken away, such as a fixture.
 
         Raises:
-            DataError: a point that one of them does not have.
+            DataError: a point that one of them does not have, or the other one is changed.
         """
-        return self.modify(Coupled(other.known.structure, tuple(at), joint_spring, -1 if remove else 1))
+        known = other.known
+        if known.changes:
+            raise DataError(f"the other structure is changed: {known.changes[0].words}", remedy="couple it as measured")
+        return self.modify(
+            Coupled(known.structure, tuple(at), joint_spring, -1 if remove else 1, samples=known.samples)
+        )
 
     def tune(self, mode: int, to_hz: float, by: By, at: Sequence[At] | None = None) -> Shown:
         """The mass, or spring to ground, that brings a mode to a frequency, at each point: the smallest first.
@@ -183,7 +188,7 @@ class PutToUse:
         return best_absorber(self.known, mode, at, mass)[0]
 
     def _sensors(self) -> list[At]:
-        return list(self.known.structure.freedoms[: len(self.known.model.outputs)])
+        return list(self.known.sensors)
 
 
 def _places(given: At | Sequence[At]) -> list[At]:

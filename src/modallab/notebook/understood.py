@@ -88,7 +88,9 @@ class Understood:
             DataError: a band or a time that cannot be, a point that the model does not know, or no driving point.
         """
         known = self.known
-        found = participation(known.structure, known.samples.first(FRF_SAMPLES), at, of, quantity, band, after_s)
+        found = participation(
+            known.between([of], [at]), known.samples.first(FRF_SAMPLES), at, of, quantity, band, after_s
+        )
         return Answered(found, *participation_rows(found, known.model.frequency_hz.tolist()))
 
     def nodes(self) -> Answered[ModePlaces]:

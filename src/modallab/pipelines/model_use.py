@@ -4,6 +4,7 @@ from collections import Counter
 
 from modallab.core.block import Campaign
 from modallab.core.model import ModalModel
+from modallab.modification.freedoms import with_points
 from modallab.modification.known import Known
 
 
@@ -11,7 +12,8 @@ def known_of(campaign: Campaign, model: ModalModel) -> Known:
     """The structure that a model describes, with the tolerances of its rig and its number of hits.
 
     Raises:
-        DataError: no sensor stands at a driven point, or an output or input has no point.
+        DataError: an output or input has no point.
     """
+    model = with_points(model, campaign.rig)
     hits = Counter(block.drive_point for block in campaign.of("impact")) if model.test == "impact" else Counter()
     return Known(model, campaign.rig, [max(1, hits[point]) for point in model.input_points])

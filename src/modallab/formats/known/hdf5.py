@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from modallab.formats.campaign import CAMPAIGN_FILE
@@ -26,7 +27,9 @@ def _fits(head: bytes, path: Path) -> bool:
 def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     from modallab.formats.campaign.campaign_hdf5 import read_campaign
 
-    return read_campaign(path, rig)
+    campaign, point = read_campaign(path, rig), options.drive_point
+    blocks = (replace(b, drive_point=point) if b.drive_point is None else b for b in campaign.blocks)
+    return replace(campaign, blocks=tuple(blocks))
 
 
 def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None:
@@ -42,6 +45,7 @@ FORMAT = Format(
     endings=(".h5", ".hdf5"),
     is_no="HDF5 file",
     holds=("records", "FRFs"),
+    asks=("drive_point",),
     several_forces=True,
     priority=10,
     fits=_fits,

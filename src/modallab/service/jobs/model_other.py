@@ -59,7 +59,7 @@ def tunings_of(service: Service, campaign: str, new: TuningNew) -> TuningsView:
     from modallab.modification.inverse import tuned
 
     known = known_of_campaign(service, campaign, new.test)
-    at = new.at or known.structure.freedoms[: len(known.model.outputs)]
+    at = new.at or known.sensors
     answers = tuned(known, new.mode, new.to_hz, new.by, at)
     return TuningsView(
         test=known.model.test,

@@ -60,7 +60,7 @@ def participation_of(
 
     known = known_of_campaign(service, campaign, test)
     band = (band_hz[0], band_hz[1]) if band_hz else None
-    found = participation(known.structure, known.samples.first(FRF_SAMPLES), at, of, quantity, band)
+    found = participation(known.between([of], [at]), known.samples.first(FRF_SAMPLES), at, of, quantity, band)
     return ParticipationView(
         test=known.model.test,
         at=at,

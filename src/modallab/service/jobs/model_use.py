@@ -130,8 +130,9 @@ def _addition(service: Service, new: ChangeNew) -> "Addition":
     if isinstance(new, AbsorberNew):
         return TunedAbsorber(new.at, new.mass_kg, new.frequency_hz, new.damping_ratio)
     if isinstance(new, CouplingNew):
-        other = known_of_campaign(service, new.campaign, None).structure
-        return Coupled(other, new.pairs, new.joint_n_per_m, -1 if new.remove else 1)
+        other = known_of_campaign(service, new.campaign, None)
+        sign = -1 if new.remove else 1
+        return Coupled(other.structure, new.pairs, new.joint_n_per_m, sign, samples=other.samples)
     return RigidLink(new.at, new.to)
 
 
@@ -149,7 +150,7 @@ def response_to(service: Service, campaign: str, new: ResponseNew) -> ResponseVi
             where="forces_n",
             remedy="give a row for each point, all of one length",
         )
-    of = new.of or tuple(point for point, _ in known.structure.freedoms[: len(known.model.outputs)])
+    of = new.of or tuple(point for point, _ in known.sensors)
     motion = known.response(np.array(new.forces_n), new.step_s, new.at, of, new.quantity, new.between)
     return ResponseView(
         test=known.model.test,

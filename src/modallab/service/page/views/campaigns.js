@@ -69,7 +69,8 @@ async function save(path, name) {
   URL.revokeObjectURL(link.href);
 }
 
-const FORMAT_OF = { ".h5": "hdf5", ".hdf5": "hdf5", ".uff": "uff", ".unv": "uff", ".tdms": "tdms", ".mat": "mat", ".csv": "csv", ".lvm": "lvm", ".wav": "wav", ".nc": "netcdf" };
+const ENDINGS = { csv: ".csv .txt .tsv .dat .asc", hdf5: ".h5 .hdf5", lvm: ".lvm", mat: ".mat", netcdf: ".nc .nc4", npy: ".npy", sep005: ".json", tdms: ".tdms", uff: ".uff .unv .bunv .uf", wav: ".wav" };
+const FORMAT_OF = Object.fromEntries(Object.entries(ENDINGS).flatMap(([format, endings]) => endings.split(" ").map((ending) => [ending, format])));
 
 /** Files of others, dropped or chosen. */
 function importer(done) {
