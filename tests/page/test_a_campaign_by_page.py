@@ -148,6 +148,9 @@ def test_a_click_on_a_point_hangs_a_mass_there(recorded: Watched) -> None:
 
 
 def test_a_shape_turns_and_a_finite_element_model_is_corrected(recorded: Watched) -> None:
+    # From another view: else what is clicked on may be the former drawing of this one.
+    recorded.view("Campaigns")
+    recorded.page.wait_for_selector("h1:has-text('Campaigns')")
     recorded.view("Model")
     shape = recorded.page.locator("canvas[aria-label^='Shape of a mode of the impact test']")
     recorded.page.uncheck("label:has-text('moves') input >> nth=0")
