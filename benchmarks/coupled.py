@@ -8,7 +8,6 @@ measurement of both by the model of B. All are as built, as in `modified_structu
 band.
 """
 
-import csv
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import block_diag, null_space
 
-from modallab.core.errors import ModallabError
+from by_seed import measure
 from modallab.modification.attachments import Addition, Coupled, Element
 from modallab.modification.known import Known
 from modallab.verification.verify import frac
@@ -128,21 +127,5 @@ def summary(rows: list[list[object]]) -> str:
     return "\n".join(lines)
 
 
-def main() -> None:
-    count, out = int(sys.argv[1]), Path(sys.argv[2])
-    rows: list[list[object]] = []
-    for seed in range(FIRST_SEED, FIRST_SEED + count):
-        try:
-            rows += rows_of(seed)
-        except ModallabError as error:
-            print(f"{seed}: {error}", flush=True)
-            continue
-        with out.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(COLUMNS)
-            writer.writerows([[f"{v:.7g}" if isinstance(v, float) else v for v in row] for row in rows])
-        print(summary(rows), flush=True)
-
-
 if __name__ == "__main__":
-    main()
+    measure(rows_of, COLUMNS, summary, FIRST_SEED, int(sys.argv[1]), Path(sys.argv[2]))

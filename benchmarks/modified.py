@@ -5,15 +5,13 @@
 Each bench is as built in an ordinary lab, and no other one. A row is a mode below half the band.
 """
 
-import csv
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 import modallab as ml
-from modallab.core.errors import ModallabError
+from by_seed import measure
 from modallab.core.model import ModalModel
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Tolerance
@@ -89,29 +87,5 @@ def summary(rows: list[list[object]]) -> str:
     )
 
 
-def kept_in(out: Path) -> list[list[object]]:
-    """Rows of a run that ended early, which goes on."""
-    if not out.exists():
-        return []
-    with out.open(newline="", encoding="utf-8") as file:
-        return [[int(row[0]), *row[1:]] for row in list(csv.reader(file))[1:]]
-
-
-def main(rows_of: Callable[[int], list[list[object]]], first: int, count: int, out: Path) -> None:
-    rows = kept_in(out)
-    for seed in range(max([first - 1, *(int(str(r[0])) for r in rows)]) + 1, first + count):
-        try:
-            rows += rows_of(seed)
-        except ModallabError as error:
-            # A bench whose hits land too far off is not measured: on a real one somebody would look at it.
-            print(f"{seed}: {error}", flush=True)
-            continue
-        with out.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(COLUMNS)
-            writer.writerows([[f"{v:.7g}" if isinstance(v, float) else v for v in row] for row in rows])
-        print(summary(rows), flush=True)
-
-
 if __name__ == "__main__":
-    main(rows_of, FIRST_SEED, int(sys.argv[1]), Path(sys.argv[2]))
+    measure(rows_of, COLUMNS, summary, FIRST_SEED, int(sys.argv[1]), Path(sys.argv[2]))

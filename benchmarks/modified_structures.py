@@ -6,24 +6,24 @@ Structures as built: uneven, sensors off their points and by their sensitivities
 mode below half the band that was identified again: no other within 5 %. All sensors, and what is added, act along z.
 """
 
-import csv
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
+from by_seed import measure
+
 sys.path.insert(0, str(Path(__file__).parent / "gap"))
 
 import structures
 
 import modallab as ml
-from modallab.core.errors import ModallabError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Tolerance
 from modallab.modification.attachments import Addition, Element, TunedAbsorber
 from modallab.modification.known import Known
-from modified import COLUMNS, summary
+from modified import COLUMNS, beside, summary
 from updated import moved, plate_places, rig_of, tube_places
 
 FIRST_SEED, LINES, ZETA, NOISE, HITS = 9501, 3000, 0.004, 1e-3, 5
@@ -145,34 +145,10 @@ def rows_of(seed: int) -> list[list[object]]:
     predicted = (
         Known(before, bench.rig.model_copy(update={"tolerance": TOLERANCE}), [HITS] * 2).with_changes([added]).modes
     )
-    found = []
-    for r, hz in enumerate(predicted.frequency_hz):
-        m = int(np.argmin(np.abs(after.frequency_hz - hz)))
-        if hz > before.band_hz[1] / 2 or abs(np.log(after.frequency_hz[m] / hz)) > FAR:
-            continue
-        found.append([
-            seed, kind, size, point, r + 1, before.frequency_hz[predicted.like[r]], hz, predicted.frequency_sigma_hz[r],
-            after.frequency_hz[m], after.frequency_sigma_hz[m], predicted.damping_ratio[r], predicted.damping_sigma[r],
-            after.damping_ratio[m],
-        ])  # fmt: skip
-    return found
-
-
-def main() -> None:
-    count, out = int(sys.argv[1]), Path(sys.argv[2])
-    rows: list[list[object]] = []
-    for seed in range(FIRST_SEED, FIRST_SEED + count):
-        try:
-            rows += rows_of(seed)
-        except ModallabError as error:
-            print(f"{seed}: {error}", flush=True)
-            continue
-        print(seed, summary(rows), flush=True)
-        with out.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(COLUMNS)
-            writer.writerows([[f"{v:.7g}" if isinstance(v, float) else v for v in row] for row in rows])
+    rows = beside(kind, seed, size, point, before, predicted, after)
+    measured = [COLUMNS.index(name) for name in ("predicted_hz", "measured_hz")]
+    return [r for r in rows if abs(np.diff(np.log([float(str(r[c])) for c in measured]))[0]) <= FAR]
 
 
 if __name__ == "__main__":
-    main()
+    measure(rows_of, COLUMNS, summary, FIRST_SEED, int(sys.argv[1]), Path(sys.argv[2]))

@@ -7,7 +7,6 @@ it, and it is measured again. Where the model has no answer, the bench itself is
 with nothing and with a tonne, or a spring of 1 GN/m, at each point. A row is a wanted frequency.
 """
 
-import csv
 import json
 import sys
 from pathlib import Path
@@ -15,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 import modallab as ml
+from by_seed import measure
 from modallab.bench.loader import open_bench
 from modallab.bench.simulated import simulated_bench
 from modallab.cli.demo_rig import demo_rig
-from modallab.core.errors import ModallabError
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Tolerance
 from modallab.modification.inverse import By, tuned
@@ -94,22 +93,5 @@ def summary(rows: list[list[object]]) -> str:
     )
 
 
-def main() -> None:
-    count, out = int(sys.argv[1]), Path(sys.argv[2])
-    rows: list[list[object]] = []
-    for seed in range(FIRST_SEED, FIRST_SEED + count):
-        try:
-            rows += rows_of(seed)
-        except ModallabError as error:
-            # A bench whose hits land too far off is not measured: on a real one somebody would look at it.
-            print(f"{seed}: {error}", flush=True)
-            continue
-        with out.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(COLUMNS)
-            writer.writerows([[f"{v:.7g}" if isinstance(v, float) else v for v in row] for row in rows])
-        print(summary(rows), flush=True)
-
-
 if __name__ == "__main__":
-    main()
+    measure(rows_of, COLUMNS, summary, FIRST_SEED, int(sys.argv[1]), Path(sys.argv[2]))

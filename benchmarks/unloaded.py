@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 
 import modallab as ml
-import modified
+from by_seed import measure
 from modallab.core.rig import Tolerance
 from modallab.modification.attachments import Element
 from modallab.modification.known import Known
-from modified import PLAN, POINTS
+from modified import COLUMNS, PLAN, POINTS, beside, summary
 
 FIRST_SEED = 7301
 
@@ -32,8 +32,8 @@ def rows_of(seed: int) -> list[list[object]]:
     rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
     away = [*(Element(p, mass=-sensor) for p in range(1, POINTS + 1)), Element(POINTS, mass=-kg, spring=-stiff)]
     after = Known(with_all.modal, rig, [PLAN.hits] * len(PLAN.points)).with_changes(away).modes
-    return modified.beside("unloaded", seed, sensor, POINTS, with_all.modal, after, bare.modal)
+    return beside("unloaded", seed, sensor, POINTS, with_all.modal, after, bare.modal)
 
 
 if __name__ == "__main__":
-    modified.main(rows_of, FIRST_SEED, int(sys.argv[1]), Path(sys.argv[2]))
+    measure(rows_of, COLUMNS, summary, FIRST_SEED, int(sys.argv[1]), Path(sys.argv[2]))
