@@ -27,8 +27,8 @@ HEAD = """# Measured figures
 For who asks how good it is. This page is written by `python benchmarks/results/page.py` from
 `benchmarks/results/*.csv`, which hold more figures, with date, seed, machine and notes. *Unseen* figures come
 from a first look at new trials by one program. *Seen* ones were looked at, or mended, on the way. Times are of
-the processor. Machine: {machine}, beside other work. *By* is the number of the [command](#commands). Superseded
-figures: [history](history/README.md).
+the processor. Machine: {machine}, beside other work. *By* is the number of the [command](#commands), before which
+`python benchmarks/` stands unless it names `modallab` or `python`. Superseded figures: [history](history/README.md).
 """
 
 
@@ -94,7 +94,9 @@ def page(by_topic: dict[str, list[Figure]]) -> str:
     parts = [HEAD.format(machine="; ".join(machines)), "## Headline\n", _table(top, commands, noted=True)]
     for topic, rows in shown.items():
         parts += [f"## {TOPICS[topic]}\n", _table([row for row in rows if row.page == "yes"], commands, noted=False)]
-    listed = "\n".join(f"{number}. `{command}`" for command, number in commands.items())
+    listed = "\n".join(
+        f"{number}. `{command.removeprefix('python benchmarks/')}`" for command, number in commands.items()
+    )
     return "\n".join([*parts, "## Commands\n", f"{listed}\n"])
 
 
