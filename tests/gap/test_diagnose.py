@@ -11,6 +11,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError, PlanError, RigError
+from modallab.core.hold_out import MIXED, HoldOut
 from modallab.core.progress import report_progress_to
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
@@ -207,15 +208,15 @@ def test_a_record_is_predicted_to_within_its_noise(make: Make, rig: Rig) -> None
 
 def test_rules_say_which_records_no_fit_may_see(make: Make) -> None:
     blocks = make().blocks
-    fitted, held = split(blocks, "point:10")
+    fitted, held = split(blocks, HoldOut.parse("point:10"))
     assert {b.drive_point for b in held} == {10}
     assert len(fitted) + len(held) == len(blocks)
-    assert {b.level for b in split(blocks, "level:high")[1]} == {"high"}
-    mixed = split(blocks, "mixed")[1]
+    assert {b.level for b in split(blocks, HoldOut.parse("level:high"))[1]} == {"high"}
+    mixed = split(blocks, MIXED)[1]
     assert {b.test for b in mixed} == {"impact", "sine"}
     for wrong in ("point:99", "every other", "last:2"):
         with pytest.raises(PlanError):
-            split(blocks, wrong)
+            split(blocks, HoldOut.parse(wrong))
 
 
 def test_a_prediction_is_a_campaign_too(massed: Diagnosis, make: Make, tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from modallab.cli.options import only_with
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError, PlanError
+from modallab.core.hold_out import HoldOut
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.core.setups import rig_of, split_setups
@@ -56,7 +57,7 @@ def _diagnose(arguments: argparse.Namespace) -> int:
     if arguments.reference is not None:
         return _by_model(console, campaign, arguments)
     with waiting("reading the records", progress=not arguments.hush):
-        diagnosis = diagnose(campaign, arguments.hold_out)
+        diagnosis = diagnose(campaign, HoldOut.parse(arguments.hold_out))
     console.print(sentence(diagnosis, [c.name for c in campaign.rig.channels]), markup=False)
     calibrate = diagnosis.budget.calibrate if diagnosis.budget is not None else []
     next_one = f"Next: {diagnosis.next_experiment}"
@@ -74,7 +75,7 @@ def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace
     records = read_prediction(arguments.simulation, campaign.rig)
     known = None if arguments.diagnosis is None else read_diagnosis(arguments.diagnosis)
     with waiting("reading the records", progress=not arguments.hush):
-        found = compare(campaign, records, known, arguments.hold_out)
+        found = compare(campaign, records, known, HoldOut.parse(arguments.hold_out))
     for line in (sentence_of_simulation(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)
     if arguments.json is not None:
