@@ -161,7 +161,6 @@ class SimulatedSystem:
         if isinstance(task, WatchdogTask):
             self._require_alone(task)
         self.reserved.take(task)
-        task.committed = True
         if isinstance(task, WatchdogTask):
             task.running = True
             task.kick(time.monotonic())
