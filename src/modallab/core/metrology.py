@@ -5,13 +5,10 @@ from dataclasses import dataclass
 from datetime import date
 from typing import Annotated, Literal
 
-from pydantic import Field, PositiveFloat
+from pydantic import Field
 
+from modallab.core.bounds import Finite, NonNegative, Positive
 from modallab.core.frozen import Frozen
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
-
 
 Day = date
 
@@ -68,7 +65,7 @@ class MassRatio(Frozen):
     channel: str
     mass_kg: Positive
     ratio: Positive
-    sigma: Annotated[float, Field(ge=0, allow_inf_nan=False)]
+    sigma: NonNegative
 
 
 MOST_ERROR = 0.05

@@ -9,7 +9,7 @@ from threading import Thread
 
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock, Requests
 from modallab.acquisition.process.messages import Beat, Close, EmergencyStop, Message, Report, RunPlan
-from modallab.acquisition.process.run import Order
+from modallab.acquisition.process.ready import Order
 from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
 
 HEARTBEAT_S = 0.25
