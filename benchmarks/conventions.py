@@ -21,7 +21,7 @@ from modallab.core.block import Campaign  # noqa: E402
 from modallab.core.diagnosis import Diagnosis  # noqa: E402
 from modallab.core.effects import Effect  # noqa: E402
 from modallab.core.model import ModalModel  # noqa: E402
-from modallab.gap import diagnose  # noqa: E402
+from modallab.gap.diagnosis import diagnose  # noqa: E402
 from modallab.identification import Options  # noqa: E402
 from modallab.pipelines.identify import identify_campaign  # noqa: E402
 

@@ -15,7 +15,8 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.gap import diagnose, predict
+from modallab.gap.design.prediction import predict
+from modallab.gap.diagnosis import diagnose
 from modallab.identification import Options
 from modallab.pipelines.identify import identify_campaign
 from modallab.signals.signals import to_signals_of

@@ -16,7 +16,8 @@ from modallab.core.effects import Effect
 from modallab.formats import read_campaign, write_campaign
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.gap import diagnose, predict
+from modallab.gap.design.prediction import predict
+from modallab.gap.diagnosis import diagnose
 from modallab.identification import Options
 from modallab.pipelines.identify import Identified, identify_campaign
 from modallab.signals.conversion import unit_per_si

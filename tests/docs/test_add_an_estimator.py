@@ -13,8 +13,12 @@ from modallab.cli import main
 from modallab.core.errors import ConfigurationError, IdentificationError, JobError, ModallabError
 from modallab.formats import read_campaign, read_rig
 from modallab.identification import Options, estimator_names, estimators, find_estimator
-from modallab.pipelines import diagram_of, identify_campaign, parse_parameters, read_models, report_content
-from modallab.reporting import write_report
+from modallab.pipelines.diagram import diagram_of
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.model_file import read_models
+from modallab.pipelines.parameters import parse_parameters
+from modallab.pipelines.report import report_content
+from modallab.reporting.report import write_report
 
 DATA = ROOT / "tests/data"
 HITS = DATA / "hammer_5hits.h5"
