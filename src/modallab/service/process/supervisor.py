@@ -101,14 +101,7 @@ class Supervisor:
             ],
             leases,
         )
-        try:
-            pages = *settings.hosts, *(urlsplit(origin).hostname or "" for origin in settings.cors)
-            self._stop = StopListener(
-                settings.host, settings.stop_port, self.controllers.emergency_stop, pages, server_context(settings)
-            )
-        except OSError as error:
-            self.controllers.close()
-            raise taken(settings.stop_port, error) from error
+        self._stop = self._stop_listener()
         self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
         settings = settings.model_copy(update={"stop_port": self._stop.port})
         self._api = Child("api", API, (settings, token, boot), self._api_started, handles=(listener,))
@@ -120,6 +113,17 @@ class Supervisor:
         self._look_after(self._api)
         for work in (self._keep, self._guard):
             Thread(target=work, name=work.__name__.strip("_"), daemon=True).start()
+
+    def _stop_listener(self) -> StopListener:
+        settings = self._settings
+        pages = *settings.hosts, *(urlsplit(origin).hostname or "" for origin in settings.cors)
+        try:
+            return StopListener(
+                settings.host, settings.stop_port, self.controllers.emergency_stop, pages, server_context(settings)
+            )
+        except OSError as error:
+            self.controllers.close()
+            raise taken(settings.stop_port, error) from error
 
     def wait(self) -> None:
         """Until `close` is called; in short waits, since on Windows Ctrl-C does not interrupt a long one."""

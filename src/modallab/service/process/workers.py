@@ -12,9 +12,14 @@ from datetime import UTC, datetime
 from multiprocessing.connection import Connection
 from socket import socket
 from threading import Thread
+from typing import TYPE_CHECKING
 
 from modallab.core.settings import Settings
 from modallab.service.process.wire import RemoteControl
+
+if TYPE_CHECKING:
+    import uvicorn
+    from fastapi import FastAPI
 
 LOOK_S = 0.2
 
@@ -57,8 +62,6 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
 
     from modallab.service.api.app import create_app
     from modallab.service.context import open_service
-    from modallab.service.process.connections import guarded
-    from modallab.service.process.descriptors import raise_limit
 
     server: uvicorn.Server | None = None
 
@@ -72,21 +75,7 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
     service = open_service(settings.data, control, boot)
     app = create_app(service, settings, token)
     control.on_events = app.state.feed.look
-    server = uvicorn.Server(
-        uvicorn.Config(
-            app,
-            log_config=None,
-            access_log=False,
-            server_header=False,
-            http=guarded(raise_limit()),
-            ws="websockets-sansio",
-            # Samples hardly shrink, and what shrinks them would keep everyone else waiting meanwhile.
-            ws_per_message_deflate=False,
-            timeout_graceful_shutdown=1,
-            ssl_certfile=settings.tls_cert,
-            ssl_keyfile=settings.tls_key,
-        )
-    )
+    server = uvicorn.Server(_configuration(app, settings))
     # What was imported stays for ever: whoever opens many connections at once must not have it looked through again.
     gc.collect()
     gc.freeze()
@@ -99,6 +88,27 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
         service.close()
     # A thread of a library that waits for a client would keep the process.
     os._exit(0)
+
+
+def _configuration(app: "FastAPI", settings: Settings) -> "uvicorn.Config":
+    import uvicorn
+
+    from modallab.service.process.connections import guarded
+    from modallab.service.process.descriptors import raise_limit
+
+    return uvicorn.Config(
+        app,
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        http=guarded(raise_limit()),
+        ws="websockets-sansio",
+        # Samples hardly shrink, and what shrinks them would keep everyone else waiting meanwhile.
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=1,
+        ssl_certfile=settings.tls_cert,
+        ssl_keyfile=settings.tls_key,
+    )
 
 
 @dataclass(frozen=True, slots=True)
