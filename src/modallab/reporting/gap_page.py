@@ -2,11 +2,10 @@
 
 import re
 from collections.abc import Sequence
-from importlib.resources import files
 
 from modallab.core.digits import glued
-from modallab.reporting.figures import style
-from modallab.reporting.markup import Markup, tag, trusted
+from modallab.reporting.markup import Markup, tag
+from modallab.reporting.page_head import page_head
 
 _PERCENT = re.compile(r"(?<=\d)%")
 _MINUS = re.compile(r"(?<![\w\d])-(?=\d)")
@@ -28,21 +27,7 @@ def page(title: str, opening: str | Sequence[str], *sections: Markup | None) -> 
     paragraphs = [opening] if isinstance(opening, str) else list(opening)
     lead = [tag("p", paragraphs[0], class_="lead"), *(tag("p", text) for text in paragraphs[1:] if text)]
     body = tag("body", tag("header", tag("h1", title), *lead), tag("main", *sections))
-    return f'<!DOCTYPE html>\n<html lang="en">{_head(title)}{body}</html>\n'
-
-
-def _head(title: str) -> Markup:
-    sheet = files("modallab.reporting").joinpath("report.css").read_text(encoding="utf-8")
-    light, dark = ("".join(f"--{name}:{pair[i]};" for name, pair in style.COLOURS.items()) for i in (0, 1))
-    colours = f":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}"
-    return tag(
-        "head",
-        tag("meta", charset="utf-8"),
-        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        tag("meta", name="color-scheme", content="light dark"),
-        tag("title", title),
-        tag("style", trusted(colours + sheet)),
-    )
+    return f'<!DOCTYPE html>\n<html lang="en">{page_head(title)}{body}</html>\n'
 
 
 def section(heading: str, *parts: str | None) -> Markup:

@@ -1,14 +1,13 @@
 """The report: one HTML file that holds everything it shows."""
 
 from dataclasses import replace
-from importlib.resources import files
 from pathlib import Path
 
 from modallab.formats.atomic import write_text
 from modallab.reporting.compare import modes
 from modallab.reporting.content import ReportContent
-from modallab.reporting.figures import style
-from modallab.reporting.markup import Markup, tag, trusted
+from modallab.reporting.markup import Markup, tag
+from modallab.reporting.page_head import page_head
 from modallab.reporting.sections import (
     assumptions,
     at_a_glance,
@@ -79,21 +78,3 @@ def _absent(parts: list[Section]) -> Section | None:
 
 def _contents(shown: list[Section]) -> Markup:
     return tag("nav", *(tag("a", p.heading, href=f"#{p.target}") for p in shown), aria_label="Contents")
-
-
-def page_head(title: str) -> Markup:
-    """The head of a page in the report's own dress, with its style sheet inside."""
-    sheet = files("modallab.reporting").joinpath("report.css").read_text(encoding="utf-8")
-    return tag(
-        "head",
-        tag("meta", charset="utf-8"),
-        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        tag("meta", name="color-scheme", content="light dark"),
-        tag("title", title),
-        tag("style", trusted(_colours() + sheet)),
-    )
-
-
-def _colours() -> str:
-    light, dark = ("".join(f"--{name}:{pair[i]};" for name, pair in style.COLOURS.items()) for i in (0, 1))
-    return f":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}"

@@ -6,7 +6,7 @@ from pathlib import Path
 from modallab.formats.atomic import replacing
 from modallab.reporting.figures.wireframe import MovingShape, wireframes
 from modallab.reporting.markup import tag
-from modallab.reporting.report import page_head
+from modallab.reporting.page_head import page_head
 
 
 def write_shapes_page(

@@ -74,12 +74,19 @@ def _setup_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
     ]
 
 
-def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:
+def _drive_problems(plan: SinePlan | BroadbandPlan, rig: Rig, can_drive: bool) -> list[str]:
     problems: list[str] = []
     if not can_drive:
         problems.append("this bench has no excitation output")
     if rig.shaker_point is None:
         problems.append("the rig names no shaker_point")
+    if plan.settle_s < plan.ramp_s:
+        problems.append(f"settle_s is {plan.settle_s:g}; allowed: at least ramp_s = {plan.ramp_s:g}")
+    return problems
+
+
+def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:
+    problems = _drive_problems(plan, rig, can_drive)
     names = [block_name("", f) for f in plan.frequencies_hz]
     problems += [
         f"frequencies_hz: {f:.3f} Hz occurs twice"
@@ -91,8 +98,6 @@ def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:
         for f in plan.frequencies_hz
         if f > USABLE_BAND * least_rate_hz(plan)
     ]
-    if plan.settle_s < plan.ramp_s:
-        problems.append(f"settle_s is {plan.settle_s:g}; allowed: at least ramp_s = {plan.ramp_s:g}")
     problems += _settle_problems(plan)
     if rig.limits is None:
         return [*problems, "the rig has no limits, and without them nothing is driven"]
@@ -100,18 +105,12 @@ def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:
 
 
 def _broadband_problems(plan: BroadbandPlan, rig: Rig, can_drive: bool) -> list[str]:
-    problems: list[str] = []
-    if not can_drive:
-        problems.append("this bench has no excitation output")
-    if rig.shaker_point is None:
-        problems.append("the rig names no shaker_point")
+    problems = _drive_problems(plan, rig, can_drive)
     low, high = plan.band_hz
     if low + LEAST_LINES / plan.block_s > high:
         problems.append(f"band_hz: {low:g} to {high:g} Hz; allowed: at least {LEAST_LINES} lines of a block wide")
     if high > USABLE_BAND * least_rate_hz(plan):
         problems.append(_too_high("band_hz", high, least_rate_hz(plan)))
-    if plan.settle_s < plan.ramp_s:
-        problems.append(f"settle_s is {plan.settle_s:g}; allowed: at least ramp_s = {plan.ramp_s:g}")
     problems += _detection_problems(plan)
     if rig.limits is None:
         return [*problems, "the rig has no limits, and without them nothing is driven"]
