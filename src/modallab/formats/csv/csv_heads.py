@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 
+from modallab.core.errors import DataError
 from modallab.formats.csv.csv_cells import BLANKS, head_cells, number
 from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 
@@ -27,6 +28,9 @@ FREQUENCY_NAMES = {
     "frecuencia",
     "frequenza",
 }
+
+BY_OPTION = 'name its columns with --columns "time,force:N,a01:m/s^2", or add a header line with their names'
+"""What to do with a table without a header."""
 
 Heads = tuple[tuple[str, ...], tuple[str, ...]]
 
@@ -61,6 +65,23 @@ def headings(above: Sequence[str], comments: Sequence[str], delimiter: str, colu
         units = tuple(unit or normal_unit(cell.strip("[]")) for unit, cell in zip(units, units_row, strict=True))
     tagged = _tagged([head_cells(line, delimiter, columns) for line in above], len(names))
     return names, tuple(unit or other for unit, other in zip(units, tagged, strict=True))
+
+
+def said_headings(text: str, columns: int, where: str) -> Heads:
+    """Name and unit of each column as the user says them: `time,force:N,a01:m/s^2`; units in brackets do as well.
+
+    Raises:
+        DataError: not one for each column.
+    """
+    cells = [cell.strip() for cell in text.split(",")]
+    if len(cells) != columns:
+        raise DataError(
+            f"has {columns} columns, and --columns names {len(cells)}: {text!r}",
+            where=where,
+            remedy='name every column in its order, as "time,force:N,,a01:m/s^2"; one without a name is left out',
+        )
+    parts = [cell.rpartition(":")[::2] if ":" in cell else _split(cell) for cell in cells]
+    return tuple(name.strip() for name, _ in parts), tuple(normal_unit(unit) for _, unit in parts)
 
 
 def _pair_of(rows: Sequence[Sequence[str]], *, alone: bool) -> tuple[Sequence[str], Sequence[str]]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import DataError, FormatError
 from modallab.formats.csv.csv_cells import BLANKS, cells, complex_number, n_cells
-from modallab.formats.csv.csv_heads import headings
+from modallab.formats.csv.csv_heads import BY_OPTION, Heads, headings, said_headings
 from modallab.formats.csv.digits import half_last_digits
 from modallab.formats.csv.text_lines import Line, TextLines, read_lines
 
@@ -68,19 +68,23 @@ def read_table(path: Path) -> Table:
     return _table(read_lines(path)[0], str(path))
 
 
-def read_tables(path: Path) -> list[Table]:
+def read_tables(path: Path, said: str = "") -> list[Table]:
     """Read all tables of a text file, which stand below each other.
+
+    Args:
+        path: of the file.
+        said: names and units of the columns as the user says them; "" for those of the header.
 
     Raises:
         FormatError: as `read_table`.
+        DataError: the user names more or fewer columns than there are.
     """
-    return [_table(lines, str(path)) for lines in read_lines(path)]
+    return [_table(lines, str(path), said) for lines in read_lines(path)]
 
 
-def _table(lines: TextLines, where: str) -> Table:
+def _table(lines: TextLines, where: str, said: str = "") -> Table:
     columns = n_cells(lines.body[-1 if len(lines.body) == 1 else -2].text, lines.delimiter)
-    marked = [comment.lstrip("#%").strip() for comment in lines.comments]
-    names, units = headings([line.text for line in lines.above], marked, lines.delimiter, columns)
+    names, units = said_headings(said, columns, where) if said else _headings(lines, columns)
     if lines.delimiter == BLANKS and lines.above and not names:
         first = lines.above[0]
         raise _not_a_number(first, 0, cells(first.text, BLANKS)[0], (), where)
@@ -98,6 +102,11 @@ def _table(lines: TextLines, where: str) -> Table:
     ]
     remark, title = "".join(lines.comments), titles[-1] if titles else ""
     return Table(names, units, real, resolution, lines.ended, remark, imaginary, others, title)
+
+
+def _headings(lines: TextLines, columns: int) -> Heads:
+    marked = [comment.lstrip("#%").strip() for comment in lines.comments]
+    return headings([line.text for line in lines.above], marked, lines.delimiter, columns)
 
 
 def side_by_side(tables: Sequence[Table], where: str) -> Table:
@@ -213,7 +222,7 @@ def _other_columns(lines: TextLines, counts: NDArray[np.int64], columns: int, wh
             f"line {body[0].number} has {counts[0]} columns, and no line above it names as many: the last one, line "
             f"{lines.above[-1].number}, is {lines.above[-1].text.strip()[:40]!r}",
             where=where,
-            remedy="write a line above the numbers with a name for each column",
+            remedy=BY_OPTION,
         )
     cut = wrong == len(body) - 1
     found = f"line {body[wrong].number} has {counts[wrong]} columns, not {columns}: {body[wrong].text.strip()[:40]!r}"
