@@ -142,8 +142,7 @@ def test_a_watchdog_is_rejected_where_the_device_has_none(server: NiServer, rig:
 @pytest.mark.parametrize(
     "options",
     [
-        ("--group",),
-        pytest.param(("--group", "--local"), marks=pytest.mark.thorough("waits for the clock of a device once more")),
+        pytest.param(("--group",), marks=pytest.mark.thorough("waits for the clock of a device once more")),
         ("--group", "--local", "--freeze"),
     ],
     ids=" ".join,

@@ -20,10 +20,10 @@ from modallab.twin.effects import search_of
 USUAL = Tolerance.usual()
 
 
-def assembled(rig, make, *effects, allowed=None) -> Bench:
+def assembled(rig, make, *effects, allowed=None, **more) -> Bench:
     """A bench whose rig file states a lab's usual tolerances; its first look at the data is all of the data."""
     names = {e.effect for e in effects} if allowed is None else allowed
-    prepared = prepare(replace(make(*effects), rig=rig.model_copy(update={"tolerance": USUAL})))
+    prepared = prepare(replace(make(*effects, **more), rig=rig.model_copy(update={"tolerance": USUAL})))
     whole = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda name: name in names)
     return replace(whole, data=whole.thin)
 
@@ -58,7 +58,7 @@ def test_an_effect_that_tolerances_could_take_over_is_found_with_its_size(
 def test_hits_beside_their_points_do_not_hide_a_mass(rig, make):
     beside = Effect(effect="hit_position", parameters={"dx": -0.09}, place={"where": "hit"})
     heavy = Effect(effect="added_mass", parameters={"mass": 0.2}, place={"x": 0.97})
-    found = {e.effect: e for e in best(assembled(rig, make, beside, heavy)).effects}
+    found = {e.effect: e for e in best(assembled(rig, make, beside, heavy, tests=("impact",))).effects}
     assert set(found) == {"added_mass", "hit_position"}
     np.testing.assert_allclose(found["added_mass"].parameters["mass"], 0.2, rtol=0.05)
     np.testing.assert_allclose(found["hit_position"].parameters["dx"], -0.09, rtol=0.05)
@@ -68,7 +68,7 @@ def test_hits_beside_their_points_do_not_hide_a_mass(rig, make):
 @pytest.mark.parametrize(("gain", "named"), [(-0.995, "polarity"), (-0.8, "gain_error"), (0.8, "gain_error")])
 def test_a_gain_near_minus_one_is_a_wrong_sign(rig, make, gain, named):
     wrong = Effect(effect="gain_error", parameters={"gain": gain}, place={"channel": 3})
-    found = best(assembled(rig, make, wrong, allowed={"gain_error", "polarity"}))
+    found = best(assembled(rig, make, wrong, allowed={"gain_error", "polarity"}, tests=("impact",)))
     assert [(e.effect, e.place) for e in found.effects] == [(named, {"channel": 3})]
 
 

@@ -21,7 +21,7 @@ from modallab.core.metrology import Certificate
 from modallab.core.model import ModalModel
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Rig
-from modallab.core.units import BROADBAND, Broadband
+from modallab.core.units import Broadband
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.exporter import write_export
 from modallab.formats.importer import import_sources
@@ -83,8 +83,10 @@ def recorded(
 
 
 @functools.cache
-def identified(signal: Broadband, shakers: str = "all", first: int = 4, second: int = 9) -> Identified:
-    return identify_campaign(recorded(signal, shakers, first, second), Options()).identified[0]
+def identified(
+    signal: Broadband, shakers: str = "all", first: int = 4, second: int = 9, blocks: int = 20
+) -> Identified:
+    return identify_campaign(recorded(signal, shakers, first, second, blocks=blocks), Options()).identified[0]
 
 
 def of_twin(frf: Frf) -> np.ndarray:
@@ -164,7 +166,7 @@ def test_multiple_coherence_is_what_all_forces_explain() -> None:
     assert np.median(alone) < 0.8
 
 
-@pytest.mark.parametrize("signal", one_and_again("pseudo-random", BROADBAND))
+@pytest.mark.parametrize("signal", one_and_again("pseudo-random", ["random"]))
 def test_the_model_of_both_references_is_the_benchs(signal: Broadband) -> None:
     found = identified(signal)
     model = found.model
@@ -199,9 +201,9 @@ def test_both_shakers_find_the_modes_that_one_finds_within_what_both_state() -> 
 @AGAIN
 def test_what_one_shaker_hardly_sees_the_other_does() -> None:
     """Near a node of mode 3 stands the first, near one of mode 2 the second: each alone knows that mode worse."""
-    both = identified("pseudo-random", "all", 5, 8).model
-    from_5 = identified("pseudo-random", "first", 5, 8).model
-    from_8 = identified("pseudo-random", "first", 8, 5).model
+    both = identified("pseudo-random", "all", 5, 8, 10).model
+    from_5 = identified("pseudo-random", "first", 5, 8, 10).model
+    from_8 = identified("pseudo-random", "first", 8, 5, 10).model
     # Mode 3 from point 5 alone, mode 2 from point 8 alone.
     assert participation(from_5)[2] < 0.2 < 0.45 < participation(both)[2]
     assert participation(from_8)[1] < 0.2 < 0.45 < participation(both)[1]
