@@ -11,8 +11,9 @@ from two_shakers import TIP, two_shakers
 
 from modallab.acquisition.procedures.broadband_wave import layout_of, waves_of
 from modallab.acquisition.process.run import record
+from modallab.bench.abilities import WavesPlaying
 from modallab.bench.loader import open_bench, open_output
-from modallab.bench.protocol import Bench, Burst, Request, Waveform, WavesPlaying
+from modallab.bench.protocol import Bench, Burst, Request, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, SafetyError
 from modallab.core.hardware import Excitation, Shaker
 from modallab.core.plan import BroadbandPlan

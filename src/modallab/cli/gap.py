@@ -1,7 +1,7 @@
 """`modallab gap`: diagnose a campaign, predict another, or say beforehand what a plan can distinguish."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -15,6 +15,7 @@ from modallab.cli.options import only_with
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError, PlanError
+from modallab.core.frozen import Frozen
 from modallab.core.hold_out import HoldOut
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
@@ -63,12 +64,7 @@ def _diagnose(arguments: argparse.Namespace) -> int:
     next_one = f"Next: {diagnosis.next_experiment}"
     for line in (in_percent(diagnosis.gap), *diagnosis.where.why, *diagnosis.notes, *calibrate, next_one):
         console.print(f"  {line}", markup=False)
-    if arguments.json is not None:
-        write_json(arguments.json, diagnosis.model_dump(mode="json"))
-    if arguments.report is not None:
-        write_gap_report(arguments.report, diagnosis, campaign)
-        console.print(f"report: {arguments.report}", markup=False)
-    return 0
+    return _kept(console, arguments, diagnosis, lambda report: write_gap_report(report, diagnosis, campaign))
 
 
 def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
@@ -78,12 +74,7 @@ def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace
         found = compare(campaign, records, known, HoldOut.parse(arguments.hold_out))
     for line in (sentence_of_simulation(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)
-    if arguments.json is not None:
-        write_json(arguments.json, found.model_dump(mode="json"))
-    if arguments.report is not None:
-        write_simulation_report(arguments.report, found)
-        console.print(f"report: {arguments.report}", markup=False)
-    return 0
+    return _kept(console, arguments, found, lambda report: write_simulation_report(report, found))
 
 
 def _by_model(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
@@ -96,10 +87,16 @@ def _by_model(console: Console, campaign: Campaign, arguments: argparse.Namespac
     found = gap.diagnosis
     for line in (sentence_by_model(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)
+    return _kept(console, arguments, found, lambda report: write_structure_report(report, gap))
+
+
+def _kept(
+    console: Console, arguments: argparse.Namespace, found: Frozen, write_report: Callable[[Path], object]
+) -> int:
     if arguments.json is not None:
         write_json(arguments.json, found.model_dump(mode="json"))
     if arguments.report is not None:
-        write_structure_report(arguments.report, gap)
+        write_report(arguments.report)
         console.print(f"report: {arguments.report}", markup=False)
     return 0
 
