@@ -143,6 +143,7 @@ def test_later_records_come_behind_under_names_of_their_own(at_its_point: Campai
     assert [b.order for b in whole.blocks] == list(range(2 * len(at_its_point.blocks)))
 
 
+@pytest.mark.thorough("plans all experiments again")
 def test_what_nothing_on_the_rig_decides_is_not_run(
     make: Callable[..., Campaign], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
