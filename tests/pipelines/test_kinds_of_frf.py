@@ -23,7 +23,7 @@ NOISE = 0.4
 BAND = (3.0, 75.0)
 
 
-def random_campaign(seconds: float = 40.0) -> Campaign:
+def random_campaign(seconds: float = 66.0) -> Campaign:
     """White force to 90 Hz on the closed-form bench, whose force channel holds noise of `NOISE` times its rms."""
     rng = np.random.default_rng(2)
     n, count = 1024, round(seconds)

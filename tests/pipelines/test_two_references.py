@@ -2,7 +2,6 @@
 
 import functools
 import tempfile
-from collections.abc import Sequence
 from dataclasses import replace
 from datetime import date
 from importlib import resources
@@ -123,12 +122,7 @@ def settled(signal: Broadband) -> list[Signals]:
 AGAIN = pytest.mark.thorough("records and identifies with two shakers again")
 
 
-def one_and_again(usual: Broadband, others: Sequence[Broadband]) -> list[object]:
-    """Of a signal always, of the others in all tests."""
-    return [usual, *(pytest.param(s, marks=AGAIN) for s in others if s != usual)]
-
-
-@pytest.mark.parametrize("signal", one_and_again("pseudo-random", ["chirp"]))
+@pytest.mark.parametrize("signal", ["pseudo-random", pytest.param("chirp", marks=AGAIN)])
 def test_all_frfs_of_a_periodic_drive_are_the_twins_within_their_noise(signal: Broadband) -> None:
     """Both forces with their signs and units: one is read in lbf, against the drive, in the midst of the channels."""
     signals = settled(signal)
@@ -144,7 +138,8 @@ def test_all_frfs_of_a_periodic_drive_are_the_twins_within_their_noise(signal: B
     assert square.mean(axis=2).max() < 2
 
 
-@pytest.mark.parametrize("signal", one_and_again("random", ["burst-random"]))
+@AGAIN
+@pytest.mark.parametrize("signal", ["random", "burst-random"])
 def test_all_frfs_of_a_random_drive_are_the_twins(signal: Broadband) -> None:
     signals = to_signals_of(recorded(signal).blocks, RIG)
     frf = joined_frf(signals, RIG, driven_band(signals))
@@ -166,7 +161,8 @@ def test_multiple_coherence_is_what_all_forces_explain() -> None:
     assert np.median(alone) < 0.8
 
 
-@pytest.mark.parametrize("signal", one_and_again("pseudo-random", ["random"]))
+@AGAIN
+@pytest.mark.parametrize("signal", ["pseudo-random", "random"])
 def test_the_model_of_both_references_is_the_benchs(signal: Broadband) -> None:
     found = identified(signal)
     model = found.model
@@ -234,6 +230,7 @@ def test_records_of_several_forces_are_kept_in_files_and_in_the_store(tmp_path: 
         np.testing.assert_array_equal(to_signals(one, RIG).forces, to_signals(other, RIG).forces)
 
 
+@AGAIN
 def test_what_knows_one_force_says_so(tmp_path: Path) -> None:
     """None of it takes the record for one that the first shaker drove alone."""
     campaign = recorded("pseudo-random")
