@@ -101,7 +101,7 @@ def test_commas_between_columns_and_in_numbers_are_said_to_be_both(tmp_path: Pat
 
 
 def test_a_file_without_numbers_says_how_its_lines_begin(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match="line 2, begins with 'nothing'") as caught:
+    with pytest.raises(FormatError, match="line 2, begins with 'nothing") as caught:
         read(tmp_path, "time,force,a1\nnothing,here,\n")
     assert caught.value.remedy
 

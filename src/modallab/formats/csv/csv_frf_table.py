@@ -41,7 +41,7 @@ def holds_frfs(table: Table) -> bool:
         return True
     if not table.names or not is_frequency(table.names[0], table.units[0]):
         return False
-    return any(heading.part != "complex" for heading in (frf_heading(n, "") for n in table.names[1:]))
+    return any(heading.part != "complex" for heading in map(frf_heading, table.names[1:], table.units[1:]))
 
 
 def columns_of(table: Table, rig: Rig | None, where: str) -> list[Column]:

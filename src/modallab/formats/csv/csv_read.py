@@ -13,7 +13,7 @@ from modallab.formats.axis_units import to_seconds
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_frf import frf_of, is_frf
 from modallab.formats.csv.csv_frf_table import frf_of_table, holds_frfs
-from modallab.formats.csv.csv_heads import BY_OPTION, FREQUENCY_NAMES, time_column
+from modallab.formats.csv.csv_heads import BY_OPTION, is_frequency, time_column
 from modallab.formats.csv.csv_table import Table, read_tables, side_by_side
 from modallab.formats.options import ImportOptions
 
@@ -107,7 +107,7 @@ def _places(
 ) -> tuple[dict[str, int], tuple[str, ...]]:
     """The column of each channel, and the names of other columns. Rejects channels that are missing or there twice."""
     lowered = [name.lower() for name in names]
-    if lowered[0] in FREQUENCY_NAMES:
+    if time is None and is_frequency(names[0], ""):
         raise DataError(
             f"its first column is {names[0]!r}, and the others hold neither complex numbers nor Re and Im, nor a phase",
             where=where,
