@@ -164,7 +164,9 @@ def test_beyond_a_limit_at_the_second_force_both_outputs_end(server: NiServer, b
         bench.close()
 
 
-@pytest.mark.parametrize("way", ["supervisor", "watchdog"])
+@pytest.mark.parametrize(
+    "way", ["supervisor", pytest.param("watchdog", marks=pytest.mark.thorough("waits for a device once more"))]
+)
 def test_who_ends_them_from_outside_brings_both_outputs_to_zero(both: Rig, way: str) -> None:
     guarded = both.model_copy(update={"excitation": Excitation(watchdog_s=1.5 if way == "watchdog" else 5.0)})
     with NiServer(both, "9215", "--pace", virtual=False) as server:

@@ -74,7 +74,7 @@ def test_a_mass_is_named_with_its_place_and_size(massed: Diagnosis, said: list[t
 
 @pytest.mark.thorough("diagnoses a whole campaign")
 def test_the_same_mass_is_unknown_where_its_name_is_withheld(make: Make) -> None:
-    found = diagnose(make(TIP), allowed=only("polarity"))
+    found = diagnose(make(TIP, tests=("impact",)), allowed=only("polarity"))
     assert (found.verdict, found.where.stage) == ("unknown", "structure")
     assert found.effects == []
 
@@ -83,7 +83,7 @@ def test_the_same_mass_is_unknown_where_its_name_is_withheld(make: Make) -> None
 @pytest.mark.parametrize(("gain", "name"), [(-0.3, "gain_error"), (-1.0, "polarity")])
 def test_a_channel_that_reads_against_the_others_is_named_with_its_size(make: Make, gain: float, name: str) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": gain}, place={"channel": 7})
-    found = diagnose(make(wrong), allowed=only("gain_error", "polarity"))
+    found = diagnose(make(wrong, tests=("impact",)), allowed=only("gain_error", "polarity"))
     assert [f.effect for f in found.effects] == [name]
     assert found.where.channels == ["a07"]
     assert next(iter(found.effects[0].parameters.values())) == pytest.approx(gain, rel=1e-3)
@@ -92,7 +92,7 @@ def test_a_channel_that_reads_against_the_others_is_named_with_its_size(make: Ma
 @pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_channel_that_reads_too_much_is_named(make: Make) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 7})
-    found = diagnose(make(wrong), allowed=only("gain_error", "polarity"))
+    found = diagnose(make(wrong, tests=("impact",)), allowed=only("gain_error", "polarity"))
     assert [f.effect for f in found.effects] == ["gain_error"]
     assert found.where.channels == ["a07"]
     assert found.effects[0].parameters["gain"] == pytest.approx(1.1, rel=1e-3)
@@ -109,7 +109,7 @@ def test_an_unnamed_fault_of_one_channel_is_found_there(make: Make) -> None:
         volts[5] = np.roll(volts[5], 3)
         return volts
 
-    found = diagnose(make(spoil=late), allowed=only("polarity"))
+    found = diagnose(make(spoil=late, tests=("impact",)), allowed=only("polarity"))
     assert found.verdict == "unknown"
     assert (found.where.stage, found.where.channels) == ("sensor", ["a05"])
 
