@@ -84,7 +84,8 @@ def _evidence(*fits: Fit) -> float:
     poles = sum(fit.point.parameters.omega.size for fit in fits)
     rows = [fit.problem.blocks[0].response[..., 0].size for fit in fits]
     free = 2 * poles + 2 * sum(n * fit.point.parameters.omega.size for n, fit in zip(rows, fits, strict=True))
-    return float(2 * lines * np.log(np.maximum(left, np.finfo(float).tiny)).sum() + free * np.log(2 * lines * left.size))
+    misfit = 2 * lines * np.log(np.maximum(left, np.finfo(float).tiny)).sum()
+    return float(misfit + free * np.log(2 * lines * left.size))
 
 
 def misfit_over_noise(fit: Fit) -> float:
