@@ -1,8 +1,9 @@
-"""A reference in the form in which the bench was identified: the same terms for what lies outside the band.
+"""A model in the form of another: in the same band, with the same terms for what lies outside it.
 
 No few terms hold it exactly, and an identification lets its terms, and its modal constants a little, take up what they
-can. In a valley between two modes, and below the first one, that is several per cent of an FRF. Two models identified
-in one form have it in common; one with other terms, as a computed one, has not, and that would pass for a gap.
+can. In a valley between two modes, below the first one, and close to a mode just outside, that is several per cent of an
+FRF. Two models identified in one form have it in common; one of a wider band, or with other terms, as a computed one,
+has not, and that would pass for a gap.
 """
 
 from typing import Any
@@ -21,34 +22,57 @@ LINES = 400
 """Evenly over the band, besides those about the modes."""
 ABOUT = np.linspace(-6.0, 6.0, 49)
 """Lines about a mode, in half widths of its resonance."""
+BY_MODE = (
+    "frequency_hz",
+    "damping_ratio",
+    "frequency_sigma_hz",
+    "damping_sigma",
+    "modal_constants",
+    "modal_constant_sigma",
+    "modal_constant_part_sigma",
+    "shapes",
+    "shape_sigma",
+    "half_power",
+    "half_power_floor",
+    "operating_shapes",
+    "operating_shape_sigma",
+)
+"""What a model holds of each mode."""
 READ = DERIVATIVES["inertance"]
 """A fit of accelerations weighs lines by their acceleration."""
 
 
-def in_form_of(bench: ModalModel, reference: ModalModel) -> ModalModel:
-    """The reference as an identification of its own FRFs, in the bench's band and with its terms, would give it.
+def in_form_of(model: ModalModel, band_hz: tuple[float, float], powers: tuple[int, ...]) -> ModalModel:
+    """A model as an identification of its own FRFs in a band, with other terms, would give it.
 
     Args:
-        bench: identified, on the reference's outputs and inputs.
-        reference: with any terms; with the bench's own it is given back as it is.
+        model: with any terms, in a band at least as wide.
+        band_hz: Hz.
+        powers: of s of the terms; none where nothing is known of what lies outside. Then the modes are all there is.
     """
-    powers = bench.residual_powers
-    if set(powers) == set(reference.residual_powers) or not powers or not reference.residual_powers:
-        return reference
-    hz = _lines(reference, bench.band_hz)
+    low, high = band_hz
+    inside = (model.frequency_hz >= low) & (model.frequency_hz <= high)
+    same = np.all(inside) and (set(powers) == set(model.residual_powers) or not model.residual_powers)
+    if same or not powers or not np.any(inside):
+        return model
+    hz = _lines(model, band_hz)
     s = np.asarray(2j * np.pi * hz)
     weight = np.sqrt(np.gradient(hz))[:, None] * s[:, None] ** READ
-    columns = np.concatenate([kernels(reference, s), _terms(s, powers)], axis=1)
-    taken = _real_fit(weight * columns, weight * _terms(s, reference.residual_powers))
-    modes = reference.n_modes
-    constants = np.einsum("rq,qoi->roi", taken[:modes], reference.residuals)
-    return reference.model_copy(
-        update={
-            "modal_constants": reference.modal_constants + constants,
-            "residuals": np.einsum("pq,qoi->poi", taken[modes:], reference.residuals),
-            "residual_powers": powers,
-        }
-    )
+    each = kernels(model, s)
+    columns = np.concatenate([each[:, inside], _terms(s, powers)], axis=1)
+    beyond = np.concatenate([each[:, ~inside], _terms(s, model.residual_powers)], axis=1)
+    left = np.concatenate([model.modal_constants[~inside], model.residuals])
+    taken = np.einsum("pq,qoi->poi", _real_fit(weight * columns, weight * beyond), left)
+    modes = int(np.sum(inside))
+    kept = _of_modes(model, inside)
+    changed = {"modal_constants": kept.modal_constants + taken[:modes], "residuals": taken[modes:].real}
+    return kept.model_copy(update={**changed, "residual_powers": powers, "band_hz": band_hz})
+
+
+def _of_modes(model: ModalModel, which: NDArray[np.bool_]) -> ModalModel:
+    """Some of its modes."""
+    arrays = {name: getattr(model, name) for name in BY_MODE}
+    return model.model_copy(update={name: of[which] for name, of in arrays.items() if of is not None})
 
 
 def _lines(reference: ModalModel, band_hz: tuple[float, float]) -> Real:
