@@ -10,6 +10,10 @@ LINKS ?= $(HOME)/.local/bin
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
+# What a terminal has set for another checkout, or for a service it asks, is none of this one's.
+unexport PYTHONPATH PYTHONHOME PYTEST_ADDOPTS MODALLAB_TOKEN MODALLAB_TOKEN_FILE MODALLAB_DATA MODALLAB_DATABASE \
+  MODALLAB_HOSTS MODALLAB_PORT
+
 # A file to a worker, so that what its tests share is made once.
 TESTS = $(BIN)/pytest -n auto --dist loadscope --no-loadscope-reorder
 

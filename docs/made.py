@@ -1,6 +1,6 @@
 """The parts of the reference that the program itself says; `site.py` puts them into the pages.
 
-A page holds `<!-- made: NAME -->`, or `<!-- made: fields module.Class -->`.
+A page holds the line ``*(`docs/made.py` writes `NAME` here.)*``, or `fields module.Class` for `NAME`.
 
     python docs/made.py PAGE.md    prints a page with its parts
 """
@@ -15,7 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-MARK = re.compile(r"^<!-- made: (\w+)(?: ([\w.]+))? -->$", re.MULTILINE)
+MARK = re.compile(r"^\*\(`docs/made\.py` writes `(\w+)(?: ([\w.]+))?` here\.\)\*$", re.MULTILINE)
 OPTIONS = {"window_s": "window", "variables": "variable", "array_map": "map"}
 """Of the command line, where it calls what is asked otherwise."""
 RAISED_ELSEWHERE = (

@@ -26,9 +26,10 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
 from modallab.core.errors import ModallabError
+from modallab.core.hold_out import SPREAD
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
-from modallab.gap.design.continued import FITTED, continued
+from modallab.gap.design.continued import continued
 from modallab.gap.design.experiments import DECIDES, next_experiments
 from modallab.gap.design.explanations import remaining_explanations, without_needless
 from modallab.gap.diagnosis import diagnose
@@ -91,7 +92,7 @@ def tried(made: dict[str, Any], truth: str, folder: Path) -> dict[str, Any]:
     entry |= {"experiments": [e.model_dump(exclude={"plans", "says"}) for e in ranked[:6]]}
     try:
         later = recorded(url, rig, ranked[0].plans, folder / "later", session=1)
-        second = diagnose(continued(campaign, later), FITTED, known=remaining_explanations(first))
+        second = diagnose(continued(campaign, later), SPREAD, known=remaining_explanations(first))
     except ModallabError as error:
         return entry | {"kept": True, "right": False, "why": f"{type(error).__name__}: {error}"}
     said = sorted(f.effect for f in second.effects)

@@ -27,8 +27,8 @@ HEAD = """# Measured figures
 For who asks how good it is. This page is written by `python benchmarks/results/page.py` from
 `benchmarks/results/*.csv`, which hold more figures, with date, seed, machine and notes. *Unseen* figures come
 from a first look at new trials by one program. *Seen* ones were looked at, or mended, on the way. Times are of
-the processor. Machine: {machine}, beside other work. `python` stands before each `benchmarks/`. Superseded
-figures: [history](history/README.md).
+the processor. Machine: {machine}, beside other work. *By* is the number of the [command](#commands), before which
+`python benchmarks/` stands unless it names `modallab` or `python`. Superseded figures: [history](history/README.md).
 """
 
 
@@ -90,26 +90,25 @@ def page(by_topic: dict[str, list[Figure]]) -> str:
     shown = {topic: newest(rows) for topic, rows in by_topic.items()}
     machines = sorted({row.machine for rows in shown.values() for row in rows})
     top = [row for rows in shown.values() for row in rows if row.page == "headline"]
-    parts = [HEAD.format(machine="; ".join(machines)), "## Headline\n", _table(top, noted=True)]
+    commands: dict[str, int] = {}
+    parts = [HEAD.format(machine="; ".join(machines)), "## Headline\n", _table(top, commands, noted=True)]
     for topic, rows in shown.items():
-        parts += [f"## {TOPICS[topic]}\n", _table([row for row in rows if row.page == "yes"], noted=False)]
-    return "\n".join(parts)
+        parts += [f"## {TOPICS[topic]}\n", _table([row for row in rows if row.page == "yes"], commands, noted=False)]
+    listed = "\n".join(
+        f"{number}. `{command.removeprefix('python benchmarks/')}`" for command, number in commands.items()
+    )
+    return "\n".join([*parts, "## Commands\n", f"{listed}\n"])
 
 
-def _table(rows: list[Figure], *, noted: bool) -> str:
+def _table(rows: list[Figure], commands: dict[str, int], *, noted: bool) -> str:
+    """A table; commands that it is the first to name get the next numbers."""
     note = " note |" if noted else ""
-    lines = [
-        f"| figure | measured | goal | seen | command |{note}",
-        "|---|---|---|---|---|" + ("---|" if noted else ""),
-    ]
+    lines = [f"| figure | measured | goal | seen | by |{note}", "|---|---|---|---|---|" + ("---|" if noted else "")]
     for row in rows:
         end = f" {row.note} |" if noted else ""
-        lines.append(f"| {row.figure} | {row.value} | {row.goal} | {row.seen} | `{_code(row.command)}` |{end}")
+        number = commands.setdefault(row.command, len(commands) + 1)
+        lines.append(f"| {row.figure} | {row.value} | {row.goal} | {row.seen} | {number} |{end}")
     return "\n".join(lines) + "\n"
-
-
-def _code(command: str) -> str:
-    return command.removeprefix("python ")
 
 
 def main(arguments: list[str]) -> int:

@@ -7,17 +7,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import (
-    Bench,
-    BenchInfo,
-    Burst,
-    Chunk,
-    Delivery,
-    Request,
-    Waveform,
-    WavePlaying,
-    WavesPlaying,
-)
+from modallab.bench.abilities import WavePlaying, WavesPlaying
+from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 
 Kind = Literal["dead", "frozen", "unplugged", "clipped", "swapped"]
 KINDS: tuple[Kind, ...] = ("dead", "frozen", "unplugged", "clipped", "swapped")

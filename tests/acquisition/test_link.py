@@ -5,7 +5,7 @@ import time
 
 from modallab.acquisition.process.link import Link
 from modallab.acquisition.process.messages import Abort, Beat, Close, Ended, RunPlan, Stop
-from modallab.acquisition.process.run import Order
+from modallab.acquisition.process.ready import Order
 from modallab.core.plan import ImpactPlan
 
 

@@ -12,8 +12,9 @@ from modallab.acquisition.procedures.broadband_checks import require_waves
 from modallab.acquisition.procedures.broadband_wave import blocks_of_wave, layout_of, wave_of, waves_of
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.process.run import record
+from modallab.bench.abilities import WavesPlaying
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import BenchInfo, WavesPlaying
+from modallab.bench.protocol import BenchInfo
 from modallab.core.errors import PlanError, SafetyError, UnsupportedError
 from modallab.core.hardware import Excitation
 from modallab.core.plan import BroadbandPlan

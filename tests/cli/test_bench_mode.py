@@ -122,6 +122,7 @@ def command(tmp_path: Path) -> tuple[list[str], int]:
     return [sys.executable, "-u", "-c", start, *words, "--mute"], port
 
 
+@pytest.mark.thorough("waits for a bench that goes by the clock")
 def test_keys_act_on_the_running_test_and_the_bench_on_whoever_strikes(
     command: tuple[list[str], int], tmp_path: Path
 ) -> None:

@@ -277,17 +277,12 @@ def test_models_go_to_standard_output_alone(capsys: pytest.CaptureFixture[str], 
     assert "Modal model" in printed.err
 
 
-def test_a_band_may_begin_at_zero(demo: Path, tmp_path: Path) -> None:
+def test_a_band_may_begin_at_zero_and_nothing_is_said_where_nothing_is_asked_for(
+    capsys: pytest.CaptureFixture[str], demo: Path, tmp_path: Path
+) -> None:
     from_zero = ["identify", str(demo), "--test", "sine", "--band", "0", "110", "--quiet"]
     assert main([*from_zero, "--json", str(tmp_path / "m.json")]) == 0
+    assert capsys.readouterr() == ("", "")
     (found,) = json.loads((tmp_path / "m.json").read_text())["models"]
     assert len(found["frequency_hz"]) == 3
     assert 0 < found["band_hz"][0] < 3
-
-
-def test_nothing_is_said_where_nothing_is_asked_for(
-    capsys: pytest.CaptureFixture[str], demo: Path, tmp_path: Path
-) -> None:
-    assert main(["identify", str(demo), "--test", "sine", "--quiet", "--json", str(tmp_path / "m.json")]) == 0
-    assert capsys.readouterr() == ("", "")
-    assert (tmp_path / "m.json").exists()

@@ -10,6 +10,8 @@ from modallab.cli.demo_rig import demo_rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import write_rig
 
+pytestmark = pytest.mark.thorough("records tests with two set-ups")
+
 BENCH = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 PLAN = "{kind: impact, points: [10], hits: 1, setups: [{name: left}, {name: right, points: {a01: 3, a02: 4}}]}\n"
 START = "import sys; from modallab.cli import main; sys.exit(main(sys.argv[1:]))"
@@ -24,7 +26,6 @@ def command(folder: Path) -> list[str]:
     return [sys.executable, "-u", "-c", START, "campaign", "run", *words, "--out", "s.h5", "--report", "s.html"]
 
 
-@pytest.mark.thorough("records and identifies a whole test with two setups")
 def test_sensors_are_moved_at_the_terminal_and_one_model_shown(tmp_path: Path) -> None:
     with subprocess.Popen(
         command(tmp_path), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=tmp_path

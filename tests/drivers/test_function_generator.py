@@ -174,6 +174,7 @@ def test_a_limit_above_the_generators_range_is_rejected_naming_the_field(keysigh
         open_generator(keysight.rig(loud))
 
 
+@pytest.mark.thorough("starts a server of devices and a generator")
 def test_the_generator_drives_the_bench_that_ni_devices_listen_to(rig: Rig):
     with NiServer(rig, "9215", "--generator", "siglent-sdg") as server:
         server.say("preamplifiers sine")

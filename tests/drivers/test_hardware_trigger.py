@@ -8,8 +8,9 @@ from ni_server import NiServer
 
 from modallab.acquisition.monitor.requests import Requests
 from modallab.acquisition.process.run import record, run_plan
+from modallab.bench.abilities import HardwareTriggered, ReferenceTrigger
 from modallab.bench.loader import open_bench
-from modallab.bench.protocol import Bench, HardwareTriggered, ReferenceTrigger, Request
+from modallab.bench.protocol import Bench, Request
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, DeviceGoneError, PlanError
 from modallab.core.events import Event
 from modallab.core.plan import ImpactPlan

@@ -176,7 +176,9 @@ def fed(rig: Rig) -> Rig:
     return rig.model_copy(update={"converter": rig.converter.model_copy(update={"range_v": 5.0}), "channels": channels})
 
 
-@pytest.mark.parametrize("system", ["9234", "4431"])
+@pytest.mark.parametrize(
+    "system", ["9234", pytest.param("4431", marks=pytest.mark.thorough("waits for a device once more"))]
+)
 def test_cold_sensors_are_waited_for_and_then_good(rig: Rig, system: str):
     # 4.9 V of bias fade to the noise; the USB device has DC as its default and would read 10 V for ever.
     iepe = fed(rig)

@@ -11,9 +11,10 @@ import pytest
 from ni_server import NiServer
 from stop_trace import RATE_HZ, Stop, seen
 
+from modallab.bench.abilities import WavePlaying
 from modallab.bench.fall import FALL_S, fall_s, fall_samples
 from modallab.bench.loader import open_bench, open_output
-from modallab.bench.protocol import Bench, Burst, Request, Waveform, WavePlaying
+from modallab.bench.protocol import Bench, Burst, Request, Waveform
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx import ramp_down
 

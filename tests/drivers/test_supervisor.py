@@ -41,7 +41,7 @@ def wait_for_volts(server: NiServer, *, on: bool) -> float:
     began = time.monotonic()
     while (server.say("levels 0.02")[OUTPUT] > 0.1) is not on:
         assert time.monotonic() - began < PATIENCE_S
-        time.sleep(0.005)
+        time.sleep(0.02)
     return time.monotonic() - began
 
 
@@ -63,7 +63,7 @@ def waited_for_trip(process: RigProcess) -> Trip:
     began = time.monotonic()
     while (trip := process.trip) is None:
         assert time.monotonic() - began < PATIENCE_S, process.view
-        time.sleep(0.01)
+        time.sleep(0.05)
     return trip
 
 

@@ -121,6 +121,7 @@ def test_an_output_runs_by_the_clock_of_the_inputs(cards: NiServer, rig: Rig, mo
     assert abs(off_ppm(cards, on(rig, CARDS, "reference-clock"))) > 1.0
 
 
+@pytest.mark.thorough("starts one more server of devices")
 def test_chassis_that_can_be_synchronised_agree_within_a_tenth_of_a_degree_at_10_khz(rig: Rig):
     wanted = on(rig, CHASSIS)
     with NiServer(wanted, "two-chassis", "--cables", device="cDAQ1,cDAQ2") as server:

@@ -11,8 +11,9 @@ from two_shakers import TIP, two_shakers
 
 from modallab.acquisition.procedures.broadband_wave import layout_of, waves_of
 from modallab.acquisition.process.run import record
+from modallab.bench.abilities import WavesPlaying
 from modallab.bench.loader import open_bench, open_output
-from modallab.bench.protocol import Bench, Burst, Request, Waveform, WavesPlaying
+from modallab.bench.protocol import Bench, Burst, Request, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, SafetyError
 from modallab.core.hardware import Excitation, Shaker
 from modallab.core.plan import BroadbandPlan
@@ -163,7 +164,9 @@ def test_beyond_a_limit_at_the_second_force_both_outputs_end(server: NiServer, b
         bench.close()
 
 
-@pytest.mark.parametrize("way", ["supervisor", "watchdog"])
+@pytest.mark.parametrize(
+    "way", ["supervisor", pytest.param("watchdog", marks=pytest.mark.thorough("waits for a device once more"))]
+)
 def test_who_ends_them_from_outside_brings_both_outputs_to_zero(both: Rig, way: str) -> None:
     guarded = both.model_copy(update={"excitation": Excitation(watchdog_s=1.5 if way == "watchdog" else 5.0)})
     with NiServer(both, "9215", "--pace", virtual=False) as server:

@@ -129,10 +129,10 @@ CASES: list[tuple[str, type[ModallabError], str, str]] = [
     ("channel twice", DataError, "time,force,a01,a02,a02\n" + rows(GOOD), "column a02 is there twice"),
     ("spectra", DataError, "frequency,force,a01,a02,a03\n" + rows(GOOD), "its first column is 'frequency'"),
     ("short line", FormatError, HEADER + "\n1,2,3\n" + rows(GOOD), "line 2 has 3 columns, not 5"),
-    ("no numbers", FormatError, HEADER + "\n", "holds no numbers"),
+    ("no numbers", FormatError, HEADER + "\n", "holds no table of numbers"),
     ("no header, too few", DataError, rows(GOOD[:, :3]), "has 3 columns and no header; the rig has 4 channels"),
     ("coarse times", DataError, HEADER + "\n" + rows(np.round(GOOD, 3), "%.3f"), "written too coarsely"),
-    ("transposed", DataError, rows(GOOD.T), "has 256 columns and no header"),
+    ("transposed", FormatError, rows(GOOD.T), "5 rows of 256 cells and no names above them: it looks transposed"),
     ("dead", DataError, HEADER + "\n" + rows(GOOD * [1, 1, 0, 1, 1]), "channel a01 is dead: all 256 samples are 0"),
 ]
 

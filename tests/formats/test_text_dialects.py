@@ -101,7 +101,7 @@ def test_commas_between_columns_and_in_numbers_are_said_to_be_both(tmp_path: Pat
 
 
 def test_a_file_without_numbers_says_how_its_lines_begin(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match="line 2, begins with 'nothing'") as caught:
+    with pytest.raises(FormatError, match="line 2, begins with 'nothing") as caught:
         read(tmp_path, "time,force,a1\nnothing,here,\n")
     assert caught.value.remedy
 
@@ -260,3 +260,37 @@ def test_every_rejection_says_what_to_do(tmp_path: Path) -> None:
         with pytest.raises(ModallabError) as caught:
             read(tmp_path, text)
         assert caught.value.remedy
+
+
+NO_HEADER = table("", PLAIN).lstrip("\n")
+
+
+def test_the_columns_of_a_table_without_a_header_can_be_said_for_a_rig_too(tmp_path: Path) -> None:
+    path = tmp_path / "hit.csv"
+    path.write_text(table("", PLAIN + ",7").lstrip("\n"), encoding="utf-8")
+    options = ImportOptions(columns="time,force:kN,tip:g,")
+    rig = draft_rig(path, options)
+    assert [(c.name, c.quantity, c.unit) for c in rig.channels] == [
+        ("force", "force", "kN"),
+        ("tip", "acceleration", "g"),
+    ]
+    (block,) = import_sources([path], rig, options).blocks
+    np.testing.assert_allclose(block.samples, [FORCE, MOTION], atol=1e-6)
+
+
+@pytest.mark.parametrize("said", ["", "time,force:N"])
+def test_a_table_without_a_header_is_rejected_with_the_option_that_helps(tmp_path: Path, said: str) -> None:
+    path = tmp_path / "hit.csv"
+    path.write_text(NO_HEADER, encoding="utf-8")
+    with pytest.raises(DataError, match=r"no header|has 3 columns, and --columns names 2") as caught:
+        draft_rig(path, ImportOptions(columns=said))
+    assert "--columns" in str(caught.value.remedy) + caught.value.what
+
+
+def test_what_is_said_of_the_columns_of_frfs_stands_instead_of_their_header(tmp_path: Path) -> None:
+    lines = np.linspace(1, 100, 50)
+    path = tmp_path / "frf.csv"
+    path.write_text("".join(f"{f},{f / 2},{-f}\n" for f in lines), encoding="utf-8")
+    options = ImportOptions(columns="frequency:Hz,Re a1:g/N,Im a1")
+    (frf,) = import_sources([path], draft_rig(path, options), options).frfs
+    np.testing.assert_allclose(frf.values[0, 0], 9.80665 * (lines / 2 - 1j * lines))

@@ -11,7 +11,7 @@ from modallab.frf.local_polynomial import local_polynomial_frf
 from modallab.frf.noisy_force import one_force_frf
 
 N, RATE = 32768, 512.0
-LINES = np.arange(64 * 20, 64 * 120)
+LINES = np.arange(64 * 35, 64 * 100)
 POLES = 2 * np.pi * np.array([40.0, 95.0]) * (np.array([-0.01, -0.008]) + 1j)
 RESIDUES = np.array([[1.0, 0.7], [0.4, -0.9]])
 NOISE = 0.3

@@ -48,13 +48,14 @@ def struck(data: Reduced, twin: Twin) -> Reduced:
     return replace(data, impacts=tuple(hits))
 
 
+@pytest.mark.thorough("fits along the beam")
 def test_the_place_that_fits_all_records_is_the_springs(elsewhere: Fit) -> None:
     (found,) = along_the_beam(elsewhere).effects
     assert found.place["x"] == pytest.approx(PLACE, abs=0.015)
     assert found.parameters["k3"] == pytest.approx(K3, rel=0.1)
 
 
-@pytest.mark.thorough("fits along the beam again")
+@pytest.mark.thorough("fits along the beam")
 def test_a_law_that_does_nothing_has_no_better_place(elsewhere: Fit) -> None:
     u = elsewhere.u.copy()
     u[-2] = elsewhere.problem.candidates[0].slots[0].coordinate(1e-12)

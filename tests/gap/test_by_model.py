@@ -66,6 +66,7 @@ def test_a_misfit_counts_by_the_covariance_of_its_lines() -> None:
     assert np.sum(weights.weighed(misfit[None]) ** 2) == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.thorough("diagnoses a plate of ten points")
 def test_a_spring_that_moves_a_mode_by_a_quarter_is_found_from_afar() -> None:
     there = shapes(np.array([0.17]), np.array([0.11]))
     squared, turned = eigh(np.diag(OMEGA**2) + 3e4 * there @ there.T)
@@ -154,6 +155,7 @@ def test_between_the_points_a_mesh_tells_the_shapes() -> None:
         assert off[1] < 2e-3 * np.abs(true).max()
 
 
+@pytest.mark.thorough("diagnoses a plate of ten points")
 def test_a_sensor_that_stands_elsewhere_is_found_by_the_mesh_to_a_millimetre() -> None:
     moved = (0.024, -0.017)
     psi = shapes(X, Y)

@@ -24,7 +24,7 @@ def test_frequencies_of_no_common_factor_agree_with_none() -> None:
 
 @pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_beam_of_another_thickness_is_distinguished_from_a_fault(make: Callable[..., Campaign], rig: Rig) -> None:
-    campaign = make()
+    campaign = make(tests=("impact",))
     assert rig.beam is not None
     thick = rig.model_copy(update={"beam": rig.beam.model_copy(update={"thickness_m": 1.2 * rig.beam.thickness_m})})
     found = diagnose(Campaign(thick, campaign.blocks), allowed=lambda name: name == "polarity")

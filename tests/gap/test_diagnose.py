@@ -11,6 +11,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError, PlanError, RigError
+from modallab.core.hold_out import MIXED, HoldOut
 from modallab.core.progress import report_progress_to
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
@@ -73,7 +74,7 @@ def test_a_mass_is_named_with_its_place_and_size(massed: Diagnosis, said: list[t
 
 @pytest.mark.thorough("diagnoses a whole campaign")
 def test_the_same_mass_is_unknown_where_its_name_is_withheld(make: Make) -> None:
-    found = diagnose(make(TIP), allowed=only("polarity"))
+    found = diagnose(make(TIP, tests=("impact",)), allowed=only("polarity"))
     assert (found.verdict, found.where.stage) == ("unknown", "structure")
     assert found.effects == []
 
@@ -82,7 +83,7 @@ def test_the_same_mass_is_unknown_where_its_name_is_withheld(make: Make) -> None
 @pytest.mark.parametrize(("gain", "name"), [(-0.3, "gain_error"), (-1.0, "polarity")])
 def test_a_channel_that_reads_against_the_others_is_named_with_its_size(make: Make, gain: float, name: str) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": gain}, place={"channel": 7})
-    found = diagnose(make(wrong), allowed=only("gain_error", "polarity"))
+    found = diagnose(make(wrong, tests=("impact",)), allowed=only("gain_error", "polarity"))
     assert [f.effect for f in found.effects] == [name]
     assert found.where.channels == ["a07"]
     assert next(iter(found.effects[0].parameters.values())) == pytest.approx(gain, rel=1e-3)
@@ -91,7 +92,7 @@ def test_a_channel_that_reads_against_the_others_is_named_with_its_size(make: Ma
 @pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_channel_that_reads_too_much_is_named(make: Make) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 7})
-    found = diagnose(make(wrong), allowed=only("gain_error", "polarity"))
+    found = diagnose(make(wrong, tests=("impact",)), allowed=only("gain_error", "polarity"))
     assert [f.effect for f in found.effects] == ["gain_error"]
     assert found.where.channels == ["a07"]
     assert found.effects[0].parameters["gain"] == pytest.approx(1.1, rel=1e-3)
@@ -108,7 +109,7 @@ def test_an_unnamed_fault_of_one_channel_is_found_there(make: Make) -> None:
         volts[5] = np.roll(volts[5], 3)
         return volts
 
-    found = diagnose(make(spoil=late), allowed=only("polarity"))
+    found = diagnose(make(spoil=late, tests=("impact",)), allowed=only("polarity"))
     assert found.verdict == "unknown"
     assert (found.where.stage, found.where.channels) == ("sensor", ["a05"])
 
@@ -207,15 +208,15 @@ def test_a_record_is_predicted_to_within_its_noise(make: Make, rig: Rig) -> None
 
 def test_rules_say_which_records_no_fit_may_see(make: Make) -> None:
     blocks = make().blocks
-    fitted, held = split(blocks, "point:10")
+    fitted, held = split(blocks, HoldOut.parse("point:10"))
     assert {b.drive_point for b in held} == {10}
     assert len(fitted) + len(held) == len(blocks)
-    assert {b.level for b in split(blocks, "level:high")[1]} == {"high"}
-    mixed = split(blocks, "mixed")[1]
+    assert {b.level for b in split(blocks, HoldOut.parse("level:high"))[1]} == {"high"}
+    mixed = split(blocks, MIXED)[1]
     assert {b.test for b in mixed} == {"impact", "sine"}
     for wrong in ("point:99", "every other", "last:2"):
         with pytest.raises(PlanError):
-            split(blocks, wrong)
+            split(blocks, HoldOut.parse(wrong))
 
 
 def test_a_prediction_is_a_campaign_too(massed: Diagnosis, make: Make, tmp_path: Path) -> None:

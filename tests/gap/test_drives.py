@@ -11,6 +11,7 @@ from twin_campaign import bench, drive, link
 from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError
+from modallab.core.hold_out import MIXED
 from modallab.core.units import Broadband
 from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.reduce import reduce
@@ -48,7 +49,7 @@ def test_a_force_that_is_only_noise_is_rejected() -> None:
 
 
 def test_a_third_of_each_drive_is_held_out() -> None:
-    fitted, held = split(sound("chirp").blocks, "mixed")
+    fitted, held = split(sound("chirp").blocks, MIXED)
     assert sum(b.n_samples for b in held) * 2 == sum(b.n_samples for b in fitted)
 
 

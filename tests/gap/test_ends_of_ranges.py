@@ -19,7 +19,7 @@ def test_a_mount_with_too_much_damping_becomes_a_resonance_again(
     rig: Rig, make: Callable[..., Campaign], hz: float
 ) -> None:
     mount = Effect(effect="loose_mount", parameters={"hz": 382.0, "zeta": 0.075}, place={"channel": 6})
-    prepared = prepare(make(mount))
+    prepared = prepare(make(mount, tests=("impact",)))
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
     (candidate,) = (c for c in of_channel(rig, 6) if c.effect == "loose_mount")
     own = [slot.coordinate(value) for slot, value in zip(candidate.slots, (hz, 0.399), strict=True)]

@@ -35,7 +35,7 @@ def spoiled(volts: float, rings: bool = True) -> Campaign:
     return built(rig, spoil=spoil)
 
 
-@pytest.mark.parametrize("volts", [0.06, 0.5])
+@pytest.mark.parametrize("volts", [0.06, pytest.param(0.5, marks=pytest.mark.thorough("diagnoses a whole campaign"))])
 def test_both_are_named_and_taken_out(volts: float) -> None:
     found = diagnose(spoiled(volts))
     assert {f.effect for f in found.effects} == {"mains_hum", "residual_ringing"}

@@ -9,7 +9,7 @@ from modallab.core.model import ModalModel
 from modallab.gap.modal.diagnosis import diagnose_by_model
 
 AGAIN = pytest.mark.thorough("diagnoses a structure at phases between these")
-PHASES = [p if p in (0.0, 10.0, 45.0) else pytest.param(p, marks=AGAIN) for p in (0.0, 3, 6, 10.0, 20, 32, 45.0)]
+PHASES = [p if p in (0.0, 45.0) else pytest.param(p, marks=AGAIN) for p in (0.0, 3, 10.0, 20, 45.0)]
 
 
 def _nothing(of: ModalModel) -> None:
@@ -23,12 +23,12 @@ def test_a_model_is_itself_at_every_phase(degrees: float) -> None:
     _nothing(model(degrees=degrees))
 
 
-@pytest.mark.parametrize("factor", [0.01, 0.2, 1.0, 3.0])
+@pytest.mark.parametrize("factor", [0.01, 3.0])
 def test_a_model_is_itself_at_every_damping(factor: float) -> None:
     _nothing(model(zeta=factor * ZETA, degrees=15.0))
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, 3])
 def test_complex_shapes_are_themselves(seed: int) -> None:
     """Every shape at every point turned by itself, also so far that a driving point is none of a passive structure."""
     twist = np.random.default_rng(seed).normal(0.0, 0.5 * (seed + 1), PSI.shape)
@@ -57,12 +57,11 @@ def test_a_mass_is_named_at_every_phase(degrees: float) -> None:
     assert effect.parameters["mass"] == pytest.approx(1.0, rel=0.1)
 
 
-@pytest.mark.parametrize("degrees", [0.0, 12.0])
-def test_a_late_trigger_is_named_with_its_time(degrees: float) -> None:
-    late = model(degrees=degrees)
+def test_a_late_trigger_is_named_with_its_time() -> None:
+    late = model(degrees=12.0)
     turned = np.exp(-2j * np.pi * late.frequency_hz * 4e-4)[:, None, None]
     bench = late.model_copy(update={"modal_constants": late.modal_constants * turned})
-    (effect,) = diagnose_by_model(model(degrees=degrees), bench, rig()).effects
+    (effect,) = diagnose_by_model(model(degrees=12.0), bench, rig()).effects
     assert effect.effect == "trigger_delay"
     assert effect.parameters["seconds"] == pytest.approx(4e-4, rel=0.02)
 
@@ -83,11 +82,10 @@ def test_a_damper_is_named() -> None:
     assert effect.parameters["c"] == pytest.approx(c, rel=0.2)
 
 
-@pytest.mark.parametrize("kg", [0.3, 1.0])
-def test_one_sensor_at_one_driven_point_shows_a_mass_there(kg: float) -> None:
-    (effect,) = diagnose_by_model(model(sensors=(1,)), with_mass(kg, 1, sensors=(1,)), rig()).effects
+def test_one_sensor_at_one_driven_point_shows_a_mass_there() -> None:
+    (effect,) = diagnose_by_model(model(sensors=(1,)), with_mass(0.3, 1, sensors=(1,)), rig()).effects
     assert effect.effect == "added_mass"
-    assert effect.parameters["mass"] == pytest.approx(kg, rel=0.1)
+    assert effect.parameters["mass"] == pytest.approx(0.3, rel=0.1)
 
 
 def test_a_bench_driven_elsewhere_is_compared_by_reciprocity() -> None:

@@ -94,6 +94,7 @@ def test_two_places_of_a_mass_are_distinguished_by_hits_where_one_of_them_moves(
     assert single["hits at 10"].expected == max(e.expected for e in single.values())
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_plans_agree_with_the_diagnosis_on_what_is_recorded(at_its_point: Campaign) -> None:
     said = diagnose(at_its_point)
     planning = Planning.of(at_its_point, said)
@@ -142,6 +143,7 @@ def test_later_records_come_behind_under_names_of_their_own(at_its_point: Campai
     assert [b.order for b in whole.blocks] == list(range(2 * len(at_its_point.blocks)))
 
 
+@pytest.mark.thorough("plans all experiments again")
 def test_what_nothing_on_the_rig_decides_is_not_run(
     make: Callable[..., Campaign], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -25,6 +25,7 @@ def test_a_loose_mount_of_a_sensor_upside_down_is_both(make: Make) -> None:
     campaign = make(
         Effect(effect="polarity", parameters={"sign": -1.0}, place={"channel": 6}),
         Effect(effect="loose_mount", parameters={"hz": 52.0, "zeta": 0.05}, place={"channel": 6}),
+        tests=("impact",),
     )
     diagnosis = diagnose(campaign, allowed=on_a_channel)
     assert diagnosis.verdict == "known"
@@ -35,7 +36,7 @@ def test_a_loose_mount_of_a_sensor_upside_down_is_both(make: Make) -> None:
 
 
 def test_coarse_steps_of_one_channel_are_found_there_and_not_named(make: Make) -> None:
-    campaign, row = make(), 6
+    campaign, row = make(tests=("impact",)), 6
     step = 0.03 * max(float(np.max(np.abs(b.samples[row]))) for b in campaign.blocks)
     blocks = []
     for block in campaign.blocks:

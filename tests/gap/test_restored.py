@@ -10,6 +10,7 @@ from unsure import of_sensors, remaining_explanations
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError
+from modallab.core.hold_out import MIXED, SPREAD
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.conditioning.reduce import reduce
 from modallab.gap.conditioning.split import split
@@ -77,7 +78,7 @@ def test_an_effect_that_the_rig_cannot_have_is_said_so(few: Campaign) -> None:
 
 
 def test_a_mass_is_found_where_it_is_from_where_it_is_not(few: Campaign) -> None:
-    fitted, _ = split(few.blocks, "spread")
+    fitted, _ = split(few.blocks, SPREAD)
     data = reduce(few, fitted, nominal_weights(few.rig))
     free = nuisances(few.rig, 450.0)
     mass = next(c for c in of_bench(few.rig) if c.effect == "added_mass")
@@ -89,8 +90,8 @@ def test_a_mass_is_found_where_it_is_from_where_it_is_not(few: Campaign) -> None
 
 
 def test_spread_keeps_hits_of_every_point_to_fit(few: Campaign) -> None:
-    fitted, held = split(few.blocks, "spread")
+    fitted, held = split(few.blocks, SPREAD)
     assert {b.drive_point for b in fitted} == {3, 6, 10}
     assert not held
-    _, last = split(few.blocks, "mixed")
+    _, last = split(few.blocks, MIXED)
     assert {b.drive_point for b in last} == {3}

@@ -11,15 +11,14 @@ from modallab.gap.modal.diagnosis import diagnose_by_model
 AGAIN = pytest.mark.thorough("diagnoses one more structure")
 
 
-@pytest.mark.parametrize("seed", [1, *(pytest.param(n, marks=AGAIN) for n in (2, 3))])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(n, marks=AGAIN) for n in (2,))])
 def test_a_sound_structure_has_no_gap(seed: int) -> None:
     assert diagnose_by_model(model(), responses_alone(model(), seed), rig()).verdict == "no_gap"
 
 
 @AGAIN
-@pytest.mark.parametrize("seed", [1, 2])
-def test_the_reference_gives_a_mass_its_size(seed: int) -> None:
-    (effect,) = diagnose_by_model(model(), responses_alone(with_mass(1.0, 3), seed), rig()).effects
+def test_the_reference_gives_a_mass_its_size() -> None:
+    (effect,) = diagnose_by_model(model(), responses_alone(with_mass(1.0, 3), 1), rig()).effects
     assert (effect.effect, effect.place["point"]) == ("added_mass", 3)
     low, high = effect.interval["mass"]
     assert low < 1.0 < high < 1.5

@@ -33,6 +33,7 @@ def shapes(modes, points=POINTS, seed=1):
     return rng.choice([-1.0, 1.0], (modes, points)) * rng.uniform(0.4, 1.0, (modes, points))
 
 
+@pytest.mark.thorough("identifies a wide band twice")
 def test_bands_and_one_band_give_the_same_modes_within_sigma():
     modes = 26
     truth_hz = 20.0 + 22.0 * np.arange(modes) + np.random.default_rng(8).uniform(-4, 4, modes)

@@ -98,7 +98,7 @@ def test_what_cannot_be_asked_is_said(model: ml.Model) -> None:
 
 @pytest.mark.thorough("records two tests of the simulated bench")
 def test_a_mass_on_the_simulated_bench_moves_its_modes_as_the_model_of_the_bare_one_says() -> None:
-    plan = ImpactPlan(points=(10, 6, 3), hits=3)
+    plan = ImpactPlan(points=(10, 6, 3), hits=2)
     effects = (), "added_mass,mass=0.05,x=0.8"
     tests = [ml.simulate("link", e, seed=11, tolerances="usual", plan=plan, progress=False) for e in effects]
     bare, heavy = (ml.identify(test, "impact", progress=False) for test in tests)

@@ -108,6 +108,7 @@ def test_the_page_says_during_the_test_whether_the_simulation_agrees(recorded: W
     assert "Natural frequencies differ from the simulation" in said
 
 
+@pytest.mark.thorough("identifies again on the page")
 def test_poles_are_chosen_on_the_diagram(recorded: Watched, campaign: str, served: ServiceProcess) -> None:
     recorded.view("Model")
     rows = recorded.page.locator("[aria-labelledby=p-modes-of-the-impact-test] tbody tr")

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+import pytest
 from page_browser import LONG_SINE, Watched
 from service_process import ServiceProcess
 
@@ -19,6 +20,7 @@ def test_the_first_view_is_small_and_says_how_the_bench_stands(operator: Open) -
     assert 20_000 < ada.bytes < FIRST_VIEW_BYTES
 
 
+@pytest.mark.thorough("opens many tabs of the page")
 def test_all_tabs_share_one_stream_of_events(operator: Open, served: ServiceProcess) -> None:
     ada = operator()
     streams: list[str] = []
@@ -55,6 +57,7 @@ def test_a_sine_test_and_the_stop(operator: Open, served: ServiceProcess) -> Non
     ada.page.wait_for_selector(".alarm", state="detached")
 
 
+@pytest.mark.thorough("records one more test by the page")
 def test_a_chirp_is_planned_and_recorded(operator: Open) -> None:
     ada = operator()
     ada.view("Broadband test")

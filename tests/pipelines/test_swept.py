@@ -12,7 +12,7 @@ from modallab.identification.options import Options
 from modallab.pipelines.drive import TOO_FEW
 from modallab.pipelines.identify import identify_campaign
 
-RATE, SWEEP_S, FINER = 1000.0, 16.0, 8
+RATE, SWEEP_S, FINER = 1000.0, 16.0, 4
 BAND = Options(band_hz=(3.0, 75.0))
 
 

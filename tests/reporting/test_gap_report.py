@@ -7,7 +7,8 @@ from made_diagnosis import made_diagnosis
 from twin_campaign import built, link
 
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import Budget, BudgetRow, CandidateSet, Diagnosis, Percent
+from modallab.core.budget import Budget, BudgetRow
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Percent
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.words.effects import place_of

@@ -70,6 +70,7 @@ def test_the_gap_shrinks_at_every_channel_and_mode_that_the_mass_moves(heavy: St
     assert np.sqrt(np.mean([p.nominal**2 for p in found.by_channel])) == pytest.approx(found.nominal)
 
 
+@pytest.mark.thorough("diagnoses a plate of ten points")
 def test_a_gap_that_is_none_marks_no_place() -> None:
     page = render(gap(model(1.005 * OMEGA, shapes(X, Y), (1.01, 0.99, 1.0))))
     assert "Nothing stands out" in page
@@ -77,6 +78,7 @@ def test_a_gap_that_is_none_marks_no_place() -> None:
     assert "var(--warning)" not in page.split("Where it lies")[1].split("</svg>")[0]
 
 
+@pytest.mark.thorough("diagnoses a plate of ten points")
 def test_a_wrong_gain_is_marked_where_its_sensor_stands() -> None:
     found = gap(model(OMEGA, shapes(X, Y), (1.0, 0.8, 1.0)))
     assert "a2: gain error" in render(found)

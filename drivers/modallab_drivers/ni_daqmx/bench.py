@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request, SyncState, Waveform
+from modallab.bench.abilities import ReferenceTrigger, SyncState
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx.address import parse

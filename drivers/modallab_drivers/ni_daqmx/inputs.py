@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import ReferenceTrigger, SyncState
+from modallab.bench.abilities import ReferenceTrigger, SyncState
 from modallab.core.errors import BenchTimeoutError, ConfigurationError
 from modallab.core.hardware import Synchronisation
 from modallab.core.units import Test

@@ -5,7 +5,7 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import ReferenceTrigger
+from modallab.bench.abilities import ReferenceTrigger
 from modallab.core.errors import BenchTimeoutError
 from modallab_drivers.ni_daqmx.inputs import Inputs
 

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import ceil, isfinite
+from math import ceil
 from typing import Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.channels import outputs_of
 from modallab_simulators.cantilever.circumstances import EVERYDAY, Circumstances
 from modallab_simulators.cantilever.draw import Stream, generator
+from modallab_simulators.cantilever.drive_checks import require_burst, require_wave
 from modallab_simulators.cantilever.excitation import Excitation
 from modallab_simulators.cantilever.hammer import Hit
 from modallab_simulators.cantilever.loads import BLOCK, Moving
@@ -27,7 +28,6 @@ from modallab_simulators.cantilever.truth import Truth, draw_truth
 from modallab_simulators.cantilever.wave_emission import WaveEmission
 
 RATES_HZ = (100.0, 10_000.0)
-OUTPUT_RANGE_V = 10.0
 LATENCY_S = 0.002
 CUT_S = 0.001
 KNOCK_S = 1.0
@@ -145,7 +145,7 @@ class CantileverBench:
     def play(self, burst: Burst, later_s: float = 0.0) -> int:
         """Start a burst a few samples from now, or by some of a sample later than on one."""
         self._require_ready()
-        _check(burst, self._rate)
+        require_burst(burst, self._rate)
         straight = self._circumstances.straight_ramp
         return self._emit(lambda start_s: Emission(burst, start_s + later_s, self._clock, straight=straight))
 
@@ -163,16 +163,8 @@ class CantileverBench:
                 remedy="list every shaker in the rig file, under shakers",
             )
         for wave in waves:
-            self._require_fits(wave)
+            require_wave(wave, self._info.url)
         return self._emit(*(partial(WaveEmission, wave, clock=self._clock) for wave in waves))
-
-    def _require_fits(self, wave: Waveform) -> None:
-        if not np.abs(wave.samples).max() <= OUTPUT_RANGE_V or wave.samples[0] != 0 or wave.samples[-1] != 0:
-            raise ConfigurationError(
-                f"a wave up to {np.abs(wave.samples).max():g} V, from {wave.samples[0]:g} to {wave.samples[-1]:g} V",
-                where=self._info.url,
-                remedy=f"let it begin and end at 0 V and stay within {OUTPUT_RANGE_V:g} V",
-            )
 
     def _require_ready(self) -> None:
         self._require("running", to="play")
@@ -290,18 +282,3 @@ class CantileverBench:
                 remedy="read fewer samples, or wait longer; nothing is lost",
             )
         time.sleep(max(due_s, 0.0))
-
-
-def _check(burst: Burst, rate_hz: float) -> None:
-    problems = {
-        "frequency_hz": 0 < burst.frequency_hz < rate_hz / 2,
-        "amplitude_v": 0 < burst.amplitude_v <= OUTPUT_RANGE_V,
-        "ramp_s": isfinite(burst.ramp_s) and burst.ramp_s >= 0,
-        "hold_s": isfinite(burst.hold_s) and burst.hold_s >= 0,
-    }
-    wrong = [f"{name} = {getattr(burst, name)}" for name, good in problems.items() if not good]
-    if wrong or burst.duration_s == 0:
-        raise ConfigurationError(
-            f"a burst of {', '.join(wrong) or 'no duration'}",
-            remedy=f"frequency above 0 to half the rate, amplitude above 0 to {OUTPUT_RANGE_V:g} V, times from 0",
-        )

@@ -14,11 +14,13 @@ import yaml
 
 from modallab.core.rig import Rig
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
+from modallab_simulators.ni_daqmx_server.breakages import arm
 from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.lines import OutputLine
 from modallab_simulators.ni_daqmx_server.max_config import Saved, read
 from modallab_simulators.ni_daqmx_server.plant import CablePlant, CantileverPlant, Plant
 from modallab_simulators.ni_daqmx_server.rpc import serve
+from modallab_simulators.ni_daqmx_server.scope import levels, trace
 from modallab_simulators.ni_daqmx_server.signals import Pulses
 from modallab_simulators.ni_daqmx_server.systems import SYSTEMS
 from modallab_simulators.scpi_generator import SINE_DIALECTS, PtyGenerator, ScpiGenerator
@@ -75,12 +77,12 @@ def obey(system: SimulatedSystem, generator: PtyGenerator | None, line: str) -> 
 
 def _obey(system: SimulatedSystem, word: str, rest: str) -> dict[str, object]:
     if word == "levels":
-        return dict(system.levels(float(rest) if rest else 0.05))
+        return dict(levels(system, float(rest) if rest else 0.05))
     if word == "time":
         return {"bench_s": system.clock.now()}
     if word == "trace":
         over_s, rate_hz = map(float, rest.split())
-        return {"volts": system.trace(over_s, rate_hz)}
+        return {"volts": trace(system, over_s, rate_hz)}
     if word == "truth":
         return dict(system.plant.facts)
     if word == "strike":
@@ -91,7 +93,7 @@ def _obey(system: SimulatedSystem, word: str, rest: str) -> dict[str, object]:
         terminal, frequency_hz = rest.split()
         system.connected[f"/{terminal}"] = Pulses(0.0, float(frequency_hz))
     elif word == "fault":
-        system.fault(rest)
+        arm(system, rest)
     elif word == "reset-keeps-outputs":
         system.reset_keeps_outputs = True
     else:

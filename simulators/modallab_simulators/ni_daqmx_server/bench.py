@@ -5,16 +5,13 @@ import time
 from collections.abc import Iterator, Sequence
 from typing import TypeVar
 
-import numpy as np
-
 from modallab.core.rig import Rig
 from modallab_simulators import faults
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.breakages import arm
 from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.line_task import LineTask
-from modallab_simulators.ni_daqmx_server.lines import MEMORY_S, Hold, OutputLine
+from modallab_simulators.ni_daqmx_server.lines import Hold, OutputLine
 from modallab_simulators.ni_daqmx_server.max_config import Saved
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask, WatchdogTask
@@ -161,7 +158,6 @@ class SimulatedSystem:
         if isinstance(task, WatchdogTask):
             self._require_alone(task)
         self.reserved.take(task)
-        task.committed = True
         if isinstance(task, WatchdogTask):
             task.running = True
             task.kick(time.monotonic())
@@ -291,39 +287,7 @@ class SimulatedSystem:
         for name in watchdog.states:
             self.lines[name].held = False
 
-    def fault(self, line: str) -> None:
-        """Arm a fault, as an operator types it: `unplugged -201003`, `status ReadAnalogF64 -200279 2`.
-
-        Raises:
-            ValueError: the simulated devices cannot have it.
-        """
-        arm(self, line)
-
     def forget(self, tasks: Sequence[Task]) -> None:
         """Clear tasks."""
         for task in tasks:
             self.clear(task.name)
-
-    def trace(self, over_s: float, rate_hz: float) -> list[float]:
-        """What stood on the shaker's line over the last `over_s`, oldest first.
-
-        Raises:
-            ValueError: it is not known for so long.
-        """
-        if over_s > MEMORY_S:
-            raise ValueError(f"a line is remembered for {MEMORY_S:g} s, not for {over_s:g} s")
-        now = self.clock.now()
-        return self.shaker_line.volts(now - np.arange(round(over_s * rate_hz))[::-1] / rate_hz).tolist()
-
-    def levels(self, over_s: float = 0.05) -> dict[str, float]:
-        """Largest magnitude on every output over the last `over_s`, and the lines' last changes."""
-        now = self.clock.now()
-        times = np.linspace(now - over_s, now, 500)
-        lines = dict(self.lines)
-        if self.generator_line is not None:
-            lines["generator"] = self.generator_line
-        found = {name: float(np.abs(line.volts(times)).max()) for name, line in lines.items()}
-        for task in self.tasks.values():
-            if isinstance(task, LineTask):
-                found |= {f"{name} changes": float(task.changes) for name in task.lines}
-        return found

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def arm(system: "SimulatedSystem", line: str) -> None:
-    """Arm a fault, as an operator types it.
+    """Arm a fault, as an operator types it: `unplugged -201003`, `status ReadAnalogF64 -200279 2`.
 
     Raises:
         ValueError: the simulated devices cannot have it.

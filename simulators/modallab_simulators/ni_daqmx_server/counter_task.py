@@ -13,7 +13,6 @@ from modallab_simulators.ni_daqmx_server.signals import Pulses
 from modallab_simulators.ni_daqmx_server.tasks import Channel, Task, terminal
 
 TICKS_HZ = 100e6
-PAIRS = ("PulseFreq", "PulseTime", "PulseTicks")
 
 
 @dataclass(slots=True)

@@ -27,7 +27,6 @@ class LineTask(Task):
     channels: list[Channel] = field(default_factory=list[Channel])
     levels: dict[str, bool] = field(default_factory=dict[str, bool])
     changes: int = 0
-    last_change_s: float = 0.0
     pattern: Levels | None = None
     rate_hz: float = 0.0
     finite: int = 0
@@ -42,7 +41,7 @@ class LineTask(Task):
         """All lines, in order."""
         return tuple(line for channel in self.channels for line in channel.physical.split(","))
 
-    def write(self, samples: Levels, clock: BenchClock) -> None:
+    def write(self, samples: Levels) -> None:
         """Set the lines, or fill the buffer; `samples` is (samples, lines)."""
         if self.rate_hz:
             self.pattern = samples
@@ -50,7 +49,6 @@ class LineTask(Task):
         for line, level in zip(self.lines, samples[-1], strict=True):
             if bool(level) != self.levels.get(line, False):
                 self.changes += 1
-                self.last_change_s = clock.now()
             self.levels[line] = bool(level)
 
     def level(self, line: str, at_s: float) -> bool:

@@ -1,7 +1,7 @@
 """One plant behind several clocks: each card samples the same motion at its own times."""
 
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import ceil, floor
 
 import numpy as np
@@ -109,6 +109,3 @@ def resampled(volts: Floats, places: Floats) -> Floats:
 
 def _window(away: Floats) -> Floats:
     return np.i0(10.0 * np.sqrt(np.clip(1 - away**2, 0.0, 1.0))) / np.i0(10.0)
-
-
-Begin = Callable[[float, float], Source]

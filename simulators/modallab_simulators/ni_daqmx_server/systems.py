@@ -59,9 +59,9 @@ def _compact(name: str, *products: str, serial: int = 0x1A00) -> tuple[Module, .
     return tuple(module(p, f"{name}Mod{n}", serial + n, name, n) for n, p in enumerate(products, start=1))
 
 
-def _cards(number: int, *products: str, serial: int = 0x4E00) -> tuple[Module, ...]:
+def _cards(number: int, *products: str) -> tuple[Module, ...]:
     # The first slot holds the controller.
-    return tuple(module(p, f"PXI{number}Slot{n}", serial + n, "", n) for n, p in enumerate(products, start=2))
+    return tuple(module(p, f"PXI{number}Slot{n}", 0x4E00 + n, "", n) for n, p in enumerate(products, start=2))
 
 
 def _one_chassis(*products: str) -> Layout:

@@ -38,7 +38,6 @@ class Task:
         attributes: what clients have set, by channel and the attribute's name.
         timing: what paces it.
         waiting: whether it was started and waits for its start trigger or its clock.
-        committed: whether its resources are reserved and its settings are on the device.
         kept: whether it was reserved or committed by itself: a stop leaves it so.
         runs: how often it was started.
         events: kinds of events that somebody has registered for.
@@ -50,7 +49,6 @@ class Task:
     attributes: dict[tuple[str, str], Any] = field(default_factory=dict[tuple[str, str], Any])
     timing: Timing = "on-demand"
     waiting: bool = False
-    committed: bool = False
     kept: bool = False
     runs: int = 0
     events: dict[str, int] = field(default_factory=dict[str, int])

@@ -10,9 +10,8 @@ import threading
 from contextlib import suppress
 from dataclasses import dataclass
 
-from modallab_simulators import faults
 from modallab_simulators.scpi_generator.device import ScpiGenerator
-from modallab_simulators.scpi_generator.link import Link
+from modallab_simulators.scpi_generator.link import Port
 
 HEADER = struct.Struct("!2sBBIQ")
 INITIALIZE, INITIALIZED, FATAL = 0, 1, 2
@@ -35,23 +34,16 @@ class Message:
     payload: bytes
 
 
-class HislipGenerator:
+class HislipGenerator(Port):
     """A generator in the network that speaks HiSLIP, to one client after another."""
 
     def __init__(self, device: ScpiGenerator) -> None:
-        self._link = Link(device)
+        super().__init__(device)
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.port = f"TCPIP0::127.0.0.1::hislip0,{self._listener.getsockname()[1]}::INSTR"
         self._connections: list[socket.socket] = []
         self._obeying = threading.Lock()
         threading.Thread(target=self._accept, name="hislip", daemon=True).start()
-
-    def fault(self, line: str) -> None:
-        """Arm a fault; see `Link.fault`. `unplugged` cuts every connection."""
-        if line == faults.UNPLUGGED:
-            self.close()
-        else:
-            self._link.fault(line)
 
     def close(self) -> None:
         """Leave the network."""

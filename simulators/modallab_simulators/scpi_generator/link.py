@@ -1,6 +1,7 @@
 """The bytes between an instrument and whoever speaks to it, with all that goes wrong there."""
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 from modallab_simulators import faults
@@ -66,3 +67,23 @@ class Link:
         if self._fault == faults.TERMINATOR:
             return answer + b"\r"
         return answer + b"\n"
+
+
+class Port(ABC):
+    """Where a generator can be reached."""
+
+    port: str
+
+    def __init__(self, device: ScpiGenerator) -> None:
+        self._link = Link(device)
+
+    def fault(self, line: str) -> None:
+        """Arm a fault; see `Link.fault`. `unplugged` cuts every connection."""
+        if line == faults.UNPLUGGED:
+            self.close()
+        else:
+            self._link.fault(line)
+
+    @abstractmethod
+    def close(self) -> None:
+        """Cut every connection."""

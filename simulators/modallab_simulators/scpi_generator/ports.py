@@ -5,18 +5,17 @@ import select
 import socket
 import threading
 
-from modallab_simulators import faults
 from modallab_simulators.scpi_generator.device import ScpiGenerator
-from modallab_simulators.scpi_generator.link import Link
+from modallab_simulators.scpi_generator.link import Port
 
 
-class PtyGenerator:
+class PtyGenerator(Port):
     """A generator behind a pseudo-terminal."""
 
     def __init__(self, device: ScpiGenerator) -> None:
         import tty
 
-        self._link = Link(device)
+        super().__init__(device)
         self._own, self._theirs = os.openpty()
         self._plug, self._pull = os.pipe()
         # Raw at both ends, or the terminal would echo and translate; one end kept open, or it would hang up.
@@ -25,13 +24,6 @@ class PtyGenerator:
         self.port = os.ttyname(self._theirs)
         self._thread = threading.Thread(target=self._serve, name="scpi", daemon=True)
         self._thread.start()
-
-    def fault(self, line: str) -> None:
-        """Arm a fault; see `Link.fault`. `unplugged` pulls the plug."""
-        if line == faults.UNPLUGGED:
-            self.close()
-        else:
-            self._link.fault(line)
 
     def close(self) -> None:
         """Pull the plug."""
@@ -52,25 +44,17 @@ class PtyGenerator:
             self._link.take(os.read(self._own, 4096), lambda data: os.write(self._own, data))
 
 
-class SocketGenerator:
+class SocketGenerator(Port):
     """A generator in the network: SCPI on a bare TCP socket, several connections at once."""
 
     def __init__(self, device: ScpiGenerator) -> None:
-        self._link = Link(device)
-        self._device = device
+        super().__init__(device)
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.port = f"TCPIP0::127.0.0.1::{self._listener.getsockname()[1]}::SOCKET"
         self._stop_own, self._stop = socket.socketpair()
         self._connections: list[socket.socket] = []
         self._thread = threading.Thread(target=self._serve, name="scpi", daemon=True)
         self._thread.start()
-
-    def fault(self, line: str) -> None:
-        """Arm a fault; see `Link.fault`. `unplugged` cuts every connection."""
-        if line == faults.UNPLUGGED:
-            self.close()
-        else:
-            self._link.fault(line)
 
     def close(self) -> None:
         """Leave the network."""

@@ -7,15 +7,13 @@ from typing import NamedTuple
 
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
+from modallab.core.hold_out import MIXED
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.initial_gap import gap_before, gap_known, gap_unseen
 from modallab.gap.report.shrinkage import BARE, closed
 from modallab.gap.revisions.apply import with_diagnosis
 from modallab.twin.effects import model_of
-
-HELD_OUT = "mixed"
-"""Rule by which a diagnosis holds records out, unless asked for another."""
 
 
 class Again(NamedTuple):
@@ -44,4 +42,4 @@ def _gaps(campaign: Campaign, revised: Campaign, diagnosis: Diagnosis) -> tuple[
     if any(model_of(f.effect).search is None for f in diagnosis.effects):
         # What no force predicts is in each record on its own.
         return gap_before(campaign), gap_known(revised)
-    return gap_unseen(campaign, HELD_OUT), gap_unseen(revised, HELD_OUT)
+    return gap_unseen(campaign, MIXED), gap_unseen(revised, MIXED)

@@ -1,7 +1,7 @@
 """`modallab gap`: diagnose a campaign, predict another, or say beforehand what a plan can distinguish."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -15,6 +15,8 @@ from modallab.cli.options import only_with
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError, PlanError
+from modallab.core.frozen import Frozen
+from modallab.core.hold_out import HoldOut
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.core.setups import rig_of, split_setups
@@ -56,33 +58,23 @@ def _diagnose(arguments: argparse.Namespace) -> int:
     if arguments.reference is not None:
         return _by_model(console, campaign, arguments)
     with waiting("reading the records", progress=not arguments.hush):
-        diagnosis = diagnose(campaign, arguments.hold_out)
+        diagnosis = diagnose(campaign, HoldOut.parse(arguments.hold_out))
     console.print(sentence(diagnosis, [c.name for c in campaign.rig.channels]), markup=False)
     calibrate = diagnosis.budget.calibrate if diagnosis.budget is not None else []
     next_one = f"Next: {diagnosis.next_experiment}"
     for line in (in_percent(diagnosis.gap), *diagnosis.where.why, *diagnosis.notes, *calibrate, next_one):
         console.print(f"  {line}", markup=False)
-    if arguments.json is not None:
-        write_json(arguments.json, diagnosis.model_dump(mode="json"))
-    if arguments.report is not None:
-        write_gap_report(arguments.report, diagnosis, campaign)
-        console.print(f"report: {arguments.report}", markup=False)
-    return 0
+    return _kept(console, arguments, diagnosis, lambda report: write_gap_report(report, diagnosis, campaign))
 
 
 def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
     records = read_prediction(arguments.simulation, campaign.rig)
     known = None if arguments.diagnosis is None else read_diagnosis(arguments.diagnosis)
     with waiting("reading the records", progress=not arguments.hush):
-        found = compare(campaign, records, known, arguments.hold_out)
+        found = compare(campaign, records, known, HoldOut.parse(arguments.hold_out))
     for line in (sentence_of_simulation(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)
-    if arguments.json is not None:
-        write_json(arguments.json, found.model_dump(mode="json"))
-    if arguments.report is not None:
-        write_simulation_report(arguments.report, found)
-        console.print(f"report: {arguments.report}", markup=False)
-    return 0
+    return _kept(console, arguments, found, lambda report: write_simulation_report(report, found))
 
 
 def _by_model(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
@@ -95,10 +87,16 @@ def _by_model(console: Console, campaign: Campaign, arguments: argparse.Namespac
     found = gap.diagnosis
     for line in (sentence_by_model(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)
+    return _kept(console, arguments, found, lambda report: write_structure_report(report, gap))
+
+
+def _kept(
+    console: Console, arguments: argparse.Namespace, found: Frozen, write_report: Callable[[Path], object]
+) -> int:
     if arguments.json is not None:
         write_json(arguments.json, found.model_dump(mode="json"))
     if arguments.report is not None:
-        write_structure_report(arguments.report, gap)
+        write_report(arguments.report)
         console.print(f"report: {arguments.report}", markup=False)
     return 0
 

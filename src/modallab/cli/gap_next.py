@@ -13,10 +13,11 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.digits import percent, probability
 from modallab.core.errors import PlanError, RigError
+from modallab.core.hold_out import SPREAD
 from modallab.core.progress import report_progress_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.gap.design.continued import FITTED, continued
+from modallab.gap.design.continued import continued
 from modallab.gap.design.experiments import DECIDES, Experiment, next_experiments
 from modallab.gap.design.explanations import remaining_explanations
 from modallab.gap.diagnosis import diagnose
@@ -61,7 +62,7 @@ def _go_on(
     if arguments.out is not None:
         write_campaign(whole, arguments.out)
     with console.status("reading the records") as status, report_progress_to(lambda _, words: status.update(words)):
-        diagnosis = diagnose(whole, FITTED, known=remaining_explanations(before))
+        diagnosis = diagnose(whole, SPREAD, known=remaining_explanations(before))
     console.print(sentence(diagnosis, [c.name for c in whole.rig.channels]), markup=False)
     if arguments.json is not None:
         write_json(arguments.json, diagnosis.model_dump(mode="json"))

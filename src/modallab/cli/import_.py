@@ -33,6 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
         variables=tuple(_pair(text) for text in arguments.variable or ()),
         array_map=None if arguments.map is None else read_map(arguments.map),
         group=arguments.group or "",
+        columns=arguments.columns or "",
         channels=tuple(arguments.channels or ()),
         ignore=tuple(arguments.ignore or ()),
     )

@@ -79,6 +79,11 @@ def _add_import(commands: Commands) -> None:
         help="what a MATLAB file or a table calls a channel (NAME:2 its second column), or time, rate, frequency, frf, "
         "coherence, all",
     )
+    command.add_argument(
+        "--columns",
+        metavar="NAME:UNIT,...",
+        help="of a table without a header, or instead of it: time,force:N,a01:m/s^2; one without a name is left out",
+    )
     command.add_argument("--channels", nargs="+", metavar="NAME", help="take only these channels (default: all)")
     command.add_argument("--ignore", nargs="+", metavar="NAME", help="leave these channels out")
     command.add_argument(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.hardware import Calibration
 from modallab.core.rig import Channel, Rig
-from modallab.core.units import STANDARD_GRAVITY, Test, si_factor
+from modallab.core.units import STANDARD_GRAVITY, si_factor
 from modallab.signals.tone_fit import fit_frequency
 
 Volts = NDArray[np.float64]
@@ -83,12 +83,11 @@ def with_calibration(
     per_si: tuple[float, float],
     on: date,
     remark: str = "",
-    test: Test = "impact",
 ) -> Rig:
     """The rig with a calibration in its history, and the channel's sensitivity and date set to it.
 
-    Where the channel has a sensitivity for each test, that of `test` alone is set: the preamplifier stood as in that
-    test. The sign stays what the rig file says: how a sensor is mounted is no matter of its calibration.
+    Where the channel has a sensitivity for each test, that of the impact test alone is set. The sign stays what the
+    rig file says: how a sensor is mounted is no matter of its calibration.
 
     Args:
         rig: as before.
@@ -97,10 +96,9 @@ def with_calibration(
         per_si: V per SI unit, and sigma.
         on: the day.
         remark: anything else.
-        test: whose settings of the preamplifier it was made with.
     """
     factor = si_factor(channel.quantity, channel.unit, channel.name)
-    value = copysign(per_si[0] * factor, channel.sensitivity(test))
+    value = copysign(per_si[0] * factor, channel.sensitivity("impact"))
     sigma = per_si[1] * factor
     entry = Calibration(
         date=on,
@@ -110,10 +108,10 @@ def with_calibration(
         sensitivity_v_per_unit=value,
         sigma_v_per_unit=sigma,
         remark=remark,
-        test=test,
+        test="impact",
     )
     before = channel.sensitivity_v_per_unit
-    sensitivity = {**before, test: value} if isinstance(before, dict) else value
+    sensitivity = {**before, "impact": value} if isinstance(before, dict) else value
     new = channel.model_copy(update={"sensitivity_v_per_unit": sensitivity, "calibrated_on": on})
     channels = tuple(new if c.index == channel.index else c for c in rig.channels)
     return rig.model_copy(update={"channels": channels, "history": (*rig.history, entry)})

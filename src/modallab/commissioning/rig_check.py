@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from modallab.acquisition.procedures.certificates import remarks_on
 from modallab.acquisition.procedures.sensor_supply import fed_channels, wait_until_settled
 from modallab.acquisition.procedures.trigger import Trigger
-from modallab.bench.protocol import Bench, Burst, Delivery, Request, SelfDescribing
+from modallab.bench.abilities import SelfDescribing
+from modallab.bench.protocol import Bench, Burst, Delivery, Request
 from modallab.commissioning.findings import CHUNK_S, Finding, Verdict, take, take_samples
 from modallab.core.errors import BenchError
 from modallab.core.rig import Channel, Rig

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Bench, Burst, Request, Synchronised
+from modallab.bench.abilities import Synchronised
+from modallab.bench.protocol import Bench, Burst, Request
 from modallab.commissioning.findings import Finding, Verdict, take
 from modallab.core.errors import PlanError
 from modallab.core.rig import Rig

@@ -3,14 +3,14 @@
 from datetime import date
 from typing import Annotated, Literal
 
-from pydantic import Field, PositiveFloat, PositiveInt
+from pydantic import Field, PositiveInt
 
+from modallab.core.bounds import Finite, NonNegative, Positive
 from modallab.core.errors import ConfigurationError
 from modallab.core.frozen import Frozen
 from modallab.core.units import Test
 
 Dialect = Literal["keysight-33500", "keysight-33210", "rigol-dg1000", "siglent-sdg"]
-Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
 
 
 class Excitation(Frozen):
@@ -103,7 +103,7 @@ class Calibration(Frozen):
     channel: str
     serial: str = ""
     method: Literal["turnover", "shunt", "reference", "rigid-mass"]
-    sensitivity_v_per_unit: Annotated[float, Field(allow_inf_nan=False)]
-    sigma_v_per_unit: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    sensitivity_v_per_unit: Finite
+    sigma_v_per_unit: NonNegative = 0.0
     remark: str = ""
     test: Test | None = None

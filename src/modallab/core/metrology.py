@@ -5,13 +5,10 @@ from dataclasses import dataclass
 from datetime import date
 from typing import Annotated, Literal
 
-from pydantic import Field, PositiveFloat
+from pydantic import Field
 
+from modallab.core.bounds import Finite, NonNegative, Positive
 from modallab.core.frozen import Frozen
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
-
 
 Day = date
 
@@ -68,7 +65,7 @@ class MassRatio(Frozen):
     channel: str
     mass_kg: Positive
     ratio: Positive
-    sigma: Annotated[float, Field(ge=0, allow_inf_nan=False)]
+    sigma: NonNegative
 
 
 MOST_ERROR = 0.05
@@ -91,25 +88,24 @@ class Judgement:
     within: bool
 
 
-def judge_mass_ratios(
-    ratios: Sequence[MassRatio], most_error: float = MOST_ERROR, most_drift: float = MOST_DRIFT
-) -> list[Judgement]:
+def judge_mass_ratios(ratios: Sequence[MassRatio]) -> list[Judgement]:
     """The last ratio of each accelerometer before and after a test, each against 1 and the two against each other."""
     found: list[Judgement] = []
     for channel in dict.fromkeys(ratio.channel for ratio in ratios):
         last = {ratio.when: ratio for ratio in ratios if ratio.channel == channel}
-        found += [_against_one(ratio, most_error) for ratio in last.values()]
+        found += [_against_one(ratio) for ratio in last.values()]
         if "before" in last and "after" in last:
-            found.append(_drift(last["before"], last["after"], most_drift))
+            found.append(_drift(last["before"], last["after"]))
     return found
 
 
-def _against_one(ratio: MassRatio, most: float) -> Judgement:
+def _against_one(ratio: MassRatio) -> Judgement:
     what = f"rigid-mass ratio {ratio.when} the test, {ratio.channel} on {ratio.mass_kg:g} kg: {ratio.ratio:.4f}"
-    return Judgement(f"{what} +- {ratio.sigma:.1g}; 1 within {100 * most:g} % is allowed", abs(ratio.ratio - 1) <= most)
+    allowed = f"1 within {100 * MOST_ERROR:g} % is allowed"
+    return Judgement(f"{what} +- {ratio.sigma:.1g}; {allowed}", abs(ratio.ratio - 1) <= MOST_ERROR)
 
 
-def _drift(before: MassRatio, after: MassRatio, most: float) -> Judgement:
+def _drift(before: MassRatio, after: MassRatio) -> Judgement:
     drift = after.ratio / before.ratio - 1
     what = f"rigid-mass ratio of {before.channel} from before to after: {100 * drift:+.2f} %"
-    return Judgement(f"{what}; {100 * most:g} % are allowed", abs(drift) <= most)
+    return Judgement(f"{what}; {100 * MOST_DRIFT:g} % are allowed", abs(drift) <= MOST_DRIFT)

@@ -18,6 +18,16 @@ class Problem(NamedTuple):
         return f"{self.field}: {self.found}; allowed: {self.allowed}"
 
 
+def reject(problems: Sequence[Problem]) -> None:
+    """Reject a document in which something is wrong, all of it at once.
+
+    Raises:
+        ValueError: something is.
+    """
+    if problems:
+        raise ValueError("\n".join(str(problem) for problem in problems))
+
+
 def repeated_entries(group: str, field: str, values: Sequence[str | float | None]) -> list[Problem]:
     """What occurs twice in a field of a group of entries; None: not known."""
     return [

@@ -5,7 +5,7 @@ import math
 from modallab.core.errors import DataError
 from modallab.formats.unit_text import normal_unit
 
-_SECONDS = {"": 1.0, "s": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6}
+_SECONDS = {"": 1.0, "s": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _SECONDS |= {"min": 60.0, "minutes": 60.0, "h": 3600.0, "hr": 3600.0, "hours": 3600.0, "d": 86400.0, "days": 86400.0}
 _HERTZ = {"": 1.0, "hz": 1.0, "hertz": 1.0, "cps": 1.0, "cycles/s": 1.0, "khz": 1e3, "rad/s": 0.5 / math.pi}
 
@@ -16,7 +16,7 @@ def to_seconds(unit: str, where: str = "") -> float:
     Raises:
         DataError: it is no unit of time.
     """
-    return _factor(unit, _SECONDS, "time", "s, ms, us, min, h or d", where)
+    return _factor(unit, _SECONDS, "time", "s, ms, us, ns, min, h or d", where)
 
 
 def to_hertz(unit: str, where: str = "") -> float:

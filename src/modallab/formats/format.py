@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Part = Literal["records", "FRFs", "modes"]
 Option = Literal[
-    "test", "rate_hz", "drive_point", "volts", "frequency_hz", "window_s", "variables", "array_map", "group"
+    "test", "rate_hz", "drive_point", "volts", "frequency_hz", "window_s", "variables", "array_map", "group", "columns"
 ]
 
 PACKAGE = "modallab.formats.known"

@@ -31,6 +31,8 @@ class ImportOptions:
         channels: names of the channels to take for a drafted rig, or of a rig; () for all.
         ignore: names of channels to leave out.
         group: name of the group of a TDMS file to read; "" for all that hold the channels of the rig.
+        columns: name and unit of each column of a table, as "time,force:N,a01:m/s^2", instead of its header; a column
+            without a name is left out. "" where the header says it.
     """
 
     test: Test = "impact"
@@ -42,6 +44,7 @@ class ImportOptions:
     variables: tuple[tuple[str, str], ...] = ()
     array_map: ArrayMap | None = None
     group: str = ""
+    columns: str = ""
     level: str | None = None
     channels: tuple[str, ...] = ()
     ignore: tuple[str, ...] = ()

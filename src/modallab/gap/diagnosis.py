@@ -12,6 +12,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.digits import percent
 from modallab.core.effects import kind_of
+from modallab.core.hold_out import MIXED, HoldOut
 from modallab.core.progress import part, report
 from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
 from modallab.gap.conditioning.records import as_recorded
@@ -56,7 +57,7 @@ LOOSE_ASSEMBLY = (
 @one_thread()
 def diagnose(
     campaign: Campaign,
-    hold_out: str = "mixed",
+    hold_out: HoldOut = MIXED,
     allowed: Callable[[str], bool] = lambda _: True,
     known: Sequence[CandidateSet] = (),
 ) -> Diagnosis:
@@ -64,7 +65,7 @@ def diagnose(
 
     Args:
         campaign: the records, with the rig as believed.
-        hold_out: which records no fit may see, see `split`.
+        hold_out: which records no fit may see.
         allowed: whether an effect of this name may be used; for trials in which one is withheld.
         known: explanations that a diagnosis of some of these records has left: their numbers are places to begin from.
 

@@ -17,6 +17,7 @@ from modallab.identification.likelihood.even_noise import WORDS, evenest
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.line_weights import line_weights
+from modallab.identification.likelihood.out_of_band import stand_ins_after
 from modallab.identification.likelihood.search import FIRST_LOOK, MIN_ZETA, NOT_SETTLED
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.on_records import on_records
@@ -103,9 +104,10 @@ def identify_frf(frf: Frf, rig: Rig, options: Options, records: RecordSpectra | 
     if points is not None:
         return _of_points(points, used, rig, band, options), points.fit
     keep = chosen(fit, band, options, first=True)
-    if options.refined and np.any(keep) and not (np.all(keep) and fit.refined.settled):
+    if options.refined and np.any(keep) and not (np.all(keep[:-1]) and fit.refined.settled):
         at, stay = fit.point.parameters, in_fit(fit, keep, band, options)
-        fit = fit_frf(used, -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay])
+        start = -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay]
+        fit = fit_frf(used, start, stand_ins=stand_ins_after(at.omega, band[1]))
         keep = chosen(fit, band, options, first=False)
     lost: tuple[str, ...] = ()
     if options.refined and not options.pick_hz and not options.drop_hz:
@@ -157,8 +159,8 @@ def _window_note(frf: Frf, found_hz: NDArray[np.float64]) -> tuple[str, ...]:
 
 def _of_points(points: Agreed, frf: Frf, rig: Rig, band: tuple[float, float], options: Options) -> ModalModel:
     fit = points.fit
-    found = np.sort(fit.point.parameters.omega) / (2 * np.pi)
+    keep = np.isinf(fit.problem.zeta_prior[:, 1])
+    found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
     readings = half_power_readings(frf, found), np.full(found.size, np.nan)
-    keep = np.ones(found.size, bool)
     notes = NOT_FROM_RECORDS, *_window_note(frf, found), *points.notes
     return model_of_fit(fit, keep, rig, None, band, readings, notes, options.method, points.seen)

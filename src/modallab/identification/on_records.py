@@ -52,7 +52,7 @@ def on_records(
     driven = DrivenFit(records, problem.powers, problem.blocks[0].excitation.grid.p, estimator)
     found = driven.search(at.omega, at.zeta, fit.point.groups[0].coefficients)
     found, stay = driven.needed(found, keep)
-    there, n = fit_frf(frf, poles_of(found.omega, found.zeta), 0), 2 * stay.size
+    there, n = fit_frf(frf, poles_of(found.omega, found.zeta), 0, stand_ins=()), 2 * stay.size
     covariance = Covariance.of_poles(found.covariance[:n, :n])
     refined = replace(there.refined, covariance=covariance, settled=True)
     better = replace(there, refined=refined)

@@ -40,9 +40,10 @@ def with_scatter_of_parts(model: ModalModel, parts: Sequence[Frf]) -> ModalModel
     except IdentificationError:
         return model
     student = stdtrit(len(parts) - 1, 0.975) / ndtri(0.975)
+    n = poles.size
     f, zeta = (
         student * np.std([values], axis=1, ddof=1)[0] / np.sqrt(len(parts))
-        for values in ([p.omega / (2 * np.pi) for p in fits], [p.zeta for p in fits])
+        for values in ([p.omega[:n] / (2 * np.pi) for p in fits], [p.zeta[:n] for p in fits])
     )
     wider = np.maximum(f, model.frequency_sigma_hz), np.maximum(zeta, model.damping_sigma)
     return model.model_copy(update={"frequency_sigma_hz": wider[0], "damping_sigma": wider[1]})

@@ -29,7 +29,7 @@ OUTSIDE_ESTIMATED = 0.5
 
 
 def samples_of(
-    model: ModalModel, rig: Rig | None = None, hits: Sequence[int] | None = None, count: int = COUNT, seed: int = 0
+    model: ModalModel, rig: Rig | None = None, hits: Sequence[int] | None = None, count: int = COUNT
 ) -> Structure:
     """Structures (samples, ...) that the model and the tolerances of its rig leave possible.
 
@@ -37,13 +37,12 @@ def samples_of(
         model: with its standard deviations; what has none is taken as exact.
         rig: with tolerances, axes and places; None where nothing is known of them.
         hits: (inputs,) over how many hits each input was averaged, as their places differ.
-        count: how many.
-        seed: of the random numbers: the same seed gives the same samples.
+        count: how many; the same model gives the same samples.
 
     Raises:
         DataError: as of `structure_of`.
     """
-    nominal, rng = structure_of(model, rig), np.random.default_rng(seed)
+    nominal, rng = structure_of(model, rig), np.random.default_rng(0)
     noise = rng.standard_normal
     hz = model.frequency_hz + np.nan_to_num(model.frequency_sigma_hz) * noise((count, model.n_modes))
     if rig is not None:

@@ -11,6 +11,7 @@ from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.digits import probability
 from modallab.core.effects import kind_of
 from modallab.core.errors import DataError, FormatError
+from modallab.core.hold_out import HoldOut
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.gap.diagnosis import diagnose as diagnose_campaign
 from modallab.gap.inference.agreement import Agreement
@@ -147,7 +148,7 @@ def diagnose(
     if keep is not None and path_for(keep, (".json",)).exists():
         return GapFound(campaign, _kept(Path(keep), campaign))
     with waiting("reading the records", progress=progress):
-        found = GapFound(campaign, diagnose_campaign(campaign, str(hold_out)))
+        found = GapFound(campaign, diagnose_campaign(campaign, HoldOut.parse(hold_out)))
     if keep is not None:
         found.save(keep)
     return found

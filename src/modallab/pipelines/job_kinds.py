@@ -17,6 +17,7 @@ from modallab.core.block import Campaign
 from modallab.core.documents.models import CURVES
 from modallab.core.errors import IdentificationError, ModallabError, StorageError
 from modallab.core.frozen import Frozen
+from modallab.core.hold_out import HoldOut
 from modallab.core.plan import Precision
 from modallab.core.progress import part, report_progress_to
 from modallab.formats.atomic import replacing
@@ -168,7 +169,7 @@ def _diagnose(payload: Compared, notify: Notify) -> Computed:
     if before is not None:
         return _by_model(campaign, before, notify)
     with report_progress_to(notify), part(0.0, 0.95):
-        diagnosis = diagnose(campaign, parameters.hold_out)
+        diagnosis = diagnose(campaign, HoldOut.parse(parameters.hold_out))
     notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render(diagnosis, campaign).encode()})
 

@@ -9,9 +9,10 @@ from pydantic_core import PydanticCustomError
 
 from modallab.blind.request import BlindRequest
 from modallab.core.block import Campaign
-from modallab.core.errors import IdentificationError, JobError
+from modallab.core.errors import IdentificationError, JobError, PlanError
 from modallab.core.field_errors import sentences
 from modallab.core.frozen import Frozen, unstated
+from modallab.core.hold_out import HoldOut
 from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL, estimator_names, find_estimator
 from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
@@ -28,6 +29,13 @@ def _estimator(name: str) -> str:
         listed = " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
         raise PydanticCustomError("estimator", "Input should be {names}", {"names": listed})
     return name
+
+
+def _rule(text: str) -> str:
+    try:
+        return str(HoldOut.parse(text))
+    except PlanError as error:
+        raise PydanticCustomError("hold_out", "{why}", {"why": str(error)}) from error
 
 
 class IdentifyParameters(Frozen):
@@ -122,9 +130,7 @@ class DiagnoseParameters(Frozen):
             any structure.
     """
 
-    hold_out: Annotated[
-        str, Field(pattern=r"^(mixed|spread|point:\d+|level:.+|test:impact|test:sine|last:[\d.]+)$")
-    ] = "mixed"
+    hold_out: Annotated[str, AfterValidator(_rule)] = "mixed"
     reference: tuple[str, ...] = Field(default=(), exclude_if=unstated)
 
     def parted(self, inputs: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:

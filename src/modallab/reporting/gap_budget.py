@@ -1,6 +1,7 @@
 """The budget of a gap on its page: where it comes from, part by part."""
 
-from modallab.core.diagnosis import Budget, BudgetRow, Diagnosis
+from modallab.core.budget import Budget, BudgetRow
+from modallab.core.diagnosis import Diagnosis
 from modallab.core.digits import part_of
 from modallab.reporting.bars import Bar, bars
 from modallab.reporting.gap_page import captioned_picture, section, typeset

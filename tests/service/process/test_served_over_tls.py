@@ -44,6 +44,7 @@ def test_what_cannot_be_used_is_rejected_before_anything_starts(tmp_path: Path) 
     assert settle_tls(Settings(data=tmp_path)).scheme == "http"
 
 
+@pytest.mark.thorough("starts one more service, with a certificate")
 def test_rest_speaks_tls_and_the_emergency_stop_both(tmp_path: Path) -> None:
     with ServiceProcess(tmp_path / "data", "--no-jobs", "--tls-self-signed") as service:
         assert service.url.startswith("https://")

@@ -17,7 +17,7 @@ from modallab_simulators.ni_daqmx_server.teds import sheet_of
 Answer = dict[str, Any]
 
 MILLIVOLTS = (12509, 15891)
-METRES, CUSTOM, FROM_TEDS = 12470, 10065, 12516
+METRES, CUSTOM = 12470, 10065
 DEFAULT_TERMINALS = -1
 DIFFERENTIAL, PSEUDO = 10106, 12529
 INTERNAL, NO_SOURCE = 10200, 10230

@@ -113,13 +113,12 @@ def task_control(system: SimulatedSystem, request: Any) -> Answer:
     if action in (COMMIT, RESERVE):
         system.require_unexpired(task)
         system.reserved.take(with_channels(task))
-        task.committed = task.kept = True
+        task.kept = True
     elif action == 0:
         system.start(with_channels(task))
     elif action in (1, UNRESERVE, ABORT):
         task.kept = task.kept and action == 1
         system.stop(task)
-        task.committed = False
     return {}
 
 

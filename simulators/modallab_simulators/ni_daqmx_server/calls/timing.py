@@ -20,7 +20,7 @@ from modallab_simulators.ni_daqmx_server.tasks import Task
 
 Answer = dict[str, Any]
 
-FINITE, CONTINUOUS, SINGLE_POINT = 10178, 10123, 12522
+FINITE, CONTINUOUS = 10178, 10123
 LEAST_FINITE = 2
 NO_TRIGGER = 10230
 SAMPLE_CLOCK, ON_DEMAND, IMPLICIT = 10388, 10390, 10451

@@ -112,7 +112,7 @@ def _set_lines(system: SimulatedSystem, task: LineTask, numbers: NDArray[Any], *
 
 def _set_levels(system: SimulatedSystem, task: LineTask, levels: NDArray[np.bool_], *, auto_start: bool) -> int:
     system.reserved.take(task)
-    task.write(levels, system.clock)
+    task.write(levels)
     if auto_start and not task.running:
         system.start(task)
     return levels.shape[0]

@@ -18,7 +18,8 @@ from modallab.acquisition.procedures.broadband_wave import (
     waves_of,
 )
 from modallab.acquisition.procedures.driven_forces import DrivenForces
-from modallab.bench.protocol import Bench, Waveform, WavePlaying, WavesPlaying
+from modallab.bench.abilities import WavePlaying, WavesPlaying
+from modallab.bench.protocol import Bench, Waveform
 from modallab.core.block import also_driven_fact
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.plan import BroadbandPlan

@@ -12,7 +12,8 @@ from modallab.acquisition.procedures.broadband_wave import (
     slew_v_per_s,
     waves_of,
 )
-from modallab.bench.protocol import Waveform, WavePlaying, WavesPlaying
+from modallab.bench.abilities import WavePlaying, WavesPlaying
+from modallab.bench.protocol import Waveform
 from modallab.core.errors import UnsupportedError
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Limits, Rig

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import date
 
-from modallab.bench.protocol import Bench, SelfDescribing, SelfNaming
+from modallab.bench.abilities import SelfDescribing, SelfNaming
+from modallab.bench.protocol import Bench
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test, si_factor
 

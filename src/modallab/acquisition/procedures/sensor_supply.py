@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Bench, FeedsSensors
+from modallab.bench.abilities import FeedsSensors
+from modallab.bench.protocol import Bench
 from modallab.core.rig import Rig
 
 Pull = Callable[[int], NDArray[np.generic]]

@@ -10,7 +10,7 @@ from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import Seen, Setting, burst_of, look_at
 from modallab.acquisition.procedures.drive import Drive
 from modallab.acquisition.procedures.target import Step, repeated_steps, steps_of
-from modallab.bench.protocol import LooksForSensors, SelfReporting
+from modallab.bench.abilities import LooksForSensors, SelfReporting
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.events import Notice

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.context import Context
-from modallab.bench.protocol import Bench, HardwareTriggered, ReferenceTrigger
+from modallab.bench.abilities import HardwareTriggered, ReferenceTrigger
+from modallab.bench.protocol import Bench
 from modallab.core.errors import BenchTimeoutError, PlanError
 from modallab.core.plan import ImpactPlan, Plan
 

@@ -14,7 +14,8 @@ from modallab.acquisition.process.link import Link
 from modallab.acquisition.process.messages import Ended, Ready, RunPlan
 from modallab.acquisition.process.output_supervisor import LifeLine
 from modallab.acquisition.process.priority import take_priority
-from modallab.acquisition.process.run import Order, make_safe, run_plan
+from modallab.acquisition.process.ready import Order
+from modallab.acquisition.process.run import make_safe, run_plan
 from modallab.acquisition.process.sleep_lock import without_sleep
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench

@@ -9,10 +9,11 @@ from threading import Thread
 
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock, Requests
 from modallab.acquisition.process.messages import Beat, Close, EmergencyStop, Message, Report, RunPlan
-from modallab.acquisition.process.run import Order
+from modallab.acquisition.process.ready import Order
 from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
 
 HEARTBEAT_S = 0.25
+FLUSH_S = 5.0
 TIMEOUT_S = 5.0
 """An owner that said nothing for so long is gone. A busy one was measured late by 1.3 s."""
 
@@ -55,10 +56,10 @@ class Link:
         """Queue a report."""
         self._reports.put(report)
 
-    def flush(self, timeout_s: float = 5.0) -> None:
+    def flush(self) -> None:
         """Send what is queued and no more after it."""
         self._reports.put(None)
-        self._sender.join(timeout_s)
+        self._sender.join(FLUSH_S)
 
     def _send_all(self) -> None:
         while (report := self._reports.get()) is not None:

@@ -19,9 +19,9 @@ class _Moment:
     fraction: str
 
 
-def is_clock(cell: str) -> bool:
-    """Whether a cell holds a time of the day, with a date or without: 10:00:01.5, 2026-11-26T10:00:01,5, 01:02 PM."""
-    return _TIME.fullmatch(cell) is not None
+def is_time(cell: str) -> bool:
+    """Whether a cell holds a time of the day or a date, or both: 10:00:01.5, 2026-11-26T10:00:01,5, 01:02 PM."""
+    return cell[:1].isdigit() and (_TIME.fullmatch(cell) or _ONLY_DATE.fullmatch(cell)) is not None
 
 
 def is_date(cell: str) -> bool:

@@ -1,14 +1,14 @@
-"""The cells of a line: what delimits them, decimal marks, and complex numbers as people write them."""
+"""The cells of a line: what delimits them, and numbers as people write them."""
 
 import csv
 import re
-from collections.abc import Sequence
 
 from modallab.core.errors import FormatError
+from modallab.formats.csv.clock_times import is_time
 
 BLANKS = " "
 """The delimiter of columns that any number of blanks separates."""
-_DELIMITERS = (";", "\t", "|", ",")
+DELIMITERS = (";", "\t", "|", ",")
 _DIGITS = r"(?:\d+(?:[.,]\d+)?|\d+\.|[.,]\d+)(?:[eE][+-]?\d+)?"
 _NUMBER = rf"[+-]?{_DIGITS}"
 _PAIR = re.compile(rf"\(\s*({_NUMBER})\s*[,;]\s*({_NUMBER})\s*\)")
@@ -16,6 +16,11 @@ _ENDS_WITH_UNIT = re.compile(rf"({_NUMBER})\s*([+-])\s*({_DIGITS})\s*\*?\s*[ijIJ
 _BEGINS_WITH_UNIT = re.compile(rf"({_NUMBER})\s*([+-])\s*[ijIJ]\s*\*?\s*({_DIGITS})")
 _OLD_EXPONENT = re.compile(r"(?<=[\d.])[dD](?=[+-]\d)")
 _ALONE = re.compile(rf"(?<![\w.,+-])({_NUMBER})\s*\*?\s*[ij](?!\w)")
+_LIKE_A_NUMBER = re.compile(
+    r"\(?[+-]?[.,]?\d+(?:[.,'’\u00a0\u2009\u202f]\d+)*[.,]?(?: \d{3}(?:[.,]\d+)?)*"
+    r"(?:[eE][+-]?\d+)?(?:[+-][\d.,eE+-]+j)?\)?"
+)
+"""A number with marks of any kind, real or complex."""
 
 
 def plain_numbers(line: str) -> str:
@@ -34,16 +39,7 @@ def plain_numbers(line: str) -> str:
     return re.sub(r"\(([^(),;\s]+j)\)", r"\1", line) if "(" in line else line
 
 
-def delimiter_of(lines: Sequence[str]) -> str:
-    """What delimits the columns of lines of numbers; of those that could be meant, the first.
-
-    With ; or tab between the columns a comma is a decimal mark.
-    """
-    found = next((mark for mark in _DELIMITERS if lines and all(mark in line for line in lines)), "")
-    return found or (BLANKS if lines and all(len(line.split()) > 1 for line in lines) else ",")
-
-
-def cells(line: str, delimiter: str) -> list[str]:
+def split(line: str, delimiter: str) -> list[str]:
     """The cells of a line, without quotes and blanks around them.
 
     Raises:
@@ -51,24 +47,31 @@ def cells(line: str, delimiter: str) -> list[str]:
     """
     if delimiter == BLANKS:
         return line.split()
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(delimiter)]
     try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, strict=False), [])]
+        found = next(csv.reader([line], delimiter=delimiter, strict=False, skipinitialspace=True), [])
+        return [cell.strip() for cell in found]
     except csv.Error as error:
-        found = f"is no table: a line of {len(line)} characters begins {line[:20]!r}"
-        raise FormatError(found, remedy="name a file with one row of numbers a line") from error
+        what = f"is no table: a line of {len(line)} characters begins {line[:20]!r}"
+        raise FormatError(what, remedy="name a file with one row of numbers a line") from error
 
 
 def head_cells(line: str, delimiter: str, columns: int) -> list[str]:
     """The cells of a line of names, in which a single blank may belong to a name."""
-    found = cells(line, delimiter)
+    found = split(line, delimiter)
     if delimiter == BLANKS and len(found) != columns:
         return [cell.strip() for cell in re.split(r"\s{2,}|\t", line.strip())]
     return found
 
 
-def n_cells(line: str, delimiter: str) -> int:
-    """How many cells a line of numbers has."""
-    return len(line.split()) if delimiter == BLANKS else line.count(delimiter) + 1
+def is_number(cell: str) -> bool:
+    """Whether a cell holds a number, with marks of any kind, or a time."""
+    try:
+        float(cell)
+    except ValueError:
+        return _LIKE_A_NUMBER.fullmatch(cell) is not None or is_time(cell)
+    return True
 
 
 def number(cell: str) -> float | None:
@@ -82,6 +85,6 @@ def number(cell: str) -> float | None:
 def complex_number(cell: str) -> complex | None:
     """A real or complex number; None if the cell holds none."""
     try:
-        return complex(cell.replace(",", "."))
+        return complex(cell)
     except ValueError:
         return None

@@ -6,7 +6,7 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Direction, Rig
 from modallab.core.units import Quantity
 from modallab.formats.csv.csv_frf_table import columns_of, holds_frfs
-from modallab.formats.csv.csv_heads import time_column
+from modallab.formats.csv.csv_heads import BY_OPTION, time_column
 from modallab.formats.csv.csv_table import Table, read_tables, side_by_side
 from modallab.formats.csv.frf_heading import FrfHeading, pair_of
 from modallab.formats.draft import MEASURED, DraftChannel, rig_of, select_channels
@@ -23,19 +23,19 @@ def draft_csv(path: Path, options: ImportOptions) -> Rig:
         FormatError: no table, or cut off.
         DataError: the table has no header.
     """
-    tables = read_tables(path)
+    tables = read_tables(path, options.columns)
     table = side_by_side(tables, str(path)) if holds_frfs(tables[-1]) else tables[0]
     if not table.names:
         raise DataError(
             "has no header, so that its columns have no names",
             where=str(path),
-            remedy="add a header line with time and the names of the channels, or give a rig file with --rig",
+            remedy=f"{BY_OPTION}; or give a rig file with --rig",
         )
     if holds_frfs(table):
         return _of_frfs(table, path, options)
     units = table.units or ("",) * len(table.names)
     time = time_column(table.names, table.units)
-    columns = [(n, u) for k, (n, u) in enumerate(zip(table.names, units, strict=True)) if k != time]
+    columns = [(n, u) for k, (n, u) in enumerate(zip(table.names, units, strict=True)) if k != time and n]
     drafts = select_channels((DraftChannel(n, quantity_of(unit), unit) for n, unit in columns), options)
     numbers = [one for one in drafts if table.names.index(one.name) not in table.no_numbers]
     if not numbers:

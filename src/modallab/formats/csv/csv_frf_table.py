@@ -41,7 +41,7 @@ def holds_frfs(table: Table) -> bool:
         return True
     if not table.names or not is_frequency(table.names[0], table.units[0]):
         return False
-    return any(heading.part != "complex" for heading in (frf_heading(n, "") for n in table.names[1:]))
+    return any(heading.part != "complex" for heading in map(frf_heading, table.names[1:], table.units[1:]))
 
 
 def columns_of(table: Table, rig: Rig | None, where: str) -> list[Column]:
@@ -59,10 +59,12 @@ def columns_of(table: Table, rig: Rig | None, where: str) -> list[Column]:
                 f"has {table.values.shape[1]} columns and no header; an FRF is there for each of "
                 f"{', '.join(names) or 'unknown responses'}",
                 where=where,
-                remedy="add a header line: frequency [Hz], then a name for each column, such as Re a1 and Im a1",
+                remedy='name its columns with --columns "frequency:Hz,Re a1:m/s^2/N,Im a1", or add such a header line',
             )
     found: list[Column] = []
     for k, (name, unit) in enumerate(zip(names, units, strict=True), start=1):
+        if not name:
+            continue
         imaginary = None if table.imaginary is None else table.imaginary[:, k]
         is_complex = imaginary is not None and imaginary.any()
         found.append(Column(frf_heading(name, unit), table.values[:, k], imaginary if is_complex else None))

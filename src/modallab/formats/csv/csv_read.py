@@ -13,7 +13,7 @@ from modallab.formats.axis_units import to_seconds
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_frf import frf_of, is_frf
 from modallab.formats.csv.csv_frf_table import frf_of_table, holds_frfs
-from modallab.formats.csv.csv_heads import FREQUENCY_NAMES, time_column
+from modallab.formats.csv.csv_heads import BY_OPTION, is_frequency, time_column
 from modallab.formats.csv.csv_table import Table, read_tables, side_by_side
 from modallab.formats.options import ImportOptions
 
@@ -34,7 +34,7 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         DataError: uneven times, wrong units, or not the channels of the rig.
     """
     where = str(path)
-    tables = read_tables(path)
+    tables = read_tables(path, options.columns)
     table = tables[-1]
     if is_frf(table) or holds_frfs(table):
         table = side_by_side(tables, where)
@@ -98,7 +98,7 @@ def _names_by_place(table: Table, rig: Rig, options: ImportOptions, where: str) 
     raise DataError(
         f"has {columns} columns and no header; the rig has {len(channels)} channels ({', '.join(channels)})",
         where=where,
-        remedy="add a header line with time and the names of the channels",
+        remedy=BY_OPTION,
     )
 
 
@@ -107,7 +107,7 @@ def _places(
 ) -> tuple[dict[str, int], tuple[str, ...]]:
     """The column of each channel, and the names of other columns. Rejects channels that are missing or there twice."""
     lowered = [name.lower() for name in names]
-    if lowered[0] in FREQUENCY_NAMES:
+    if time is None and is_frequency(names[0], ""):
         raise DataError(
             f"its first column is {names[0]!r}, and the others hold neither complex numbers nor Re and Im, nor a phase",
             where=where,
@@ -117,7 +117,7 @@ def _places(
     requested = {called.get(channel.name, channel.name).lower(): channel.name for channel in rig.channels}
     missing = [name for low, name in requested.items() if low not in lowered]
     channels = [name for place, name in enumerate(names) if place != time]
-    other = tuple(name for name in channels if name.lower() not in requested)
+    other = tuple(name for name in channels if name and name.lower() not in requested)
     twice = sorted({name for name in names if lowered.count(name.lower()) > 1 and name.lower() in requested})
     parts = [f"no column for channel {', '.join(missing)}"] if missing else []
     parts += [f"column {', '.join(map(repr, other))} is no channel of the rig"] if missing and other else []

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError, FormatError
-from modallab.formats.csv.csv_cells import BLANKS, cells, complex_number, n_cells
-from modallab.formats.csv.csv_heads import headings
+from modallab.formats.csv.clock_times import is_date, is_time, seconds_of
+from modallab.formats.csv.csv_cells import complex_number, is_number, split
+from modallab.formats.csv.csv_heads import BY_OPTION, abscissa, headings, said_headings
 from modallab.formats.csv.digits import half_last_digits
-from modallab.formats.csv.text_lines import Line, TextLines, read_lines
+from modallab.formats.csv.text_lines import Line, TextRow, TextTable, read_text
 
 Real = NDArray[np.float64]
 
@@ -65,39 +66,103 @@ def read_table(path: Path) -> Table:
     Raises:
         FormatError: no text, no table, or cut off.
     """
-    return _table(read_lines(path)[0], str(path))
+    return _table(read_text(path)[0], str(path))
 
 
-def read_tables(path: Path) -> list[Table]:
+def read_tables(path: Path, said: str = "") -> list[Table]:
     """Read all tables of a text file, which stand below each other.
+
+    Args:
+        path: of the file.
+        said: names and units of the columns as the user says them; "" for those of the header.
 
     Raises:
         FormatError: as `read_table`.
+        DataError: the user names more or fewer columns than there are.
     """
-    return [_table(lines, str(path)) for lines in read_lines(path)]
+    return [_table(text, str(path), said) for text in read_text(path)]
 
 
-def _table(lines: TextLines, where: str) -> Table:
-    columns = n_cells(lines.body[-1 if len(lines.body) == 1 else -2].text, lines.delimiter)
-    marked = [comment.lstrip("#%").strip() for comment in lines.comments]
-    names, units = headings([line.text for line in lines.above], marked, lines.delimiter, columns)
-    if lines.delimiter == BLANKS and lines.above and not names:
-        first = lines.above[0]
-        raise _not_a_number(first, 0, cells(first.text, BLANKS)[0], (), where)
-    if lines.clock and names:
-        names, units = ("time", *names[1:]), ("s", *units[1:])
-    if not lines.ended:
-        _check_end(lines, where)
-    values, others = _numbers(lines, names, where)
-    imaginary = np.ascontiguousarray(values.imag) if np.iscomplexobj(values) else None
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """A column as it stands in the file; `place` counts from 1."""
+
+    place: int
+    name: str
+    unit: str
+    cells: Sequence[str]
+
+
+def _table(text: TextTable, where: str, said: str = "") -> Table:
+    columns, names = _columns(text, where, said)
+    if not text.ended:
+        _check_end(text, where)
+    numbers = [_numbers(column, text.rows, where) for column in columns]
+    others = {k: one for k, one in enumerate(numbers) if isinstance(one, FormatError)}
+    if others and (0 in others or not names):
+        raise others[min(others)]
+    values = np.column_stack([np.full(len(text.rows), np.nan) if isinstance(n, FormatError) else n for n in numbers])
     real = np.ascontiguousarray(values.real)
-    texts = [cells(line.text, lines.delimiter)[0].replace(",", ".") for line in lines.body]
-    resolution = half_last_digits(texts, real[:, 0])
-    titles = [
-        text for text in (line.text.strip().strip('"') for line in lines.above) if n_cells(text, lines.delimiter) == 1
-    ]
-    remark, title = "".join(lines.comments), titles[-1] if titles else ""
-    return Table(names, units, real, resolution, lines.ended, remark, imaginary, others, title)
+    titles = [line for line in (x.text.strip().strip('"') for x in text.above) if len(split(line, text.delimiter)) == 1]
+    return Table(
+        tuple(column.name for column in columns) if names else (),
+        tuple(column.unit for column in columns) if names else (),
+        real,
+        half_last_digits(columns[0].cells, real[:, 0]),
+        text.ended,
+        text.remark,
+        np.ascontiguousarray(values.imag) if np.iscomplexobj(values) else None,
+        others,
+        titles[-1] if titles else "",
+    )
+
+
+def _columns(text: TextTable, where: str, said: str) -> tuple[list[_Column], bool]:
+    """The columns that have a name, the abscissa first, and whether they have names.
+
+    Without names those that hold something, in their order.
+    """
+    cells = _by_column(text, where)
+    filled = max((k for k, own in enumerate(cells, start=1) if any(own)), default=1)
+    if said:
+        names, units = said_headings(said, len(cells), filled, where)
+    else:
+        names, units = headings(_texts(text.above), _texts(text.commented), text.delimiter, len(cells), filled)
+        if not names and len(cells) > len(text.rows):
+            raise _transposed(text, where)
+        if not names and text.above:
+            raise _no_names(text, len(cells), where)
+    blank = ("",) * len(cells)
+    found = [_Column(k, *one) for k, one in enumerate(zip(names or blank, units or blank, cells, strict=True), start=1)]
+    found = _with_seconds(found)
+    found = [column for column in found if column.name or (not names and any(column.cells))]
+    first = abscissa([c.name for c in found], [c.unit for c in found]) or 0
+    return [found[first], *found[:first], *found[first + 1 :]], bool(names)
+
+
+def _texts(lines: Sequence[Line]) -> list[str]:
+    return [line.text for line in lines]
+
+
+def _by_column(text: TextTable, where: str) -> list[Sequence[str]]:
+    counts = np.array([len(row.cells) for row in text.rows])
+    if (counts != text.columns).any():
+        raise _other_columns(text, counts, where)
+    return list(zip(*(row.cells for row in text.rows), strict=True))
+
+
+def _with_seconds(columns: Sequence[_Column]) -> list[_Column]:
+    """With seconds, called time, where a column holds clock times, and a column of dates before it is left out."""
+    found: list[_Column] = []
+    for column in columns:
+        if not is_time(column.cells[0]) or is_date(column.cells[0]):
+            found.append(column)
+            continue
+        moments = column.cells
+        if found and is_date(found[-1].cells[0]):
+            moments = [f"{day} {clock}" for day, clock in zip(found.pop().cells, moments, strict=True)]
+        found.append(replace(column, name=column.name and "time", unit="s", cells=seconds_of(moments)))
+    return found
 
 
 def side_by_side(tables: Sequence[Table], where: str) -> Table:
@@ -151,85 +216,70 @@ def _span(table: Table) -> str:
     return f"{len(table.values)} from {table.values[0, 0]:g} to {table.values[-1, 0]:g}"
 
 
-def _check_end(lines: TextLines, where: str) -> None:
+def _check_end(text: TextTable, where: str) -> None:
     # Without its line end the last number may have lost digits. It has, if no other of its column has so few after
     # the decimal mark.
-    ends = [cells(line.text, lines.delimiter)[-1] for line in lines.body]
-    places = [len(after) if mark else -1 for _, mark, after in (end.replace(",", ".").partition(".") for end in ends)]
+    ends = [row.cells[-1] for row in text.rows]
+    places = [len(after) if mark else -1 for _, mark, after in (end.partition(".") for end in ends)]
     if len(ends) > 1 and places[-1] < min(places[:-1]):
         raise FormatError(
-            f"is cut off: line {lines.body[-1].number} ends within a number, {ends[-1]!r}",
+            f"is cut off: line {text.rows[-1].number} ends within a number, {ends[-1]!r}",
             where=where,
             remedy="copy or export the file again",
         )
 
 
-def _numbers(
-    lines: TextLines, names: tuple[str, ...], where: str
-) -> tuple[Real | NDArray[np.complex128], dict[int, FormatError]]:
-    body, delimiter = lines.body, lines.delimiter
-    columns = len(names) or n_cells(body[0].text, delimiter)
-    counts = np.array([n_cells(line.text, delimiter) for line in body])
-    if (counts != columns).any():
-        raise _other_columns(lines, counts, columns, where)
-    if not any("j" in line.text for line in body):
-        texts = [line.text if delimiter == "," else line.text.replace(",", ".") for line in body]
-        split = None if delimiter == BLANKS else delimiter
+def _numbers(column: _Column, rows: Sequence[TextRow], where: str) -> Real | NDArray[np.complex128] | FormatError:
+    """The numbers of a column, or what stands there instead of one."""
+    for kind in (float, complex):
         try:
-            return np.loadtxt(texts, delimiter=split, dtype=np.float64, ndmin=2, comments=None, quotechar='"'), {}
+            return np.array([kind(cell) for cell in column.cells])
         except ValueError:
             pass
-    return _cell_by_cell(body, delimiter, names, where)
-
-
-def _cell_by_cell(
-    body: Sequence[Line], delimiter: str, names: Sequence[str], where: str
-) -> tuple[Real | NDArray[np.complex128], dict[int, FormatError]]:
-    rows = [cells(line.text, delimiter) for line in body]
-    found = [[complex_number(cell) for cell in row] for row in rows]
-    others: dict[int, FormatError] = {}
-    for line, row, values in zip(body, rows, found, strict=True):
-        for k, value in enumerate(values):
-            if value is None and k not in others:
-                others[k] = _not_a_number(line, k, row[k], names, where)
-    if 0 in others or (others and not names):
-        raise next(iter(others.values()))
-    numbers = np.array([[np.nan if value is None else value for value in row] for row in found], np.complex128)
-    return (numbers if any("j" in line.text for line in body) else numbers.real), others
-
-
-def _other_columns(lines: TextLines, counts: NDArray[np.int64], columns: int, where: str) -> FormatError:
-    body = lines.body
-    wrong = int((counts != columns).argmax())
-    if lines.delimiter == "," and (counts == 2 * columns).all():
-        return FormatError(
-            f"line {body[wrong].number} has {counts[wrong]} cells for {columns} columns: commas stand between the "
-            "columns and as decimal marks",
-            where=where,
-            remedy="export it with decimal points, or with ; or tabs between the columns",
-        )
-    if len(set(counts.tolist())) == 1 and lines.above:
-        return FormatError(
-            f"line {body[0].number} has {counts[0]} columns, and no line above it names as many: the last one, line "
-            f"{lines.above[-1].number}, is {lines.above[-1].text.strip()[:40]!r}",
-            where=where,
-            remedy="write a line above the numbers with a name for each column",
-        )
-    cut = wrong == len(body) - 1
-    found = f"line {body[wrong].number} has {counts[wrong]} columns, not {columns}: {body[wrong].text.strip()[:40]!r}"
+    wrong = next(k for k, cell in enumerate(column.cells) if complex_number(cell) is None)
+    cell, name = column.cells[wrong], f" ({column.name})" if column.name else ""
+    found = f"{cell!r} is no number" if cell else "is empty"
+    option = f", or leave the column out with --ignore {column.name!r}" if column.name and column.place > 1 else ""
     return FormatError(
-        f"is cut off: {found}" if cut else found,
+        f"line {rows[wrong].number}, column {column.place}{name}: {found}",
         where=where,
-        remedy="copy or export the file again" if cut else "give every line the same columns",
+        remedy=f"export the file again, with numbers only below the header{option}",
     )
 
 
-def _not_a_number(line: Line, column: int, cell: str, names: Sequence[str], where: str) -> FormatError:
-    name = f" ({names[column]})" if column < len(names) else ""
-    found = f"{cell!r} is no number" if cell else "is empty"
-    option = f", or leave the column out with --ignore {names[column]!r}" if column < len(names) and column else ""
+def _no_names(text: TextTable, columns: int, where: str) -> FormatError:
+    last, first = text.above[-1], text.rows[0].number
+    if text.delimiter == "," and any(2 * len(split(line.text, ",")) == columns for line in text.above):
+        return FormatError(
+            f"line {first} has {columns} cells for {columns // 2} columns: commas stand between the columns and as "
+            "decimal marks",
+            where=where,
+            remedy="export it with decimal points, or with ; or tabs between the columns",
+        )
     return FormatError(
-        f"line {line.number}, column {column + 1}{name}: {found}",
+        f"line {first} has {columns} columns, and no line above it names as many: the last one, line {last.number}, is "
+        f"{last.text.strip()[:40]!r}",
         where=where,
-        remedy=f"export the file again, with numbers only below the header{option}",
+        remedy=BY_OPTION,
+    )
+
+
+def _transposed(text: TextTable, where: str) -> FormatError:
+    return FormatError(
+        f"has {len(text.rows)} rows of {text.columns} cells and no names above them: it looks transposed",
+        where=where,
+        remedy="export one column for each channel, and one row for each sample",
+    )
+
+
+def _other_columns(text: TextTable, counts: NDArray[np.int64], where: str) -> FormatError:
+    wrong = int((counts != text.columns).argmax())
+    row = text.rows[wrong]
+    cut = wrong == len(text.rows) - 1 and (not text.ended or is_number(row.cells[0]))
+    shown = " ".join(row.cells)[:40]
+    found = f"line {row.number} has {counts[wrong]} columns, not {text.columns}: {shown!r}"
+    return FormatError(
+        f"is cut off: {found}" if cut else found,
+        where=where,
+        remedy="copy or export the file again" if cut else "give every line the same columns, and nothing below them",
     )

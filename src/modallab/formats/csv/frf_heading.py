@@ -15,7 +15,7 @@ _WORDS: dict[Part, str] = {
     "re": r"re|real|realteil|reell|réel|reel|reale",
     "im": r"im|imag|imaginary|imagin(?:ä|ae)r|imagin(?:ä|ae)rteil|imaginaire|immaginaria",
     "magnitude": r"mag|magn|magnitude|gain|amp|ampl|amplitude|abs|module|modulus|módulo|modulo|betrag",
-    "phase": r"ph|phase|arg|angle|ang|winkel|fase",
+    "phase": r"ph|phi|phase|arg|angle|ang|winkel|fase",
     "coherence": r"coh|coherence|koh(?:ä|ae)renz",
 }
 _ANY = "|".join(_WORDS.values())
@@ -73,6 +73,9 @@ def frf_heading(name: str, unit: str) -> FrfHeading:
     text = name
     if not unit and (worded := _UNIT_WORD.match(name)):
         name, unit = worded["rest"], {"degrees": "deg", "db": "dB"}.get(worded["unit"].lower(), worded["unit"].lower())
+    if unit and not _is_unit(unit) and _FIRST.fullmatch(unit):
+        # The part stands in brackets behind the name, as in a1(Real).
+        name, unit = f"{name} {unit}", ""
     if bars := _BARS.match(name):
         return FrfHeading(text, "magnitude", unit, bars["rest"].strip())
     alone = _FIRST.match(name)

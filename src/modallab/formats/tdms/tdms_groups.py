@@ -7,7 +7,7 @@ import numpy as np
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
 from modallab.formats.axis_units import to_seconds
-from modallab.formats.csv.csv_heads import TIME_NAMES
+from modallab.formats.csv.csv_heads import is_time_name
 from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup
 
 _SAME_NAMES = "make rig and recording name the same channels, or choose a group with --group"
@@ -70,7 +70,7 @@ def fastest(groups: Sequence[TdmsGroup], where: str) -> tuple[TdmsChannel, ...]:
 
 def is_time(channel: TdmsChannel) -> bool:
     """Whether a channel holds the times of the others."""
-    return channel.name.strip().lower() in TIME_NAMES
+    return is_time_name(channel.name)
 
 
 def step_of(channel: TdmsChannel, where: str) -> float:

@@ -4,9 +4,6 @@ from dataclasses import replace
 
 from modallab.core.block import Campaign
 
-FITTED = "spread"
-"""What a diagnosis of all records together holds out: none of what was measured last, to decide, as a whole."""
-
 
 def continued(campaign: Campaign, later: Campaign) -> Campaign:
     """A campaign with the records of a later one behind its own, under names that are free."""

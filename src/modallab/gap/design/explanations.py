@@ -11,12 +11,12 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis
 from modallab.core.effects import kind_of
 from modallab.core.errors import DataError, PlanError
+from modallab.core.hold_out import SPREAD
 from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.reduce import reduce
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.split import split
 from modallab.gap.conditioning.weights import Weights
-from modallab.gap.design.continued import FITTED
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import Nuisances, nuisances
@@ -73,7 +73,7 @@ def recorded(campaign: Campaign) -> Recorded:
     """
     prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
     weights = weights_of(prepared)
-    fitted, _ = split(prepared.blocks, FITTED)
+    fitted, _ = split(prepared.blocks, SPREAD)
     return Recorded(reduce(prepared.campaign, fitted, weights), weights, prepared)
 
 

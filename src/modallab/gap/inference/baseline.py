@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from modallab.core.progress import report
 from modallab.gap.inference.posterior import Posterior, descended
-from modallab.gap.inference.settings import DEFAULT, Settings
+from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.search.fitting import Bench, completed
@@ -20,27 +20,27 @@ STEPS = 12
 """Evaluations of the slopes, at most."""
 
 
-def baseline(bench: Bench, settings: Settings = DEFAULT) -> Fit:
+def baseline(bench: Bench) -> Fit:
     """The twin without effects, fitted to modal rows and then to the records."""
-    found = without_effects(bench, settings)[1]
+    found = without_effects(bench)[1]
     return completed(bench, seen(found.problem, found.u))
 
 
-def without_effects(bench: Bench, settings: Settings = DEFAULT) -> tuple[View, Posterior]:
+def without_effects(bench: Bench) -> tuple[View, Posterior]:
     """The modal rows of a bench, and the twin without effects fitted to them."""
     report(0.0, "the bench without any effect")
     problem = Problem(bench.data, bench.free)
-    view = View.of(bench.points, bench.thin, settings)
-    return view, descended(view, problem, _begin(bench, problem, settings), STEPS)
+    view = View.of(bench.points, bench.thin, DEFAULT)
+    return view, descended(view, problem, _begin(bench, problem), STEPS)
 
 
-def _begin(bench: Bench, problem: Problem, settings: Settings) -> Array:
+def _begin(bench: Bench, problem: Problem) -> Array:
     """Where to begin: the modal rows have no local minimum; lines of the sines have one every half width."""
     zero = np.zeros(bench.free.size)
     if bench.points:
         hits = replace(bench.thin, sines=None)
-        return descended(View.of(bench.points, hits, settings), problem, zero, STEPS).u
-    view = View.of((), sparse(bench.thin), settings)
+        return descended(View.of(bench.points, hits, DEFAULT), problem, zero, STEPS).u
+    view = View.of((), sparse(bench.thin), DEFAULT)
     tried = np.tile(zero, (len(MODULI), 1))
     tried[:, 0] = MODULI
     residuals = [view.residual(twin) for twin in problem.twins(tried)]

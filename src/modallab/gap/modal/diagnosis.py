@@ -60,9 +60,20 @@ def diagnose_by_model(
     bench: ModalModel,
     rig: Rig,
     mesh: Mesh | None = None,
-    own: Rig | None = None,
     frfs: tuple[Frf | None, Frf | None] = (None, None),
 ) -> ModalDiagnosis:
+    """What is said of `explained_by_model`, which takes and raises the same."""
+    return explained_by_model(reference, bench, rig, mesh, frfs=frfs).diagnosis
+
+
+def explained_by_model(
+    reference: ModalModel,
+    bench: ModalModel,
+    rig: Rig,
+    mesh: Mesh | None = None,
+    own: Rig | None = None,
+    frfs: tuple[Frf | None, Frf | None] = (None, None),
+) -> Explained:
     """What differs between a structure's modal model and the structure as it is, beyond the rig's tolerances.
 
     Args:
@@ -75,22 +86,6 @@ def diagnose_by_model(
 
     Raises:
         DataError: the two share no band, output or driven point.
-    """
-    return explained_by_model(reference, bench, rig, mesh, own, frfs).diagnosis
-
-
-def explained_by_model(
-    reference: ModalModel,
-    bench: ModalModel,
-    rig: Rig,
-    mesh: Mesh | None = None,
-    own: Rig | None = None,
-    frfs: tuple[Frf | None, Frf | None] = (None, None),
-) -> Explained:
-    """The same with the fits behind it, from which FRFs can be drawn.
-
-    Raises:
-        DataError: as `diagnose_by_model`.
     """
     known = with_tolerances(rig)
     before, after = (Side(m, MeasuredFrfs.of(frf, m)) for m, frf in zip((reference, bench), frfs, strict=True))

@@ -86,17 +86,17 @@ class Nuisances:
         u[..., gone] = 0.0
         return u
 
-    def build(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> Twin:
-        """The twin without other effects than those that the rig's revisions know.
-
-        Args:
-            u: (size,) the free numbers.
-            replaced: (tolerance, channel or None) that effects stand for: one quantity is one number.
-        """
-        return self.builds(u[None], replaced)[0]
+    def build(self, u: Array) -> Twin:
+        """The twin of numbers (size,) without other effects than those that the rig's revisions know."""
+        return self.builds(u[None])[0]
 
     def builds(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> list[Twin]:
-        """The twins of many numbers (twins, size) at once."""
+        """The twins of many numbers (twins, size) at once.
+
+        Args:
+            u: the free numbers.
+            replaced: (tolerance, channel or None) that effects stand for: one quantity is one number.
+        """
         twins = [with_known(twin, self.rig) for twin in self._bare(u, replaced)]
         return twins if self.stepped else [replace(twin, element=None) for twin in twins]
 

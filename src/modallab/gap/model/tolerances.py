@@ -122,9 +122,9 @@ def _number(sigma: Any, sign: Any, deviations: Any) -> Array:
     return np.asarray(sigma * np.where(sign, sign * (MEAN + SPREAD * deviations), deviations))
 
 
-def held_one(u: float, free: float = FREE, most: float = MOST) -> float:
+def held_one(u: float) -> float:
     """`held` of one number, which is next to always free."""
-    return u if abs(u) < free else float(held(u, free, most))
+    return u if abs(u) < FREE else float(held(u))
 
 
 def held(u: Any, free: float = FREE, most: float = MOST) -> Array:

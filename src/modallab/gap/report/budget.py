@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.diagnosis import Budget, BudgetRow, Division
+from modallab.core.budget import Budget, BudgetRow, Division
 from modallab.core.digits import percent
 from modallab.core.quadrature import gauss_legendre
 from modallab.gap.conditioning.rows import Reduced

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from modallab.core.block import Block, Campaign
+from modallab.core.hold_out import HoldOut
 from modallab.gap.conditioning.overtones import overtones
 from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.records import as_recorded
@@ -53,8 +54,8 @@ def gap_known(campaign: Campaign) -> float:
     return as_came(prepared, twin).gap
 
 
-def gap_unseen(campaign: Campaign, hold_out: str) -> float:
-    """The same of the records that a rule of `split` keeps from the fit, weighed by the noise they have.
+def gap_unseen(campaign: Campaign, hold_out: HoldOut) -> float:
+    """The same of the records that a rule keeps from the fit, weighed by the noise they have.
 
     A strained assembly follows the records that it is fitted to, not these. Noise above that of the rig file is no gap
     that an effect of the twin could close.

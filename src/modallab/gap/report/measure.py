@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.diagnosis import Division
+from modallab.core.budget import Division
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import all_hz, all_rows
 from modallab.gap.model.forward import forward

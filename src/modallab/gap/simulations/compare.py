@@ -16,6 +16,7 @@ from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.digits import change
 from modallab.core.errors import DataError
 from modallab.core.frozen import Frozen
+from modallab.core.hold_out import MIXED, HoldOut
 from modallab.core.progress import part
 from modallab.gap.conditioning.noise import believed_noise
 from modallab.gap.conditioning.records import as_volts, usable
@@ -77,7 +78,9 @@ class Compared(Frozen):
     notes: list[str]
 
 
-def compare(campaign: Campaign, records: Records, bench: Diagnosis | None = None, hold_out: str = "mixed") -> Compared:
+def compare(
+    campaign: Campaign, records: Records, bench: Diagnosis | None = None, hold_out: HoldOut = MIXED
+) -> Compared:
     """Hold a simulation against the bench.
 
     Args:
@@ -85,7 +88,7 @@ def compare(campaign: Campaign, records: Records, bench: Diagnosis | None = None
         records: what the simulation predicts for the same forces: record -> (channels, n), each row in its channel's
             own unit and direction.
         bench: the diagnosis of the campaign where it is known.
-        hold_out: which records no fit may see, as in `diagnose`.
+        hold_out: which records no fit may see.
 
     Raises:
         DataError: a record that could be compared was not predicted, or has another shape.

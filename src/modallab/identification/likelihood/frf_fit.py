@@ -10,6 +10,7 @@ from modallab.identification.likelihood.basis import LineBlock
 from modallab.identification.likelihood.excitation import Excitation, Grid, UnitExcitation
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.line_weights import line_weights
+from modallab.identification.likelihood.out_of_band import RESIDUAL_POWERS, STAND_INS, with_stand_ins
 from modallab.identification.likelihood.projection import Parameters, Problem, solve_at
 from modallab.identification.likelihood.rows import stack, unstack
 from modallab.identification.likelihood.search import MAX_ITERATIONS, Effort, search
@@ -18,6 +19,8 @@ MANY = 2
 """From this many channels per column of the model on, a few mixed ones are searched first."""
 NEARER = 6
 """Steps with the mixed ones: poles that fit noise would wander on for long."""
+START_ZETA = (1e-5, 0.2)
+"""Damping ratios that a search may begin at."""
 LINES = 20
 """Lines per column of the model that determine how to mix them."""
 
@@ -26,17 +29,17 @@ def fit_frf(
     frf: Frf,
     poles: NDArray[np.complex128],
     max_iterations: int = MAX_ITERATIONS,
-    omega_prior: NDArray[np.float64] | None = None,
-    zeta_prior: NDArray[np.float64] | None = None,
+    priors: NDArray[np.float64] | None = None,
+    stand_ins: tuple[float, ...] = STAND_INS,
 ) -> Fit:
-    """The fit of FRFs after a search from these poles.
+    """The fit of FRFs after a search from these poles; those that stand for modes above the band come last in it.
 
     Args:
         frf: lines ascending; its variance or coherence, where there is one, weighs them.
         poles: (modes,) rad/s.
         max_iterations: at most so many steps; none leaves the poles where they are.
-        omega_prior: (modes, 2) centre and sigma, rad/s; None for none.
-        zeta_prior: (modes, 2) likewise.
+        priors: (modes, 2, 2) of omega in rad/s and zeta, each a centre and a sigma; with them stand-ins do not move.
+        stand_ins: multiples of the upper edge at which the poles begin that stand for the modes above.
 
     Raises:
         IdentificationError: poles that cannot be distinguished in these lines.
@@ -44,25 +47,32 @@ def fit_frf(
     grid = Grid(2 * np.pi * frf.frequency_hz, 0, 0.0, DERIVATIVES[frf.quantity])
     # Every FRF is a channel of its own: all share the columns, whatever the input.
     channels = frf.values.reshape(-1, frf.frequency_hz.size)
-    omega, weight = np.abs(poles), line_weights(frf)
+    begin, weight = with_stand_ins(poles, float(frf.frequency_hz[-1]), stand_ins, START_ZETA), line_weights(frf)
     excitation = UnitExcitation(grid, frf.damping_shift, weight)
     problem = Problem(
         blocks=[LineBlock(excitation, channels if weight is None else channels * weight, 0)],
-        powers=(-2, 0, 2),
+        powers=RESIDUAL_POWERS,
         n_inputs=1,
         state_sigma=None,
         drive_sigma=None,
-        zeta_prior=np.tile([0.0, np.inf], (omega.size, 1)) if zeta_prior is None else zeta_prior,
-        omega_prior=omega_prior,
+        zeta_prior=begin.zeta_prior,
     )
-    start = Parameters(
-        omega,
-        np.clip(-poles.real / omega, 1e-5, 0.2),
-        np.zeros((1, omega.size), complex),
-        np.zeros(1, complex),
+    problem = problem if priors is None else _drawn(problem, priors)
+    start = Parameters(begin.omega, begin.zeta, np.zeros((1, begin.omega.size), complex), np.zeros(1, complex))
+    start = _nearer(problem, start) if max_iterations else start
+    return Fit(problem, search(problem, start, Effort(max_iterations)), frf.input_points, frf.values.shape[:2])
+
+
+def _drawn(problem: Problem, priors: NDArray[np.float64]) -> Problem:
+    """The same with priors of the first poles; the others stay where they are."""
+    n = len(priors)
+    free, rest = np.tile([0.0, np.inf], (problem.zeta_prior.shape[0] - n, 1)), problem.zeta_prior[n:]
+    return replace(
+        problem,
+        omega_prior=np.concatenate([priors[:, 0], free]),
+        zeta_prior=np.concatenate([priors[:, 1], rest]),
+        fixed=np.arange(len(problem.zeta_prior)) >= n,
     )
-    begin = _nearer(problem, start) if max_iterations else start
-    return Fit(problem, search(problem, begin, Effort(max_iterations)), frf.input_points, frf.values.shape[:2])
 
 
 def _at_lines(excitation: Excitation, grid: Grid, thin: int) -> UnitExcitation:

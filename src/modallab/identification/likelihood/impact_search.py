@@ -5,17 +5,17 @@ from numpy.typing import NDArray
 
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.hit_blocks import Groups, Hits
-from modallab.identification.likelihood.out_of_band import StartPoles, with_stand_ins
+from modallab.identification.likelihood.out_of_band import (
+    RESIDUAL_POWERS,
+    STAND_INS,
+    StartPoles,
+    stand_ins_after,
+    with_stand_ins,
+)
 from modallab.identification.likelihood.projection import Parameters, Problem
 from modallab.identification.likelihood.residual_motion import LEAST, residual_motion_sigma
 from modallab.identification.likelihood.search import FIRST_LOOK, Effort, search
 
-STAND_INS = (1.05,)
-"""A pole that begins at this multiple of the upper edge stands for the modes above."""
-RESIDUAL_POWERS = (-2, 0, 2, 4)
-"""Powers of s for what modes outside the band leave. -2 in a receptance is an acceleration like the force itself: modes
-far above, sampled too slowly, leave some of it, and so does cross-talk. Left out, it passes for damping of the lowest
-mode."""
 START_ZETA, ANY_ZETA = (1e-4, 0.1), (1e-6, 0.5)
 """Damping ratios that a search may begin at, and those that an estimator may have found."""
 STATES_FIRST = 4
@@ -57,10 +57,7 @@ def again(unknown: Hits, fit: Fit, keep: NDArray[np.bool_], band: tuple[float, f
     """The kept modes once more; of a beam that looked at rest with what its sensors cannot have seen."""
     at = fit.point.parameters
     poles = -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep]
-    # Where the stand-in has gone to is where it begins, unless it has become a mode of the band.
-    out_of_band = at.omega[-1] / (2 * np.pi * band[1])
-    stand_ins = STAND_INS if keep[-1] or out_of_band < 1 else (float(out_of_band),)
-    begin = with_stand_ins(poles, band[1], stand_ins, START_ZETA)
+    begin = with_stand_ins(poles, band[1], stand_ins_after(at.omega, band[1]), START_ZETA)
     if unknown.state_sigma is None:
         kept = residual_motion_sigma(fit, unknown.grid, unknown.impulse)[:, keep]
         nothing = LEAST * np.repeat(unknown.impulse[:, None], begin.stand_ins, axis=1)

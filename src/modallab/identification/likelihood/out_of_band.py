@@ -1,10 +1,16 @@
-"""Modes above the band: a few poles stand in for all of them."""
+"""Modes outside the band: powers of s stand for them, and a few poles for those right above it."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+RESIDUAL_POWERS = (-2, 0, 2, 4)
+"""Powers of s for what modes outside the band leave. -2 in a receptance is an acceleration like the force itself, as
+modes below the band leave it. So do, a little, far modes that are sampled too slowly, and cross-talk. Left out, it
+passes for damping of the lowest mode."""
+STAND_INS = (1.05,)
+"""A pole that begins at this multiple of the upper edge stands for the modes above."""
 STAND_IN_SHARE = 0.4
 """The stand-ins are damped as the band's own modes are, give or take this share. The band's lines hardly say: left to
 them a damping ratio runs to zero, where a pole rings through the whole block. But it turns the phase of all that lies
@@ -49,3 +55,14 @@ def with_stand_ins(
     prior[poles.size :] = like_them, STAND_IN_SHARE * like_them
     zeta = np.append(zeta, np.full(len(multiples), like_them))
     return StartPoles(omega, zeta, prior, len(multiples))
+
+
+def stand_ins_after(omega: NDArray[np.float64], top_hz: float) -> tuple[float, ...]:
+    """Multiples of the upper edge at which stand-ins begin again: where a fit has moved them to, if that is above.
+
+    Args:
+        omega: (poles,) rad/s of the fit, its stand-in last.
+        top_hz: upper edge of the band.
+    """
+    moved = float(omega[-1]) / (2 * np.pi * top_hz)
+    return STAND_INS if moved < 1 else (moved,)

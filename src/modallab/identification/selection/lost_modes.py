@@ -14,6 +14,7 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
+from modallab.identification.likelihood.out_of_band import stand_ins_after
 from modallab.identification.selection.prune import MAX_ZETA, MIN_SIGNIFICANCE, is_mode
 from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
 
@@ -97,7 +98,7 @@ def with_lost(
     one = stand.size == 1
     words = {"s": "" if one else "s", "hz": names, "v": "s" if one else ""}
     note = FROM_ESTIMATOR.format(**words, it="it" if one else "them", it2="it" if one else "they")
-    return fixed, np.ones(fixed.point.parameters.omega.size, bool), (note,)
+    return fixed, np.arange(fixed.point.parameters.omega.size) < kept.size + stand.size, (note,)
 
 
 def overlooked(
@@ -126,10 +127,10 @@ def _alone(
     frf: Frf, fit: Fit, known: NDArray[np.bool_], band_hz: tuple[float, float]
 ) -> tuple[Fit, NDArray[np.bool_], tuple[str, ...]]:
     """The same fit without the poles that have turned out to be none."""
-    if np.all(known):
+    if np.all(known[:-1]):
         return fit, known, ()
     at = fit.point.parameters
-    again = fit_frf(frf, _poles(at.omega[known], at.zeta[known]))
+    again = fit_frf(frf, _poles(at.omega[known], at.zeta[known]), stand_ins=stand_ins_after(at.omega, band_hz[1]))
     keep = is_mode(again, band_hz)
     return (again, keep, ()) if keep.sum() >= known.sum() else (fit, known, ())
 
@@ -138,9 +139,10 @@ def _standing(frf: Frf, kept: Complex, lost: Complex, least: float) -> Complex:
     """Those of the lost poles that explain what no other does: the least one goes until all do."""
     while lost.size:
         fit = fit_frf(frf, np.concatenate([kept, lost]), 0)
-        constants, sigma = (v.reshape(kept.size + lost.size, -1) for v in fit.modal_constants)
+        n = kept.size + lost.size
+        constants, sigma = (v[:n].reshape(n, -1) for v in fit.modal_constants)
         seen = np.max(np.abs(constants) / np.maximum(np.abs(sigma), 1e-300), axis=1) > MIN_SIGNIFICANCE
-        share = np.where(seen, own_share(fit), 0.0)[kept.size :]
+        share = np.where(seen, own_share(fit)[:n], 0.0)[kept.size :]
         if share.min() > least:
             break
         lost = np.delete(lost, int(np.argmin(share)))

@@ -11,6 +11,7 @@ from modallab.core.frf import Frf
 from modallab.identification.likelihood.equations import Covariance
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
+from modallab.identification.likelihood.out_of_band import stand_ins_after
 from modallab.identification.model.modal_model import Seen, seen_by
 from modallab.identification.options import Options
 from modallab.identification.setups.merge import Merged, merged
@@ -63,11 +64,12 @@ def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
     if found.centre.shape[0] == 0:
         return None
     try:
-        points = poles_at_points(frf, found.centre, _spread(found))
+        stand_ins = stand_ins_after(fit.point.parameters.omega, float(frf.frequency_hz[-1]))
+        points = poles_at_points(frf, found.centre, _spread(found), stand_ins)
         common = common_poles(points.values, points.variance)
         if common.setup.max() == 0:
             return None
-        return _agreed(frf, points, common, _notes(frf, found, common, asked))
+        return _agreed(frf, points, common, stand_ins, _notes(frf, found, common, asked))
     except IdentificationError:
         return None
 
@@ -94,15 +96,19 @@ def _spread(found: Merged) -> Real:
     return FREE * np.maximum(found.spread, found.centre * np.array(LEAST_SPREAD))
 
 
-def _agreed(frf: Frf, points: PointPoles, common: Common, notes: tuple[str, ...]) -> Agreed:
+def _agreed(
+    frf: Frf, points: PointPoles, common: Common, stand_ins: tuple[float, ...], notes: tuple[str, ...]
+) -> Agreed:
     omega, zeta = common.value.T
-    at_common = fit_frf(frf, np.asarray(-zeta * omega + 1j * omega, np.complex128), 0)
-    covariance = Covariance.of_poles(np.diag((common.sigma**2).ravel()))
+    start = np.asarray(-zeta * omega + 1j * omega, np.complex128)
+    at_common = fit_frf(frf, start, 0, stand_ins=stand_ins)
+    covariance = Covariance.of_poles(np.diag(np.append(common.sigma**2, np.zeros(2 * len(stand_ins)))))
     axis = 1 + roved_axis(frf)
     each = [seen_by(f) for f in points.fits]
     constants = np.concatenate([one.constants for one in each], axis=axis)
     # A pole that moves by a part of its half-width leaves as much of the mode to its neighbours.
-    apparent = np.hypot(common.between[:, 0] / (zeta * omega), _misfit(each))
+    between = np.append(common.between[:, 0] / (zeta * omega), np.zeros(len(stand_ins)))
+    apparent = np.hypot(between, _misfit(each))
     seen = Seen(
         constants,
         np.concatenate([one.sigma_of_parts for one in each], axis=axis),

@@ -90,7 +90,7 @@ def seen_alone(frf: Frf, points: Sequence[int], method: str, order: int, signifi
             continue
         if fit is None:
             continue
-        constants, sigma = (v.reshape(found.size, -1) for v in fit.modal_constants)
+        constants, sigma = (v[: found.size].reshape(found.size, -1) for v in fit.modal_constants)
         for r in np.flatnonzero(np.max(np.abs(constants) / np.maximum(np.abs(sigma), 1e-300), axis=1) > significance):
             which.append(k)
             poles.append(complex(found[r]))
@@ -114,13 +114,14 @@ class PointPoles:
     fits: tuple[Fit, ...]
 
 
-def poles_at_points(frf: Frf, centre: Real, spread: Real) -> PointPoles:
+def poles_at_points(frf: Frf, centre: Real, spread: Real, stand_ins: tuple[float, ...]) -> PointPoles:
     """The poles of every point, free to move from the common ones by as much as the points scatter.
 
     Args:
         frf: all FRFs.
         centre: (modes, 2) common omega and zeta.
         spread: (modes, 2) standard deviation of a point's about them.
+        stand_ins: multiples of the upper edge where the poles stand that all points have for the modes above.
 
     Raises:
         IdentificationError: poles that cannot be distinguished in a point's lines.
@@ -128,12 +129,9 @@ def poles_at_points(frf: Frf, centre: Real, spread: Real) -> PointPoles:
     n_points = frf.values.shape[roved_axis(frf)]
     priors = np.stack([centre, spread], axis=-1)
     start = -centre[:, 1] * centre[:, 0] + 1j * centre[:, 0]
-    fits = tuple(
-        fit_frf(at_point(frf, k), start, STEPS, omega_prior=priors[:, 0], zeta_prior=priors[:, 1])
-        for k in range(n_points)
-    )
+    fits = tuple(fit_frf(at_point(frf, k), start, STEPS, priors, stand_ins) for k in range(n_points))
     at = np.array([np.stack([f.point.parameters.omega, f.point.parameters.zeta], axis=1) for f in fits])
-    posterior = np.array([f.pole_sigma**2 for f in fits])
+    at, posterior = at[:, : len(centre)], np.array([f.pole_sigma[: len(centre)] ** 2 for f in fits])
     # What the prior said is taken off again: it is the same for all points, and would count as often as there are any.
     known = np.maximum(1 / posterior - 1 / spread**2, 0.0)
     sees = known > 0.05 / spread**2

@@ -57,6 +57,9 @@ async def import_file(
     map_: Annotated[
         str, Query(alias="map", max_length=MAP_CHARACTERS, description="Which array of the file is what: a map's YAML.")
     ] = "",
+    columns: Annotated[
+        str, Query(max_length=2000, description="Of a table, instead of its header: time,force:N,a01:m/s^2.")
+    ] = "",
 ) -> Response:
     """Keep the recordings of a file as runs of a new campaign; it has a rig of its own, or is of the one that is named.
 
@@ -71,7 +74,9 @@ async def import_file(
         file = folder / f"import{reader.endings[0]}"
         digest = await _receive(request, file)
         new = CampaignNew(name=name, rig=rig, note=note)
-        options = ImportOptions(test=test, rate_hz=rate_hz, drive_point=drive_point, volts=volts, array_map=array_map)
+        options = ImportOptions(
+            test=test, rate_hz=rate_hz, drive_point=drive_point, volts=volts, array_map=array_map, columns=columns
+        )
 
         async def answer() -> Response:
             made = await run_in_threadpool(import_campaign, service, file, new, controller.rig, options, operator)

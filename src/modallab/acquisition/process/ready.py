@@ -1,0 +1,179 @@
+"""What a run is given and how it is made ready: the state it keeps, and what must hold before anything moves."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from math import ceil
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.monitor.burst_watch import load_filters
+from modallab.acquisition.monitor.context import Context
+from modallab.acquisition.monitor.live import LiveRing, LiveTap
+from modallab.acquisition.monitor.requests import Excitation, Requests
+from modallab.acquisition.monitor.run_states import Emit, Lifecycle
+from modallab.acquisition.monitor.stream import Stream
+from modallab.acquisition.procedures.broadband_checks import longest_wave_s
+from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
+from modallab.acquisition.procedures.certificates import remarks_on
+from modallab.acquisition.procedures.sensor_supply import PATIENCE_S, fed_channels, wait_until_settled
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
+from modallab.acquisition.process.trip import TripLatch
+from modallab.bench.protocol import Bench, Delivery, Request
+from modallab.bench.recut import Recut
+from modallab.core.errors import PlanError, RigError
+from modallab.core.events import Notice
+from modallab.core.plan import BroadbandPlan, Plan, SinePlan, records_of
+from modallab.core.rig import Rig
+from modallab.signals.conversion import Conversion
+from modallab.storage import Recorder
+
+Order = Literal["stop", "abort", "emergency", "ended", "lost"]
+"""How a running test may be asked to end; `ended`: by the end of the service, `lost`: whoever asked for it is gone."""
+
+Control = Callable[[], Order | None]
+
+MEMORY_BLOCKS = 6
+"""Blocks the stream remembers: the window before a hit, the hit, and some."""
+
+
+class OrderedEndError(Exception):
+    """The run was asked to end; not an error of the run."""
+
+    def __init__(self, order: Order) -> None:
+        super().__init__(order)
+        self.order: Order = order
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What `run_plan` was given, and the state it keeps."""
+
+    bench: Bench
+    rig: Rig
+    plan: Plan
+    recorder: Recorder
+    emit: Emit
+    life: Lifecycle
+    control: Control
+    chunk_s: float
+    requests: Requests = field(default_factory=Requests)
+    latch: TripLatch | None = None
+    supervision: str = ""
+    excitation: Excitation = field(default_factory=Excitation)
+    live: LiveRing | None = None
+    expected: ExpectedModes | None = None
+
+    def tap(self, delivery: Delivery) -> LiveTap | None:
+        """Shows what comes, where it is to be shown."""
+        return None if self.live is None else self.live.open(self.recorder.run, self.rig, delivery)
+
+    def poll(self) -> None:
+        """Look, before every read, whether the run shall go on.
+
+        Raises:
+            OrderedEndError: it was asked to end.
+            TrippedError: somebody else has brought the output to 0 V.
+        """
+        order = self.control()
+        if order is not None:
+            raise OrderedEndError(order)
+        trip = self.latch.read() if self.latch is not None and self.latch.tripped else None
+        if trip is not None and trip.cause == "emergency stop":
+            raise OrderedEndError("emergency")
+        if trip is not None and self.latch is not None:
+            self.latch.require_reset()
+
+
+def what_ends_it(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
+    """What brings the output to 0 V should a process or this machine fail, in words."""
+    longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig)
+    notice = f"longest burst {longest:.4g} s: "
+    excitation = setup.rig.excitation
+    if not setup.bench.info.streams_bursts:
+        notice += "if any process fails, the output returns to 0 V by itself within that time"
+    elif excitation is not None and excitation.watchdog_s is not None:
+        notice += (
+            f"if any process fails, the device's watchdog brings the output to 0 V after {excitation.watchdog_s:g} s"
+        )
+    else:
+        waived = excitation.watchdog_waived if excitation is not None else ""
+        notice += (
+            "should this machine crash or sleep, or lose the device, in a burst, the output HOLDS ITS LAST VALUE: the"
+            f" device has no watchdog; the rig file says: {waived}"
+        )
+    return f"{notice}; {setup.supervision}" if setup.supervision else notice
+
+
+def prepare(setup: Setup) -> Context:
+    """Configure the bench, open the record, and start streaming."""
+    bench, plan = setup.bench, setup.plan
+    bench.zero()
+    delivery = bench.configure(Request(records_of(plan), plan.rate_hz))
+    conversion = Conversion.of(setup.rig, records_of(plan), delivery.units, delivery.scale, delivery.dtype)
+    block = round(plan.block_s * delivery.rate_hz)
+    recut = _recut(plan, delivery)
+    if recut is None:
+        setup.recorder.open(delivery, block)
+    else:
+        setup.recorder.open(replace(delivery, rate_hz=recut.to_hz), recut.native)
+    # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
+    chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
+    # A block is looked at, and written, when its burst has ended.
+    tail = ceil(tail_s(plan) * delivery.rate_hz) if isinstance(plan, SinePlan) else 0
+    keep = MEMORY_BLOCKS * block + tail
+    stream = Stream(bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
+    load_filters(setup.rig.limits)
+    bench.start()
+    return Context(
+        bench, setup.rig, setup.recorder, setup.emit, setup.life, conversion, stream, block, recut,
+        setup.requests, setup.excitation,
+    )  # fmt: skip
+
+
+def require_sensors_known(setup: Setup) -> None:
+    """Report what certificates and sensors say of each other.
+
+    Raises:
+        RigError: they contradict the rig file.
+    """
+    remarks = remarks_on(setup.rig, records_of(setup.plan), datetime.now(UTC).date(), setup.bench)
+    for remark in remarks:
+        setup.emit(Notice(run=setup.recorder.run, what=f"{remark.channel}: {remark.what}"))
+    wrong = [f"{remark.channel}: {remark.what}" for remark in remarks if remark.contradiction]
+    if wrong:
+        raise RigError("; ".join(wrong), where="sensors", remedy="check which sensor is mounted; correct the rig file")
+
+
+def wait_for_supplies(setup: Setup, context: Context) -> None:
+    """Wait until the bias of fed sensors has settled, and report those whose bias has not."""
+    fed, stream = fed_channels(setup.bench, setup.rig), context.stream
+    if not fed:
+        return
+    run = setup.recorder.run
+    what = f"{len(fed)} sensors are fed; waiting until their bias has settled, at most {PATIENCE_S:g} s"
+    setup.emit(Notice(run=run, what=what))
+
+    def pull(count: int) -> NDArray[np.generic]:
+        pieces: list[NDArray[np.generic]] = []
+        stream.advance_to(stream.next + count, lambda chunk: pieces.append(chunk.samples))
+        return np.concatenate(pieces, axis=1)
+
+    wait = wait_until_settled(pull, fed, stream.rate_hz)
+    if wait.unsettled:
+        what = f"the bias of {', '.join(wait.unsettled)} still moves after {wait.seconds:g} s; look at sensor and cable"
+        setup.emit(Notice(run=run, what=what))
+
+
+def _recut(plan: Plan, delivery: Delivery) -> Recut | None:
+    if plan.delivered_hz is None or plan.delivered_hz == delivery.rate_hz:
+        return None
+    if plan.delivered_hz > delivery.rate_hz:
+        raise PlanError(
+            f"delivered_hz: {plan.delivered_hz:g} Hz; allowed: up to the device's rate, {delivery.rate_hz:g} Hz",
+            where=f"{plan.kind} plan",
+            remedy="ask for a lower delivered rate, or a higher rate_hz",
+        )
+    return Recut.of(delivery.rate_hz, plan.delivered_hz, plan.block_s)
