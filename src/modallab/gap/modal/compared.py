@@ -16,8 +16,8 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.errors import sizes, weights
 from modallab.gap.modal.matching import Side, in_common
+from modallab.gap.modal.narrower import in_band
 from modallab.gap.modal.off_axis import Means, MeasuredFrfs
-from modallab.gap.modal.same_form import in_form_of
 from modallab.gap.modal.state import Hung
 from modallab.gap.modal.weights import Weights
 from modallab.modification.freedoms import Freedom, freedoms_of
@@ -180,7 +180,7 @@ def compared(
     both = None not in (before.measured, after.measured)
     model, other = before.model, after.model
     if not both:
-        model, other = (in_form_of(m, (low, high), after.model.residual_powers) for m in (model, other))
+        model, other = (in_band(m, (low, high)) for m in (model, other))
     shapes = shapes_of(model, rig, mesh)
     outputs, inputs = freedoms_of(model, rig)
     s = _lines(other, max(low, 0.3 * float(model.frequency_hz[0])), high, smooth)
