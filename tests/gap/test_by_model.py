@@ -5,13 +5,17 @@ import pytest
 from closed_form_plate import OMEGA, REFERENCE, SENSORS, A, B, X, Y, model, rig, shapes, with_mass
 from scipy.linalg import eigh
 
+from modallab.core.frf import Frf
 from modallab.gap.modal.compared import compared
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.matching import Side
 from modallab.gap.modal.weights import Weights
+from modallab.identification.frf_model import identify_frf
+from modallab.identification.options import Options
 from modallab.modification.mesh import MOST, Mesh, on_surface
 from modallab.modification.shapes import shapes_of
+from modallab.modification.synthesis import synthesised
 
 
 def test_constants_hold_the_shapes_of_every_struck_point_and_what_lies_between() -> None:
@@ -100,6 +104,22 @@ def test_shapes_poles_and_damping_each_off_by_their_own_share_are_no_gap(seed: i
     damping = bench.damping_ratio * np.exp(0.3 * rng.standard_normal(OMEGA.size))
     other = bench.model_copy(update={"modal_constants": constants, "damping_ratio": damping})
     assert diagnose_by_model(REFERENCE, other, rig()).verdict == "no_gap"
+
+
+@pytest.mark.parametrize("gain", [1.0, 1.1])
+def test_a_mode_just_above_the_band_of_one_side_is_no_gap(gain: float) -> None:
+    """What an identification makes of it in a few terms is not what a model makes of it that holds the mode."""
+    hz = np.arange(5.0, 0.95 * OMEGA[-1] / (2 * np.pi), 0.05)
+    s = 2j * np.pi * hz
+    accelerations = (
+        np.moveaxis(s[:, None, None] ** 2 * synthesised(REFERENCE, s), 0, 2) * np.array([1.0, gain, 1.0])[:, None, None]
+    )
+    frf = Frf(hz, accelerations, "inertance", REFERENCE.outputs, REFERENCE.output_points, REFERENCE.input_points)
+    bench, _ = identify_frf(frf, rig(), Options())
+    assert bench.n_modes == OMEGA.size - 1
+    found = diagnose_by_model(REFERENCE, bench, rig())
+    assert [e.effect for e in found.effects] == ([] if gain == 1.0 else ["gain_error"])
+    assert found.verdict == ("no_gap" if gain == 1.0 else "known")
 
 
 def mesh() -> Mesh:

@@ -11,6 +11,7 @@ from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
+from modallab.identification.model.folded import POWERS, folded
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
 
@@ -25,7 +26,6 @@ NEAR = 0.03
 APART = 20.0
 """Ratio of two frequencies that follow each other, from which those below are motions of the whole."""
 RIGID = 6
-POWERS, LINES = (0, 2, 4), 200
 UNSEEN = 1e-6
 """Of the largest modal constant: a mode that no sensor sees by more is left out."""
 
@@ -40,7 +40,7 @@ def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inp
     """
     channels = _channels(rig)
     constants = _constants(fem, rig, channels, inputs)
-    hz = fem.modes.frequency_hz
+    hz, zeta = fem.modes.frequency_hz, _damping(fem, rig)
     rigid = np.arange(hz.size) < _rigid(hz)
     inside = ~rigid & (hz <= ABOVE * band_hz[1])
     kept = _kept(inside, constants)
@@ -53,7 +53,8 @@ def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inp
     above = ~rigid & ~inside
     # Where nothing moves as a whole, nothing is said of it: a test's own term is then not known, instead of wrong.
     whole = {-2: np.sum(constants[rigid], axis=0)} if np.any(rigid) else {}
-    outside = whole | dict(zip(POWERS, _compliance(constants[above], hz[above], band_hz), strict=True))
+    poles = 2 * np.pi * hz[above] * (1j * np.sqrt(1 - zeta[above] ** 2) - zeta[above])
+    outside = whole | dict(zip(POWERS, folded(poles, constants[above].astype(np.complex128), band_hz), strict=True))
     return _model(fem, rig, band_hz, channels, inputs, kept, constants, outside)
 
 
@@ -65,8 +66,7 @@ def frf_of_elements(fem: FemModel, rig: Rig, like: Frf, inputs: tuple[int, ...])
     """
     channels = _channels(rig)
     s = like.damping_shift + 2j * np.pi * like.frequency_hz[:, None]
-    omega, zeta = 2 * np.pi * fem.modes.frequency_hz, fem.modes.damping_ratio
-    zeta = np.where(np.isnan(zeta), rig.damping_ratio.guess, zeta)
+    omega, zeta = 2 * np.pi * fem.modes.frequency_hz, _damping(fem, rig)
     kernels = s ** DERIVATIVES[like.quantity] / (s**2 + 2 * zeta * omega * s + omega**2)
     values = np.einsum("roi,lr->oil", _constants(fem, rig, channels, inputs), kernels, optimize=True)
     return replace(
@@ -130,19 +130,6 @@ def _kept(inside: NDArray[np.bool_], constants: Real) -> NDArray[np.bool_]:
     return inside & (size > UNSEEN * size.max(initial=0.0))
 
 
-def _compliance(constants: Real, hz: Real, band_hz: tuple[float, float]) -> Real:
-    """(terms, outputs, inputs) coefficients of s^p for p in `POWERS` that stand for modes above the band within it.
-
-    A mode near the band's end is no mere compliance there: the terms are those that fit its receptance best.
-    """
-    omega = 2 * np.pi * np.linspace(*band_hz, LINES)
-    # Even powers of s on the axis: (j omega)^p is real.
-    terms = np.stack([(-1) ** (p // 2) * (omega / omega[-1]) ** p for p in POWERS], axis=1)
-    receptance = 1 / ((2 * np.pi * hz) ** 2 - omega[:, None] ** 2)
-    by_mode = np.linalg.lstsq(terms, receptance, rcond=None)[0] / omega[-1] ** np.array(POWERS, float)[:, None]
-    return np.einsum("pm,moi->poi", by_mode, constants)
-
-
 def _model(
     fem: FemModel,
     rig: Rig,
@@ -153,13 +140,12 @@ def _model(
     constants: Real,
     outside: dict[int, Real],
 ) -> ModalModel:
-    zeta = fem.modes.damping_ratio[kept]
     nothing = np.full(int(kept.sum()), np.nan)
     return ModalModel(
         method=COMPUTED,
         band_hz=band_hz,
         frequency_hz=fem.modes.frequency_hz[kept],
-        damping_ratio=np.where(np.isnan(zeta), rig.damping_ratio.guess, zeta),
+        damping_ratio=_damping(fem, rig)[kept],
         frequency_sigma_hz=nothing,
         damping_sigma=nothing,
         outputs=tuple(c.name for c in channels),
@@ -173,6 +159,12 @@ def _model(
         half_power_floor=nothing,
         notes=(f"Computed by finite elements: {fem.modes.title}. Its damping ratios are not computed.",),
     )
+
+
+def _damping(fem: FemModel, rig: Rig) -> Real:
+    """(modes,) damping ratios, guessed where they were not computed."""
+    zeta = fem.modes.damping_ratio
+    return np.where(np.isnan(zeta), rig.damping_ratio.guess, zeta)
 
 
 def _rigid(hz: Real) -> int:

@@ -16,8 +16,8 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.errors import sizes, weights
 from modallab.gap.modal.matching import Side, in_common
+from modallab.gap.modal.narrower import in_band
 from modallab.gap.modal.off_axis import Means, MeasuredFrfs
-from modallab.gap.modal.same_form import in_form_of
 from modallab.gap.modal.state import Hung
 from modallab.gap.modal.weights import Weights
 from modallab.modification.freedoms import Freedom, freedoms_of
@@ -178,27 +178,29 @@ def compared(
     before, after = in_common(reference, own or rig, bench, rig)
     # FRFs count where both sides have them: those of one alone would pass for a gap.
     both = None not in (before.measured, after.measured)
-    model = before.model if both else in_form_of(after.model, before.model)
+    model, other = before.model, after.model
+    if not both:
+        model, other = (in_band(m, (low, high)) for m in (model, other))
     shapes = shapes_of(model, rig, mesh)
     outputs, inputs = freedoms_of(model, rig)
-    s = _lines(after.model, max(low, 0.3 * float(model.frequency_hz[0])), high, smooth)
+    s = _lines(other, max(low, 0.3 * float(model.frequency_hz[0])), high, smooth)
     out_psi = np.array([shapes.seen[:, shapes.index(f)] for f in outputs])
     into_psi = np.array([shapes.driven[:, shapes.index(f)] for f in inputs]) * shapes.turn
     means = _means(s, (before.measured, after.measured))
     if means is None:
-        known, measured, noise = synthesised(model, s), synthesised(after.model, s), None
+        known, measured, noise = synthesised(model, s), synthesised(other, s), None
     else:
         s, (known, measured) = means[0].s, (m.mean(m.of.receptances) for m in means)
         noise = means[0].noise() + means[1].noise()
     return Compared(
         rig=rig,
         model=model,
-        bench=after.model,
+        bench=other,
         shapes=shapes,
         out_psi=out_psi,
         into_psi=into_psi,
         out_slopes=np.array([shapes.slopes(f) for f in outputs]),
-        into_slopes=_into_slopes(shapes, inputs, into_psi, after.model),
+        into_slopes=_into_slopes(shapes, inputs, into_psi, other),
         s=s,
         outside=known - np.einsum("lr,or,ir->loi", kernels(model, s), out_psi, into_psi),
         known=known,
@@ -206,7 +208,7 @@ def compared(
         # What hangs on a computed reference is not coupled line by line: its resonances are not the bench's.
         frfs=None if means is None or model.method == COMPUTED else means[0],
         noise=noise,
-        weights=weights(model, after.model, s, measured, noise),
+        weights=weights(model, other, s, measured, noise),
     )
 
 

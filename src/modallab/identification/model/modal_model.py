@@ -14,13 +14,9 @@ from modallab.identification.likelihood.fit import Fit, residuals
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.rows import unstack
 from modallab.identification.model.driving import driving_points
+from modallab.identification.model.folded import POWERS, folded
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.model.repeated_poles import Split, split_repeated
-
-FOLDED = tuple(range(9))
-"""Powers of s that stand for a mode above the band; the odd ones for its damping."""
-FOLDED_LINES = 400
-"""Frequencies at which they are made to."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -143,30 +139,15 @@ def _residual_terms(
 ) -> tuple[tuple[int, ...], NDArray[np.float64]]:
     """The fit's residual terms, with each mode left out (above the kept ones) added as a sum of powers of s."""
     at, (constants, own) = fit.point.parameters, seen
-    powers = sorted({*fit.problem.powers, *(FOLDED if not np.all(keep) else ())})
+    powers = sorted({*fit.problem.powers, *(POWERS if not np.all(keep) else ())})
     terms = np.zeros((len(powers), *constants.shape[1:]))
     for power, term in zip(fit.problem.powers, own, strict=True):
         terms[powers.index(power)] += term
-    poles = poles_of(at.omega, at.zeta)
-    for r in np.flatnonzero(~keep & (at.omega > np.max(at.omega[keep], initial=0.0))):
-        residue = constants[r] / (2j * poles[r].imag)
-        for power, (along, across) in zip(FOLDED, _as_powers(complex(poles[r]), band_hz), strict=True):
-            terms[powers.index(power)] += along * residue.real + across * residue.imag
+    above = ~keep & (at.omega > np.max(at.omega[keep], initial=0.0))
+    for power, term in zip(POWERS, folded(poles_of(at.omega, at.zeta)[above], constants[above], band_hz), strict=True):
+        if power in powers:
+            terms[powers.index(power)] += term
     return tuple(powers), terms
-
-
-def _as_powers(pole: complex, band_hz: tuple[float, float]) -> NDArray[np.float64]:
-    """Factors (powers, 2) of the powers of s that stand in the band for a pole pair of residue 1, and of residue j.
-
-    By least squares over the band's mobility: the Taylor series of a pole just above the band hardly converges there.
-    """
-    omega = np.linspace(max(band_hz[0], 1e-3 * band_hz[1]), band_hz[1], FOLDED_LINES) * 2 * np.pi
-    s, top = 1j * omega, float(omega[-1])
-    up, down = s / (s - pole), s / (s - pole.conjugate())
-    columns = np.stack([s * (s / top) ** power for power in FOLDED], axis=1)
-    values = np.stack([up + down, 1j * (up - down)], axis=1)
-    factors = np.linalg.lstsq(np.vstack([columns.real, columns.imag]), np.vstack([values.real, values.imag]))[0]
-    return np.asarray(factors / top ** np.array(FOLDED, dtype=np.float64)[:, None], np.float64)
 
 
 def without_sigma(model: ModalModel) -> ModalModel:
