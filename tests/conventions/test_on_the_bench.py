@@ -69,6 +69,7 @@ def recorded(folders: tuple[Path, Path]) -> list[Campaign]:
     return [record_campaign(BENCH, rig, [plan], into, lambda _: None) for rig, into in zip(rigs, folders, strict=True)]
 
 
+@pytest.mark.thorough("records and identifies on two benches")
 def test_hits_trigger_and_count_and_give_the_same_model(recorded: list[Campaign]) -> None:
     assert [len(c.blocks) for c in recorded] == [2, 2]
     one, two = (identify_campaign(c, Options(band_hz=(3.0, 300.0))).identified[0].model for c in recorded)
@@ -77,6 +78,7 @@ def test_hits_trigger_and_count_and_give_the_same_model(recorded: list[Campaign]
     assert np.linalg.norm(b - a) < 0.02 * np.linalg.norm(a)
 
 
+@pytest.mark.thorough("records and identifies on two benches")
 def test_the_live_frf_is_the_same(recorded: list[Campaign], folders: tuple[Path, Path]) -> None:
     found = []
     for folder in folders:

@@ -51,12 +51,15 @@ def test_noise_on_the_force_lowers_h1_by_its_power_and_hv_by_half_of_it() -> Non
     assert gain("H2", NOISE, 0.0) == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.thorough("fits polynomials to long records once more")
 def test_noise_on_the_responses_raises_h2_alone_above_what_is_true() -> None:
     assert gain("H1", 0.0, 0.1, 0.2) == pytest.approx(1.0, abs=0.01)
     assert 1.0 < gain("Hv", 0.0, 0.1, 0.2) < gain("H2", 0.0, 0.1, 0.2)
 
 
-@pytest.mark.parametrize("estimator", ["H2", "Hv"])
+@pytest.mark.parametrize(
+    "estimator", ["H2", pytest.param("Hv", marks=pytest.mark.thorough("fits polynomials to long records once more"))]
+)
 def test_without_noise_the_record_that_begins_ringing_is_no_trouble(estimator: str) -> None:
     force, response, true = records(0.0, 0.0)
     found, _ = one_force_frf(force, response, estimator)

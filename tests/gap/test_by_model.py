@@ -80,6 +80,7 @@ def test_a_mass_is_found_where_it_is() -> None:
     assert effect.interval["mass"][0] < effect.parameters["mass"] < effect.interval["mass"][1]
 
 
+@pytest.mark.thorough("diagnoses a plate of ten points")
 def test_a_gain_is_that_of_its_channel() -> None:
     found = diagnose_by_model(REFERENCE, model(OMEGA, shapes(X, Y), (1.0, 0.8, 1.0)), rig())
     (effect,) = found.effects

@@ -21,7 +21,13 @@ def distorted(seed: int = 0) -> Frf:
     return Frf(hz, values * (1 + 0.04 * np.sin(hz / 1.3 + phase)), "inertance", ("a1", "a2", "a3"), (1, 2, 3), (1,))
 
 
-@pytest.mark.parametrize(("effect", "value", "name"), [("added_mass", 1.2, "mass"), ("ground_spring", 3e4, "k")])
+@pytest.mark.parametrize(
+    ("effect", "value", "name"),
+    [
+        ("added_mass", 1.2, "mass"),
+        pytest.param("ground_spring", 3e4, "k", marks=pytest.mark.thorough("identifies and diagnoses once more")),
+    ],
+)
 def test_a_size_is_exact_where_the_modal_model_is_not(effect: str, value: float, name: str) -> None:
     before = distorted()
     after = with_effect(before, Put(effect, value, output=0, input=0))

@@ -60,6 +60,7 @@ def test_of_experiments_that_tell_alike_the_shortest_comes_first(found: list[Exp
     assert found[0].seconds == min(e.seconds for e in sure)
 
 
+@pytest.mark.thorough("plans all experiments again")
 def test_what_is_expected_is_what_the_records_then_say(struck_off: Campaign, at_its_point: Campaign) -> None:
     unsure = remaining_explanations(at_its_point.rig, STRUCK_OFF, SENSOR_OFF)
     planning = Planning.of(at_its_point, unsure)

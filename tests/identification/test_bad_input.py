@@ -142,7 +142,7 @@ def _verifying(hits, kind):
     return signals, lambda it, of=fit: verify_sine(model, of, it, RIG)
 
 
-@pytest.mark.parametrize("kind", ["impact", "sine"])
+@pytest.mark.parametrize("kind", ["impact", pytest.param("sine", marks=pytest.mark.thorough("identifies once more"))])
 def test_a_model_is_compared_with_no_other_records_than_its_own(kind, hits):
     good, verify = _verifying(hits, kind)
     assert verify(good).frac.min() > 0.9

@@ -81,6 +81,7 @@ def test_what_a_segment_moves_is_the_derivative():
     np.testing.assert_allclose(first.shapes_moved[0], shapes, rtol=1e-3, atol=1e-6)
 
 
+@pytest.mark.thorough("identifies by two methods")
 def test_plscf_on_half_spectra_finds_what_ssi_finds():
     """Both see the same records, so that they differ by little more than either is off."""
     ours, known = response_modes([responses(1)], RATE, (3.0, 55.0), PLSCF), found(1)

@@ -3,6 +3,8 @@
 from itertools import pairwise
 from pathlib import Path
 
+import pytest
+
 from modallab.core.block import Campaign
 from modallab.core.progress import count_progress, part, report, report_progress_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
@@ -59,6 +61,7 @@ def require_moving(said: Said, *stages: str) -> None:
         assert any(stage in words for _, words in said), stage
 
 
+@pytest.mark.thorough("identifies hits of a real structure")
 def test_identification_says_how_far_its_search_is(tmp_path: Path) -> None:
     kind = kinds(hits, tmp_path)[0]
     said = computed(kind, hits(()), {"band_hz": [500, 1500]})

@@ -35,6 +35,7 @@ def listed(capsys: pytest.CaptureFixture[str]) -> str:
     return capsys.readouterr().out
 
 
+@pytest.mark.thorough("draws an effect of a stated gap")
 def test_two_files_are_an_effect_for_as_long_as_they_are_there(
     tmp_path: Path, link: Rig, capsys: pytest.CaptureFixture[str]
 ):

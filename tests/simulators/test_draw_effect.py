@@ -44,6 +44,7 @@ def test_noise_of_one_channel_is_counted_without_being_drawn(ruler: Ruler, link:
     assert ruler.gap((noisy,)) == pytest.approx((120 * share / 10) ** 0.5, rel=1e-3)
 
 
+@pytest.mark.thorough("draws an effect of a stated gap")
 def test_the_requested_gap_is_met(link: Rig, ruler: Ruler):
     drawn = draw_effect(link, 4, "gain_error", 3.0)
     assert drawn.gap == pytest.approx(3.0, rel=0.05)

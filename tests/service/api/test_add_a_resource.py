@@ -38,6 +38,7 @@ def lab_with_the_page(tmp_path: Path, link_rig: Rig, monkeypatch: pytest.MonkeyP
             monkeypatch.delattr(import_module(package), name, raising=False)
 
 
+@pytest.mark.thorough("starts the service once more")
 def test_two_files_are_a_resource(lab_with_the_page: Lab, link_rig: Rig) -> None:
     path = f"/api/v1/rigs/{RIG}/channels"
     with lab_with_the_page.client() as client:
@@ -55,6 +56,7 @@ def test_two_files_are_a_resource(lab_with_the_page: Lab, link_rig: Rig) -> None
     assert "ChannelView" in document["components"]["schemas"]
 
 
+@pytest.mark.thorough("starts the service once more")
 def test_without_them_there_is_no_such_resource(lab: Lab) -> None:
     assert "/api/v1/rigs/{rig}/channels" not in lab.app.openapi()["paths"]
     with lab.client() as client:

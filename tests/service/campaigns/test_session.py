@@ -61,6 +61,7 @@ def test_a_plan_that_the_rig_cannot_do_ends_the_session_and_what_was_kept_stays(
         assert len(store.blocks(done.id)) == 1
 
 
+@pytest.mark.thorough("records and identifies a test before another")
 def test_a_sine_test_takes_the_modes_of_the_impact_test_before_it_to_see_whether_it_settled(
     link_rig: Rig, tmp_path: Path
 ) -> None:

@@ -41,6 +41,7 @@ def test_set_ups_that_cannot_be_are_rejected(setups: tuple[SetUp, ...], words: s
     assert words in problem
 
 
+@pytest.mark.thorough("records and identifies two set-ups")
 def test_sensors_are_moved_between_the_runs_and_each_is_kept_with_its_rig(tmp_path: Path) -> None:
     asked: list[tuple[str, Sequence[Move]]] = []
 
