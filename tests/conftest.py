@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from compiled_once import compiled_once
 from files_together import pytest_xdist_make_scheduler
-from made_once import made_once, record_demo
+from made_once import made_once, record_demo, write_small
 from postgresql_server import Server, postgresql_server
 from slowest_tests import pytest_addoption, pytest_configure
 
@@ -117,6 +117,12 @@ def practice() -> Path:
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of `modallab demo --out demo`, to be read only; beside it stands what the command printed."""
     return made_once(tmp_path_factory, "recorded", record_demo) / "demo"
+
+
+@pytest.fixture(scope="session")
+def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a campaign that the twin made: 6 hits, 24 sines and the rig file, to be read only."""
+    return made_once(tmp_path_factory, "small", write_small)
 
 
 @pytest.fixture(scope="session")

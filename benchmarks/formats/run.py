@@ -27,6 +27,7 @@ import numpy as np
 import second_binary_cases  # noqa: F401
 import second_text_cases  # noqa: F401
 import sep005_cases  # noqa: F401
+import sixth_cases  # noqa: F401
 import tdms_cases  # noqa: F401
 import text_cases  # noqa: F401
 import third_cases  # noqa: F401

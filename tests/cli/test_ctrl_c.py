@@ -17,15 +17,15 @@ LONG = 120
 @pytest.mark.parametrize(
     ("nth", "command", "left"),
     [
-        pytest.param(2, "identify {demo} --json models.json", "models.json", marks=AGAIN),
-        pytest.param(3, "gap diagnose {demo} --json gap.json", "gap.json", marks=AGAIN),
-        (1, "import {demo}/campaign.h5 --rig {demo}/rig.yaml --out new.h5", "new.h5"),
+        pytest.param(2, "identify {small} --json models.json", "models.json", marks=AGAIN),
+        pytest.param(3, "gap diagnose {small} --json gap.json", "gap.json", marks=AGAIN),
+        (1, "import {small}/campaign.h5 --rig {small}/rig.yaml --out new.h5", "new.h5"),
         pytest.param(2, "demo --out new", "new/report.html", marks=AGAIN),
     ],
     ids=["identify", "diagnose", "import", "demo"],
 )
-def test_ctrl_c_ends_a_command_in_good_order(nth: int, command: str, left: str, demo: Path, tmp_path: Path) -> None:
-    script = [sys.executable, stopped_by_ctrl_c.__file__, str(nth), *command.format(demo=demo).split()]
+def test_ctrl_c_ends_a_command_in_good_order(nth: int, command: str, left: str, small: Path, tmp_path: Path) -> None:
+    script = [sys.executable, stopped_by_ctrl_c.__file__, str(nth), *command.format(small=small).split()]
     with subprocess.Popen(
         script, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     ) as child:

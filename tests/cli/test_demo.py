@@ -10,12 +10,16 @@ import pytest
 from modallab.cli import main
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 
+RECORDED = pytest.mark.thorough("records and identifies the demonstration")
 
+
+@RECORDED
 def test_the_demo_leaves_everything_in_one_folder(demo):
     assert {"report.html", "campaign.h5", "models.json", "rig.yaml"} <= {p.name for p in demo.iterdir()}
     assert len(read_campaign(demo / "campaign.h5").blocks) == 47
 
 
+@RECORDED
 def test_both_tests_find_the_bench_that_was_built(demo):
     document = json.loads((demo / "models.json").read_text())
     limits = {"impact": (2e-4, 0.03), "sine": (1e-3, 0.05)}
@@ -31,7 +35,7 @@ def test_both_tests_find_the_bench_that_was_built(demo):
         assert model["half_power"][0] > 4 * true_z[0]
 
 
-@pytest.mark.thorough("identifies the whole demonstration again")
+@RECORDED
 def test_the_demos_campaign_is_identified_again_alike(demo, tmp_path):
     assert main(["identify", str(demo), "--json", str(tmp_path / "m.json")]) == 0
     first = json.loads((demo / "models.json").read_text())["models"][0]

@@ -7,7 +7,6 @@ import shutil
 from pathlib import Path
 
 import pytest
-from identified_once import identified_once
 from notebooks import notebook_differences
 from page_preparations import PREPARED, nothing
 from page_walk import Walk
@@ -43,11 +42,10 @@ def test_every_block_does_what_its_page_says(
     # The demo is run once for all tests.
     shutil.copytree(demo, tmp_path / "demo")
     printed = {"modallab demo --out demo": (demo.parent / "printed.txt").read_text(encoding="utf-8").splitlines()}
-    with identified_once():
-        for page in pages:
-            with PREPARED.get(page, nothing)(tmp_path) as made:
-                ran = SERVES | made.pop("ran", set())
-                wrong += Walk(tmp_path, printed, ran=ran, **made).wrong(fenced(ROOT / page))
+    for page in pages:
+        with PREPARED.get(page, nothing)(tmp_path) as made:
+            ran = SERVES | made.pop("ran", set())
+            wrong += Walk(tmp_path, printed, ran=ran, **made).wrong(fenced(ROOT / page))
     if pages[0] == "README.md":
         # It opens what the README has recorded and diagnosed.
         wrong += notebook_differences(ROOT / "docs/notebooks/gap.ipynb", tmp_path)

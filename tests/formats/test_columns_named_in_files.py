@@ -142,3 +142,38 @@ def test_frfs_below_each_other_without_a_title_are_rejected(tmp_path: Path) -> N
     (tmp_path / "frfs.txt").write_text(stacked(["", "", ""]), encoding="utf-8")
     with pytest.raises(DataError, match="3 tables of FRFs below each other, and not the response of each"):
         import_sources([tmp_path / "frfs.txt"], RIG)
+
+
+def write_structures(path: Path) -> None:
+    units = {"force": ("kN", 1e-3), "a02": ("mm/s^2", 1e3)}
+    parts = {n: (*units.get(n, ("m/s^2", 1.0)), row) for n, row in zip(NAMES, hit(4), strict=True)}
+    if path.suffix == ".mat":
+        io.savemat(path, {n: {"data": k * row, "unit": unit, "fs": RATE_HZ} for n, (unit, k, row) in parts.items()})
+        return
+    with h5py.File(path, "w") as target:
+        for name, (unit, k, row) in parts.items():
+            target[f"run/{name}"] = k * row
+            target[f"run/{name}"].attrs.update({"unit": unit, "fs": RATE_HZ})
+
+
+@pytest.mark.parametrize("ending", ["mat", "h5"])
+def test_the_unit_that_a_file_gives_to_a_channel_counts(tmp_path: Path, ending: str) -> None:
+    write_structures(tmp_path / f"x.{ending}")
+    (block,) = import_sources([tmp_path / f"x.{ending}"], RIG).blocks
+    assert block.units == ("kN", "m/s^2", "mm/s^2", "m/s^2")
+    assert block.rate_hz == pytest.approx(RATE_HZ)
+    np.testing.assert_allclose(block.samples[0] * 1e3, hit(4)[0], rtol=1e-12)
+
+
+def test_units_listed_beside_names_count(tmp_path: Path) -> None:
+    rows = hit(4)[list(ORDER)] * np.array([[1e3, 1e-3, 1e3, 1e3][k] for k in range(4)])[:, None]
+    units = cell(["mm/s^2", "kN", "mm/s^2", "mm/s^2"])
+    io.savemat(tmp_path / "x.mat", {"x": rows.T, "fs": RATE_HZ, "chNames": cell(named()), "chUnits": units})
+    (block,) = import_sources([tmp_path / "x.mat"], RIG).blocks
+    assert block.units == ("kN", "mm/s^2", "mm/s^2", "mm/s^2")
+
+
+def test_arrays_of_an_npz_are_the_channels_of_their_names(tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", time=times(), **dict(zip(NAMES, hit(4), strict=True)))
+    (block,) = import_sources([tmp_path / "x.npz"], RIG).blocks
+    np.testing.assert_array_equal(block.samples, hit(4))

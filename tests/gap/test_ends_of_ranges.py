@@ -10,8 +10,10 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.model.candidates import of_channel
+from modallab.gap.model.fit import Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.fitting import finish, short
+from modallab.gap.unknown.fitted import element
 
 
 @pytest.mark.parametrize("hz", [300.0, 430.0])
@@ -27,3 +29,22 @@ def test_a_mount_with_too_much_damping_becomes_a_resonance_again(
     found = finish(bench, begun, 0.01)
     assert found.gap < 1.1
     assert found.effects[0].parameters["hz"] == pytest.approx(382.0, rel=1e-3)
+
+
+def test_a_beam_pressed_beyond_its_buckling_load_is_a_bad_fit_and_no_failure(
+    rig: Rig, make: Callable[..., Campaign]
+) -> None:
+    prepared = prepare(make())
+    bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
+    law = element(bench, "beam_law", ("tension",), (("x", "all"),), 1.0)
+    problem, beam = Problem(bench.thin, bench.free, (law,)), rig.beam
+    assert beam is not None
+    bending = beam.youngs_modulus_pa * beam.width_m * beam.thickness_m**3 / 12
+    buckling = np.pi**2 * bending / (2 * beam.length_m) ** 2
+
+    def cost(tension: float) -> float:
+        own = [slot.coordinate(tension) for slot in law.slots]
+        return seen(problem, np.array([*np.zeros(bench.free.size), *own])).cost
+
+    assert np.isfinite(cost(-1.1 * buckling))
+    assert cost(-1.1 * buckling) > cost(-0.5 * buckling) > cost(0.0)

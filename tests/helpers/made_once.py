@@ -8,8 +8,11 @@ from contextlib import chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import pytest
+from twin_campaign import built, link
 
 from modallab.cli import main
+from modallab.formats.campaign.campaign_hdf5 import write_campaign
+from modallab.formats.rig.rig_file import write_rig
 
 MADE_S = 300.0
 
@@ -30,6 +33,13 @@ def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path],
         make(folder)
         made.touch()
     return folder
+
+
+def write_small(folder: Path) -> None:
+    """The campaign of `twin_campaign.built`, as a command reads it."""
+    rig = link()
+    write_campaign(built(rig), folder / "campaign.h5")
+    write_rig(rig, folder / "rig.yaml")
 
 
 def record_demo(folder: Path) -> None:

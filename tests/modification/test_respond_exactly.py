@@ -5,6 +5,7 @@ import pytest
 from chain import BARE
 from scipy import signal
 
+from modallab.core.model import ScaleUncertainty
 from modallab.core.units import Quantity
 from modallab.modification.known import Known
 
@@ -74,3 +75,34 @@ def test_with_a_mass_the_response_is_that_of_the_heavier_structure() -> None:
     _, expected, _ = signal.lsim((state, b, state[4:], b[4:]), up, DT / 16 * np.arange(16 * N))
     found = heavy.response(force, DT, [1], [1, 2, 3, 4])
     np.testing.assert_allclose(found, expected[::16].T, rtol=0, atol=2e-3 * np.abs(expected).max())
+
+
+def test_the_deviation_of_a_response_is_that_of_what_is_uncertain() -> None:
+    """A frequency known to a share moves the response as the frequency itself does, with a mass or without."""
+    from modallab.modification.attachments import Element
+
+    t = DT * np.arange(N)
+    force = (np.exp(-(((t - 1.0) / 0.12) ** 2)) * np.sin(2 * np.pi * 20 * t))[None]
+    share, exact = 1e-5, ("frequency_sigma_hz", "damping_sigma", "modal_constant_sigma", "residuals")
+    model = BARE.model(driven=(1, 3))
+    nothing = np.zeros(4)
+    known_scale = ScaleUncertainty(
+        force=0.0, responses=nothing, modal_constants=nothing, shapes=nothing, modal_mass=0.0
+    )
+    model = model.model_copy(
+        update={name: 0 * getattr(model, name) for name in exact} | {"scale_uncertainty": known_scale}
+    )
+    unsure = model.model_copy(update={"frequency_sigma_hz": share * model.frequency_hz * np.eye(4)[1]})
+    for changes in ([], [Element(3, mass=0.4)]):
+
+        def moved(known: Known) -> np.ndarray:
+            return known.response(force, DT, [1], [1, 2, 3, 4])
+
+        higher, lower = (
+            Known(model.model_copy(update={"frequency_hz": model.frequency_hz * (1 + side * share * np.eye(4)[1])}))
+            for side in (1, -1)
+        )
+        slope = (moved(higher.with_changes(changes)) - moved(lower.with_changes(changes))) / 2
+        sigma = Known(unsure).with_changes(changes).deviation(moved)
+        np.testing.assert_allclose(sigma, np.abs(slope), rtol=0, atol=0.3 * np.abs(slope).max())
+        assert np.linalg.norm(sigma) == pytest.approx(np.linalg.norm(slope), rel=0.25)

@@ -33,8 +33,8 @@ def model(twin: ml.DiagnosedTwin) -> ml.Model:
 
 
 @pytest.fixture(scope="module")
-def recorded(demo: Path) -> ml.Model:
-    return ml.identify(ml.load(demo), "sine", progress=False)
+def recorded(small: Path) -> ml.Model:
+    return ml.identify(ml.load(small), "impact", progress=False)
 
 
 def test_arrays_give_the_modes_within_their_sigmas(model: ml.Model, twin: ml.DiagnosedTwin) -> None:
@@ -73,7 +73,8 @@ def test_a_model_draws_its_frfs_and_its_shapes(model: ml.Model) -> None:
 
 def test_a_model_is_that_of_another_where_the_shapes_are_alike(model: ml.Model, recorded: ml.Model) -> None:
     assert np.allclose(np.diag(model.mac(model)), 1)
-    assert np.all(np.diag(model.mac(recorded)) > 0.99)
+    # A cantilever of another length, with lighter sensors.
+    assert np.all(np.diag(model.mac(recorded)) > 0.97)
 
 
 def test_a_model_becomes_a_table_and_labelled_arrays(model: ml.Model) -> None:
@@ -94,10 +95,10 @@ def test_a_model_is_kept_as_a_document_and_as_a_report(recorded: ml.Model, tmp_p
     assert document["models"][0]["frequency_hz"] == recorded.modal.frequency_hz.tolist()
 
 
-def test_a_recording_is_short_to_read_and_can_be_kept(demo: Path, tmp_path: Path) -> None:
-    recording = ml.load(demo)
-    assert repr(recording) == "<Recording of 'elastic link, demonstration bench': 15 impact records, 32 sine records>"
-    assert len(ml.load(recording.save(tmp_path / "again.h5")).campaign.blocks) == 47
+def test_a_recording_is_short_to_read_and_can_be_kept(small: Path, tmp_path: Path) -> None:
+    recording = ml.load(small)
+    assert repr(recording) == "<Recording of 'test link': 6 impact records, 24 sine records>"
+    assert len(ml.load(recording.save(tmp_path / "again.h5")).campaign.blocks) == 30
 
 
 def test_the_state_space_is_the_frf(twin: ml.DiagnosedTwin) -> None:
@@ -193,11 +194,11 @@ def test_a_mistake_ends_in_one_sentence_and_a_remedy(mistake: str) -> None:
     assert caught.value.remedy
 
 
-def test_results_go_only_where_their_name_says(recorded: ml.Model, demo: Path, tmp_path: Path) -> None:
-    for save in (recorded.save, ml.load(demo).save):
+def test_results_go_only_where_their_name_says(recorded: ml.Model, small: Path, tmp_path: Path) -> None:
+    for save in (recorded.save, ml.load(small).save):
         with pytest.raises(StorageError, match=r"does not end in"):
             save(tmp_path / "report.docx")
-    with pytest.raises(PlanError, match=r"'point:99' holds out 0 of 47 records"):
-        ml.diagnose(ml.load(demo), "point:99")
+    with pytest.raises(PlanError, match=r"'point:99' holds out 0 of 30 records"):
+        ml.diagnose(ml.load(small), "point:99")
     with pytest.raises(DataError, match="str is no model"):
         recorded.mac("x")

@@ -22,8 +22,8 @@ def delivery(dtype: str = "int16") -> Delivery:
     return Delivery(1000.0, 1651.6, 2000.0, np.dtype(dtype), np.array([1e-4, 2e-4]), ("V", "V"))
 
 
-def begin(store: Store, *, rig: Rig | None = None, dtype: str = "int16") -> Recorder:
-    recorder = store.begin(PLAN, rig or small_rig(), INFO)
+def begin(store: Store, *, rig: Rig | None = None, dtype: str = "int16", plan: ImpactPlan = PLAN) -> Recorder:
+    recorder = store.begin(plan, rig or small_rig(), INFO)
     recorder.open(delivery(dtype), N)
     return recorder
 

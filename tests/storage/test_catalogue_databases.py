@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from postgresql_server import Server
-from recording import begin, noise, small_rig
+from recording import PLAN, begin, noise, small_rig
 from sqlalchemy import delete, text, update
 from sqlalchemy.exc import IntegrityError
 
@@ -99,13 +99,10 @@ def test_an_address_that_is_none_is_rejected(url: str) -> None:
 
 
 def test_a_run_that_cannot_end_does_not_begin(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Five hits of 64 samples of two channels of int16 need 1.25 * 5 * 256 bytes, the reserve far more.
-    asked: list[int] = []
-    monkeypatch.setattr("modallab.storage.durable.require_space", lambda _, need: asked.append(need))
-    begin(store).close()
-    assert asked == [1600]
-    monkeypatch.undo()
-    usage = shutil.disk_usage(store.folder)
-    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=1000))
-    with pytest.raises(DiskFullError, match=r"0\.0 MB are free"):
-        begin(store)
+    # Hits of 64 samples of two channels of int16 need 256 bytes each, and a quarter more of all of them.
+    plan, usage = PLAN.model_copy(update={"hits": 100_000}), shutil.disk_usage(store.folder)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=31_900_000))
+    with pytest.raises(DiskFullError, match=r"31\.9 MB are free, 32\.0 MB are needed"):
+        begin(store, plan=plan)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=32_100_000))
+    begin(store, plan=plan).close()

@@ -1,6 +1,6 @@
 """A modal model made ready for use: its structure, samples of it, and its FRFs as they were measured."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -27,7 +27,7 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 FRF_SAMPLES = 50
-"""Of FRFs, which have many numbers: enough to know a standard deviation to 10 %."""
+"""Of FRFs and motions, which have many numbers: enough to know a standard deviation to 10 %."""
 
 
 class Known:
@@ -189,6 +189,35 @@ class Known:
         """
         modes = self._modes_at(of, at)
         return respond(modes, force, dt, quantity, between, None if start is None else self._started(start))
+
+    def deviation(self, of: Callable[["Known"], Real]) -> Real:
+        """Standard deviation of what is computed of a structure, over those that the model leaves possible.
+
+        Args:
+            of: what is computed, an array of any shape.
+
+        Raises:
+            DataError: as what is computed.
+        """
+        few = self.samples.first(FRF_SAMPLES)
+        first = np.asarray(of(self._sampled(few.one(0))), np.float64)
+        total, squares = np.zeros_like(first), np.zeros_like(first)
+        # About the first of them: their own size would hide how little they differ.
+        for k in range(1, len(few.poles)):
+            off = of(self._sampled(few.one(k))) - first
+            total += off
+            squares += off**2
+        n = len(few.poles)
+        return np.asarray(np.sqrt(np.maximum(squares - total**2 / n, 0) / (n - 1)), np.float64)
+
+    def _sampled(self, structure: Structure) -> "Known":
+        """One of the structures that are possible, with the same changes."""
+        one = Known(self.model, self.rig, self.hits, self.changes)
+        one._measured = structure
+        one.__dict__["samples"] = None
+        if not self.changes:
+            one.__dict__["_now"] = structure
+        return one
 
     def _modes_at(self, of: Sequence[At], at: Sequence[At]) -> Modes:
         structure = self.between(of, at)

@@ -108,6 +108,10 @@ class Structure:
         """Of samples of a structure the first ones."""
         return replace(self, poles=self.poles[:count], psi=self.psi[:count], residual=self.residual[:count])
 
+    def one(self, k: int) -> "Structure":
+        """Of samples of a structure a single one."""
+        return replace(self, poles=self.poles[k], psi=self.psi[k], residual=self.residual[k])
+
     def receptance(self, s: Complex, left: Real | None = None, right: Real | None = None) -> Complex:
         """(..., lines, left, right) m/N at complex frequencies (..., lines).
 

@@ -1,6 +1,8 @@
 """The motion that forces give: its numbers, its largest and effective values, beside what was recorded."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 Real = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, slots=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PredictedMotion:
     """Motion over time.
 
@@ -26,12 +28,19 @@ class PredictedMotion:
         dt: s between samples.
         points: of which.
         quantity: displacement, velocity or acceleration.
+        deviation: gives `sigma`, which takes fifty times as long as the motion.
     """
 
     values: Real
     dt: float
     points: tuple[At, ...]
     quantity: Quantity
+    deviation: Callable[[], Real]
+
+    @cached_property
+    def sigma(self) -> Real:
+        """(points, samples) one standard deviation, by what is uncertain of the model."""
+        return self.deviation()
 
     @property
     def time(self) -> Real:

@@ -94,8 +94,11 @@ class PutToUse:
             )
         asked = self._sensors() if of is None else _places(of)
         begin = None if start is None else {k: dict(v) for k, v in start.items()}
-        motion = self.known.response(forces, dt, points, asked, quantity, between, begin)
-        return PredictedMotion(motion, dt, tuple(asked), quantity)
+
+        def move(known: Known) -> NDArray[np.float64]:
+            return known.response(forces, dt, points, asked, quantity, between, begin)
+
+        return PredictedMotion(move(self.known), dt, tuple(asked), quantity, lambda: self.known.deviation(move))
 
     def state_space(
         self, at: At | Sequence[At], of: Sequence[At] | None = None, quantity: Quantity = "acceleration"

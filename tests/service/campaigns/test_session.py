@@ -37,6 +37,7 @@ def test_the_demo_does_both_tests_of_the_paper() -> None:
     assert again.levels_v["high"] > 1.5 * sine.levels_v["low"]
 
 
+@pytest.mark.thorough("records and identifies the demonstration")
 def test_the_demos_campaign_has_15_good_hits_and_32_sine_blocks(demo: Path, link_rig: Rig, tmp_path: Path) -> None:
     shutil.copytree(demo / "data", tmp_path / "data")
     with Store(tmp_path / "data") as store:

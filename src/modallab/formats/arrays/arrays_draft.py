@@ -10,16 +10,18 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.formats.arrays.array_map import REMEDY, ArrayMap, array_named, listed
-from modallab.formats.arrays.named import FREQUENCY, FRF, RATE, TIME, Arrays, find_usual
+from modallab.formats.arrays.channel_times import channel_times
+from modallab.formats.arrays.named import FREQUENCY, FRF, RATE, TIME, Arrays, Texts, find_usual, owner_of, unit_beside
 from modallab.formats.draft import FORCE_NAMES, MEASURED, DraftChannel, rig_of
 from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 
 
-def draft_arrays(arrays: Arrays, array_map: ArrayMap | None, path: Path) -> Rig:
+def draft_arrays(arrays: Arrays, texts: Texts, array_map: ArrayMap | None, path: Path) -> Rig:
     """The rig that the arrays of a file were made on.
 
     Args:
         arrays: by name.
+        texts: of the file, which may hold the units of channels.
         array_map: what they are; None if nobody says it.
         path: of the file.
 
@@ -33,9 +35,15 @@ def draft_arrays(arrays: Arrays, array_map: ArrayMap | None, path: Path) -> Rig:
     if frf is not None and frequency is not None:
         names = [f"y{k}" for k in range(1, _outputs(frf, frequency, arrays, path) + 1)]
         return rig_of([DraftChannel("force", "force", "N"), *(DraftChannel(name) for name in names)], path)
+    own = {key: owner_of(key) for key, a in arrays.items() if owner_of(key) != key and a.size > 1}
+    if own and all(channel_times(arrays, key, arrays[key].size, str(path)).rate_hz for key in own):
+        units = {key: unit_beside(texts, key) for key in own}
+        return rig_of(
+            [DraftChannel(n.rpartition(".")[2], quantity_of(units[k]), units[k]) for k, n in own.items()], path
+        )
     if found[TIME] is None and found[RATE] is None:
         raise _unclear("says neither frequency and FRF nor time or rate", arrays, path)
-    return rig_of(_channels(arrays, found, path), path)
+    return rig_of(_channels(arrays, texts, found, path), path)
 
 
 def _of_map(arrays: Arrays, array_map: ArrayMap, path: Path) -> Rig:
@@ -75,7 +83,7 @@ def _outputs(frf: NDArray[Any], frequency: NDArray[Any], arrays: Arrays, path: P
     return rest[0] if rest else 1
 
 
-def _channels(arrays: Arrays, found: dict[str, NDArray[Any] | None], path: Path) -> list[DraftChannel]:
+def _channels(arrays: Arrays, texts: Texts, found: dict[str, NDArray[Any] | None], path: Path) -> list[DraftChannel]:
     """A channel for every array as long as the record, and for every column of one that is."""
     of_time = {id(found[TIME]), id(found[RATE])}
     held = {name: a for name, a in arrays.items() if id(a) not in of_time and a.size > 1 and a.dtype.kind in "fiu"}
@@ -86,8 +94,13 @@ def _channels(arrays: Arrays, found: dict[str, NDArray[Any] | None], path: Path)
     forces = [name for name, a in held.items() if a.ndim == 1 and name.rpartition(".")[2].lower() in FORCE_NAMES]
     if any(a.ndim == 2 for a in held.values()) and len(forces) != 1:
         raise _unclear("does not say which column is the force", arrays, path)
+    units = {name: unit_beside(texts, name) for name in held}
     return [
-        DraftChannel(name if a.ndim == 1 else f"{name}:{k}", "force" if name in forces else None)
+        DraftChannel(
+            name if a.ndim == 1 else f"{name}:{k}",
+            "force" if name in forces else quantity_of(units[name]),
+            units[name],
+        )
         for name, a in held.items()
         for k in range(1, (1 if a.ndim == 1 else min(a.shape)) + 1)
     ]

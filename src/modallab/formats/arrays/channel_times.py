@@ -67,12 +67,12 @@ def _number(arrays: Arrays, key: str, names: tuple[str, ...]) -> float | None:
 
 
 def _beside(arrays: Arrays, key: str, names: tuple[str, ...]) -> NDArray[Any] | None:
-    """The one array of such a name in the structure of `key` or the one around it, or with the name of `key`."""
+    """The one array of such a name: an attribute of `key`, in its structure or the one around, or called after it."""
     parent, _, last = key.lower().rpartition(".")
     lowered = {name.lower(): name for name in arrays}
     affixed = [f"{last}_{name}" for name in names] + [f"{name}_{last}" for name in names]
     inside = [lowered[low] for low in affixed if low in lowered]
-    for around in (parent, parent.rpartition(".")[0]):
+    for around in (key.lower(), parent, parent.rpartition(".")[0]):
         if around and not inside:
             inside = [
                 n for low, n in lowered.items() if low.startswith(f"{around}.") and low.rpartition(".")[2] in names

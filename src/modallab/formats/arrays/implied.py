@@ -1,7 +1,6 @@
-"""The map that a file implies: a list of names beside a matrix says which column is which channel."""
+"""What a file says of its own arrays: names beside a matrix or in structures say which samples are whose."""
 
 import re
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,19 +8,16 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.formats.arrays.array_map import ArrayMap
-from modallab.formats.arrays.named import COHERENCE, FREQUENCY, FRF, RATE, STEP, TIME, Arrays, usual_name
-from modallab.formats.draft import FORCE_NAMES
-
-Texts = Mapping[str, tuple[str, ...]]
+from modallab.formats.arrays.array_map import ArrayMap, array_named
+from modallab.formats.arrays.named import COHERENCE, FREQUENCY, FRF, Arrays, Texts, usual_name
 
 _LIST = re.compile(r"name|label|channel", re.IGNORECASE)
 _TESTLAB = ".y_values.values"
 _DIRECTION = re.compile(r":\+?[XYZS]$", re.IGNORECASE)
 
 
-def implied_map(arrays: Arrays, texts: Texts, rig: Rig | None, where: str) -> tuple[Arrays, ArrayMap | None]:
-    """The arrays, and what they are as the file's own lists of names say it; None where it holds no such list.
+def implied(arrays: Arrays, texts: Texts, rig: Rig | None, where: str) -> tuple[Arrays, Texts, ArrayMap | None]:
+    """The arrays and texts with the names that the file gives to channels, and what its FRFs are, as it says it.
 
     Args:
         arrays: by name. FRFs that Testlab writes function by function come back as one array.
@@ -36,7 +32,8 @@ def implied_map(arrays: Arrays, texts: Texts, rig: Rig | None, where: str) -> tu
         key.removesuffix(_TESTLAB) for key, a in arrays.items() if key.endswith(_TESTLAB) and np.iscomplexobj(a)
     ]
     if functions:
-        return _of_testlab(functions, arrays, texts, rig, where)
+        found, array_map = _of_testlab(functions, arrays, texts, rig, where)
+        return found, texts, array_map
     frf, frequency = usual_name(arrays, FRF), usual_name(arrays, FREQUENCY)
     for key, names in texts.items():
         held = [
@@ -47,40 +44,44 @@ def implied_map(arrays: Arrays, texts: Texts, rig: Rig | None, where: str) -> tu
         if frf in held and frequency:
             coherence = usual_name(arrays, COHERENCE) or ""
             outputs = tuple(_output(name, rig) for name in names)
-            return arrays, ArrayMap(frf=frf, frequency=frequency, coherence=coherence, outputs=outputs)
+            return arrays, texts, ArrayMap(frf=frf, frequency=frequency, coherence=coherence, outputs=outputs)
         if len(held) == 1 and arrays[held[0]].ndim == 2:
-            columns = {name: f"{held[0]}:{k}" for k, name in enumerate(names, start=1)}
-            return arrays, _of_records(columns, key, arrays, rig, where)
-    columns = _of_elements(arrays, texts)
-    return arrays, _of_records(columns, "a structure", arrays, rig, where) if columns else None
+            return *_of_columns(names, key, held[0], arrays, texts, rig, where), None
+    return *_of_elements(arrays, texts), None
 
 
-def _of_elements(arrays: Arrays, texts: Texts) -> dict[str, str]:
-    """The samples in each element of an array of structures, by its label or name, as Simulink saves a scope."""
-    parts = [(key, key.rpartition(".")[0]) for key, values in arrays.items() if values.ndim == 1 and values.size > 1]
-    labels = {key: texts.get(f"{part}.label") or texts.get(f"{part}.name") for key, part in parts if part[-1:] == ")"}
-    return {label[0]: key for key, label in labels.items() if label and len(label) == 1 and label[0]}
-
-
-def _of_records(columns: dict[str, str], key: str, arrays: Arrays, rig: Rig | None, where: str) -> ArrayMap:
-    wanted = [*columns] if rig is None else [channel.name for channel in rig.channels]
-    found = {name: columns.get(name) or usual_name(arrays, name) for name in wanted}
-    missing = [name for name, array in found.items() if not array]
+def _of_columns(
+    names: tuple[str, ...], key: str, matrix: str, arrays: Arrays, texts: Texts, rig: Rig | None, where: str
+) -> tuple[Arrays, Texts]:
+    """With an array for each column of a matrix, and its unit where there is one for each."""
+    columns = {name: array_named(arrays, f"{matrix}:{k}", where) for k, name in enumerate(names, start=1)}
+    rest = {name: values for name, values in arrays.items() if name != matrix}
+    missing = (
+        [] if rig is None else [c.name for c in rig.channels if c.name not in columns and not usual_name(rest, c.name)]
+    )
     if missing:
         raise DataError(
-            f"{key} names the columns {', '.join(columns)}; channel {', '.join(missing)} of the rig is none of them",
+            f"{key} names the columns {', '.join(names)}; channel {', '.join(missing)} of the rig is none of them",
             where=where,
             remedy="name the channels of the rig as the file does, or say --variable CHANNEL=NAME:COLUMN for each",
         )
-    force = next((n for n in wanted if n.lower() in FORCE_NAMES), "") if rig is None else rig.force and rig.force.name
-    step = arrays.get(usual_name(arrays, STEP) or "")
-    rate = 1 / float(np.ravel(step)[0]) if step is not None and step.size == 1 and np.ravel(step)[0] > 0 else ""
-    return ArrayMap(
-        time=usual_name(arrays, TIME) or "",
-        rate_hz=usual_name(arrays, RATE) or rate,
-        force=(force and found[force]) or "",
-        responses={name: array for name, array in found.items() if name != force and array},
-    )
+    units = next((t for k, t in texts.items() if "unit" in k.lower() and len(t) == len(names)), ())
+    return rest | columns, dict(texts) | {f"{n}.unit": (unit,) for n, unit in zip(names, units, strict=False)}
+
+
+def _of_elements(arrays: Arrays, texts: Texts) -> tuple[Arrays, Texts]:
+    """With the elements of an array of structures called by their label or name, as Simulink saves a scope."""
+    parts = dict.fromkeys(key.rpartition(".")[0] for key in arrays if ")." in key)
+    labels = {part: texts.get(f"{part}.label") or texts.get(f"{part}.name") or () for part in parts}
+    called = {f"{part}.": f"{label[0]}." for part, label in labels.items() if len(label) == 1 and label[0]}
+    if len(set(called.values())) < len(called):
+        return arrays, texts
+
+    def renamed(key: str) -> str:
+        part = next((part for part in called if key.startswith(part)), "")
+        return called[part] + key.removeprefix(part) if part else key
+
+    return {renamed(key): a for key, a in arrays.items()}, {renamed(key): t for key, t in texts.items()}
 
 
 def _of_testlab(

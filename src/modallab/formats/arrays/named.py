@@ -15,8 +15,11 @@ from modallab.formats.arrays.channel_times import RATE_NAMES, STEP_NAMES, channe
 from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import on_common_times
+from modallab.formats.unit_text import normal_unit
 
 Arrays = Mapping[str, NDArray[Any]]
+Texts = Mapping[str, tuple[str, ...]]
+"""Variables of text, each with a string for each of its rows or cells."""
 
 TIME, RATE, STEP, FREQUENCY, FRF, COHERENCE, ALL = "time", "rate", "step", "frequency", "frf", "coherence", "all"
 _USUAL = {
@@ -45,11 +48,18 @@ _SAMPLES = ("data", "values", "samples", "signal", "y", "y_values.values")
 """Fields of a channel's own structure that hold its samples."""
 
 
-def campaign_of_arrays(arrays: Arrays, name: str, rig: Rig, options: ImportOptions, where: str) -> Campaign:
+_UNITS = ("unit", "units", "unit_string", "unit_str", "unit_label", "y_unit")
+"""Fields of it that hold their unit."""
+
+
+def campaign_of_arrays(
+    arrays: Arrays, name: str, rig: Rig, options: ImportOptions, where: str, texts: Texts | None = None
+) -> Campaign:
     """One record, or one matrix of FRFs.
 
     An array belongs to the channel of its name, or to the one that `options.variables` says. `frequency` and `frf`
     hold FRFs; `time` or `rate` belong to records, whose channels may also stand in one array, `all`, in rig order.
+    `texts` may hold the unit of a channel, in the structure of its samples.
 
     Raises:
         DataError: channels, times or lines that are missing or do not fit.
@@ -66,12 +76,26 @@ def campaign_of_arrays(arrays: Arrays, name: str, rig: Rig, options: ImportOptio
         rate_hz=rate,
         samples=samples,
         scale=np.ones(len(samples)),
-        units=tuple(options.unit(channel) for channel in rig.channels),
+        units=tuple(unit_beside(texts or {}, _key(arrays, c.name, options)) or options.unit(c) for c in rig.channels),
         channels=tuple(channel.name for channel in rig.channels),
         drive_point=options.drive_point,
         frequency_hz=options.frequency_hz,
     )
     return Campaign(rig, (block,), provenance={"notes": f"{name}: {note}"} if note else {}, source=where)
+
+
+def owner_of(key: str) -> str:
+    """The name of the structure that holds a channel's samples; that of its array, if it has none of its own."""
+    return next((key.removesuffix(f".{name}") for name in reversed(_SAMPLES) if key.endswith(f".{name}")), key)
+
+
+def unit_beside(texts: Texts, key: str | None) -> str:
+    """The unit that the file gives to the samples of this name; "" without one."""
+    owner = owner_of(key or "").lower()
+    named = {name.lower(): value for name, value in texts.items()}
+    wanted = [*(f"{owner}{mark}{name}" for mark in "._" for name in _UNITS), f"{owner}.y_values.quantity.label"]
+    found = [named[name][0] for name in wanted if len(named.get(name, ())) == 1]
+    return normal_unit(found[0]) if key and found else ""
 
 
 def find_usual(arrays: Arrays, key: str) -> NDArray[Any] | None:

@@ -47,6 +47,15 @@ def is_hdf5(head: bytes) -> bool:
     return head.startswith(MAGIC)
 
 
+def is_campaign(path: Path) -> bool:
+    """Whether HDF5 says that it is a campaign, or cannot say what it is."""
+    try:
+        with h5py.File(path, "r") as source:
+            return "format_version" in source.attrs or "volts_per_count" in source.attrs
+    except OSError:
+        return True
+
+
 def read_array(dataset: h5py.Dataset, where: str) -> NDArray[Any]:
     """The whole of a dataset, in the byte order of this machine.
 

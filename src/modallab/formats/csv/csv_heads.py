@@ -15,6 +15,8 @@ _OF_AXES = {*_OF_TIME, "%", *_OF_FREQUENCY, "deg", "rad", "dB", ""}
 _UNIT_TAG = re.compile(r"unit|einheit", re.IGNORECASE)
 _UNIT_FACT = re.compile(r"^\W*(?P<axis>[xy])\W*(?:axis)?\W*(?:unit|einheit)s?\W+(?P<unit>\S.*?)\W*$", re.IGNORECASE)
 """A line that gives the unit of the abscissa or of all else."""
+_LETTER = re.compile(r"[^\W_]")
+"""What a line of dashes has none of."""
 _WORD = r"(?<![^\W_])(?:{})(?![^\W_])"
 _TIME_WORD = re.compile(
     _WORD.format("t|time|timestamp|datetime|zeit|zeitstempel|temps|tiempo|tempo|seconds|sec"), re.IGNORECASE
@@ -60,7 +62,8 @@ def _fitting(lines: Sequence[str], delimiter: str, columns: int, filled: int) ->
         cells = head_cells(line, delimiter, columns)
         while len(cells) > filled and not cells[-1]:
             cells.pop()
-        found += [cells + [""] * (columns - len(cells))] if filled <= len(cells) <= columns else []
+        drawn = not _LETTER.search(line)
+        found += [cells + [""] * (columns - len(cells))] if filled <= len(cells) <= columns and not drawn else []
     return found
 
 

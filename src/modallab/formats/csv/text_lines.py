@@ -93,7 +93,7 @@ def read_text(path: Path) -> list[TextTable]:
     layout = _layout(lines, (said[1],) if said else (*DELIMITERS, BLANKS), str(path))
     cut = [TextRow(line.number, split(line.text, layout.delimiter)) for line in lines]
     kinds = ["#" if _MARK.match(x.text) else layout.kind(row.cells) for x, row in zip(lines, cut, strict=True)]
-    remark = "".join(text for line in lines if (text := line.text.lstrip()).startswith(("#", "%")))
+    remark = "".join(line.text.lstrip() for line in lines if line.text.lstrip().startswith(("#", "%")))
     ended = text.endswith(("\n", "\r"))
 
     def table(first: int, begin: int, end: int) -> TextTable:

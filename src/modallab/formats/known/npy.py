@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def _fits(head: bytes, path: Path) -> bool:
-    return head.startswith(b"\x93NUMPY")
+    return head.startswith(b"\x93NUMPY") or (head.startswith(b"PK\x03\x04") and path.suffix.lower() == ".npz")
 
 
 def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
@@ -27,11 +27,11 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 FORMAT = Format(
     name="npy",
     title="NPY",
-    description="an array of NumPy: fields by name, or rows of times and then the channels in rig order",
-    endings=(".npy",),
+    description="arrays of NumPy (.npz: several): fields by name, or rows of times and then the channels in rig order",
+    endings=(".npy", ".npz"),
     is_no="NPY file",
     holds=("records",),
-    asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz", "variables"),
+    asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz", "variables", "array_map"),
     priority=20,
     fits=_fits,
     read=_read,

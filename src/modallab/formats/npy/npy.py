@@ -11,6 +11,7 @@ from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
+from modallab.formats.arrays.mat import campaign_of_variables
 from modallab.formats.arrays.named import campaign_of_arrays
 from modallab.formats.options import ImportOptions
 
@@ -18,7 +19,7 @@ _LAYOUT = "give an array of floating-point numbers: one row of times in s, then 
 
 
 def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    """Read one block.
+    """Read one block; of an archive of several arrays (.npz) by their names.
 
     Named fields are channels and `time`, in any order. Else the array is (1 + channels, n) with times in s in its first
     row, or (channels, n) if the options give a rate.
@@ -29,6 +30,8 @@ def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         DataError: another layout or type, uneven times, not the channels of the rig.
     """
     where = str(path)
+    if path.suffix.lower() == ".npz":
+        return campaign_of_variables(_load_several(path), {}, path, rig, options)
     array = _load(path)
     if array.dtype.names:
         fields = {name: array[name] for name in array.dtype.names}
@@ -49,6 +52,18 @@ def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         frequency_hz=options.frequency_hz,
     )
     return Campaign(rig, (block,), source=where)
+
+
+def _load_several(path: Path) -> dict[str, NDArray[Any]]:
+    try:
+        with path.open("rb") as source, np.load(source, allow_pickle=False) as held:
+            return {name: np.squeeze(held[name]) for name in held.files}
+    except Exception as error:  # On damaged files NumPy raises nearly every type there is.
+        raise FormatError(
+            f"is no whole archive of NPY files: {error}",
+            where=str(path),
+            remedy="copy the file again, or save it again with numpy.savez, numbers only",
+        ) from error
 
 
 def _load(path: Path) -> NDArray[Any]:

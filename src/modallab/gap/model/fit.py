@@ -103,7 +103,12 @@ class Problem:
     def residual(self, u: Array) -> Array:
         """Everything measured less everything predicted, in noise units, real and imaginary parts in one row."""
         twin = self.twin(u)
-        return self.left(twin, forward(twin, self.data))
+        try:
+            answers = forward(twin, self.data)
+        except np.linalg.LinAlgError:
+            # A beam that has buckled has no motion about its rest.
+            answers = [np.full_like(rows.y, np.nan) for rows in all_rows(self.data)]
+        return self.left(twin, answers)
 
     def left(self, twin: Twin, answers: Sequence[Complex]) -> Array:
         """The same of a twin whose answers are known."""

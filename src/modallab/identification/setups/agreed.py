@@ -12,6 +12,7 @@ from modallab.identification.likelihood.equations import Covariance
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.out_of_band import stand_ins_after
+from modallab.identification.likelihood.projection import energy
 from modallab.identification.model.modal_model import Seen, seen_by
 from modallab.identification.options import Options
 from modallab.identification.setups.merge import Merged, merged
@@ -57,7 +58,7 @@ def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
         fit: with one set of poles.
         options: the estimator; modes that were picked or dropped by hand are left as they are.
     """
-    few = max(frf.values.shape[:2]) < LEAST_POINTS or min(frf.values.shape[:2]) < 2
+    few = max(frf.values.shape[:2]) < LEAST_POINTS
     if few or options.pick_hz or options.drop_hz or misfit_over_noise(fit) < MISFIT:
         return None
     found, asked = _merged(frf, fit, options)
@@ -67,11 +68,26 @@ def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
         stand_ins = stand_ins_after(fit.point.parameters.omega, float(frf.frequency_hz[-1]))
         points = poles_at_points(frf, found.centre, _spread(found), stand_ins)
         common = common_poles(points.values, points.variance)
-        if common.setup.max() == 0:
+        alone = min(frf.values.shape[:2]) == 1
+        if common.setup.max() == 0 or (alone and _evidence(*points.fits) > _evidence(fit)):
             return None
         return _agreed(frf, points, common, stand_ins, _notes(frf, found, common, asked))
     except IdentificationError:
         return None
+
+
+def _evidence(*fits: Fit) -> float:
+    """BIC of fits that share no pole, each row with a noise of its own: less is better.
+
+    Of one input rows have no signature. Then only how well they are explained tells modes that move from close ones.
+    """
+    left = np.concatenate([energy(fit.point.groups[0].residual).ravel() for fit in fits])
+    lines = fits[0].problem.blocks[0].response.shape[-1]
+    poles = sum(fit.point.parameters.omega.size for fit in fits)
+    rows = [fit.problem.blocks[0].response[..., 0].size for fit in fits]
+    free = 2 * poles + 2 * sum(n * fit.point.parameters.omega.size for n, fit in zip(rows, fits, strict=True))
+    misfit = 2 * lines * np.log(np.maximum(left, np.finfo(float).tiny)).sum()
+    return float(misfit + free * np.log(2 * lines * left.size))
 
 
 def misfit_over_noise(fit: Fit) -> float:

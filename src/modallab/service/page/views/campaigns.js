@@ -69,7 +69,7 @@ async function save(path, name) {
   URL.revokeObjectURL(link.href);
 }
 
-const ENDINGS = { csv: ".csv .txt .tsv .dat .asc", hdf5: ".h5 .hdf5", lvm: ".lvm", mat: ".mat", netcdf: ".nc .nc4", npy: ".npy", sep005: ".json", tdms: ".tdms", uff: ".uff .unv .bunv .uf", wav: ".wav" };
+const ENDINGS = { csv: ".csv .txt .tsv .dat .asc", hdf5: ".h5 .hdf5", hdf5_arrays: ".hdf", lvm: ".lvm", mat: ".mat", netcdf: ".nc .nc4", npy: ".npy .npz", sep005: ".json", tdms: ".tdms", uff: ".uff .unv .bunv .uf", wav: ".wav" };
 const FORMAT_OF = Object.fromEntries(Object.entries(ENDINGS).flatMap(([format, endings]) => endings.split(" ").map((ending) => [ending, format])));
 
 /** Files of others, dropped or chosen. */
