@@ -294,3 +294,14 @@ def test_what_is_said_of_the_columns_of_frfs_stands_instead_of_their_header(tmp_
     options = ImportOptions(columns="frequency:Hz,Re a1:g/N,Im a1")
     (frf,) = import_sources([path], draft_rig(path, options), options).frfs
     np.testing.assert_allclose(frf.values[0, 0], 9.80665 * (lines / 2 - 1j * lines))
+
+
+def test_words_below_the_table_are_left_out_with_a_note(tmp_path: Path) -> None:
+    head = "Title:\tx\t \n\nTime:\t\t10:49:15:530\n"
+    path = tmp_path / "hit.txt"
+    path.write_text(head + table("", "{}\t{:.6f}\t{:.6f}").lstrip("\n") + "TagsEnd:\t \t\n", encoding="utf-8")
+    with pytest.raises(FormatError, match="3 columns, and no line above it names as many"):
+        import_sources([path], RIG)
+    campaign = import_sources([path], RIG, ImportOptions(columns="time,force,a1"))
+    np.testing.assert_allclose(campaign.blocks[0].samples, [FORCE, MOTION], atol=1e-6)
+    assert "below the table, from line 404, 'TagsEnd:'" in campaign.provenance["notes"]

@@ -45,7 +45,8 @@ def headings(above: Sequence[str], commented: Sequence[str], delimiter: str, col
     if not rows:
         rows = _fitting(commented, delimiter, columns, filled)
         rows = rows if any(_names_abscissa(row) for row in rows) else []
-    words = [k for k, row in enumerate(rows) if _are_words(row)]
+    # An index may have no name.
+    words = [k for k, row in enumerate(rows) if _are_words(row) and all(row[1:filled])]
     place = max(words, key=lambda k: _evidence(rows, k), default=None)
     if place is None:
         return (), ()
@@ -95,9 +96,9 @@ def _are_words(row: Sequence[str]) -> bool:
 
 
 def _are_names(row: Sequence[str]) -> bool:
-    """Whether words are distinct, and none missing but at the ends."""
+    """Whether words are distinct."""
     named = [cell.casefold() for cell in row if cell]
-    return _are_words(row) and len(set(named)) == len(named) and all(row[1:-1])
+    return _are_words(row) and len(set(named)) == len(named)
 
 
 def _of_facts(above: Sequence[str], delimiter: str, columns: int) -> Sequence[str]:

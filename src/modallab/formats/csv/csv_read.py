@@ -1,5 +1,6 @@
 """CSV files: a column of times and one column per channel, by the names of the rig; or FRFs."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -39,15 +40,20 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     if is_frf(table) or holds_frfs(table):
         table = side_by_side(tables, where)
         frf = frf_of(table, rig, where) if is_frf(table) else frf_of_table(table, rig, options, where)
-        return Campaign(rig, (), (frf,), source=where)
+        return Campaign(rig, (), (frf,), _provenance(path, [table.note]), where)
     names = [path.stem] if len(tables) == 1 else [f"{path.stem}_{k}" for k in range(1, len(tables) + 1)]
     found = [record_of(one, rig, options, name, where) for one, name in zip(tables, names, strict=True)]
     blocks = tuple(replace(block, order=order) for order, (block, _) in enumerate(found))
     notes = tuple(dict.fromkeys(note for _, remarks in found for note in remarks))
+    notes = (*notes, table.note)
     if not table.ended:
         notes = (*notes, "the last line has no end; if the file was cut off there, its last number is wrong")
-    provenance = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
-    return Campaign(rig, blocks, provenance=provenance, source=where)
+    return Campaign(rig, blocks, provenance=_provenance(path, notes), source=where)
+
+
+def _provenance(path: Path, notes: Iterable[str]) -> dict[str, str]:
+    said = [f"{path.name}: {note}" for note in notes if note]
+    return {"notes": "\n".join(said)} if said else {}
 
 
 def record_of(table: Table, rig: Rig, options: ImportOptions, name: str, where: str) -> tuple[Block, tuple[str, ...]]:

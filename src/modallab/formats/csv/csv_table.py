@@ -37,6 +37,7 @@ class Table:
         imaginary: (rows, columns), 0 in columns of real numbers; None if there are no complex ones.
         no_numbers: by column, what stands there instead of a number.
         title: the last line of a single cell above it.
+        note: on lines that were left out.
     """
 
     names: tuple[str, ...]
@@ -48,6 +49,7 @@ class Table:
     imaginary: Real | None = None
     no_numbers: Mapping[int, FormatError] = field(default_factory=dict[int, FormatError])
     title: str = ""
+    note: str = ""
 
     def require(self, columns: Sequence[int]) -> None:
         """Reject columns that hold something else than numbers.
@@ -114,7 +116,14 @@ def _table(text: TextTable, where: str, said: str = "") -> Table:
         np.ascontiguousarray(values.imag) if np.iscomplexobj(values) else None,
         others,
         titles[-1] if titles else "",
+        _note(text.below),
     )
+
+
+def _note(below: Sequence[Line]) -> str:
+    if not below:
+        return ""
+    return f"left out is what stands below the table, from line {below[0].number}, {below[0].text.strip()[:40]!r}"
 
 
 def _columns(text: TextTable, where: str, said: str) -> tuple[list[_Column], bool]:

@@ -50,6 +50,7 @@ class TextTable:
         delimiter: of the cells.
         remark: comments that begin with # or %, one after the other.
         ended: whether the last line has its end.
+        below: lines of words behind the last row of the file.
     """
 
     above: tuple[Line, ...]
@@ -59,6 +60,7 @@ class TextTable:
     delimiter: str
     remark: str
     ended: bool
+    below: tuple[Line, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,14 +98,18 @@ def read_text(path: Path) -> list[TextTable]:
     remark = "".join(line.text.lstrip() for line in lines if line.text.lstrip().startswith(("#", "%")))
     ended = text.endswith(("\n", "\r"))
 
+    # A last line without its end may be a row that was cut off.
+    last = max((k for k, kind in enumerate(kinds, start=1) if kind in "n?"), default=0) if ended else len(kinds)
+    below = tuple(lines[last:])
+
     def table(first: int, begin: int, end: int) -> TextTable:
         words, comments = ([_unmarked(lines[k]) for k in range(first, begin) if (kinds[k] == "#") == c] for c in (0, 1))
         rows = [cut[k] for k in range(begin, end) if kinds[k] != "#"]
         plain = _with_points(rows, layout.delimiter, str(path))
         shape = layout.columns, layout.delimiter
-        return TextTable(tuple(words), tuple(comments), plain, *shape, remark, ended or end < len(lines))
+        return TextTable(tuple(words), tuple(comments), plain, *shape, remark, ended or end < last, below)
 
-    return [table(*span) for span in _spans(cut, kinds, layout.columns)]
+    return [table(*span) for span in _spans(cut, kinds[:last], layout.columns)]
 
 
 def decoded(path: Path) -> str:
