@@ -177,7 +177,7 @@ MISTAKES = {
     "a pick as text": (lambda: ml.identify(ml.frf(f, H), pick="30"), "pick='30' is no list"),
     "every mode dropped": (lambda: ml.identify(ml.frf(f, one_mode()), drop=(30,)), "no mode is left"),
     "a number for a file": (lambda: ml.load(3), "3 is no name of a file"),
-    "a file that is no table": (lambda: ml.load(__file__), "holds no numbers"),
+    "a file that is no table": (lambda: ml.load(__file__), "holds no table of numbers"),
     "an option that is none": (lambda: ml.load(__file__, rig=demo_rig(), rate=2000), "did you mean rate_hz?"),
     "a plan that is none": (lambda: ml.simulate(plan=3), "3 is no plan"),
     "a plan with a wrong field": (lambda: ml.simulate(plan={"kind": "impact", "points": 10}), "points is 10"),

@@ -153,14 +153,13 @@ def test_a_shape_turns_and_a_finite_element_model_is_corrected(recorded: Watched
     recorded.view("Campaigns")
     recorded.page.wait_for_selector("h1:has-text('Campaigns')")
     recorded.view("Model")
-    shape = recorded.page.locator("canvas[aria-label^='Shape of a mode of the impact test']")
+    canvas = "canvas[aria-label^='Shape of a mode of the impact test']"
     recorded.page.uncheck("label:has-text('moves') input >> nth=0")
-    seen = "c => { const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; return d.join().length; }"
+    look = f"document.querySelector(\"{canvas}\").toDataURL()"
     recorded.page.wait_for_timeout(100)
-    before = shape.evaluate(seen)
-    shape.press("ArrowRight")
-    recorded.page.wait_for_timeout(100)
-    assert shape.evaluate(seen) != before
+    before = recorded.page.evaluate(look)
+    recorded.page.press(canvas, "ArrowRight")
+    recorded.page.wait_for_function(f"before => {look} !== before", arg=before)
     recorded.page.click("[aria-labelledby=p-finite-element-model-impact] button:has-text('Estimate')")
     rows = recorded.page.locator("[aria-labelledby=p-finite-element-model-impact] [aria-label=Parameters] tbody tr")
     rows.first.wait_for()
