@@ -155,7 +155,7 @@ def test_a_shape_turns_and_a_finite_element_model_is_corrected(recorded: Watched
     recorded.view("Model")
     canvas = "canvas[aria-label^='Shape of a mode of the impact test']"
     recorded.page.uncheck("label:has-text('moves') input >> nth=0")
-    look = f"document.querySelector(\"{canvas}\").toDataURL()"
+    look = f'document.querySelector("{canvas}").toDataURL()'
     recorded.page.wait_for_timeout(100)
     before = recorded.page.evaluate(look)
     recorded.page.press(canvas, "ArrowRight")
