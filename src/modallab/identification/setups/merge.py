@@ -51,7 +51,7 @@ def merged(seen: Seen, asked: int) -> Merged:
     if groups:
         scatter = float(np.median([_spread(np.abs(seen.pole[g]))[1] / np.median(np.abs(seen.pole[g])) for g in groups]))
         reach = float(np.clip(REACH * scatter, NARROWEST, WIDEST))
-        groups = _joined(_groups(seen, likeness, np.full(seen.pole.size, reach), asked), seen, likeness)
+        groups = _groups(seen, likeness, np.full(seen.pole.size, reach), asked)
     rows = []
     for g in groups:
         size = np.abs(seen.pole[g])
@@ -59,20 +59,6 @@ def merged(seen: Seen, asked: int) -> Merged:
         rows.append((omega[0], zeta[0], omega[1], zeta[1], len(g) / asked))
     table = np.array(sorted(rows)).reshape(-1, 5)
     return Merged(table[:, :2], table[:, 2:4], table[:, 4])
-
-
-def _joined(groups: list[NDArray[np.int64]], seen: Seen, likeness: Real) -> list[NDArray[np.int64]]:
-    """Neighbours in frequency that no point finds both, and that are alike, are one mode that scatters further."""
-    ordered = sorted(groups, key=lambda g: float(np.median(np.abs(seen.pole[g]))))
-    found = ordered[:1]
-    for group in ordered[1:]:
-        last = found[-1]
-        apart = np.intersect1d(seen.point[last], seen.point[group]).size > 0
-        if apart or np.median(likeness[np.ix_(last, group)]) < LIKE:
-            found.append(group)
-        else:
-            found[-1] = np.concatenate([last, group])
-    return found
 
 
 def _spread(values: Real) -> tuple[float, float]:
