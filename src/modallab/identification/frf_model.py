@@ -116,7 +116,9 @@ def identify_frf(frf: Frf, rig: Rig, options: Options, records: RecordSpectra | 
         raise _no_mode(fit, band)
     better = None if records is None or not options.refined else on_records(used, fit, keep, records, options.frf)
     if better is not None:
-        fit, keep = better.fit, keep[better.stay]
+        fit = better.fit
+        # A pole that the records move out of the band stands for modes outside it.
+        keep = keep[better.stay] & _inside(fit, band)
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
     read = half_power_readings(used, found)
     notes = (
@@ -130,6 +132,12 @@ def identify_frf(frf: Frf, rig: Rig, options: Options, records: RecordSpectra | 
         fit, keep, rig, None, band, (read, floor), notes, options.method, better.seen if better else None
     )
     return model if options.refined else without_sigma(model), fit
+
+
+def _inside(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
+    """(poles,) which lie within a band."""
+    hz = fit.point.parameters.omega / (2 * np.pi)
+    return (hz > band_hz[0]) & (hz < band_hz[1])
 
 
 def _no_mode(fit: Fit, band: tuple[float, float]) -> IdentificationError:
