@@ -22,12 +22,16 @@ export async function show(view, signal, [wanted]) {
   const id = choice.value;
   let inner = new AbortController();
   signal.addEventListener("abort", () => inner.abort());
+  let shown;
+  const identified = async () => (await newestJob(id, "identify")).done?.id;
   async function fill() {
     inner.abort();
     inner = new AbortController();
+    shown = await identified();
     await draw(place, id, inner.signal, fill);
   }
-  onEvent((event) => { if (event.kind === "job" && event.campaign === id && event.content.state === "done") fill(); }, signal);
+  // Other jobs end as well: drawn anew for them, the view would lose their answers.
+  onEvent(async (event) => { if (event.kind === "job" && event.campaign === id && event.content.state === "done" && await identified() !== shown) fill(); }, signal);
   await fill();
 }
 
