@@ -11,6 +11,7 @@ from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
+from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.folded import POWERS, folded
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
@@ -53,7 +54,7 @@ def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inp
     above = ~rigid & ~inside
     # Where nothing moves as a whole, nothing is said of it: a test's own term is then not known, instead of wrong.
     whole = {-2: np.sum(constants[rigid], axis=0)} if np.any(rigid) else {}
-    poles = 2 * np.pi * hz[above] * (1j * np.sqrt(1 - zeta[above] ** 2) - zeta[above])
+    poles = poles_of(2 * np.pi * hz[above], zeta[above])
     outside = whole | dict(zip(POWERS, folded(poles, constants[above].astype(np.complex128), band_hz), strict=True))
     return _model(fem, rig, band_hz, channels, inputs, kept, constants, outside)
 

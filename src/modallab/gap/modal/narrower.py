@@ -7,6 +7,7 @@ axis, that is several per cent of an FRF, which would pass for a gap.
 import numpy as np
 
 from modallab.core.model import ModalModel
+from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.folded import POWERS, folded
 
 BY_MODE = (
@@ -32,8 +33,7 @@ def in_band(model: ModalModel, band_hz: tuple[float, float]) -> ModalModel:
     above = model.frequency_hz > band_hz[1]
     if not np.any(above) or np.all(above):
         return model
-    omega, zeta = 2 * np.pi * model.frequency_hz[above], model.damping_ratio[above]
-    poles = omega * (1j * np.sqrt(1 - zeta**2) - zeta)
+    poles = poles_of(2 * np.pi * model.frequency_hz[above], model.damping_ratio[above])
     terms = dict(zip(POWERS, folded(poles, model.modal_constants[above], band_hz), strict=True))
     for power, term in zip(model.residual_powers, model.residuals, strict=True):
         terms[power] = terms.get(power, 0.0) + term

@@ -23,20 +23,19 @@ export async function show(view, signal, [wanted]) {
   let inner = new AbortController();
   signal.addEventListener("abort", () => inner.abort());
   let shown;
-  const identified = async () => (await newestJob(id, "identify")).done?.id;
   async function fill() {
     inner.abort();
     inner = new AbortController();
-    shown = await identified();
-    await draw(place, id, inner.signal, fill);
+    const jobs = await newestJob(id, "identify");
+    shown = jobs.done?.id;
+    await draw(place, id, jobs, inner.signal, fill);
   }
   // Other jobs end as well: drawn anew for them, the view would lose their answers.
-  onEvent(async (event) => { if (event.kind === "job" && event.campaign === id && event.content.state === "done" && await identified() !== shown) fill(); }, signal);
+  onEvent(async (event) => { if (event.kind === "job" && event.campaign === id && event.content.state === "done" && (await newestJob(id, "identify")).done?.id !== shown) fill(); }, signal);
   await fill();
 }
 
-async function draw(place, id, signal, again) {
-  const jobs = await newestJob(id, "identify");
+async function draw(place, id, jobs, signal, again) {
   const ordering = h("p", { class: "muted", role: "status" }, jobs.open ? "A model is being computed …" : jobs.last?.state === "failed" ? `The last one failed: ${jobs.last.error}` : "");
   async function identify(parameters = {}) {
     const job = await post(`campaigns/${id}/models`, { parameters });
