@@ -25,8 +25,9 @@ def browser(program: str) -> Iterator[Browser]:
         yield started
 
 
+# For each file anew: what one file records in a campaign would be models and workbenches on the pages of another.
 # Not for the session: a service that nobody asks any more would take a twentieth of a processor from all other tests.
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def served(program: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcess]:
     bench = SHOWN_BENCH if PICTURES else BENCH
     with ServiceProcess(tmp_path_factory.mktemp("page") / "data", "--workers", "1", bench=bench) as started:
