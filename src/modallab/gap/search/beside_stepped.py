@@ -19,15 +19,14 @@ from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
-from modallab.gap.search.fitting import Bench, excess, on_all
+from modallab.gap.search.choose import earns_beside_law
+from modallab.gap.search.fitting import Bench, on_all
 from modallab.gap.search.nonlinear import on_all_records
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Candidate
 
 Array = NDArray[np.float64]
 
-LEFT_BESIDE = 0.3
-"""Share of what the stepped effect leaves, above the floor, that must be all that is left beside a linear one."""
 SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
 """Effects that leave the root soft even where their element does nothing, and the stiffness that stays."""
 
@@ -37,7 +36,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
     without = linear_part(bench, fit)
     with part(0.0, 0.6):
         level = StepwiseSelection(without, on_all(without, bare(without, fit))).rounds(1)[0]
-    if not level.fits or excess(level.fits[0]) > LEFT_BESIDE * excess(level.base):
+    if not level.fits or not earns_beside_law(level.base, level.fits[0]):
         return None
     found = level.fits[0]
     added, stepped = found.problem.candidates[-1], fit.problem.candidates[-1]
@@ -48,10 +47,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
     u = np.concatenate([found.u[:at], own, _with_root(fit.u[at:], stepped, found, at)])
     problem = Problem(bench.data, bench.free, (*before, added, stepped))
     joint = minimise(replace(problem, floor=0.002, held=(float(u[0]), float(u[1]), float(u[2]))), u, 2, 3e-2)
-    joint = on_all_records(bench, joint)
-    if excess(joint) > LEFT_BESIDE * excess(fit):
-        return None
-    return Level(fit, (joint,))
+    return Level(fit, (on_all_records(bench, joint),))
 
 
 def linear_part(bench: Bench, fit: Fit) -> Bench:

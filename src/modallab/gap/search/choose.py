@@ -18,7 +18,7 @@ from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import discrepancies, unexplained
 from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.consequence import Dismissed, of_consequence
-from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, temperature_of
+from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, temperature_of, without
 from modallab.twin.effects import search_of
 
 Array = NDArray[np.float64]
@@ -98,7 +98,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
         fit.gap <= AT_FLOOR * bench.flat / 1.1
         or excess(fit) <= (1 - needed) * excess(base)
         or (held is not None and _closes(base, fit, held, needed))
-        or (unseen is not None and stepped(fit) and _closes_unseen(base, fit, unseen))
+        or (unseen is not None and stepped(fit) and _closes_unseen(_without_law(fit), fit, unseen))
     )
     choice = Choice(base, fit, others, explained, False)
     return choice if held is None else _that_matters(choice, held, clock_shows(bench))
@@ -115,15 +115,23 @@ def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
 
 
 def _holds(before: Fit, fit: Fit, unseen: Reduced | None) -> bool:
-    """Whether the last effect of a fit stays: a linear one earns its price; one that is stepped must explain.
-
-    What the best explanation leaves is an error of the model's own, beside which margins count for less.
-    """
+    """Whether the last effect of a fit stays: a linear one earns its price; a law that is stepped must explain."""
     if not stepped(fit):
         return before.cost - fit.cost >= DEFAULT.effect_price * temperature_of(excess(fit))
-    if excess(fit) <= HOLDS * excess(before):
-        return True
-    return unseen is not None and _closes_unseen(before, fit, unseen)
+    if kind_of(fit.problem.candidates[-1].effect).linear and not earns_beside_law(before, fit):
+        return False
+    bare = _without_law(fit)
+    return excess(fit) <= HOLDS * excess(bare) or (unseen is not None and _closes_unseen(bare, fit, unseen))
+
+
+def earns_beside_law(before: Fit, fit: Fit) -> bool:
+    """Whether a linear effect is worth its price, -2 log evidence, where a law is there that may be wrong."""
+    return COUNTS * np.log(before.cost / fit.cost) >= DEFAULT.effect_price
+
+
+def _without_law(fit: Fit) -> Fit:
+    """The fit without its effect that is stepped in time: a law may be wrong by a share of what it does itself."""
+    return without(fit, next(k for k, c in enumerate(fit.problem.candidates) if not kind_of(c.effect).linear))
 
 
 def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:
