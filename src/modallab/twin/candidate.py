@@ -56,9 +56,9 @@ class Slot:
         return min(max(free, self.low), self.high)
 
     def coordinate(self, value: float) -> float:
-        """The coordinate of a number."""
+        """The coordinate of a number; of a logarithm's zero, that of the smallest number there is."""
         if self.transform == "log":
-            return self._coordinate_of_log(float(np.log(value)))
+            return self._coordinate_of_log(float(np.log(max(value, np.finfo(float).tiny))))
         if self.transform == "share":
             return float(np.log(value / (1 - value)))
         return value / self.scale

@@ -112,4 +112,4 @@ def _like(effect: Effect, data: Reduced) -> list[Candidate]:
 def _coordinate(slot: Slot, value: object) -> float:
     assert isinstance(value, float | int)
     near = float(np.clip(value, EDGE, 1 - EDGE)) if slot.transform == "share" else float(value)
-    return slot.coordinate(max(near, np.finfo(float).tiny) if slot.transform == "log" else near)
+    return slot.coordinate(near)

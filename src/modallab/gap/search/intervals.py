@@ -5,7 +5,7 @@ covariance: Liang and Zeger, Biometrika 73, 1986, 13; White, Econometrica 48, 19
 A cluster is what one channel answers in one record near one mode: where a model is a little wrong, it is so smoothly.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from modallab.core.rig import Rig
 from modallab.gap.model.fit import Fit, all_hz, all_rows, seen
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import Choice
-from modallab.gap.search.fitting import excess, ordinary
+from modallab.gap.search.fitting import excess, left_out, ordinary
 from modallab.gap.search.series_stiffness import HIDDEN, interval_in_series
 from modallab.twin.candidate import Slot
 from modallab.twin.effects import search_of
@@ -58,24 +58,20 @@ def intervals(choice: Choice) -> list[Believed]:
     100:2008).
 
     What an effect leaves unexplained, as a share of what it explains, is the error its model may have: the parameters
-    are believed no better. So is what an effect declares of its own model (`Search.inexact`), and what its own
-    tolerance adds: of a gain only the total is seen, and how much of it is the sensor's own percent nobody can tell.
+    are believed no better, and its place by what the shape of the highest mode makes of that. So is what an effect
+    declares of its own model (`Search.inexact`), and what its own tolerance adds: of a gain only the total is seen, and
+    how much of it is the sensor's own percent nobody can tell.
 
     A number of which this leaves next to nothing said has no interval, but a reason.
     """
     fit = choice.fit
     deviation = deviations(fit)
-    share = MODEL_SHARE * float(np.sqrt(excess(fit) / max(_explained(choice), 1e-9)))
     found: list[Believed] = []
     at = fit.problem.free.size
-    for candidate, effect in zip(fit.problem.candidates, fit.effects, strict=True):
-        own = Believed()
-        shared = tolerated(effect, fit.problem.data.rig)
-        off = float(np.hypot(share, search_of(candidate.effect).inexact))
+    for which, (candidate, effect) in enumerate(zip(fit.problem.candidates, fit.effects, strict=True)):
+        own, off, shared = Believed(), _model_error(choice, which), tolerated(effect, fit.problem.data.rig)
         for slot in candidate.slots:
-            # A gain of its own multiplies a wrong one.
-            sure = shared * (abs(slot.value(float(fit.u[at]))) if slot.none else 1.0)
-            model = float(np.hypot(off, sure)) if slot.name != "x" else 0.0
+            model = _of_number(fit, slot, slot.value(float(fit.u[at])), off, shared)
             why = not_known(slot, float(fit.u[at]), float(deviation[at]), model)
             own.within[slot.name] = None if why else interval(slot, float(fit.u[at]), float(deviation[at]), model)
             known = own.within[slot.name]
@@ -89,15 +85,40 @@ def intervals(choice: Choice) -> list[Believed]:
     return found
 
 
-def _explained(choice: Choice) -> float:
-    """What the effects explain, in squares of noise units above the floor.
+def _model_error(choice: Choice, which: int) -> float:
+    """Relative deviation of the numbers of an effect that the error of its model adds."""
+    share = MODEL_SHARE * float(np.sqrt(excess(choice.fit) / max(_explained(choice, which), 1e-9)))
+    return float(np.hypot(share, search_of(choice.fit.problem.candidates[which].effect).inexact))
 
-    Where without them the assembly bends until it does their work, what comes back when they go and all else stays.
+
+def _of_number(fit: Fit, slot: Slot, value: float, off: float, shared: float) -> float:
+    """What errors of the model, and its own tolerance, add to the deviation of a number, as a share of it."""
+    if slot.name == "x":
+        return off / (_steepest(fit) * value)
+    # A gain of its own multiplies a wrong one.
+    return float(np.hypot(off, shared * (abs(value) if slot.none else 1.0)))
+
+
+def _explained(choice: Choice, which: int) -> float:
+    """What an effect explains, in squares of noise units above the floor.
+
+    Where others stand beside it, or the assembly bends without it until it does its work, what comes back when it goes
+    and all else stays.
     """
-    if ordinary(choice.base) or not choice.fit.problem.free.deviations:
+    fit = choice.fit
+    if len(fit.problem.candidates) == 1 and (ordinary(choice.base) or not fit.problem.free.deviations):
         return excess(choice.base)
-    problem = replace(choice.fit.problem, candidates=())
-    return max(excess(choice.base), excess(seen(problem, choice.fit.u[: problem.free.size])))
+    alone = excess(seen(*left_out(fit.problem, fit.u, which)))
+    return max(excess(choice.base), alone) if len(fit.problem.candidates) == 1 else alone
+
+
+def _steepest(fit: Fit) -> float:
+    """Relative change of what an effect does per share of the length that its place moves.
+
+    What it does goes with the squared shape, whose wave number is 2 (n - 1/2) pi over L in the highest mode n of a
+    cantilever (Blevins, Formulas for Natural Frequency and Mode Shape, 1979).
+    """
+    return 2 * np.pi * (fit.problem.free.modes - 0.5)
 
 
 def interval(slot: Slot, u: float, deviation: float, model: float) -> tuple[float, float]:
