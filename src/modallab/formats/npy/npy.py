@@ -11,8 +11,8 @@ from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
-from modallab.formats.arrays.mat import campaign_of_variables
 from modallab.formats.arrays.named import campaign_of_arrays
+from modallab.formats.arrays.variables import campaign_of_variables
 from modallab.formats.options import ImportOptions
 
 _LAYOUT = "give an array of floating-point numbers: one row of times in s, then one row per channel in rig order"
