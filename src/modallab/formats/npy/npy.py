@@ -129,5 +129,4 @@ def _split(array: NDArray[Any], rig: Rig, options: ImportOptions, where: str) ->
     times = array[0]
     resolution = float(np.spacing(np.abs(times).max())) / 2 if np.isfinite(times).all() else 0.0
     rate = check_time(times, f"{where}, row 0 (times)", resolution_s=resolution)
-    options.agree(rate, where)
-    return rate, np.ascontiguousarray(array[1:])
+    return options.agreed(rate, where), np.ascontiguousarray(array[1:])
