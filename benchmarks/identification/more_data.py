@@ -1,6 +1,6 @@
 """Does a plan with more points and hits find every mode that a part of it finds?
 
-    OPENBLAS_NUM_THREADS=1 python benchmarks/identification/more_data.py --seeds 10 --out FOLDER
+    OPENBLAS_NUM_THREADS=1 python benchmarks/identification/more_data.py --seeds 10 [--sizes 1 3 10] --out FOLDER
 
 For every seed, on the ideal bench and on one put together as in a lab, `--hits` hits at each of ten points are recorded
 once, and plans of 1 to 10 points and of fewer hits are cut out of them. A mode that a plan finds and a larger one,
@@ -24,7 +24,6 @@ from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import truth_of
 
 POINTS = tuple(range(10, 0, -1))
-SIZES = (1, 2, 3, 5, 7, 10)
 SAME = 1e-3
 
 
@@ -50,10 +49,11 @@ def main() -> None:
     arguments.add_argument("--seeds", type=int, default=10)
     arguments.add_argument("--first", type=int, default=1)
     arguments.add_argument("--hits", type=int, default=10)
+    arguments.add_argument("--sizes", type=int, nargs="+", default=[1, 2, 3, 5, 7, 10], help="of plans: points, hits")
     arguments.add_argument("--out", type=Path, required=True)
     asked = arguments.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
-    sizes = [h for h in SIZES if h <= asked.hits]
+    sizes = [h for h in asked.sizes if h <= asked.hits]
     with (asked.out / "more_data.csv").open("w", newline="") as file:
         out = csv.writer(file)
         out.writerow(["seed", "tolerances", "points", "hits", "modes", "lost_hz", "spurious_hz"])
@@ -62,7 +62,7 @@ def main() -> None:
                 campaign = recorded(asked.out, seed, tolerances, asked.hits)
                 true = truth_of(campaign).frequency_hz
                 found: dict[tuple[int, int], np.ndarray] = {}
-                for points in SIZES:
+                for points in asked.sizes:
                     for hits in sizes:
                         model = identify_campaign(part(campaign, points, hits), Options()).identified[0].model
                         smaller = [f for (p, h), f in found.items() if p <= points and h <= hits]

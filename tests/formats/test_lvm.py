@@ -35,21 +35,23 @@ def header(mark: str, columns: str, separator: str) -> list[str]:
     return [row + separator for row in rows] + [separator]
 
 
-def segment(mark: str, columns: str, separator: str, late: int = 0, samples: int = N) -> list[str]:
+def segment(
+    mark: str, columns: str, separator: str, late: int = 0, samples: int = N, *, step: float = 1 / RATE_HZ
+) -> list[str]:
     """The second channel begins `late` samples after the first."""
-    x0 = (number(0, mark), number(late / RATE_HZ, mark))
-    step = number(1 / RATE_HZ, mark)
+    x0 = (number(0, mark), number(late * step, mark))
+    said = number(step, mark)
     facts = [("Channels", "2"), ("Samples", f"{samples}", f"{samples}"), ("Date", "2026/11/26", "2026/11/26")]
     facts += [("Time", f"10:00:01{mark}5", f"10:00:01{mark}5"), ("Y_Unit_Label", "Newtons", "g"), ("X0", *x0)]
-    facts += [("Delta_X", step, step), ("***End_of_Header***",)]
+    facts += [("Delta_X", said, said), ("***End_of_Header***",)]
     heads = ["X_Value", "Force", *(["X_Value"] if columns == "Multi" else []), "Acc 1", "Comment"]
     if columns == "Multi":
         # Each value stands above the samples of its channel.
         facts = [(tag, *(cell for value in values for cell in (value, ""))) for tag, *values in facts]
     rows: list[str] = [separator.join((*fact, "", "")) for fact in facts] + [separator.join(heads)]
     for k in range(samples):
-        first = number(k / RATE_HZ, mark) if columns != "No" else ""
-        between = [number((k + late) / RATE_HZ, mark)] if columns == "Multi" else []
+        first = number(k * step, mark) if columns != "No" else ""
+        between = [number((k + late) * step, mark)] if columns == "Multi" else []
         second = number(SAMPLES[1, k + late], mark) if k + late < N else ""
         rows.append(separator.join([first, number(SAMPLES[0, k], mark), *between, second]))
     rows[-1] += f"{separator}a comment"
@@ -158,3 +160,19 @@ def test_a_column_of_x_too_coarse_for_the_rate_leaves_it_to_the_step(tmp_path: P
 def test_a_segment_with_fewer_rows_than_it_says_is_cut_off(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=f"stand 200 of {N} samples"):
         read(tmp_path, header(".", "One", "\t") + segment(".", "One", "\t")[: 200 - N - 1])
+
+
+@pytest.mark.parametrize("columns", ["No", "One", "Multi"])
+def test_a_step_that_only_counts_samples_leaves_the_rate_to_the_user(tmp_path: Path, columns: str) -> None:
+    lines = [*header(".", columns, "\t"), *segment(".", columns, "\t", step=1.0)]
+    found = read(tmp_path, lines, ImportOptions(rate_hz=RATE_HZ)).blocks[0]
+    np.testing.assert_allclose(found.samples, SAMPLES, atol=1e-7)
+    assert found.rate_hz == RATE_HZ
+    assert "if its file only counts samples, give the rate with --rate" in read(tmp_path, lines).provenance["notes"]
+
+
+def test_a_rate_against_that_of_the_file_says_what_may_be_wrong(tmp_path: Path) -> None:
+    lines = [*header(".", "One", "\t"), *segment(".", "One", "\t")]
+    with pytest.raises(DataError, match="the file says 2000 Hz, --rate says 500 Hz") as caught:
+        read(tmp_path, lines, ImportOptions(rate_hz=500.0))
+    assert "correct its times or its step" in caught.value.remedy

@@ -13,7 +13,7 @@ from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure
 from modallab.formats.draft import DraftChannel, select_channels
 from modallab.formats.error_list import Collected
-from modallab.formats.options import ImportOptions
+from modallab.formats.options import COUNTED_HZ, ImportOptions
 from modallab.formats.sniff import sniff
 from modallab.signals.faults.found import faults_of
 
@@ -171,6 +171,8 @@ def _in_order(blocks: Sequence[Block]) -> tuple[Block, ...]:
 def _notes(part: Campaign) -> list[str]:
     notes = [part.provenance["notes"]] if "notes" in part.provenance else []
     for block in part.blocks:
+        if block.rate_hz == COUNTED_HZ:
+            notes.append(f"{block.name}: taken as of 1 Hz; if its file only counts samples, give the rate with --rate")
         for first, second in identical_channels(block.samples, block.channels):
             notes.append(f"{block.name}: channels {first} and {second} agree in every bit; is one a copy?")
         notes += [f"{block.name}: {fault}" for fault in faults_of(block, part.rig)]

@@ -3,11 +3,14 @@
 import math
 from dataclasses import dataclass
 
+from modallab.core.axis_checks import check_rate
 from modallab.core.errors import DataError
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test
 from modallab.formats.arrays.array_map import ArrayMap
 
+COUNTED_HZ = 1.0
+"""The rate of an abscissa that counts samples, as programs write it that know no rate (LabVIEW: `Delta_X` 1)."""
 _AGREE = 1e-3
 """Relative difference allowed between a rate that was given and that of the times."""
 
@@ -82,15 +85,18 @@ class ImportOptions:
                 remedy="name a point of the rig, or add the point to the rig file",
             )
 
-    def agree(self, found_hz: float, where: str) -> None:
-        """Reject a recording whose own rate is not the one that was given.
+    def agreed(self, found_hz: float, where: str) -> float:
+        """The rate of a recording in Hz: its own, or the one that was given if its abscissa only counts samples.
 
         Raises:
-            DataError: names both.
+            DataError: the two contradict each other; names both.
         """
-        if self.rate_hz is not None and abs(found_hz - self.rate_hz) > _AGREE * found_hz:
-            raise DataError(
-                f"the file says {found_hz:g} Hz, --rate says {self.rate_hz:g} Hz",
-                where=where,
-                remedy="leave --rate out",
-            )
+        if self.rate_hz is None or abs(found_hz - self.rate_hz) <= _AGREE * found_hz:
+            return found_hz
+        if found_hz == COUNTED_HZ:
+            return check_rate(self.rate_hz, where)
+        raise DataError(
+            f"the file says {found_hz:g} Hz, --rate says {self.rate_hz:g} Hz",
+            where=where,
+            remedy="leave --rate out if the file is right; else correct its times or its step",
+        )

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
 from modallab.core.rig import Rig
-from modallab.formats.arrays.mat import campaign_of_variables, rig_of_variables
 from modallab.formats.arrays.named import Arrays, Texts
+from modallab.formats.arrays.variables import campaign_of_variables, rig_of_variables
 from modallab.formats.campaign.hdf5_access import open_hdf5, read_array
 from modallab.formats.options import ImportOptions
 

@@ -222,8 +222,7 @@ def _rate(arrays: Arrays, array_map: ArrayMap, options: ImportOptions, n: int, w
         return check_rate(options.rate_hz, where)
     else:
         raise DataError("says neither times nor a rate", where=where, remedy="write time or rate_hz into the map")
-    options.agree(own, where)
-    return own
+    return options.agreed(own, where)
 
 
 def _unit(array_map: ArrayMap, channel: Channel, options: ImportOptions) -> str:

@@ -12,10 +12,8 @@ from scipy import io
 from modallab.core.block import Campaign
 from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
-from modallab.formats.arrays.arrays_draft import draft_arrays
-from modallab.formats.arrays.implied import implied
-from modallab.formats.arrays.mapped import campaign_of_map
-from modallab.formats.arrays.named import Arrays, Texts, campaign_of_arrays
+from modallab.formats.arrays.named import Arrays, Texts
+from modallab.formats.arrays.variables import campaign_of_variables, rig_of_variables
 from modallab.formats.options import ImportOptions
 
 Variable = NDArray[Any] | tuple[str, ...]
@@ -43,32 +41,6 @@ def draft_mat(path: Path, options: ImportOptions) -> Rig:
         DataError: what a variable is cannot be known.
     """
     return rig_of_variables(*_variables(path), path, options)
-
-
-def campaign_of_variables(arrays: Arrays, texts: Texts, path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    """One record, or one matrix of FRFs, as a map says, the file itself, or the usual names.
-
-    Raises:
-        DataError: variables that are missing or do not fit.
-    """
-    found = options.array_map
-    if found is None and not options.variables:
-        arrays, texts, found = implied(arrays, texts, rig, str(path))
-    if found is not None:
-        return campaign_of_map(arrays, found, path.stem, rig, options, str(path))
-    return campaign_of_arrays(arrays, path.stem, rig, options, str(path), texts)
-
-
-def rig_of_variables(arrays: Arrays, texts: Texts, path: Path, options: ImportOptions) -> Rig:
-    """The rig that variables are of, as a map says, the file itself, or the usual names.
-
-    Raises:
-        DataError: what a variable is cannot be known.
-    """
-    found = options.array_map
-    if found is None:
-        arrays, texts, found = implied(arrays, texts, None, str(path))
-    return draft_arrays(arrays, texts, found, path)
 
 
 def _variables(path: Path) -> tuple[Arrays, Texts]:

@@ -141,8 +141,7 @@ def _record(
     if len(rates) > 1:
         text = ", ".join(f"{n} {o.rate_hz or 'unknown'} Hz" for n, o in zip(names, own, strict=True))
         raise DataError(f"the channels differ in rate: {text}", where=where, remedy="export channels of one rate")
-    rate = rates.pop() or _rate(found, options, rows[0].size, where)
-    options.agree(rate, where)
+    rate = options.agreed(rates.pop() or _rate(found, options, rows[0].size, where), where)
     starts = [one.start for one in own]
     if any(starts) and None in starts:
         without = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
@@ -216,8 +215,7 @@ def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: i
         raise DataError(
             "says neither times nor a rate", where=where, remedy="give the rate with --rate, or --variable time=NAME"
         )
-    options.agree(own, where)
-    return own
+    return options.agreed(own, where)
 
 
 def _require_one(own: float, rate: NDArray[Any] | None, options: ImportOptions, where: str) -> None:

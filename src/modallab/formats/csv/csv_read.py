@@ -157,5 +157,4 @@ def _rate(table: Table, names: tuple[str, ...], time: int | None, options: Impor
             where=where,
             remedy="write the unit behind its name, as [d] for the days of a spreadsheet",
         )
-    options.agree(rate, where)
-    return rate
+    return options.agreed(rate, where)

@@ -109,9 +109,9 @@ def _rate(channel: LvmChannel, options: ImportOptions, where: str) -> float:
         if step_rate and abs(1 / rate - channel.step) > max(channel.step_error, _SAME * channel.step):
             found = f"channel {channel.name}: Delta_X says {step_rate:g} Hz, the column of x {rate:g} Hz"
             raise DataError(found, where=where, remedy="export the record again, or correct Delta_X")
-        return rate
+        return options.agreed(rate, where)
     if step_rate:
-        return step_rate
+        return options.agreed(step_rate, where)
     if options.rate_hz is None:
         found = f"channel {channel.name} has neither Delta_X nor a column of x"
         raise DataError(found, where=where, remedy="give the rate with --rate")

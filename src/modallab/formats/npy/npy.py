@@ -11,8 +11,8 @@ from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
-from modallab.formats.arrays.mat import campaign_of_variables
 from modallab.formats.arrays.named import campaign_of_arrays
+from modallab.formats.arrays.variables import campaign_of_variables
 from modallab.formats.options import ImportOptions
 
 _LAYOUT = "give an array of floating-point numbers: one row of times in s, then one row per channel in rig order"
@@ -129,5 +129,4 @@ def _split(array: NDArray[Any], rig: Rig, options: ImportOptions, where: str) ->
     times = array[0]
     resolution = float(np.spacing(np.abs(times).max())) / 2 if np.isfinite(times).all() else 0.0
     rate = check_time(times, f"{where}, row 0 (times)", resolution_s=resolution)
-    options.agree(rate, where)
-    return rate, np.ascontiguousarray(array[1:])
+    return options.agreed(rate, where), np.ascontiguousarray(array[1:])

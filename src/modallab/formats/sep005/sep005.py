@@ -164,7 +164,7 @@ def _block(
     if any(abs(other - rate) > _SAME * rate for other in rates.values()):
         text = ", ".join(f"{n} {r:g} Hz" for n, r in rates.items())
         raise DataError(f"the series of group {name} differ in rate: {text}", where=where, remedy="export one rate")
-    options.agree(rate, where)
+    rate = options.agreed(rate, where)
     dated = any(part.get("start_timestamp") for part in parts)
     starts = [_start(part, where) if bool(part.get("start_timestamp")) == dated else None for part in parts]
     samples, note = on_common_times([part["data"] for part in parts], starts, rate, names, f"{where}, group {name}")

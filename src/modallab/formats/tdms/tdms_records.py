@@ -125,5 +125,4 @@ def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, wh
         return check_rate(options.rate_hz, where)
     else:
         raise DataError("says no wf_increment and holds no times", where=where, remedy="give the rate with --rate")
-    options.agree(rate, where)
-    return rate
+    return options.agreed(rate, where)

@@ -102,9 +102,7 @@ def _common_rate(functions: Sequence[Function], options: ImportOptions, where: s
     if len(set(rates.values())) > 1:
         text = ", ".join(f"set {place} {rate:g} Hz" for place, rate in rates.items())
         raise DataError(f"the records differ in rate: {text}", where=where, remedy="export records of one rate")
-    rate = next(iter(rates.values()))
-    options.agree(rate, where)
-    return rate
+    return options.agreed(next(iter(rates.values())), where)
 
 
 def _rate(function: Function, where: str) -> float:
