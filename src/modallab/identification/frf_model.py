@@ -118,7 +118,7 @@ def identify_frf(frf: Frf, rig: Rig, options: Options, records: RecordSpectra | 
     if better is not None:
         fit = better.fit
         # A pole that the records move out of the band stands for modes outside it.
-        keep = keep[better.stay] & _inside(fit, band)
+        keep = keep[better.stay] & fit.inside(band)
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
     read = half_power_readings(used, found)
     notes = (
@@ -134,20 +134,13 @@ def identify_frf(frf: Frf, rig: Rig, options: Options, records: RecordSpectra | 
     return model if options.refined else without_sigma(model), fit
 
 
-def _inside(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
-    """(poles,) which lie within a band."""
-    hz = fit.point.parameters.omega / (2 * np.pi)
-    return (hz > band_hz[0]) & (hz < band_hz[1])
-
-
 def _no_mode(fit: Fit, band: tuple[float, float]) -> IdentificationError:
     what = f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz"
     at = fit.point.parameters
-    hz = at.omega[at.zeta <= 2 * MIN_ZETA] / (2 * np.pi)
-    inside = np.sort(hz[(hz > band[0]) & (hz < band[1])])
-    if not inside.size:
+    undamped = np.sort(at.omega[fit.inside(band) & (at.zeta <= 2 * MIN_ZETA)]) / (2 * np.pi)
+    if not undamped.size:
         return IdentificationError(what, remedy="widen the band")
-    listed = ", ".join(f"{one:.5g}" for one in inside)
+    listed = ", ".join(f"{one:.5g}" for one in undamped)
     return IdentificationError(
         f"{what}: at {listed} Hz there is a peak, but its lines have not the course of a resonance, and its damping"
         " comes out as none",
