@@ -5,6 +5,7 @@ import functools
 import numpy as np
 import pytest
 
+from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Rig
 from modallab.identification.frf_model import identify_frf
@@ -75,6 +76,13 @@ def test_a_shift_that_points_share_counts_once():
     variance = np.full(values.shape, 1e-4)
     np.testing.assert_array_equal(same_setup(values[..., 0], variance[..., 0]), np.arange(20) // 5)
     assert common_poles(values, variance).sigma[:, 0].mean() > 0.3
+
+
+def test_a_mode_that_no_point_knows_by_itself_has_no_mean() -> None:
+    variance = np.full((5, 2, 2), 1e-4)
+    variance[:, 1, 1] = np.inf
+    with pytest.raises(IdentificationError, match="no point knows the mode at 40 Hz"):
+        common_poles(np.full(variance.shape, 80 * np.pi), variance)
 
 
 def test_intervals_of_a_random_effect_hold():

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from beam_elements import beam
+from scipy.sparse import csc_array
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
-from modallab.formats.fem.matrices import modes_of
+from modallab.formats.fem.matrices import modes_of, symmetric
 from modallab.gap.modal.narrower import in_band
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
@@ -34,6 +35,10 @@ def rig(direction: str = "+z", first: int = 1) -> Rig:
     return Rig(name="beam", model="unknown", drive_direction="-z", points=points, channels=channels)
 
 
+def sparse(matrix: np.ndarray) -> csc_array:
+    return symmetric(matrix, "beam's", "beam")
+
+
 def free() -> FemModel:
     """The same beam held by nothing but a spring too soft to be seen."""
     k, m, freedoms, nodes = beam(EI, PER_M, LENGTH, 12)
@@ -48,10 +53,10 @@ def free() -> FemModel:
     places = {0: (0.0, 0.0, 0.0), **PLACES}
     at = np.concatenate([[(0, 3), (0, 5)], freedoms])
     assert len(nodes) == 12
-    return FemModel(modes_of(*first, at, places, "free"), {})
+    return FemModel(modes_of(*map(sparse, first), at, places, "free"), {})
 
 
-CLAMPED = FemModel(modes_of(K, M, FREEDOMS, PLACES, "clamped"), {})
+CLAMPED = FemModel(modes_of(sparse(K), sparse(M), FREEDOMS, PLACES, "clamped"), {})
 
 
 def receptance(k: np.ndarray, m: np.ndarray, omega: complex) -> np.ndarray:
@@ -101,7 +106,7 @@ def test_points_are_nodes_by_place_by_name_or_by_number() -> None:
     expected = model_of_elements(CLAMPED, rig(), BAND, (3,)).modal_constants
     elsewhere = rig(first=101)
     np.testing.assert_array_equal(model_of_elements(CLAMPED, elsewhere, BAND, (103,)).modal_constants, expected)
-    numbered = FemModel(modes_of(K, M, FREEDOMS, {}, "numbers"), {1: 4, 2: 8, 3: 12})
+    numbered = FemModel(modes_of(sparse(K), sparse(M), FREEDOMS, {}, "numbers"), {1: 4, 2: 8, 3: 12})
     np.testing.assert_array_equal(model_of_elements(numbered, rig(), BAND, (3,)).modal_constants, expected)
     with pytest.raises(DataError, match="has no node 101 for point 101"):
         model_of_elements(FemModel(numbered.modes, {}), elsewhere, BAND, (103,))

@@ -13,10 +13,7 @@ import numpy as np
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
-from modallab.core.rig import Rig
-from modallab.frf.estimate import convert, output_quantity
-from modallab.signals.block_sets import check_outputs, check_test
-from modallab.signals.signals import Signals
+from modallab.frf.estimate import convert
 
 
 def without_mass(frf: Frf, mass_kg: Sequence[float]) -> Frf:
@@ -47,26 +44,6 @@ def without_mass(frf: Frf, mass_kg: Sequence[float]) -> Frf:
         variance=None if inertance.variance is None else inertance.variance / np.abs(factor) ** 2,
     )
     return convert(cleared, frf.quantity)
-
-
-def without_mass_in(signals: Sequence[Signals], mass_kg: float, rig: Rig) -> list[Signals]:
-    """Blocks with the force that the structure took: what an identification from time records needs.
-
-    Args:
-        signals: blocks of one test, whose outputs are accelerations.
-        mass_kg: between transducer and structure.
-        rig: channels and points.
-
-    Raises:
-        DataError: no mass, no accelerometer at the driven point, or blocks that make no test.
-    """
-    check_test(signals)
-    check_outputs(signals[0], rig)
-    _check((mass_kg,), 1)
-    if output_quantity(rig) != "inertance":
-        raise DataError("the outputs are no accelerations", remedy="use accelerometers, or `without_mass` on FRFs")
-    points = tuple(c.point for c in rig.responses)
-    return [replace(s, forces=s.force - mass_kg * s.responses[_driving(points, s.block.drive_point)]) for s in signals]
 
 
 def _check(mass_kg: Sequence[float], inputs: int) -> None:

@@ -12,20 +12,20 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import convert
 from modallab.frf.joined import RecordSpectra
-from modallab.identification.estimate import alone, estimate_poles
+from modallab.identification.estimate import PoleEstimate, alone, estimate_poles
 from modallab.identification.likelihood.even_noise import WORDS, evenest
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.line_weights import line_weights
 from modallab.identification.likelihood.out_of_band import stand_ins_after
 from modallab.identification.likelihood.search import FIRST_LOOK, MIN_ZETA, NOT_SETTLED
-from modallab.identification.model.modal_model import model_of_fit, without_sigma
+from modallab.identification.model.modal_model import Seen, model_of_fit, without_sigma
 from modallab.identification.on_records import on_records
 from modallab.identification.options import Options
 from modallab.identification.readings import half_power_readings
 from modallab.identification.selection.lost_modes import with_lost
 from modallab.identification.selection.operator_choice import chosen, in_fit, start_poles
-from modallab.identification.setups.agreed import Agreed, agreed
+from modallab.identification.setups.agreed import agreed
 
 NOT_FROM_RECORDS = "Identified from FRFs, not from time records: what a block's end cut off could not be modelled."
 
@@ -91,63 +91,79 @@ def identify_frf(frf: Frf, rig: Rig, options: Options, records: RecordSpectra | 
     used = in_band(frf, options.band_hz)
     band = (float(used.frequency_hz[0]), float(used.frequency_hz[-1]))
     estimate = estimate_poles(used, options.method, options.max_order)
-    poles = start_poles(estimate.poles, estimate.orders, options)
-    if poles.size == 0 and options.refined:
-        poles = alone(used, estimate)
-    if poles.size == 0:
-        raise IdentificationError(
-            f"no pole of {options.estimator.called} between {band[0]:.4g} and {band[1]:.4g} Hz is stable",
-            remedy="widen the band, or look at the FRFs: is there a resonance in them at all?",
-        )
-    fit = fit_frf(used, poles, FIRST_LOOK if options.refined else 0)
+    fit = fit_frf(used, _start(used, estimate, band, options), FIRST_LOOK if options.refined else 0)
     points = agreed(used, fit, options) if options.refined else None
     if points is not None:
-        return _of_points(points, used, rig, band, options), points.fit
-    keep = chosen(fit, band, options, first=True)
+        keep = np.isinf(points.fit.problem.zeta_prior[:, 1])
+        said = (NOT_FROM_RECORDS,), points.notes
+        return _model(used, points.fit, keep, rig, band, options, said, points.seen), points.fit
+    fit, keep, lost = _selected(used, fit, estimate, band, options)
+    source, seen = (NOT_FROM_RECORDS,), None
+    if records is not None and options.refined:
+        better = on_records(used, fit, keep, records, options.frf)
+        # A pole that the records move out of the band stands for modes outside it.
+        fit, keep, seen = better.fit, keep[better.stay] & better.fit.inside(band), better.seen
+        source = better.notes
+    said = source, (*lost, *(() if fit.refined.settled or not options.refined else (NOT_SETTLED,)))
+    return _model(used, fit, keep, rig, band, options, said, seen), fit
+
+
+def _start(frf: Frf, estimate: PoleEstimate, band_hz: tuple[float, float], options: Options) -> NDArray[np.complex128]:
+    """(poles,) where the search begins: the stable ones and those picked, else the one that stands alone."""
+    poles = start_poles(estimate.poles, estimate.orders, options)
+    if poles.size == 0 and options.refined:
+        poles = alone(frf, estimate)
+    if poles.size == 0:
+        raise IdentificationError(
+            f"no pole of {options.estimator.called} between {band_hz[0]:.4g} and {band_hz[1]:.4g} Hz is stable",
+            remedy="widen the band, or look at the FRFs: is there a resonance in them at all?",
+        )
+    return poles
+
+
+def _selected(
+    frf: Frf, fit: Fit, estimate: PoleEstimate, band_hz: tuple[float, float], options: Options
+) -> tuple[Fit, NDArray[np.bool_], tuple[str, ...]]:
+    """The fit of the poles that are modes, which these are, and what is to be said of modes lost on the way."""
+    keep = chosen(fit, band_hz, options, first=True)
     if options.refined and np.any(keep) and not (np.all(keep[:-1]) and fit.refined.settled):
-        at, stay = fit.point.parameters, in_fit(fit, keep, band, options)
+        at, stay = fit.point.parameters, in_fit(fit, keep, band_hz, options)
         start = -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay]
-        fit = fit_frf(used, start, stand_ins=stand_ins_after(at.omega, band[1]))
-        keep = chosen(fit, band, options, first=False)
+        fit = fit_frf(frf, start, stand_ins=stand_ins_after(at.omega, band_hz[1]))
+        keep = chosen(fit, band_hz, options, first=False)
     lost: tuple[str, ...] = ()
     if options.refined and not options.pick_hz and not options.drop_hz:
-        fit, keep, lost = with_lost(used, fit, keep, estimate.orders, band)
+        fit, keep, lost = with_lost(frf, fit, keep, estimate.orders, band_hz)
     if not np.any(keep):
-        raise _no_mode(fit, band)
-    better = None if records is None or not options.refined else on_records(used, fit, keep, records, options.frf)
-    if better is not None:
-        fit = better.fit
-        # A pole that the records move out of the band stands for modes outside it.
-        keep = keep[better.stay] & _inside(fit, band)
+        raise _no_mode(fit, band_hz)
+    return fit, keep, lost
+
+
+def _model(
+    frf: Frf,
+    fit: Fit,
+    keep: NDArray[np.bool_],
+    rig: Rig,
+    band_hz: tuple[float, float],
+    options: Options,
+    said: tuple[tuple[str, ...], tuple[str, ...]],
+    seen: Seen | None,
+) -> ModalModel:
+    """The model of the kept poles; `said` stands before and behind what is said of an exponential window."""
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
-    read = half_power_readings(used, found)
-    notes = (
-        *(better.notes if better else (NOT_FROM_RECORDS,)),
-        *_window_note(used, found),
-        *lost,
-        *(() if fit.refined.settled or not options.refined else (NOT_SETTLED,)),
-    )
-    floor = np.full(found.size, np.nan)
-    model = model_of_fit(
-        fit, keep, rig, None, band, (read, floor), notes, options.method, better.seen if better else None
-    )
-    return model if options.refined else without_sigma(model), fit
-
-
-def _inside(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
-    """(poles,) which lie within a band."""
-    hz = fit.point.parameters.omega / (2 * np.pi)
-    return (hz > band_hz[0]) & (hz < band_hz[1])
+    readings = half_power_readings(frf, found), np.full(found.size, np.nan)
+    notes = *said[0], *_window_note(frf, found), *said[1]
+    model = model_of_fit(fit, keep, rig, None, band_hz, readings, notes, options.method, seen)
+    return model if options.refined else without_sigma(model)
 
 
 def _no_mode(fit: Fit, band: tuple[float, float]) -> IdentificationError:
     what = f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz"
     at = fit.point.parameters
-    hz = at.omega[at.zeta <= 2 * MIN_ZETA] / (2 * np.pi)
-    inside = np.sort(hz[(hz > band[0]) & (hz < band[1])])
-    if not inside.size:
+    undamped = np.sort(at.omega[fit.inside(band) & (at.zeta <= 2 * MIN_ZETA)]) / (2 * np.pi)
+    if not undamped.size:
         return IdentificationError(what, remedy="widen the band")
-    listed = ", ".join(f"{one:.5g}" for one in inside)
+    listed = ", ".join(f"{one:.5g}" for one in undamped)
     return IdentificationError(
         f"{what}: at {listed} Hz there is a peak, but its lines have not the course of a resonance, and its damping"
         " comes out as none",
@@ -163,12 +179,3 @@ def _window_note(frf: Frf, found_hz: NDArray[np.float64]) -> tuple[str, ...]:
         f"The damping of an exponential window of {tau:.4g} s is taken off: 1 / (tau omega), {most:.3g} % at "
         f"{found_hz.min():.4g} Hz. Half-power readings hold it still.",
     )
-
-
-def _of_points(points: Agreed, frf: Frf, rig: Rig, band: tuple[float, float], options: Options) -> ModalModel:
-    fit = points.fit
-    keep = np.isinf(fit.problem.zeta_prior[:, 1])
-    found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
-    readings = half_power_readings(frf, found), np.full(found.size, np.nan)
-    notes = NOT_FROM_RECORDS, *_window_note(frf, found), *points.notes
-    return model_of_fit(fit, keep, rig, None, band, readings, notes, options.method, points.seen)

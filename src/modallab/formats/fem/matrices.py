@@ -24,30 +24,15 @@ UNEVEN = 1e-6
 """Relative difference from the transpose from which a matrix is not symmetric."""
 
 
-def modes_of(
-    stiffness: Any, mass: Any, freedoms: Whole, places_m: dict[int, tuple[float, float, float]], title: str
-) -> NodeModes:
+def modes_of(k: Any, m: Any, freedoms: Whole, places_m: dict[int, tuple[float, float, float]], title: str) -> NodeModes:
     """The lowest modes.
 
     Args:
-        stiffness: (n, n) symmetric, N/m in the units of the model; dense or sparse.
-        mass: (n, n) symmetric.
+        k: (n, n) stiffness in the units of the model, sparse, known to be symmetric.
+        m: (n, n) mass, likewise.
         freedoms: (n, 2) node and direction of each row: 1, 2, 3 along x, y, z; 4 to 6 about them.
         places_m: node -> where it is, in the unit of the model; may be empty.
         title: what they are of.
-
-    Raises:
-        DataError: sizes that do not fit, or matrices that are not symmetric or no mass and stiffness.
-    """
-    return modes_of_symmetric(
-        symmetric(stiffness, "stiffness", title), symmetric(mass, "mass", title), freedoms, places_m, title
-    )
-
-
-def modes_of_symmetric(
-    k: Any, m: Any, freedoms: Whole, places_m: dict[int, tuple[float, float, float]], title: str
-) -> NodeModes:
-    """The same of sparse matrices that are known to be symmetric.
 
     Raises:
         DataError: sizes that do not fit, or matrices that are no mass and stiffness.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
-from modallab.formats.fem.matrices import modes_of_symmetric, symmetric
+from modallab.formats.fem.matrices import modes_of, symmetric
 from modallab.formats.fem.node_modes import NodeModes, Units, in_si
 
 Whole = NDArray[np.int64]
@@ -84,7 +84,7 @@ class MatrixModel:
             )
         k = _sum(self.stiffness, numbers.get(STIFFNESS, 1.0), self.stiffness_by, numbers)
         m = _sum(self.mass, numbers.get(MASS, 1.0), self.mass_by, numbers)
-        return in_si(modes_of_symmetric(k, m, self._rows, dict(self.places), self.title), self.units)
+        return in_si(modes_of(k, m, self._rows, dict(self.places), self.title), self.units)
 
     @property
     def _rows(self) -> Whole:

@@ -196,9 +196,3 @@ def _clock(data: Reduced, twin: Twin) -> Array:
     # Far beyond any doubt either way; a bound keeps it from outweighing all other evidence.
     z = (data.sines.ratio - 1 / (1 + twin.clock)) / max(data.sines.ratio_sigma, GENERATOR)
     return np.array([np.clip(z, -1e4, 1e4)])
-
-
-def extend(fit: Fit, candidates: tuple[Candidate, ...], values: Array) -> tuple[Problem, Array]:
-    """The fit's problem with other candidates, and where to begin."""
-    problem = replace(fit.problem, candidates=candidates)
-    return problem, np.concatenate([fit.u[: fit.problem.free.size], values])

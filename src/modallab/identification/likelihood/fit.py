@@ -45,6 +45,11 @@ class Fit:
         own = np.sqrt(np.diag(self.refined.covariance.poles)).reshape(-1, 2)
         return own if self.by_scatter is None else own * self.by_scatter
 
+    def inside(self, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
+        """(modes,) which poles lie within a band."""
+        hz = self.point.parameters.omega / (2 * np.pi)
+        return (hz > band_hz[0]) & (hz < band_hz[1])
+
     @cached_property
     def modal_constants(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
         """Modal constants A = 2 j omega_d R and their sigma, each (modes, outputs, inputs).

@@ -67,36 +67,40 @@ def chosen(fit: Fit, band_hz: tuple[float, float], options: Options, *, first: b
     Raises:
         IdentificationError: no pole stands where one was picked, or no mode where one was dropped.
     """
-    frequency = fit.point.parameters.omega / (2 * np.pi)
+    inside = fit.inside(band_hz)
     if options.pick_hz:
-        keep = np.zeros(frequency.size, bool)
-        inside = np.flatnonzero((frequency > band_hz[0]) & (frequency < band_hz[1]))
-        for choice in options.pick_hz:
-            keep[
-                _nearest(frequency, inside, choice, "the fit has no pole there", "leave it out, or widen the band")
-            ] = True
+        found = _picked(fit, inside, options.pick_hz)
     elif options.drop_hz and not first:
         # What the operator has left stays, however much noise the dropped one is for it now.
-        keep = np.isinf(fit.problem.zeta_prior[:, 1]) & (frequency > band_hz[0]) & (frequency < band_hz[1])
-    elif options.refined:
-        keep = is_mode(fit, band_hz)
+        found = np.isinf(fit.problem.zeta_prior[:, 1]) & inside
     else:
         # What an estimator says is taken as it says it: there is no covariance to judge it by.
-        keep = (frequency > band_hz[0]) & (frequency < band_hz[1])
-    had = bool(np.any(keep))
-    for unwanted in options.drop_hz if first else ():
-        keep[_nearest(frequency, np.flatnonzero(keep), unwanted, "no mode stands there", "give a frequency found")] = (
-            False
-        )
-    if had and not np.any(keep):
+        found = is_mode(fit, band_hz) if options.refined else inside
+    return _without(fit, found, options.drop_hz) if options.drop_hz and first else found
+
+
+def _picked(fit: Fit, inside: NDArray[np.bool_], pick_hz: Sequence[float]) -> NDArray[np.bool_]:
+    frequency = fit.point.parameters.omega / (2 * np.pi)
+    keep = np.zeros(frequency.size, bool)
+    for choice in pick_hz:
+        keep[_nearest(frequency, inside, choice, "the fit has no pole there", "leave it out, or widen the band")] = True
+    return keep
+
+
+def _without(fit: Fit, found: NDArray[np.bool_], drop_hz: Sequence[float]) -> NDArray[np.bool_]:
+    frequency, keep = fit.point.parameters.omega / (2 * np.pi), found.copy()
+    for unwanted in drop_hz:
+        keep[_nearest(frequency, keep, unwanted, "no mode stands there", "give a frequency found")] = False
+    if not np.any(keep):
         raise IdentificationError(
-            f"no mode is left once {', '.join(f'{f:g}' for f in options.drop_hz)} Hz are dropped",
+            f"no mode is left once {', '.join(f'{f:g}' for f in drop_hz)} Hz are dropped",
             remedy="drop fewer modes, or widen the band",
         )
     return keep
 
 
-def _nearest(frequency: NDArray[np.float64], among: NDArray[np.int64], choice: float, says: str, remedy: str) -> int:
+def _nearest(frequency: NDArray[np.float64], of: NDArray[np.bool_], choice: float, says: str, remedy: str) -> int:
+    among = np.flatnonzero(of)
     away = np.abs(frequency[among] / choice - 1)
     if not away.size or away.min() > NEAR:
         there = ", ".join(f"{f:.4g}" for f in np.sort(frequency[among])) or "none"

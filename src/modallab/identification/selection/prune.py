@@ -27,8 +27,6 @@ def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
     no modal constant that stands above five of its sigmas.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
-    frequency = at.omega / (2 * np.pi)
-    inside = (frequency > band_hz[0]) & (frequency < band_hz[1])
     # At the end of the search's range the damping comes out as none: a line, and no resonance.
     stable = (at.zeta > 2 * MIN_ZETA) & (at.zeta < MAX_ZETA)
     known = (sigma[:, 0] < MAX_FREQUENCY_SIGMA * at.omega) & (sigma[:, 1] < MAX_DAMPING_SIGMA * np.abs(at.zeta))
@@ -37,7 +35,7 @@ def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
     good = stable & known & seen
     double, host = _doubles(fit, constants, good)
     # Beside its double a mode is hardly known; without it, it will be.
-    return inside & stable & (good | host) & ~double
+    return fit.inside(band_hz) & stable & (good | host) & ~double
 
 
 def _doubles(

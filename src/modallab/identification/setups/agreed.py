@@ -67,9 +67,6 @@ def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
     try:
         stand_ins = stand_ins_after(fit.point.parameters.omega, float(frf.frequency_hz[-1]))
         points = poles_at_points(frf, found.centre, _spread(found), stand_ins)
-        if np.isinf(points.variance).all(axis=0).any():
-            # A mode that no point knows by itself has no mean over the points.
-            return None
         common = common_poles(points.values, points.variance)
         alone = min(frf.values.shape[:2]) == 1
         if common.setup.max() == 0 or (alone and _evidence(*points.fits) > _evidence(fit)):

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
+from modallab.core.errors import IdentificationError
+
 Real = NDArray[np.float64]
 
 ALIKE = 4.0
@@ -48,7 +50,14 @@ def common_poles(values: Real, variance: Real) -> Common:
     Args:
         values: (points, modes, 2) omega and zeta.
         variance: (points, modes, 2) of each point alone, inf where it does not see a mode.
+
+    Raises:
+        IdentificationError: a mode that no point sees: it has no mean.
     """
+    unseen = np.any(np.isinf(variance).all(axis=0), axis=1)
+    if np.any(unseen):
+        listed = ", ".join(f"{omega / (2 * np.pi):.5g}" for omega in values[:, unseen, 0].mean(axis=0))
+        raise IdentificationError(f"no point knows the mode at {listed} Hz by itself", remedy="narrow the band")
     setup = same_setup(values[..., 0], variance[..., 0])
     n = int(setup.max()) + 1
     weight = np.where(np.isfinite(variance), 1 / variance, 0.0)
@@ -66,15 +75,13 @@ def common_poles(values: Real, variance: Real) -> Common:
 
 
 def random_effects(values: Real, variance: Real) -> tuple[float, float, float]:
-    """Mean of set-ups, its sigma and the standard deviation between them; those of infinite variance say nothing.
+    """Mean of set-ups, its sigma and the standard deviation between them; of an infinite variance all but one may be.
 
     The sigma is that of a normal number whose 95 % interval is as wide as Student's: few set-ups hardly say how much
     they scatter.
     """
     known = np.isfinite(variance)
     x, v = values[known], variance[known]
-    if x.size == 0:
-        return float(np.mean(values)), float("inf"), 0.0
     between = _between(x, v)
     w = 1 / (v + between)
     mean = float(np.sum(w * x) / np.sum(w))
