@@ -16,8 +16,6 @@ from pathlib import Path
 from typing import Any
 
 MARK = re.compile(r"^\*\(`docs/made\.py` writes `(\w+)(?: ([\w.]+))?` here\.\)\*$", re.MULTILINE)
-OPTIONS = {"window_s": "window", "variables": "variable", "array_map": "map"}
-"""Of the command line, where it calls what is asked otherwise."""
 RAISED_ELSEWHERE = (
     "modallab.acquisition.process.rig_process",
     "modallab.cli.demo_results",
@@ -101,9 +99,10 @@ def formats() -> str:
 
 
 def _format(one: Any) -> tuple[str, ...]:
+    from modallab.formats.asked import ASKED
+
     does = ", ".join(word for word, there in (("read", one.read), ("written", one.write)) if there)
-    options = (OPTIONS.get(option, option).removesuffix("_hz").replace("_", "-") for option in one.asks)
-    asks = ", ".join(f"`--{option}`" for option in options)
+    asks = ", ".join(f"`--{(ASKED[option].called or option).replace('_', '-')}`" for option in one.asks)
     endings = ", ".join(f"`{ending}`" for ending in one.endings)
     return f"`{one.name}`", one.description, endings, ", ".join(one.holds), does, asks or "nothing"
 

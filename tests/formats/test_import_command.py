@@ -96,7 +96,7 @@ def test_the_frequency_of_each_sine_is_given_at_import(
     assert main([*command, "40", "50.5"]) == 0
     assert [b.frequency_hz for b in read_campaign(out).blocks] == [40.0, 50.5]
     assert main([*command, "40", "50", "60"]) == 2
-    assert "3 frequencies are given for 2 files" in capsys.readouterr().err
+    assert "frequency: 3 values are given for 2 files" in capsys.readouterr().err
     assert main(["import", *sources, "--rig", RIG, "--out", str(out), "--frequency", "40"]) == 2
     assert "with --test sine" in capsys.readouterr().err
 

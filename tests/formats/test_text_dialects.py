@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, FormatError, ModallabError
 from modallab.core.rig import Channel, Point, Rig
-from modallab.formats.importer import draft_rig, import_sources, taken_of
+from modallab.formats.importer import draft_rig, import_recordings, import_sources
 from modallab.formats.options import ImportOptions
 
 RATE_HZ, N = 2000.0, 400
@@ -129,17 +129,17 @@ def test_a_drafted_rig_has_the_channels_that_are_taken(tmp_path: Path) -> None:
         assert [c.name for c in draft_rig(path, options).channels] == ["force", "a1"]
     with pytest.raises(DataError, match=r"no channel a2; there are force, a1, inside"):
         draft_rig(path, ImportOptions(channels=("a2",)))
-    assert [(c.index, c.name) for c in taken_of(RIG, ImportOptions(ignore=("force",))).channels] == [(0, "a1")]
+    assert [(c.index, c.name) for c in import_recordings([path], RIG, {"ignore": "force"}).rig.channels] == [(0, "a1")]
 
 
 def test_the_level_of_each_file_can_be_said(tmp_path: Path) -> None:
     paths = [tmp_path / f"{name}.csv" for name in ("low", "high")]
     for path in paths:
         path.write_text(table("time [s],force [N],a1 [g]", PLAIN), encoding="utf-8")
-    blocks = import_sources(paths, RIG, ImportOptions(test="random"), levels=("low", "high")).blocks
+    blocks = import_recordings(paths, RIG, {"test": "random", "level": ["low", "high"]}).blocks
     assert [b.level for b in blocks] == ["low", "high"]
-    with pytest.raises(DataError, match="3 levels are given for 2 files"):
-        import_sources(paths, RIG, ImportOptions(test="random"), levels=("a", "b", "c"))
+    with pytest.raises(DataError, match="level: 3 values are given for 2 files"):
+        import_recordings(paths, RIG, {"level": ["a", "b", "c"]})
 
 
 @pytest.mark.parametrize(

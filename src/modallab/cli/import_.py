@@ -2,19 +2,17 @@
 
 import argparse
 from collections import Counter
-from dataclasses import replace
 from pathlib import Path
 
 from rich.table import Table
 
 from modallab.cli.console import console_of
 from modallab.core.block import Block, Campaign
-from modallab.core.errors import ConfigurationError
 from modallab.formats.arrays.array_map import read_map
+from modallab.formats.asked import ASKED
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.draft import assumptions, write_draft
-from modallab.formats.importer import draft_rig, import_sources, taken_of
-from modallab.formats.options import ImportOptions
+from modallab.formats.importer import import_recordings
 from modallab.formats.rig.rig_file import read_rig
 from modallab.pipelines.results import holds_results_only, import_results
 from modallab.reporting.waiting import waiting
@@ -24,40 +22,24 @@ def run(arguments: argparse.Namespace) -> int:
     """Read all sources, write the campaign, print what it holds."""
     arguments.sources = [file for source in arguments.sources for file in _files(source)]
     out: Path = arguments.out
-    options = ImportOptions(
-        test=arguments.test or "impact",
-        rate_hz=arguments.rate,
-        drive_point=arguments.drive_point,
-        volts=arguments.volts,
-        window_s=arguments.window,
-        variables=tuple(_pair(text) for text in arguments.variable or ()),
-        array_map=None if arguments.map is None else read_map(arguments.map),
-        group=arguments.group or "",
-        columns=arguments.columns or "",
-        channels=tuple(arguments.channels or ()),
-        ignore=tuple(arguments.ignore or ()),
-    )
+    said = {name: getattr(arguments, one.called or name) for name, one in ASKED.items()}
+    said["array_map"] = None if arguments.map is None else read_map(arguments.map)
     console = console_of(arguments)
     if arguments.rig is None and holds_results_only(arguments.sources[0]):
         for line in import_results(arguments.sources[0], out):
             console.print(line, markup=False, highlight=False)
         return 0
     with waiting("reading", progress=not arguments.hush):
-        rig = draft_rig(arguments.sources[0], options) if arguments.rig is None else read_rig(arguments.rig)
-        rig = rig if arguments.rig is None else taken_of(rig, options)
-        if arguments.test is None and rig.force is None:
-            options = replace(options, test="random")
-        campaign = import_sources(arguments.sources, rig, options, arguments.frequency or (), arguments.level or ())
-    if arguments.set_up:
-        campaign = replace(campaign, provenance=campaign.provenance | {"setup": arguments.set_up})
+        known = None if arguments.rig is None else read_rig(arguments.rig)
+        campaign = import_recordings(arguments.sources, known, said)
     write_campaign(campaign, out)
     console.print(_contents(campaign))
     for note in campaign.provenance.get("notes", "").splitlines():
         console.print(f"note: {note}", markup=False, highlight=False)
     console.print(f"campaign: {out}", markup=False, highlight=False)
     if arguments.rig is None:
-        drafted, notes = out.with_suffix(".rig.yaml"), assumptions(rig)
-        write_draft(rig, drafted, notes)
+        drafted, notes = out.with_suffix(".rig.yaml"), assumptions(campaign.rig)
+        write_draft(campaign.rig, drafted, notes)
         for note in notes:
             console.print(f"note: {note}", markup=False, highlight=False)
         console.print(f"rig: {drafted}, to be completed", markup=False, highlight=False)
@@ -69,15 +51,6 @@ def _files(source: Path) -> list[Path]:
     if source.exists() or not any(mark in source.name for mark in "*?"):
         return [source]
     return sorted(source.parent.glob(source.name)) or [source]
-
-
-def _pair(text: str) -> tuple[str, str]:
-    channel, mark, name = text.partition("=")
-    if not (mark and channel and name):
-        raise ConfigurationError(
-            f"--variable {text!r} says no CHANNEL=NAME", remedy="write it as force=F or a1=data:2, without blanks"
-        )
-    return channel, name
 
 
 def _contents(campaign: Campaign) -> Table:

@@ -2,15 +2,19 @@
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from modallab.cli.data_commands import add_data_commands
 from modallab.cli.gap_commands import add_gap_commands
 from modallab.cli.model_commands import add_model_commands
-from modallab.cli.options import JSON_HELP, Commands, add_saying, not_negative, positive
+from modallab.cli.options import JSON_HELP, Commands, add_saying, count, not_negative, positive
 from modallab.cli.usage import Parser
 from modallab.core.units import FRF_ESTIMATORS, TESTS
+from modallab.formats.asked import ASKED, Asked, Kind
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
+
+_KINDS: dict[Kind, Any] = {"text": str, "number": positive, "count": count, "map": Path}
 
 
 def build_parser(version: str) -> argparse.ArgumentParser:
@@ -61,40 +65,21 @@ def _add_import(commands: Commands) -> None:
         help="names the channels; without it a draft is written from what the file says",
     )
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5", help="the campaign file")
-    command.add_argument(
-        "--test", choices=TESTS, help="what the recordings are of (default: impact; random if no force was measured)"
-    )
-    command.add_argument("--rate", type=positive, metavar="HZ", help="sampling rate, for files without times")
-    command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
-    command.add_argument(
-        "--frequency", type=positive, nargs="+", metavar="HZ", help="of the sine in each file, or in all"
-    )
-    command.add_argument(
-        "--window", type=positive, metavar="S", help="time constant of the exponential window that FRFs were made with"
-    )
-    command.add_argument(
-        "--variable",
-        nargs="+",
-        metavar="CHANNEL=NAME",
-        help="what a MATLAB file or a table calls a channel (NAME:2 its second column), or time, rate, frequency, frf, "
-        "coherence, all",
-    )
-    command.add_argument(
-        "--columns",
-        metavar="NAME:UNIT,...",
-        help="of a table without a header, or instead of it: time,force:N,a01:m/s^2; one without a name is left out",
-    )
-    command.add_argument("--channels", nargs="+", metavar="NAME", help="take only these channels (default: all)")
-    command.add_argument("--ignore", nargs="+", metavar="NAME", help="leave these channels out")
-    command.add_argument(
-        "--level", nargs="+", metavar="NAME", help="what the structure was driven at in each file, or in all"
-    )
-    command.add_argument("--set-up", metavar="NAME", help="the set-up of the sensors that the files are of")
-    command.add_argument("--map", type=Path, metavar="MAP.yaml", help="which variable of a MATLAB file is what")
-    command.add_argument("--group", metavar="NAME", help="which group of a TDMS file to read (default: all that fit)")
-    command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
+    for name, one in ASKED.items():
+        _add_asked(command, name, one)
     add_saying(command)
     command.set_defaults(module="import_")
+
+
+def _add_asked(command: Any, name: str, one: Asked) -> None:
+    said: dict[str, Any] = {"help": one.about, "dest": one.called or name}
+    if one.kind == "switch":
+        said["action"] = "store_true"
+    else:
+        said |= {"choices": TESTS} if one.kind == "test" else {"type": _KINDS[one.kind], "metavar": one.metavar}
+    if one.several or one.each:
+        said["nargs"] = "+"
+    command.add_argument(f"--{(one.called or name).replace('_', '-')}", **said)
 
 
 def _add_identify(commands: Commands) -> None:

@@ -1,8 +1,9 @@
 """Recordings of others, of any known kind, as one campaign."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from modallab.core.array_checks import identical_channels
 from modallab.core.block import Block, Campaign
@@ -13,17 +14,33 @@ from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure
 from modallab.formats.draft import DraftChannel, select_channels
 from modallab.formats.error_list import Collected
-from modallab.formats.options import COUNTED_HZ, ImportOptions
+from modallab.formats.options import COUNTED_HZ, ImportOptions, options_of
 from modallab.formats.sniff import sniff
 from modallab.signals.faults.found import faults_of
 
 
+def import_recordings(paths: Sequence[Path], rig: Rig | None, said: Mapping[str, Any]) -> Campaign:
+    """Read recordings as `import_sources` does, with what the user says; without a rig, on one drafted from the first.
+
+    Where no force is measured, and the user says no test, records are taken as of the random test.
+
+    Args:
+        paths: files of any known kind, or folders with a campaign.
+        rig: the rig they were made on; only the channels that the user takes are.
+        said: by field of `ASKED`.
+
+    Raises:
+        ModallabError: an option that there is not, or one error with everything that is wrong in any of the files.
+    """
+    each = options_of(said, len(paths))
+    known = draft_rig(paths[0], each[0]) if rig is None else _taken_of(rig, each[0])
+    if known.force is None and said.get("test") is None:
+        each = tuple(replace(one, test="random") for one in each)
+    return import_sources(paths, known, each)
+
+
 def import_sources(
-    paths: Sequence[Path],
-    rig: Rig,
-    options: ImportOptions | None = None,
-    frequencies_hz: Sequence[float] = (),
-    levels: Sequence[str] = (),
+    paths: Sequence[Path], rig: Rig, options: ImportOptions | Sequence[ImportOptions] | None = None
 ) -> Campaign:
     """Read recordings, in the order given, as one campaign on `rig`.
 
@@ -32,17 +49,15 @@ def import_sources(
     Args:
         paths: files of any known kind, or folders with a campaign.
         rig: the rig they were made on.
-        options: what the files do not say themselves.
-        frequencies_hz: what the generator was set to in each of the files of a sine test; one for all, or none.
-        levels: names of the levels that the structure was driven at in each of the files; one for all, or none.
+        options: what the files do not say themselves; of each, or one for all.
 
     Raises:
         ModallabError: one error with everything that is wrong in any of the files.
     """
-    options = options or ImportOptions()
-    each = _each(options, len(paths), frequencies_hz, levels)
-    for one in each:
-        one.check(rig)
+    one = options or ImportOptions()
+    each = (one,) * len(paths) if isinstance(one, ImportOptions) else one
+    for own in each:
+        own.check(rig)
     errors, parts = Collected(), list[Campaign]()
     for path, own in zip(count_progress(map(Path, paths), len(paths), "files"), each, strict=True):
         with errors:
@@ -52,11 +67,16 @@ def import_sources(
     frfs = [frf for part in parts for frf in part.frfs]
     if not blocks and not frfs:
         raise DataError("no recordings were given", remedy="name at least one file")
-    notes = [note for part in parts for note in _notes(part)]
-    provenance = {key: value for part in parts for key, value in part.provenance.items()}
-    provenance |= {"sources": "\n".join(Path(part.source).name for part in parts)}
-    provenance |= {"notes": "\n".join(notes)} if notes else {}
+    provenance = {key: value for part in parts for key, value in part.provenance.items()} | _said_of(parts, each)
     return Campaign(rig, blocks, tuple(frfs), provenance, ", ".join(part.source for part in parts))
+
+
+def _said_of(parts: Sequence[Campaign], each: Sequence[ImportOptions]) -> dict[str, str]:
+    """Sources, notes and the set-up of all files together."""
+    notes = [note for part in parts for note in _notes(part)]
+    said = {"sources": "\n".join(Path(part.source).name for part in parts)}
+    said |= {"notes": "\n".join(notes)} if notes else {}
+    return said | ({"setup": each[0].set_up} if each[0].set_up else {})
 
 
 def draft_rig(path: Path, options: ImportOptions | None = None) -> Rig:
@@ -80,29 +100,7 @@ def draft_rig(path: Path, options: ImportOptions | None = None) -> Rig:
     return found.draft(path, options or ImportOptions())
 
 
-def _each(
-    options: ImportOptions, n: int, frequencies_hz: Sequence[float], levels: Sequence[str]
-) -> list[ImportOptions]:
-    """The options of each file."""
-    if len(levels) not in (0, 1, n):
-        raise DataError(
-            f"{len(levels)} levels are given for {n} files",
-            remedy="give one for each file, in the order of the files, or one for all",
-        )
-    each = [replace(options, level=level) for level in (levels if len(levels) == n else list(levels) * n)]
-    each = each or [options] * n
-    if not frequencies_hz:
-        return each
-    if len(frequencies_hz) not in (1, n):
-        raise DataError(
-            f"{len(frequencies_hz)} frequencies are given for {n} files",
-            remedy="give one for each file, in the order of the files, or one for all",
-        )
-    every = frequencies_hz if len(frequencies_hz) == n else list(frequencies_hz) * n
-    return [replace(one, frequency_hz=f) for one, f in zip(each, every, strict=True)]
-
-
-def taken_of(rig: Rig, options: ImportOptions) -> Rig:
+def _taken_of(rig: Rig, options: ImportOptions) -> Rig:
     """The rig with the channels that the user takes.
 
     Raises:

@@ -1,13 +1,17 @@
 """What a file without such facts is to be taken for."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
 
 from modallab.core.axis_checks import check_rate
 from modallab.core.errors import DataError
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test
 from modallab.formats.arrays.array_map import ArrayMap
+from modallab.formats.asked import ASKED
 
 COUNTED_HZ = 1.0
 """The rate of an abscissa that counts samples, as programs write it that know no rate (LabVIEW: `Delta_X` 1)."""
@@ -17,25 +21,14 @@ _AGREE = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class ImportOptions:
-    """What the user says about recordings that do not say it themselves.
+    """What the user says about recordings of one file, by the fields of `ASKED`, which says what each is.
 
     Attributes:
-        test: which test they belong to.
-        rate_hz: sampling rate of recordings without times.
-        drive_point: point of the hit or of the shaker.
-        volts: numbers without a unit are volts, to be scaled by the sensitivities of the rig; otherwise they are in
-            each channel's own unit.
-        frequency_hz: what the generator was set to in a sine test.
-        window_s: time constant tau of the exponential window exp(-t / tau) that FRFs were made with.
-        variables: (channel, name of its array, perhaps with :column from 1) where files call their arrays otherwise;
-            instead of a channel also time, rate, frequency, frf, coherence, or all for all channels.
-        array_map: what the arrays of a MATLAB file are; instead of `variables`.
-        level: name of the level that the structure was driven at.
-        channels: names of the channels to take for a drafted rig, or of a rig; () for all.
-        ignore: names of channels to leave out.
-        group: name of the group of a TDMS file to read; "" for all that hold the channels of the rig.
-        columns: name and unit of each column of a table, as "time,force:N,a01:m/s^2", instead of its header; a column
-            without a name is left out. "" where the header says it.
+        variables: (channel, name of its array, perhaps with :column from 1).
+        array_map: instead of `variables`.
+        channels: () for all.
+        columns: a text of names and units; "" where the file's own header holds.
+        group: "" for all groups that hold the channels of the rig.
     """
 
     test: Test = "impact"
@@ -51,6 +44,7 @@ class ImportOptions:
     level: str | None = None
     channels: tuple[str, ...] = ()
     ignore: tuple[str, ...] = ()
+    set_up: str = ""
 
     def takes(self, name: str) -> bool:
         """Whether a channel of this name is wanted."""
@@ -100,3 +94,55 @@ class ImportOptions:
             where=where,
             remedy="leave --rate out if the file is right; else correct its times or its step",
         )
+
+
+def options_of(said: Mapping[str, Any], files: int) -> tuple[ImportOptions, ...]:
+    """The options of each file.
+
+    Args:
+        said: by field of `ASKED`; what is None is not said. `variables` is a mapping, or texts CHANNEL=NAME.
+        files: how many there are.
+
+    Raises:
+        DataError: there is no such option, it holds another kind of value, or not one for each file.
+    """
+    known = {name: value for name, value in said.items() if value is not None}
+    for name in known:
+        if name not in ASKED:
+            near = get_close_matches(name, ASKED, n=1)
+            remedy = f"did you mean {near[0]}?" if near else f"use one of {', '.join(ASKED)}"
+            raise DataError(f"an import has no option {name!r}", remedy=remedy)
+    if "variables" in known:
+        known["variables"] = _pairs(known["variables"])
+    for name in ("channels", "ignore"):
+        known[name] = _listed(known.get(name, ()))
+    each = {name: _of_each(name, known.pop(name), files) for name in tuple(known) if ASKED[name].each}
+    return tuple(ImportOptions(**known, **{name: values[k] for name, values in each.items()}) for k in range(files))
+
+
+def _listed(value: Any) -> tuple[Any, ...]:
+    """Several values, or one alone."""
+    return tuple(value) if isinstance(value, Sequence) and not isinstance(value, str) else (value,)
+
+
+def _of_each(name: str, value: Any, files: int) -> tuple[Any, ...]:
+    values = _listed(value)
+    if len(values) not in (1, files):
+        raise DataError(
+            f"{ASKED[name].called or name}: {len(values)} values are given for {files} files",
+            remedy="give one for each file, in the order of the files, or one for all",
+        )
+    return values if len(values) == files else values * files
+
+
+def _pairs(given: Any) -> tuple[tuple[str, str], ...]:
+    if isinstance(given, Mapping):
+        return tuple((str(channel), str(name)) for channel, name in given.items())
+    return tuple(one if isinstance(one, tuple) else _pair(one) for one in _listed(given))
+
+
+def _pair(text: str) -> tuple[str, str]:
+    channel, mark, name = text.partition("=")
+    if not (mark and channel and name):
+        raise DataError(f"{text!r} says no CHANNEL=NAME", remedy="write it as force=F or a1=data:2, without blanks")
+    return channel, name

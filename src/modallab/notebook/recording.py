@@ -2,18 +2,16 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
-from difflib import get_close_matches
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 from modallab.core.block import Campaign
 from modallab.core.errors import FormatError, RigError
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import ArrayMap, map_of, read_map
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
-from modallab.formats.importer import draft_rig, import_sources
-from modallab.formats.options import ImportOptions
+from modallab.formats.importer import import_recordings
 from modallab.formats.rig.rig_file import read_rig
 from modallab.formats.sniff import sniff
 from modallab.notebook.arguments import path_for
@@ -79,8 +77,8 @@ def load(
         rig: the rig file, if it is neither inside nor beside the recordings. For files of others that name their
             channels one is made where none is given.
         array_map: which variable of a MATLAB file is what: a YAML file, or its content.
-        options: what such files do not say themselves, as the fields of `ImportOptions`: test, rate_hz, drive_point,
-            volts.
+        options: what such files do not say themselves: test, rate_hz, drive_point, frequency_hz, window_s, variables,
+            columns, channels, ignore, level, set_up, group, volts ([each](docs/reference/import.md)).
 
     Raises:
         FormatError: no such file, or of no known format.
@@ -98,11 +96,7 @@ def load(
         if len(paths) > 1:
             raise FormatError("several files need a rig", where=str(paths[0]), remedy="give rig='rig.yaml'")
         return Recording(read_campaign(paths[0], known))
-    said = replace(_options(options), array_map=_map(array_map))
-    found = known or draft_rig(paths[0], said)
-    if found.force is None and "test" not in options:
-        said = replace(said, test="random")
-    return Recording(import_sources(paths, found, said))
+    return Recording(import_recordings(paths, known, options | {"array_map": _map(array_map)}))
 
 
 def _map(given: str | Path | Mapping[str, object] | None) -> ArrayMap | None:
@@ -116,16 +110,6 @@ def _paths(path: object) -> list[Path]:
     if not isinstance(listed, Sequence) or not all(isinstance(one, str | Path) for one in cast("list[object]", listed)):
         raise FormatError(f"{path!r} is no name of a file", remedy="give the path as text: ml.load('campaign.h5')")
     return [Path(one) for one in cast("list[str | Path]", listed)]
-
-
-def _options(given: dict[str, Any]) -> ImportOptions:
-    known = [field.name for field in fields(ImportOptions)]
-    for name in given:
-        if name not in known:
-            near = get_close_matches(name, known, n=1)
-            remedy = f"did you mean {near[0]}?" if near else f"use one of {', '.join(known)}"
-            raise FormatError(f"ml.load has no option {name!r}", remedy=remedy)
-    return ImportOptions(**given)
 
 
 def _require(path: Path) -> None:

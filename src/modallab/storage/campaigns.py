@@ -80,6 +80,7 @@ def _provenance(store: Store, records: Sequence[RunRecord]) -> dict[str, str]:
         "code_version": " ".join(sorted({record.code_version for record in records})),
     }
     setups = [r.plan.setups[0].name for r in records if isinstance(r.plan, ImpactPlan) and r.plan.setups]
+    setups += [record.facts["setup"] for record in records if "setup" in record.facts]
     known |= {"setup": setups[0]} if setups else {}
     for record in records:
         # Facts are the same in every run of one bench; where one differs, the later run's stands under its own name.

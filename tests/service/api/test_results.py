@@ -17,6 +17,7 @@ from modallab.core.documents.models import ComparisonView, ModelsView
 from modallab.core.rig import Rig
 from modallab.formats.importer import import_sources
 from modallab.jobs.leases import Leases
+from modallab.storage.campaigns import campaign_of
 
 API = "/api/v1"
 
@@ -249,6 +250,24 @@ def test_a_map_says_what_the_arrays_of_a_file_are(lab: Lab, link_rig: Rig, tmp_p
         ]
     assert block.count == 1024
     assert [(a.status_code, a.json()["code"]) for a in wrong] == [(422, "format"), (422, "format"), (422, "data")]
+
+
+def test_what_the_command_line_takes_of_a_file_rest_takes_too(lab: Lab, link_rig: Rig) -> None:
+    names, rng = [c.name for c in link_rig.channels], np.random.default_rng(1)
+    columns = [*names[:3], "inside"]
+    rows = [f"{k / 1024:.9f}," + ",".join(f"{v:.6f}" for v in rng.normal(size=4)) for k in range(512)]
+    body = "\n".join(["time [s]," + ",".join(columns), *rows]) + "\n"
+    asked = {"name": "part", "rig": RIG, "format": "csv", "channels": names[:3], "level": "high", "set_up": "left"}
+    with lab.client() as client:
+        made = client.post(f"{API}/imports", params=asked | {"test": "random"}, content=body.encode())
+        assert made.status_code == 201, made.text
+        wrong = client.post(f"{API}/imports", params=asked | {"variable": ["force"]}, content=body.encode())
+    (run,) = made.json()["runs"]
+    (block,) = lab.store.catalogue.blocks(run)
+    campaign = campaign_of(lab.store, [run])
+    assert (campaign.blocks[0].channels, block.note.level) == (tuple(names[:3]), "high")
+    assert campaign.provenance["setup"] == "left"
+    assert (wrong.status_code, "CHANNEL=NAME" in wrong.json()["detail"]) == (422, True)
 
 
 def test_what_cannot_be_imported_says_why_and_leaves_nothing(lab: Lab) -> None:

@@ -1,20 +1,22 @@
 """Campaigns from files that others wrote: the body is the file."""
 
 import hashlib
+import inspect
 import shutil
 import tempfile
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-from fastapi import Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
+from pydantic import Field, StringConstraints
 
 from modallab.core.documents.campaigns import CampaignNew, CampaignView, Name, Note
 from modallab.core.errors import DataError
 from modallab.core.units import Test
 from modallab.formats.arrays.array_map import ArrayMap, parse_map
+from modallab.formats.asked import ASKED, Asked, Kind
 from modallab.formats.format import Format
-from modallab.formats.options import ImportOptions
 from modallab.service.api.problems import documented
 from modallab.service.api.request_context import CallerOf, Operator, ServiceOf, mark
 from modallab.service.api.rigs import state_of
@@ -28,7 +30,34 @@ router = make_router("campaigns", files=True)
 FILE = "application/octet-stream"
 MAP_CHARACTERS = 4000
 """Of a map. It stands in the address, since the body is the file: many servers take no address above 8 kB."""
+_KINDS: dict[Kind, Any] = {
+    "text": Annotated[str, StringConstraints(min_length=1, max_length=2000)],
+    "number": Annotated[float, Field(gt=0, allow_inf_nan=False)],
+    "count": Annotated[int, Field(ge=1, lt=2**31)],
+    "switch": bool,
+    "test": Test,
+    "map": Annotated[str, StringConstraints(max_length=MAP_CHARACTERS)],
+}
 BODY = {"required": True, "content": {FILE: {"schema": {"type": "string", "format": "binary"}}}}
+
+
+def _parameter(name: str, one: Asked) -> inspect.Parameter:
+    kind = list[_KINDS[one.kind]] if one.several else _KINDS[one.kind]
+    # Numbers keep the name that says their unit.
+    called = one.called if one.called and one.kind not in ("number", "count") else name
+    query = Query(alias=called, description=f"{one.about[0].upper()}{one.about[1:]}.")
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[kind | None, query]
+    )
+
+
+class _OfQuery:
+    """What is said of the file, by field of `ASKED`, or None. FastAPI asks for what the signature holds."""
+
+    __signature__ = inspect.Signature([_parameter(name, one) for name, one in ASKED.items() if not one.frfs])
+
+    def __call__(self, **given: object) -> dict[str, Any]:
+        return given
 
 
 @router.post(
@@ -46,20 +75,9 @@ async def import_file(
     caller: CallerOf,
     name: Annotated[Name, Query(description="Of the new campaign.")],
     rig: Annotated[str, Query(min_length=1, max_length=64)],
+    said: Annotated[dict[str, Any], Depends(_OfQuery())],
     format_: Annotated[str, Query(alias="format", max_length=16, description="Of the file: hdf5, uff, ...")] = "hdf5",
     note: Annotated[Note, Query(description="Of the new campaign.")] = "",
-    test: Annotated[Test, Query(description="What the recordings are of, where the file does not say.")] = "impact",
-    rate_hz: Annotated[
-        float | None, Query(gt=0, allow_inf_nan=False, description="Where the file has no times.")
-    ] = None,
-    drive_point: Annotated[int | None, Query(ge=1, lt=2**31, description="Where the file does not say.")] = None,
-    volts: Annotated[bool, Query(description="Whether numbers without a unit are volts.")] = False,
-    map_: Annotated[
-        str, Query(alias="map", max_length=MAP_CHARACTERS, description="Which array of the file is what: a map's YAML.")
-    ] = "",
-    columns: Annotated[
-        str, Query(max_length=2000, description="Of a table, instead of its header: time,force:N,a01:m/s^2.")
-    ] = "",
 ) -> Response:
     """Keep the recordings of a file as runs of a new campaign; it has a rig of its own, or is of the one that is named.
 
@@ -68,18 +86,15 @@ async def import_file(
     require_rig(caller, rig)
     controller = await run_in_threadpool(state_of, service, rig)
     reader = find_reader(format_)
-    array_map = _map(map_, reader)
+    said["array_map"] = _map(said.get("array_map") or "", reader)
     folder = Path(await run_in_threadpool(tempfile.mkdtemp, prefix="modallab-import-", dir=service.folder))
     try:
         file = folder / f"import{reader.endings[0]}"
         digest = await _receive(request, file)
         new = CampaignNew(name=name, rig=rig, note=note)
-        options = ImportOptions(
-            test=test, rate_hz=rate_hz, drive_point=drive_point, volts=volts, array_map=array_map, columns=columns
-        )
 
         async def answer() -> Response:
-            made = await run_in_threadpool(import_campaign, service, file, new, controller.rig, options, operator)
+            made = await run_in_threadpool(import_campaign, service, file, new, controller.rig, said, operator)
             response = Response(made.model_dump_json(), 201, media_type="application/json")
             response.headers["Location"] = f"{PREFIX}/campaigns/{made.id}"
             mark(response, made.revision)

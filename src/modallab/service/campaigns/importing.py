@@ -1,13 +1,14 @@
 """A campaign from a file of a format that others write."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from modallab.core.documents.campaigns import CampaignNew, CampaignView
 from modallab.core.errors import DataError
 from modallab.core.events import StateChanged
 from modallab.core.rig import Rig
 from modallab.formats.format import Format, readers
-from modallab.formats.options import ImportOptions
 from modallab.service.context import Service
 from modallab.service.records.event_log import Topic
 from modallab.service.records.repository import RunEntry
@@ -26,7 +27,7 @@ def find_reader(name: str) -> Format:
 
 
 def import_campaign(
-    service: Service, file: Path, new: CampaignNew, rig: Rig, options: ImportOptions, operator: str
+    service: Service, file: Path, new: CampaignNew, rig: Rig, said: Mapping[str, Any], operator: str
 ) -> CampaignView:
     """Keep the recordings of a file as runs of a new campaign.
 
@@ -35,7 +36,7 @@ def import_campaign(
         file: in any format that can be read.
         new: the campaign.
         rig: they were made on; a file that holds a rig of its own keeps that.
-        options: what the file does not say itself.
+        said: what the file does not say itself, by field of `ASKED`.
         operator: who imports it.
 
     Raises:
@@ -43,10 +44,10 @@ def import_campaign(
         StorageError, DiskFullError: they cannot be kept.
     """
     # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
-    from modallab.formats.importer import import_sources
+    from modallab.formats.importer import import_recordings
     from modallab.storage.imported import keep_campaign
 
-    found = import_sources([file], _own_rig(file) or rig, options)
+    found = import_recordings([file], _own_rig(file) or rig, said)
     if not found.blocks:
         raise DataError(f"{file.name} holds no time records", remedy="import FRFs with modallab import and identify")
     runs = keep_campaign(service.store, found, f"file://{file.name}")
@@ -55,8 +56,8 @@ def import_campaign(
         record = service.store.catalogue.run(run)
         entry = RunEntry(run, campaign.id, new.rig, operator, None)
         service.repository.add_run(entry, record.plan.model_dump(mode="json"))
-        said = StateChanged(run=run, state=record.state, reason=record.reason)
-        service.log.append(said.kind, Topic(new.rig, campaign.id, run), said.model_dump())
+        changed = StateChanged(run=run, state=record.state, reason=record.reason)
+        service.log.append(changed.kind, Topic(new.rig, campaign.id, run), changed.model_dump())
     return service.repository.campaign(campaign.id)
 
 

@@ -37,7 +37,7 @@ function label(name, stated) {
 
 /** What a list holds; pairs, as bands are, say it of each place. */
 const itemOf = (schema) => plain(schema.items ?? schema.prefixItems?.[0] ?? {});
-const isList = (schema) => schema.type === "array" && LISTS.has(itemOf(schema).type);
+const isList = (schema) => schema.type === "array" && (LISTS.has(itemOf(schema).type) || itemOf(schema).type === "string");
 
 /** Numbers by name, as levels are: `low: 0.5, high: 1`. */
 const isMap = (schema) => schema.type === "object" && LISTS.has(plain(schema.additionalProperties ?? {}).type);
@@ -52,7 +52,7 @@ function readMap(schema, text) {
 
 function written(schema, value) {
   if (value === undefined || value === null) return "";
-  if (isList(schema)) return value.map((item) => (Number.isInteger(item) ? item : Number(item.toFixed(4)))).join(", ");
+  if (isList(schema)) return value.map((item) => (typeof item === "string" || Number.isInteger(item) ? item : Number(item.toFixed(4)))).join(", ");
   if (isMap(schema)) return Object.entries(value).map(([name, one]) => `${name}: ${one}`).join(", ");
   return typeof value === "object" ? JSON.stringify(value) : String(value);
 }
@@ -63,6 +63,7 @@ function read(schema, text) {
     if (schema.optional || schema.default !== undefined) return undefined;
     throw new Error("is needed");
   }
+  if (isList(schema) && itemOf(schema).type === "string") return text.split(/[,;]/).map((item) => item.trim()).filter(Boolean);
   if (isList(schema)) return text.split(/[\s,;]+/).filter(Boolean).map((item) => numberOf(itemOf(schema), item));
   if (isMap(schema)) return readMap(schema, text);
   if (LISTS.has(schema.type)) return numberOf(schema, text);
@@ -89,7 +90,7 @@ function field(path, name, raw, start) {
   const wrong = h("small", { class: "wrong", id: `${id}-wrong`, role: "status" });
   const given = written(schema, start ?? schema.default);
   let input;
-  if (schema.enum) input = h("select", { id }, schema.enum.map((one) => h("option", { value: one, selected: one === given }, one)));
+  if (schema.enum) input = h("select", { id }, [...(schema.optional && schema.default === undefined ? [""] : []), ...schema.enum].map((one) => h("option", { value: one, selected: one === given }, one)));
   else if (schema.type === "boolean") input = h("input", { id, type: "checkbox", checked: given === "true" });
   else input = h("input", { id, value: given, autocomplete: "off", inputmode: LISTS.has(schema.type) ? "decimal" : "text", "aria-describedby": wrong.id });
   const value = () => (schema.type === "boolean" ? input.checked : read(schema, input.value));
@@ -120,6 +121,15 @@ const fieldsOf = (path, schema, start) => Object.entries(schema.properties)
 function valueOf(fields) {
   const pairs = fields.map(([name, one]) => [name, one.value()]).filter(([, value]) => value !== undefined);
   return Object.fromEntries(pairs);
+}
+
+/** Fields for the query of a POST, in the words of the API; `query()` is null where one of them cannot be used. */
+export async function queryFields(path, known) {
+  document_ ??= await get("/openapi.json");
+  const asked = document_.paths[path].post.parameters.filter(({ name, in: place }) => place === "query" && !known.includes(name));
+  const fields = fieldsOf("query", { properties: Object.fromEntries(asked.map((one) => [one.name, { ...one.schema, description: one.description }])) }, {});
+  const query = () => Object.entries(valueOf(fields)).flatMap(([name, value]) => [value].flat().map((one) => [name, one]));
+  return { elements: fields.map(([, one]) => one.element), query: () => (fields.map(([, one]) => one.check()).every(Boolean) ? query() : null) };
 }
 
 /** A form for a plan; the fields in `first` are shown at once, the others on request. `begin(plan)` is called at the end. */

@@ -3,6 +3,7 @@
 import { all, ask, find, get, post } from "../api.js";
 import { Chart, look, positive } from "../charts.js";
 import { button, h, panel, put, show as showError, table } from "../dom.js";
+import { queryFields } from "../forms.js";
 import { lab } from "../lab.js";
 import { waitForJob } from "../jobs.js";
 import { clock, number, percent } from "../numbers.js";
@@ -76,12 +77,20 @@ const FORMAT_OF = Object.fromEntries(Object.entries(ENDINGS).flatMap(([format, e
 function importer(done) {
   const said = h("p", { class: "muted", role: "status" }, `Drop a file here, or choose one: ${Object.keys(FORMAT_OF).join(", ")}.`);
   const input = h("input", { type: "file", id: "file", accept: Object.keys(FORMAT_OF).join(","), onchange: () => take(input.files) });
-  const place = h("div", { class: "drop" }, said, h("label", { for: "file", class: "hidden" }, "File to import"), input);
+  let asked = null;
+  const fields = h("div", { class: "fields" });
+  const about = h("details", { ontoggle: async () => {
+    if (asked) return;
+    try { put(fields, (asked = await queryFields("/api/v1/imports", ["name", "rig", "format"])).elements); } catch (error) { showError(error); }
+  } }, h("summary", {}, "What the files do not say"), fields);
+  const place = h("div", { class: "drop" }, said, h("label", { for: "file", class: "hidden" }, "File to import"), input, about);
   async function take(files) {
+    const more = asked ? asked.query() : [];
+    if (!more) { said.textContent = "Some fields cannot be used yet."; return; }
     for (const file of files) {
       said.textContent = `${file.name} is being read …`;
       const format = FORMAT_OF[/\.[^.]*$/.exec(file.name.toLowerCase())?.[0]] ?? "hdf5";
-      const query = new URLSearchParams({ name: file.name, rig: lab.rig.id, format });
+      const query = new URLSearchParams([["name", file.name], ["rig", lab.rig.id], ["format", format], ...more]);
       try {
         await ask("POST", `imports?${query}`, { body: file, headers: { "Content-Type": "application/octet-stream" }, patience: 600000 });
         said.textContent = `${file.name} is there.`;
