@@ -17,7 +17,7 @@ from modallab.core.rig import Rig
 from modallab.gap.modal.errors import sizes, weights
 from modallab.gap.modal.matching import Side, in_common
 from modallab.gap.modal.narrower import in_band
-from modallab.gap.modal.off_axis import Means, MeasuredFrfs
+from modallab.gap.modal.off_axis import Means
 from modallab.gap.modal.state import Hung
 from modallab.gap.modal.weights import Weights
 from modallab.modification.freedoms import Freedom, freedoms_of
@@ -98,8 +98,7 @@ class Compared:
         """What hangs at a driven point where a sensor stands, coupled line by line if the FRFs were measured."""
         if self.frfs is None:
             return hung
-        of_lines = self.frfs.mean(hung.coupled(self.frfs.of.receptances, self.frfs.of.s))
-        return replace(hung, extra=of_lines - hung.coupled(self.known, self.s))
+        return replace(hung, extra=self.frfs.changed(hung.coupled) - hung.coupled(self.known, self.s))
 
     @property
     def close_pairs(self) -> list[tuple[int, int]]:
@@ -186,11 +185,11 @@ def compared(
     s = _lines(other, max(low, 0.3 * float(model.frequency_hz[0])), high, smooth)
     out_psi = np.array([shapes.seen[:, shapes.index(f)] for f in outputs])
     into_psi = np.array([shapes.driven[:, shapes.index(f)] for f in inputs]) * shapes.turn
-    means = _means(s, (before.measured, after.measured))
+    means = _means(s, before, after)
     if means is None:
         known, measured, noise = synthesised(model, s), synthesised(other, s), None
     else:
-        s, (known, measured) = means[0].s, (m.mean(m.of.receptances) for m in means)
+        s, (known, measured) = means[0].s, (m.receptances for m in means)
         noise = means[0].noise() + means[1].noise()
     return Compared(
         rig=rig,
@@ -243,12 +242,11 @@ def _lines(bench: ModalModel, low: float, high: float, smooth: float) -> Complex
     return np.asarray(2 * np.pi * hz * (smooth + 1j))
 
 
-def _means(s: Complex, frfs: tuple[MeasuredFrfs | None, MeasuredFrfs | None]) -> tuple[Means, Means] | None:
+def _means(s: Complex, before: Side, after: Side) -> tuple[Means, Means] | None:
     """Of the FRFs of both, near s, where both were measured."""
-    before, after = frfs
-    if before is None or after is None:
+    if before.measured is None or after.measured is None:
         return None
     omega, wanted = np.asarray(s.imag, np.float64), np.asarray(s.real, np.float64)
-    each = np.array([side.sigma_at(omega, wanted) for side in (before, after)])
+    each = np.array([of.sigma_at(omega, wanted) for of in (before.measured, after.measured)])
     there = np.asarray((each.max(axis=0) + 1j * omega)[np.all(each > 0, axis=0)])
-    return before.means_at(there), after.means_at(there)
+    return before.measured.means_at(there, before.model), after.measured.means_at(there, after.model)

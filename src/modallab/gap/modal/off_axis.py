@@ -1,11 +1,14 @@
-"""MeasuredFrfs FRFs off the frequency axis, by no model.
+"""Measured FRFs off the frequency axis, whatever their model misses.
 
 An FRF H is analytic where Re s > 0, so that its lines give it there. At s0 = sigma + j omega0 it is the mean of its
 lines with weights sigma / pi / (sigma^2 + d^2), d = omega - omega0 (Poisson's integral of a half plane). So is H g for
 any other analytic g. With g = (1 + (s - s0) / c)^-2 far lines count little: the band has to hold the near ones only.
+A mean over lines misses a resonance narrower than their distance. So the mean is that of what the model leaves of the
+lines, and the model's own FRF at s0 is added: where the lines are dense, the model cancels.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +18,7 @@ from scipy import sparse
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.frf.line_noise import variance_of
+from modallab.modification.synthesis import synthesised
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -73,15 +77,15 @@ class MeasuredFrfs:
         values = self.values[:, rows][:, :, columns] * turned
         return MeasuredFrfs(self.s, self.power, values, self.variance[:, rows][:, :, columns])
 
-    def means_at(self, s: Complex) -> "Means":
-        """What gives FRFs at complex frequencies (lines,)."""
+    def means_at(self, s: Complex, model: ModalModel) -> "Means":
+        """What gives FRFs at complex frequencies (lines,), with the model of these outputs and inputs."""
         omega = self.s.imag
         edges = np.concatenate([omega[:1], (omega[1:] + omega[:-1]) / 2, omega[-1:]])
         sigma = (s.real - self.s[0].real)[:, None]
         poisson = np.diff(np.arctan((edges - s.imag[:, None]) / sigma), axis=1) / np.pi
         whole = poisson / (1 + (self.s - s[:, None]) / (REACH * sigma)) ** 2
         whole[np.abs(whole) < FAR * np.abs(whole).max(axis=1, keepdims=True)] = 0.0
-        return Means(self, s, sparse.csr_array(whole))
+        return Means(self, s, sparse.csr_array(whole), synthesised(model, self.s), synthesised(model, s))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -92,18 +96,31 @@ class Means:
         of: what was measured.
         s: (lines,) complex frequencies.
         weights: (lines, lines that were measured).
+        on_lines: (lines that were measured, outputs, inputs) the model's receptances.
+        off_axis: (lines, outputs, inputs) the same at s.
     """
 
     of: MeasuredFrfs
     s: Complex
     weights: sparse.csr_array
+    on_lines: Complex
+    off_axis: Complex
 
     def thinned(self, lines: slice) -> "Means":
         """At some of the lines."""
-        return Means(self.of, self.s[lines], self.weights[lines])
+        return replace(self, s=self.s[lines], weights=self.weights[lines], off_axis=self.off_axis[lines])
 
-    def mean(self, receptances: Complex) -> Complex:
-        """(lines, outputs, inputs) of receptances (measured lines, outputs, inputs)."""
+    def changed(self, by: Callable[[Complex, Complex], Complex]) -> Complex:
+        """(lines, outputs, inputs) receptances changed by what is made of receptances at complex frequencies."""
+        left = by(self.of.receptances, self.of.s) - by(self.on_lines, self.of.s)
+        return self._mean(left) + by(self.off_axis, self.s)
+
+    @property
+    def receptances(self) -> Complex:
+        """(lines, outputs, inputs) m/N."""
+        return self.changed(lambda of, _: of)
+
+    def _mean(self, receptances: Complex) -> Complex:
         flat = (receptances * self.of.s[:, None, None] ** self.of.power).reshape(self.of.s.size, -1)
         found = np.asarray(self.weights @ flat).reshape(self.s.size, *receptances.shape[1:])
         return found / self.s[:, None, None] ** self.of.power
