@@ -26,9 +26,9 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 POWERS = (-2, 0, 2)
 """Of s in the residual terms of what is left: as below and above the band, and the next one."""
-COMMON = 40
+COMMON = 20
 """Directions in which errors of all values go together, of the samples' 200."""
-OWN = 1e-3
+OWN = 0.01
 """Of the variance of a value: what at least it has for itself, as samples do not say it better."""
 EXACT = 1e-7
 """Of a value: what its deviation at least is, where models are given without any."""
