@@ -111,6 +111,31 @@ def test_two_structures_coupled_are_one_and_taken_apart_again_are_two(joint: flo
         np.testing.assert_allclose(both.attached.receptance(S)[:, 3, 3], _parallel(S), rtol=1e-8)
 
 
+@pytest.mark.parametrize("gain", [1.0, 1.01])
+def test_a_measured_part_taken_away_leaves_the_rest_and_no_pole_of_its_antiresonances(gain: float) -> None:
+    whole = [np.zeros((5, 5)) for _ in range(3)]
+    for both, a, b in zip(whole, _matrices(BARE), _matrices(OTHER), strict=True):
+        both[:4, :4] += a
+        both[3:, 3:] += b
+    part = OTHER.model()
+    part = part.model_copy(update={"modal_constants": gain * part.modal_constants})
+    unsure = Known(part.model_copy(update={"modal_constant_sigma": 0.01 * np.abs(part.modal_constants)}))
+    taken = Coupled(unsure.structure, [(4, 1)], sign=-1, samples=unsure.samples)
+    both = Chain(*whole).model()
+    on_it = {"outputs": both.outputs[:4], "output_points": (1, 2, 3, 4), "residuals": both.residuals[:, :4]}
+    arrays = {name: getattr(both, name)[:, :4] for name in ("modal_constants", "modal_constant_sigma")}
+    rest = Known(both.model_copy(update=on_it | arrays)).with_changes([taken])
+    near = 1e-6 if gain == 1 else 3e-3
+    truth = np.abs(BARE.poles()) / (2 * np.pi)
+    np.testing.assert_allclose(rest.modes.frequency_hz, truth, rtol=near)
+    np.testing.assert_array_less(
+        np.abs(rest.modes.frequency_hz - truth), 1e-6 * truth + 3 * rest.modes.frequency_sigma_hz
+    )
+    if gain == 1:
+        frf = rest.frf(HZ, [2], [4], quantity="receptance").values[0, 0]
+        np.testing.assert_allclose(frf, BARE.receptance(S)[:, 1, 3], rtol=1e-4)
+
+
 def test_what_is_coupled_brings_its_own_uncertainty() -> None:
     bare = Known(BARE.model())
     unsure = Known(OTHER.model().model_copy(update={"frequency_sigma_hz": np.full(2, 0.05)}))

@@ -261,7 +261,7 @@ class Coupled:
     joint_spring: float | None = None
     sign: int = 1
     samples: Structure | None = None
-    _own: Real = field(init=False, repr=False)
+    own: Real = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Look up the points of the other structure.
@@ -271,7 +271,7 @@ class Coupled:
         """
         if not self.pairs:
             raise DataError("no pair of points is given", remedy="give pairs=[(point of one, point of the other)]")
-        object.__setattr__(self, "_own", self.other.columns([of for _, of in self.pairs]))
+        object.__setattr__(self, "own", self.other.columns([of for _, of in self.pairs]))
 
     def links(self, structure: Structure) -> Real:
         """As of `Addition`."""
@@ -280,11 +280,16 @@ class Coupled:
     def compliance(self, s: Complex) -> Complex:
         """Of the other structure at its points, with the joints'."""
         joint = 0.0 if self.joint_spring is None else np.eye(len(self.pairs)) / self.joint_spring
-        return self.sign * self.other.receptance(s, self._own, self._own) + joint
+        return self.sign * self.other.receptance(s, self.own, self.own) + joint
 
     def sampled(self, count: int) -> "Coupled":
         """The same with samples of the other structure."""
         return self if self.samples is None else replace(self, other=self.samples.first(count))
+
+    @property
+    def measured_part(self) -> bool:
+        """Whether it is taken away at one rigid joint, and known as uncertain as it was measured."""
+        return self.sign < 0 and len(self.pairs) == 1 and self.joint_spring is None and self.samples is not None
 
     @property
     def poles(self) -> Complex:
@@ -295,7 +300,7 @@ class Coupled:
     def matrices(self) -> Matrices:
         """Modes of the other structure, with their motions held to this one's."""
         pairs, modes = len(self.pairs), len(self.other.poles)
-        phi = np.real(self.other.psi * np.sqrt(2j * self.other.poles.imag)[:, None]) @ self._own
+        phi = np.real(self.other.psi * np.sqrt(2j * self.other.poles.imag)[:, None]) @ self.own
         omega = np.abs(self.other.poles)
         own = [np.ones(modes), -2 * self.other.poles.real, omega**2]
         mass, damping, stiffness = (np.diag(np.concatenate([np.zeros(pairs), self.sign * v])) for v in own)

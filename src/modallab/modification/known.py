@@ -12,12 +12,13 @@ from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
-from modallab.modification.attachments import Addition
+from modallab.modification.attachments import Addition, Coupled
 from modallab.modification.freedoms import Freedom
 from modallab.modification.frfs import Receptances, frf_between
 from modallab.modification.measured import MeasuredPairs
 from modallab.modification.modified import ModesAfter, modify, residues_of
 from modallab.modification.poles import Attached
+from modallab.modification.remainder import remainder
 from modallab.modification.response import Between, Modes, modal_states, respond
 from modallab.modification.samples import places_of, samples_of
 from modallab.modification.state_space import ModalStateSpace, state_space_of
@@ -37,6 +38,7 @@ class Known:
         model: of it.
         rig: where its points are, and how well everything is known; None where nothing is said.
         changes: what hangs on it.
+        taken: what was taken away from the measurement; the structure is the rest.
     """
 
     def __init__(
@@ -58,6 +60,7 @@ class Known:
             DataError: an output or input without a point.
         """
         self.model, self.rig, self.hits, self.changes = model, rig, hits, tuple(changes)
+        self.taken: tuple[Coupled, ...] = ()
         self._measured = structure_of(model, rig)
 
     @property
@@ -109,7 +112,12 @@ class Known:
     @cached_property
     def modes(self) -> ModesAfter:
         """The modes with what hangs on it."""
-        return modify(self.structure, self.changes, self.samples)
+        return modify(self.structure, self.changes, self.samples, self.alone.structure if self.taken else None)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What was changed, each in a few words."""
+        return tuple(change.words for change in (*self.taken, *self.changes))
 
     @property
     def alone(self) -> "Known":
@@ -122,10 +130,23 @@ class Known:
         Raises:
             DataError: the model does not know a point.
         """
-        more = Known(self.model, self.rig, self.hits, (*self.changes, *changes))
-        more.__dict__["samples"] = self.samples
+        # What was predicted of this structure is exact enough to be subtracted; what was measured is not.
+        away = () if self.changes else tuple(c for c in changes if isinstance(c, Coupled) and c.measured_part)
+        kept = (c for c in changes if c not in away)
+        more = Known(self.model, self.rig, self.hits, (*self.changes, *kept))
+        more._measured, more.taken, more.__dict__["samples"] = self._measured, self.taken, self.samples
+        for part in away:
+            more._take(part)
         _ = more.attached
         return more
+
+    def _take(self, part: Coupled) -> None:
+        """Become what is left without it."""
+        assert part.samples is not None
+        structure, at = self.structure, part.links(self.structure)
+        rest = remainder(structure, self.samples, part.other, part.samples, at, part.own)
+        self._measured, self.taken = rest.structure, (*self.taken, part)
+        self.__dict__["samples"] = rest.samples
 
     def frf(
         self,
@@ -160,7 +181,9 @@ class Known:
 
     @cached_property
     def _now(self) -> Receptances:
-        return self.attached if self.changes else MeasuredPairs.of(self.model, self._measured)
+        if self.changes:
+            return self.attached
+        return self._measured if self.taken else MeasuredPairs.of(self.model, self._measured)
 
     def response(
         self,

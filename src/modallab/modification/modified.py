@@ -47,13 +47,19 @@ class ModesAfter:
     hidden: int
 
 
-def modify(structure: Structure, changes: Sequence[Addition], samples: Structure | None = None) -> ModesAfter:
+def modify(
+    structure: Structure,
+    changes: Sequence[Addition],
+    samples: Structure | None = None,
+    before: Structure | None = None,
+) -> ModesAfter:
     """The modes of a structure with changes.
 
     Args:
         structure: before.
         changes: what is hung on it.
         samples: (samples, ...) of the same structure, for the uncertainty; without them it is NaN.
+        before: to compare shapes with; None for the structure.
 
     Raises:
         DataError: the model does not know a point.
@@ -64,7 +70,7 @@ def modify(structure: Structure, changes: Sequence[Addition], samples: Structure
     poles = every[inside]
     modes_only = refined(attached.with_structure(replace(structure, residual=0 * structure.residual)), poles)
     psi = residues_of(attached, poles)
-    like, mac = _resembled(structure.psi, psi)
+    like, mac = _resembled((before or structure).psi, psi)
     hz = np.abs(poles) / (2 * np.pi)
     sigma = np.full((2, poles.size), np.nan)
     if samples is not None:

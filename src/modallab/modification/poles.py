@@ -175,7 +175,9 @@ def _quadratic(mass: Real, damping: Real, stiffness: Real) -> Complex:
 def refined(attached: Attached, starts: Complex) -> Complex:
     """(..., poles) the roots nearest to starts (..., poles); leading axes as of the structure."""
     if not attached.attachments:
-        return attached.structure.poles
+        poles = attached.structure.poles
+        nearest = np.argmin(np.abs(poles[..., None, :] - starts[..., :, None]), axis=-1)
+        return np.take_along_axis(poles, nearest, axis=-1)
     own = _deflated(attached)
     s = starts + 0j
     for _ in range(ITERATIONS):

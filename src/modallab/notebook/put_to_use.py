@@ -235,7 +235,7 @@ class ChangedModel(PutToUse):
 
     def table(self) -> Shown:
         """Frequency and damping of each mode before and after, with one standard deviation."""
-        words = [change.words for change in self._known.changes]
+        words = list(self._known.words)
         return Shown(*modified_rows(self._known.model, self._known.modes, words))
 
     def check(self, measured: PutToUse) -> Shown:
@@ -271,7 +271,7 @@ class ChangedModel(PutToUse):
 
     def __repr__(self) -> str:
         hz = ", ".join(f"{f:.4g}" for f in self.frequency_hz)
-        return f"<ChangedModel: {'; '.join(c.words for c in self._known.changes)}; modes at {hz} Hz>"
+        return f"<ChangedModel: {'; '.join(self._known.words)}; modes at {hz} Hz>"
 
     def _repr_html_(self) -> str:
         return self.table().html()

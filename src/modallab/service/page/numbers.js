@@ -5,7 +5,7 @@ export function number(value, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size >= 1e5 || size < 1e-3) return value.toExponential(Math.max(0, digits - 2)).replace(/e(.*)$/, (_, power) => `·10${raised(power)}`);
+  if (size >= 1e5 || size < 1e-4) return value.toExponential(digits - 1).replace(/e(.*)$/, (_, power) => `·10${raised(power)}`);
   return value.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
 }
 

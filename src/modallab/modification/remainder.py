@@ -1,0 +1,280 @@
+"""What is left of a measured structure when a part of it, known by itself, is taken away at one joint.
+
+The direct formula subtracts two receptances at the joint. Wherever the part is softer there than the rest, they are
+nearly equal: each antiresonance of the part becomes two poles that no structure has. So the rest is fitted instead,
+where nothing cancels. At a pole s of both, shape psi, the part takes the force -psi_c / H_part(s), hence
+H_rest,xc(s) = -H_part(s) psi_x / psi_c. At a pole of the part alone it takes none, hence H_rest,xc(s) = H_both,xc(s).
+Fitted are common poles and residues: first by vector fitting (Gustavsen, Semlyen, IEEE Trans. Power Delivery 14 (1999),
+1052), then by variable projection (Golub, Pereyra, Inverse Problems 19 (2003), R1) in generalised least squares. Errors
+of a sensitivity are common to all poles: samples of both models give their covariance.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+from scipy.optimize import least_squares
+
+from modallab.core.errors import DataError
+from modallab.modification.outside_band import completed
+from modallab.modification.structure import Structure
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+POWERS = (-2, 0, 2)
+"""Of s in the residual terms of what is left: as below and above the band, and the next one."""
+COMMON = 20
+"""Directions in which errors of all values go together, of the samples' 200."""
+OWN = 0.01
+"""Of the variance of a value: what at least it has for itself, as samples do not say it better."""
+EXACT = 1e-7
+"""Of a value: what its deviation at least is, where models are given without any."""
+WIDEST = 3.0
+"""Deviations of a sample that count: beyond, a shape goes through zero at the joint."""
+FAR = 10.0
+"""By which factor a pole may lie beyond all values: it then stands for what is out of the band."""
+RELOCATIONS, STEPS = 30, 50
+AGAIN = 2
+
+
+def remainder(
+    both: Structure, samples: Structure, part: Structure, varied: Structure, at: Real, of: Real
+) -> "Remainder":
+    """The structure without the part.
+
+    Args:
+        both: as measured, with the part.
+        samples: (samples, ...) of it.
+        part: by itself.
+        varied: (samples, ...) of it.
+        at: (freedoms, 1) the joint on the structure.
+        of: (freedoms, 1) the joint on the part.
+
+    Raises:
+        DataError: the part has as many modes as both together.
+    """
+    # Coupled at one joint, both have one motion less than the two apart.
+    count = len(both.poles) - len(part.poles) + 1
+    if count < 1:
+        raise DataError(
+            f"{len(part.poles)} modes of the part are more than leave any of {len(both.poles)}",
+            remedy="identify both in the same band",
+        )
+    s, values = known_values(both, part, at, of)
+    # What is uncertain of the two models has nothing in common: sample 1 of one goes with the last of the other.
+    places, varied_values = known_values(samples, reversed_samples(varied), at, of)
+    off = varied_values - values
+    rest = _fitted(s, values, off, _starts(s, count), both, at)
+    for _ in range(AGAIN):
+        # Poles of the samples are off as well, and with them where values are known.
+        left = off - rest.of_joint(places, at) + rest.of_joint(s, at)
+        rest = _fitted(s, values, left, rest.structure.poles, both, at, begin=False)
+    return rest
+
+
+def _fitted(
+    s: Complex, values: Complex, off: Complex, start: Complex, both: Structure, at: Real, *, begin: bool = True
+) -> "Remainder":
+    """The rest by values and samples of what they are off by."""
+    # Half of the samples weigh, the others tell what that leaves: else deviations come out too small.
+    errors = Errors.of(off[::2], values)
+    fit = Fit(s, values, errors)
+    poles = relocated(s, values / errors.scale, 1 / errors.scale, start) if begin else start
+    return fit.rest(fit.poles(poles), both, at, off[1::2])
+
+
+def known_values(both: Structure, part: Structure, at: Real, of: Real) -> tuple[Complex, Complex]:
+    """(points,) where the receptances from the joint to all freedoms are known, and (..., points, freedoms) these."""
+    at_poles = part.receptance(both.poles, of, of)[..., 0] / (both.psi @ at)
+    shapes = -at_poles * both.psi
+    alone = both.receptance(part.poles, None, at)[..., 0]
+    return np.concatenate([both.poles, part.poles], axis=-1), np.concatenate([shapes, alone], axis=-2)
+
+
+def reversed_samples(samples: Structure) -> Structure:
+    """The same in reverse order."""
+    return replace(samples, poles=samples.poles[::-1], psi=samples.psi[::-1], residual=samples.residual[::-1])
+
+
+def _starts(s: Complex, count: int) -> Complex:
+    by_frequency = s[np.argsort(s.imag)]
+    # Not at a value itself: there the basis is infinite.
+    return 1.003 * by_frequency[np.linspace(0, len(s) - 1, count).round().astype(int)]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Errors:
+    """Deviations of all values, real parts first, and the factor of their correlation.
+
+    Attributes:
+        scale: (points, freedoms) one deviation.
+        factor: lower triangle of the correlation's Cholesky factors.
+    """
+
+    scale: Real
+    factor: Real
+
+    @classmethod
+    def of(cls, off: Complex, values: Complex) -> "Errors":
+        """From samples (samples, points, freedoms) of what values are off by."""
+        # A median: near a node at the joint a few samples are off by any amount.
+        scale = np.sqrt(np.median(np.abs(off) ** 2, axis=0) / (2 * np.log(2))) + EXACT * np.abs(values)
+        each = np.clip(_flat(off / scale), -WIDEST, WIDEST) / np.sqrt(len(off))
+        _, size, directions = np.linalg.svd(each, full_matrices=False)
+        common = directions[:COMMON].T * size[:COMMON]
+        own = np.maximum(1 - np.sum(common**2, axis=1), OWN)
+        return cls(scale, np.linalg.cholesky(common @ common.T + np.diag(own)))
+
+    def whitened(self, values: Complex) -> Real:
+        """(2 points freedoms, ...) of values (..., points, freedoms), uncorrelated and of unit variance."""
+        return np.asarray(solve_triangular(self.factor, _flat(values / self.scale).T, lower=True))
+
+
+def _flat(values: Complex) -> Real:
+    parts = np.stack([values.real, values.imag], axis=-3)
+    return np.asarray(parts.reshape(*parts.shape[:-3], -1), np.float64)
+
+
+def basis(s: Complex, poles: Complex, powers: tuple[int, ...] = POWERS) -> Complex:
+    """(points, 2 poles + terms): of real and imaginary parts of residues, and of residual terms over the highest."""
+    up, down = 1 / (s[:, None] - poles), 1 / (s[:, None] - poles.conj())
+    terms = [(s[:, None] / np.abs(s).max()) ** power for power in powers]
+    return np.concatenate([up + down, 1j * (up - down), *terms], axis=1)
+
+
+def relocated(s: Complex, scaled: Complex, weights: Real, poles: Complex) -> Complex:
+    """(poles,) that fit (points, freedoms) values over their deviations, by vector fitting."""
+    for _ in range(RELOCATIONS):
+        own, common = basis(s, poles), basis(s, poles, ())
+        left, right = [], []
+        for value, weight in zip(scaled.T, weights.T, strict=True):
+            rows = np.column_stack([own * weight[:, None], -value[:, None] * common, value])
+            _, whole = np.linalg.qr(np.concatenate([rows.real, rows.imag]))
+            r = whole[own.shape[1] :]
+            left.append(r[:, own.shape[1] : -1])
+            right.append(r[:, -1])
+        found = np.linalg.lstsq(np.concatenate(left), np.concatenate(right), rcond=None)[0]
+        zeros = _zeros(poles, found)
+        if len(zeros) != len(poles) or np.allclose(zeros, poles, rtol=1e-6, atol=0):
+            break
+        poles = zeros
+    return -np.abs(poles.real) + 1j * poles.imag
+
+
+def _zeros(poles: Complex, weights: Real) -> Complex:
+    """Of 1 + the sum of poles by real and imaginary parts of their weights."""
+    n = len(poles)
+    a = np.block([[np.diag(poles.real), np.diag(poles.imag)], [-np.diag(poles.imag), np.diag(poles.real)]])
+    a -= np.outer(np.concatenate([np.full(n, 2.0), np.zeros(n)]), weights)
+    zeros = np.linalg.eigvals(a)
+    return np.sort_complex(zeros[zeros.imag > 0] * -1j) * 1j
+
+
+class Fit:
+    """Receptances from the joint by common poles, in generalised least squares."""
+
+    def __init__(self, s: Complex, values: Complex, errors: Errors) -> None:
+        self.s, self.values, self.errors = s, values, errors
+        self.right = errors.whitened(values)
+
+    def poles(self, start: Complex) -> Complex:
+        """(poles,) that fit best, by rising frequency."""
+        n, edges = len(start), np.log([np.abs(self.s).min() / FAR, np.abs(self.s).max() * FAR])
+        low, high = np.repeat([edges[0], 0.0], n), np.repeat([edges[1], 1.0], n)
+        x = np.clip(_numbers(start), low, high)
+        found = least_squares(self._misfit, x, self._slopes, (low, high), x_scale="jac", max_nfev=STEPS).x
+        poles = _of_numbers(found)
+        return poles[np.argsort(poles.imag)]
+
+    def _columns(self, columns: Complex) -> Real:
+        """Whitened (values, freedoms columns): each freedom has coefficients of its own."""
+        freedoms = self.values.shape[1]
+        each = np.einsum("pc,fg->fcpg", columns, np.eye(freedoms))
+        return self.errors.whitened(each.reshape(-1, *self.values.shape))
+
+    def _solved(self, poles: Complex) -> tuple[Real, Real]:
+        """Orthonormal columns of the basis, and (freedoms, terms) coefficients."""
+        columns = self._columns(basis(self.s, poles))
+        q, r = np.linalg.qr(columns)
+        found = np.linalg.lstsq(r, q.T @ self.right, rcond=None)[0]
+        return np.asarray(q, np.float64), np.asarray(found.reshape(self.values.shape[1], -1), np.float64)
+
+    def _misfit(self, x: Real) -> Real:
+        q, _ = self._solved(_of_numbers(x))
+        return np.asarray(self.right - q @ (q.T @ self.right))
+
+    def _slopes(self, x: Real) -> Real:
+        poles = _of_numbers(x)
+        q, found = self._solved(poles)
+        columns = self.errors.whitened(self._moves(poles, found, x))
+        return np.asarray(-(columns - q @ (q.T @ columns)))
+
+    def _moves(self, poles: Complex, found: Real, x: Real) -> Complex:
+        """(numbers, points, freedoms) of the values with log frequency, then with damping, of each pole."""
+        n = len(poles)
+        residues = (found[:, :n] + 1j * found[:, n : 2 * n]).T
+        up = residues[:, None] / ((self.s - poles[:, None]) ** 2)[..., None]
+        down = residues.conj()[:, None] / ((self.s - poles.conj()[:, None]) ** 2)[..., None]
+        along = np.concatenate([poles, -poles.imag])
+        double = np.concatenate([up, up]), np.concatenate([down, down])
+        return double[0] * along[:, None, None] + double[1] * along.conj()[:, None, None]
+
+    def rest(self, poles: Complex, both: Structure, at: Real, off: Complex) -> "Remainder":
+        """The structure of these poles, with samples of it."""
+        q, found = self._solved(poles)
+        x = _numbers(poles)
+        slopes = self.errors.whitened(self._moves(poles, found, x))
+        whole = np.column_stack([self._columns(basis(self.s, poles)), slopes])
+        left = self.right - q @ (q.T @ self.right)
+        misfit = float(left @ left) / max(1, len(left) - whole.shape[1])
+        moved = (np.linalg.pinv(whole) @ self.errors.whitened(off)).T * np.sqrt(max(1.0, misfit))
+        linear = found.reshape(-1) + moved[:, : found.size]
+        varied = np.array([_of_numbers(x + one) for one in moved[:, found.size :]])
+        highest = float(np.abs(self.s).max())
+        return Remainder(
+            _structure(both, at, poles[None], found[None], highest).one(0),
+            _structure(both, at, varied, linear.reshape(-1, *found.shape), highest),
+        )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Remainder:
+    """What is left.
+
+    Attributes:
+        structure: of it.
+        samples: (samples, ...) of it.
+    """
+
+    structure: Structure
+    samples: Structure
+
+    def of_joint(self, s: Complex, at: Real) -> Complex:
+        """(..., points, freedoms) receptances from the joint."""
+        return self.structure.receptance(s, None, at)[..., 0]
+
+
+def _numbers(poles: Complex) -> Real:
+    """Log frequency and damping of each pole."""
+    return np.concatenate([np.log(poles.imag), -poles.real / poles.imag])
+
+
+def _of_numbers(x: Real) -> Complex:
+    half = len(x) // 2
+    return np.exp(x[:half]) * (-x[half:] + 1j)
+
+
+def _structure(both: Structure, at: Real, poles: Complex, found: Real, highest: float) -> Structure:
+    """Samples of a structure by poles (samples, poles) and coefficients (samples, freedoms, terms)."""
+    n, joint = poles.shape[-1], int(np.argmax(at[:, 0]))
+    residue = (found[..., :n] + 1j * found[..., n : 2 * n]).swapaxes(-1, -2)
+    psi = residue / np.sqrt(residue[..., joint])[..., None]
+    terms = found[..., 2 * n :].swapaxes(-1, -2) / highest ** np.array(POWERS, np.float64)[:, None]
+    freedoms = len(both.freedoms)
+    whole = [completed(t[..., None], range(freedoms), [joint], freedoms) for t in terms]
+    known = np.zeros_like(both.known)
+    known[joint] = known[:, joint] = True
+    return replace(both, poles=poles, psi=psi, powers=POWERS, residual=np.array(whole), known=known)
