@@ -177,3 +177,12 @@ def test_arrays_of_an_npz_are_the_channels_of_their_names(tmp_path: Path) -> Non
     np.savez(tmp_path / "x.npz", time=times(), **dict(zip(NAMES, hit(4), strict=True)))
     (block,) = import_sources([tmp_path / "x.npz"], RIG).blocks
     np.testing.assert_array_equal(block.samples, hit(4))
+
+
+def test_channels_that_are_structures_of_one_structure_are_found(tmp_path: Path) -> None:
+    rows = zip(NAMES, hit(4), strict=True)
+    one = {name: {"data": row, "dt": 1 / RATE_HZ, "unit": "kN" if name == "force" else "m/s^2"} for name, row in rows}
+    io.savemat(tmp_path / "x.mat", {"rec": one})
+    (block,) = import_sources([tmp_path / "x.mat"], RIG).blocks
+    assert (block.rate_hz, block.units[0]) == (RATE_HZ, "kN")
+    np.testing.assert_array_equal(block.samples, hit(4))

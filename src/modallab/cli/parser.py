@@ -87,7 +87,7 @@ def _add_identify(commands: Commands) -> None:
     command.add_argument(
         "campaign", type=Path, nargs="+", metavar="FOLDER|CAMPAIGN.h5", help="several: the set-ups of one test"
     )
-    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="instead of that inside or beside the campaign")
     command.add_argument("--method", choices=estimator_names(), default=USUAL, help="estimator")
     command.add_argument(
         "--refine",

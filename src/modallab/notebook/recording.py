@@ -74,7 +74,7 @@ def load(
 
     Args:
         path: a campaign file, the folder of one, or files of any format that can be imported.
-        rig: the rig file, if it is neither inside nor beside the recordings. For files of others that name their
+        rig: the rig file, instead of that inside or beside the recordings. For files of others that name their
             channels one is made where none is given.
         array_map: which variable of a MATLAB file is what: a YAML file, or its content.
         options: what such files do not say themselves: test, rate_hz, drive_point, frequency_hz, window_s, variables,

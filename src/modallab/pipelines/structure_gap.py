@@ -143,7 +143,27 @@ def model_to_compare(campaign: Campaign) -> ModalModel:
 
 
 def _identified(campaign: Campaign) -> Result:
+    _require_points(campaign)
     return identify_chosen(campaign, Options())
+
+
+def _require_points(campaign: Campaign) -> None:
+    """Ask for points before anything is identified.
+
+    Raises:
+        DataError: a sensor or a force has none, in the records or on the rig.
+    """
+    rig = campaign.rig
+    without = [f"channel {c.name}" for c in rig.responses if c.point is None]
+    given = {b.drive_point for b in campaign.blocks} | {p for frf in campaign.frfs for p in frf.input_points}
+    if rig.force is not None and rig.force.point is None and None in given:
+        without.append("the force")
+    if without:
+        raise DataError(
+            f"no point is known of {', '.join(without)}",
+            where=campaign.source,
+            remedy="write the points into a rig file, and give it with --rig",
+        )
 
 
 def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ComparedWith:
@@ -178,8 +198,9 @@ def _driven(model: ModalModel) -> tuple[int, ...]:
 
 
 def _on_its_own_rig(path: Path, rig: Rig) -> Campaign:
-    """A campaign on the rig it was recorded on; on another where none is in or beside it."""
+    """A campaign on the rig it was recorded on; on another where none is in or beside it, or that one has no points."""
     try:
-        return read_campaign(path)
+        before = read_campaign(path)
     except RigError:
         return read_campaign(path, rig)
+    return before if before.rig.points else read_campaign(path, rig)

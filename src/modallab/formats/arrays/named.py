@@ -168,11 +168,11 @@ def _key(arrays: Arrays, channel: str, options: ImportOptions) -> str | None:
         return name or channel
     low = channel.lower()
     wanted = (low, *(f"{low}.{name}" for name in _SAMPLES))
-    for last in (False, True):
-        names = [name.lower().rpartition(".")[2] if last else name.lower() for name in arrays]
+    for within in (False, True):
         for one in wanted:
-            if names.count(one) == 1:
-                return list(arrays)[names.index(one)]
+            fitting = [n for n in arrays if n.lower() == one or (within and n.lower().endswith(f".{one}"))]
+            if len(fitting) == 1:
+                return fitting[0]
     return None
 
 
