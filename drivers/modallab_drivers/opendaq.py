@@ -7,24 +7,21 @@ import re
 import time
 from collections.abc import Sequence
 from math import isfinite
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Found, Request
+from modallab.bench.protocol import Bench, BenchInfo, Chunk, Delivery, Found, Request
 from modallab.core.errors import (
     BenchTimeoutError,
     ConfigurationError,
     DeviceGoneError,
     SamplesLostError,
-    UnsupportedError,
 )
 from modallab.core.extras import remedy
 from modallab.core.rig import Channel, Rig
-from modallab_drivers.order import require, require_count
-
-State = Literal["open", "configured", "running", "stopped", "lost", "closed"]
+from modallab_drivers.order import WithoutOutput, require_count
 
 MOST_RATE_HZ = 200_000.0
 POLL_S = 0.002
@@ -60,12 +57,12 @@ def find_devices(address: str) -> list[Found]:
     return [Found(str(d.connection_string), f"openDAQ: {d.name}") for d in instance.available_devices]
 
 
-class OpenDaqBench:
+class OpenDaqBench(WithoutOutput):
     """Inputs of one openDAQ device: for each channel of the rig the one it names, or else the next in order."""
 
     def __init__(self, url: str, rig: Rig, opendaq: Any) -> None:
         self._url, self._rig, self._opendaq = url, rig, opendaq
-        self._state: State = "open"
+        self._state = "open"
         self._instance: Any = opendaq.Instance()
         # "daqref://" alone is the first reference device.
         address = url if url.partition("://")[2] else f"{url}device0"
@@ -140,22 +137,6 @@ class OpenDaqBench:
         first, self._position = self._position, self._position + count
         return Chunk(first, samples, self._at_full_scale(samples))
 
-    def play(self, burst: Burst) -> int:
-        """Always rejected: these devices have no output."""
-        self._require("running", to="play")
-        raise UnsupportedError(
-            f"the device has no output; a burst of {burst.frequency_hz:g} Hz was asked for",
-            where=self._url,
-            remedy="use a bench with an output",
-        )
-
-    def prompt_hit(self, point: int) -> None:
-        """Whoever strikes is notified by the page; the point must be one of the rig."""
-        self._rig.x_of(point)
-
-    def zero(self) -> None:
-        """Nothing to do: there is no output."""
-
     def stop(self) -> None:
         """Stop reading."""
         if self._state in ("running", "lost"):
@@ -169,9 +150,6 @@ class OpenDaqBench:
         self._drop_reader()
         self._instance.remove_device(self._device)
         self._state = "closed"
-
-    def _require(self, *legal: State, to: str) -> None:
-        require(self._state, *legal, to=to, where=self._url)
 
     def _pull(self, count: int) -> NDArray[np.float64]:
         values, status = self._reader.read(count, timeout_ms=20, return_status=True)

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.bench.protocol import Burst, Waveform
-from modallab.core.errors import ConfigurationError
-from modallab.core.rig import Limits
+from modallab.core.errors import ConfigurationError, UnsupportedError
+from modallab.core.rig import Limits, Rig
 
 
 def require(state: str, *legal: str, to: str, where: str) -> None:
@@ -130,3 +130,29 @@ def wave_samples(wave: Waveform, rate_hz: float) -> NDArray[np.float64]:
     samples = wave.at(np.arange(count) / rate_hz)
     samples[0] = samples[-1] = 0.0
     return samples
+
+
+class WithoutOutput:
+    """What a bench answers that has no output."""
+
+    _state: str
+    _rig: Rig
+    _url: str
+    _no_output: tuple[str, str] = "the device has no output", "use a bench with an output"
+
+    def play(self, burst: Burst) -> int:
+        """Always rejected."""
+        self._require("running", to="play")
+        what, remedy = self._no_output
+        found = f"{what}; a burst of {burst.frequency_hz:g} Hz was asked for"
+        raise UnsupportedError(found, where=self._url, remedy=remedy)
+
+    def prompt_hit(self, point: int) -> None:
+        """Whoever strikes is notified by the page, or has struck; the point must be one of the rig."""
+        self._rig.x_of(point)
+
+    def zero(self) -> None:
+        """Nothing to do."""
+
+    def _require(self, *legal: str, to: str) -> None:
+        require(self._state, *legal, to=to, where=self._url)

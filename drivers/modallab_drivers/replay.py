@@ -8,25 +8,23 @@ import time
 from dataclasses import dataclass
 from math import inf, isfinite
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 from urllib.parse import parse_qsl, unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.bench.protocol import Bench, BenchInfo, Chunk, Delivery, Request
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import (
     BenchTimeoutError,
     ConfigurationError,
     DeviceGoneError,
     SamplesLostError,
-    UnsupportedError,
 )
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-
-State = Literal["open", "configured", "running", "stopped", "closed"]
+from modallab_drivers.order import WithoutOutput, require_count
 
 _RATE_ROUNDING = 1e-9
 
@@ -60,12 +58,14 @@ def open_bench(url: str, rig: Rig) -> Bench:
     return ReplayBench(url, rig, campaign, speed)
 
 
-class ReplayBench:
+class ReplayBench(WithoutOutput):
     """The blocks of one campaign, one test at a time."""
+
+    _no_output = "a replay has no output", "use a bench with an output, or read the recorded sine test"
 
     def __init__(self, url: str, rig: Rig, campaign: Campaign, speed: float) -> None:
         self._url, self._rig, self._campaign, self._speed = url, rig, campaign, speed
-        self._state: State = "open"
+        self._state = "open"
         self._stretches: tuple[Stretch, ...] = ()
         self._at = self._position = 0
         tests = {test: len(campaign.of(test)) for test in ("impact", "sine")}
@@ -116,8 +116,7 @@ class ReplayBench:
     def read(self, count: int, timeout_s: float) -> Chunk:
         """The next `count` samples of the block that is on."""
         self._require("running", to="read")
-        if count < 1:
-            raise ConfigurationError(f"a read of {count} samples", where=self._url, remedy="read 1 or more")
+        require_count(count, self._url)
         if self._at == len(self._stretches):
             raise BenchTimeoutError("the recording has ended", where=self._url, remedy="stop, and start it again")
         stretch = self._stretches[self._at]
@@ -132,22 +131,6 @@ class ReplayBench:
         if self._position == stretch.end:
             self._next()
         return chunk
-
-    def play(self, burst: Burst) -> int:
-        """Always rejected: a recording cannot be driven."""
-        self._require("running", to="play")
-        raise UnsupportedError(
-            f"a replay has no output; a burst of {burst.frequency_hz:g} Hz was asked for",
-            where=self._url,
-            remedy="use a bench with an output, or read the recorded sine test",
-        )
-
-    def prompt_hit(self, point: int) -> None:
-        """The hits are in the recording; the point must be one of the rig."""
-        self._rig.x_of(point)
-
-    def zero(self) -> None:
-        """Nothing to do: there is no output."""
 
     def stop(self) -> None:
         """Stop playing."""
@@ -184,14 +167,6 @@ class ReplayBench:
                 remedy="read fewer samples, or wait longer; nothing is lost",
             )
         time.sleep(max(due_s, 0.0))
-
-    def _require(self, *legal: State, to: str) -> None:
-        if self._state not in legal:
-            raise ConfigurationError(
-                f"the replay is {self._state}: cannot {to}",
-                where=self._url,
-                remedy="the order is configure, start, then read; stop before another configure",
-            )
 
 
 def _parse(url: str) -> tuple[Path, float]:

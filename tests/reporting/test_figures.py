@@ -14,15 +14,14 @@ from matplotlib.figure import Figure
 from modallab.reporting.compare import modes
 from modallab.reporting.content import Truth
 from modallab.reporting.figures.all_points import all_points
+from modallab.reporting.figures.blocks import impact_block, sine_block
 from modallab.reporting.figures.damping import damping, paper_value
 from modallab.reporting.figures.hits import cut, hits
-from modallab.reporting.figures.impact_block import impact_block
 from modallab.reporting.figures.mode_shapes import mode_shapes
 from modallab.reporting.figures.one_point import one_point
 from modallab.reporting.figures.overview import frf_overview
 from modallab.reporting.figures.resolution import readings, resolution
 from modallab.reporting.figures.selection import example_block, farthest
-from modallab.reporting.figures.sine_block import sine_block
 
 BOTH = ("impact", "sine")
 

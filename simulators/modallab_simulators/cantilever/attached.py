@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever.eigenmodes import eigh
-from modallab_simulators.cantilever.modes import Modes
+from modallab_simulators.cantilever.modes import Modes, SolvedModes
 
 Floats = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ class Absorber:
     stiffness_n_m: float
 
 
-class AttachedModes:
+class AttachedModes(SolvedModes):
     """A structure with attachments, behind the interface of its modes.
 
     Args:
@@ -67,30 +67,18 @@ class AttachedModes:
         root_n_m: float = inf,
         absorbers: Sequence[Absorber] = (),
     ) -> None:
-        self._bare, self._root, self._absorbers = bare, root_n_m, tuple(absorbers)
+        super().__init__(bare)
+        self._root, self._absorbers = root_n_m, tuple(absorbers)
         # Where an absorber hangs, the beam needs what a load there bends.
         attachments = [*attachments, *(Attachment(a.x_m) for a in absorbers)]
         off_root = [a for a in attachments if a.x_m > _NOTHING * bare.length_m]
         self._at = _together(off_root, _SAME * bare.length_m)
 
     @property
-    def length_m(self) -> float:
-        """Of the beam."""
-        return self._bare.length_m
-
-    @property
     def total_mass_kg(self) -> float:
         """Of the beam and the masses on it."""
         masses = [a.mass for a in self._at if a.order == 0] + [a.mass_kg for a in self._absorbers]
         return self._bare.total_mass_kg + sum(masses)
-
-    def omega(self, count: int) -> Floats:
-        """Natural frequencies in rad/s, (count,)."""
-        return self._solved[0][:count]
-
-    def count_below(self, omega: float) -> int:
-        """How many modes lie below `omega` in rad/s."""
-        return int(np.searchsorted(self._solved[0], omega))
 
     def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
         """Displacement or slope of the modes, (points, count)."""

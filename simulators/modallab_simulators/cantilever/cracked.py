@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.eigenmodes import eigh
+from modallab_simulators.cantilever.modes import SolvedModes
 
 Floats = NDArray[np.float64]
 
@@ -36,7 +37,7 @@ class Loss:
     share: float
 
 
-class CrackedBeam:
+class CrackedBeam(SolvedModes):
     """A beam with losses of bending stiffness, or slow waves of it, behind the interface of its modes.
 
     Args:
@@ -46,6 +47,7 @@ class CrackedBeam:
     """
 
     def __init__(self, beam: CantileverBeam, losses: Sequence[Loss], waves: Sequence[tuple[int, float]] = ()) -> None:
+        super().__init__(beam)
         self._beam = beam
         self._s, weights = _everywhere(beam.length_m, losses) if waves else _nodes(beam.length_m, losses)
         left = np.ones_like(self._s)
@@ -54,24 +56,6 @@ class CrackedBeam:
         for k, a in waves:
             left *= 1 + a * np.cos(k * np.pi * self._s / beam.length_m)
         self._compliance = weights * (1 / left - 1) / beam.bending_stiffness_n_m2
-
-    @property
-    def length_m(self) -> float:
-        """Of the beam."""
-        return self._beam.length_m
-
-    @property
-    def total_mass_kg(self) -> float:
-        """Of the beam."""
-        return self._beam.total_mass_kg
-
-    def omega(self, count: int) -> Floats:
-        """Natural frequencies in rad/s, (count,)."""
-        return self._solved[0][:count]
-
-    def count_below(self, omega: float) -> int:
-        """How many modes lie below `omega` in rad/s."""
-        return int(np.searchsorted(self._solved[0], omega))
 
     def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
         """Displacement or slope of the modes: that of their inertia load on the weaker beam, (points, count)."""

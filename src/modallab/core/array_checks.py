@@ -19,6 +19,7 @@ __all__ = [
     "check_frf",
     "check_rate",
     "check_signals",
+    "check_spectra",
     "check_time",
     "identical_channels",
 ]
@@ -207,3 +208,18 @@ def _reject(findings: Sequence[_Finding], where: str) -> None:
     if findings:
         remedies = dict.fromkeys(finding.remedy for finding in findings)
         raise DataError("\n  ".join(f.what for f in findings), where=where, remedy="; ".join(remedies))
+
+
+def check_spectra(force: NDArray[np.complex128], response: NDArray[np.complex128]) -> None:
+    """Reject spectra of forces and responses that are not of the same blocks and lines, or not finite.
+
+    Raises:
+        DataError: names the shapes.
+    """
+    if force.ndim != 3 or response.ndim != 3 or force.shape[::2] != response.shape[::2] or 0 in response.shape:
+        raise DataError(
+            f"force {force.shape} and response {response.shape} do not belong together",
+            remedy="give spectra (blocks, inputs, lines) of the forces and (blocks, outputs, lines) of the responses",
+        )
+    if not (np.isfinite(force).all() and np.isfinite(response).all()):
+        raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")

@@ -12,6 +12,7 @@ frequency response estimation using a local rational model", IFAC SYSID 16 (2012
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.array_checks import check_spectra
 from modallab.core.errors import DataError
 
 Complex = NDArray[np.complex128]
@@ -41,7 +42,8 @@ def local_polynomial_frf(
     Raises:
         DataError: shapes that do not fit, NaN, too few lines, or forces that cannot be distinguished.
     """
-    blocks, inputs, lines = _checked(force, response)
+    check_spectra(force, response)
+    blocks, inputs, lines = force.shape
     unknowns = (inputs + blocks) * (order + 1) + poles
     half = -(-(unknowns + inputs + blocks) // (2 * blocks)) if half_width is None else half_width
     width = 2 * half + 1
@@ -130,14 +132,3 @@ def _scaled(columns: Complex) -> tuple[Complex, NDArray[np.float64]]:
     length = np.linalg.norm(columns, axis=-2)
     length = np.where(length > 0, length, 1)
     return columns / length[..., None, :], length
-
-
-def _checked(force: Complex, response: Complex) -> tuple[int, int, int]:
-    if force.ndim != 3 or response.ndim != 3 or force.shape[::2] != response.shape[::2]:
-        raise DataError(
-            f"force {force.shape} and response {response.shape} do not belong together",
-            remedy="give spectra (blocks, inputs, lines) of the forces and (blocks, outputs, lines) of the responses",
-        )
-    if not (np.isfinite(force).all() and np.isfinite(response).all()):
-        raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")
-    return force.shape

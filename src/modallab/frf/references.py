@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import fdtri
 
+from modallab.core.array_checks import check_spectra
 from modallab.core.errors import DataError
 from modallab.frf.sums import Estimator
 
@@ -124,13 +125,7 @@ def _level(spectra: Complex) -> Real:
 
 def _checked(force: Complex, response: Complex, estimator: Estimator, averages: float | None) -> float:
     """The number of independent averages."""
-    if force.ndim != 3 or response.ndim != 3 or force.shape[::2] != response.shape[::2] or 0 in response.shape:
-        raise DataError(
-            f"force {force.shape} and response {response.shape} do not belong together",
-            remedy="give spectra (blocks, inputs, lines) of the forces and (blocks, outputs, lines) of the responses",
-        )
-    if not (np.isfinite(force).all() and np.isfinite(response).all()):
-        raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")
+    check_spectra(force, response)
     blocks, inputs, _ = force.shape
     independent = float(blocks if averages is None else averages)
     if inputs < 1 or not inputs < independent <= blocks:

@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.array_checks import check_spectra
 from modallab.core.errors import DataError
 from modallab.core.units import FrfEstimator
 
@@ -43,7 +44,7 @@ class PowerSums:
         Raises:
             DataError: shapes that do not belong together, or numbers that are not finite.
         """
-        _check(force, response)
+        check_spectra(force[:, None], response)
         # Block by block: a sum over an axis would copy what is the largest array of a run.
         each = (cls(_power(f), _power(y), np.conj(f) * y, 1) for f, y in zip(force, response, strict=True))
         return reduce(cls.plus, each)
@@ -110,18 +111,3 @@ def check_averages(estimator: Estimator, averages: Sequence[int], what: str) -> 
 def _power(spectrum: Complex) -> Real:
     # Without the root that an absolute value takes, which costs more than all the rest.
     return spectrum.real**2 + spectrum.imag**2
-
-
-def _check(force: Complex, response: Complex) -> None:
-    if (
-        force.ndim != 2
-        or response.ndim != 3
-        or (response.shape[0], response.shape[2]) != force.shape
-        or not response.size
-    ):
-        raise DataError(
-            f"force {force.shape} and response {response.shape} do not belong together",
-            remedy="give spectra (blocks, lines) of the force and (blocks, outputs, lines) of the responses",
-        )
-    if not (np.isfinite(force).all() and np.isfinite(response).all()):
-        raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")

@@ -8,7 +8,6 @@ stretches are fitted apart, from the same poles, and the sigma of the whole is a
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
 from modallab.core.errors import IdentificationError
@@ -16,8 +15,6 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.poles import poles_of
-
-Real = NDArray[np.float64]
 
 PARTS = 4
 STEPS = 12

@@ -33,7 +33,6 @@ from modallab.identification.selection.operator_choice import chosen, in_fit, st
 from modallab.identification.start.missed_modes import with_missing
 from modallab.identification.start.refine_start import polished
 from modallab.identification.start.stabilisation import Tolerance
-from modallab.identification.start.tones import clock_notes, default_band
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
 
@@ -47,6 +46,9 @@ STAND_INS = (2.0,)
 STATES_FIRST = 4
 START_ZETA, ANY_ZETA = (1e-3, 0.05), (1e-6, 0.5)
 """Damping ratios that a search may begin at, and those that an estimator may have found."""
+BAND_MARGIN = 1.05
+CLOCK_PPM = 5.0
+"""Two good clocks differ by less than this; it changes no frequency by more than its sigma."""
 START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.06, min_zeta=2e-4, min_run=2, min_share=0.15)
 """Few frequencies and decaying blocks: the start poles are rough."""
 
@@ -170,3 +172,20 @@ def _refined(
 def _readings(frf: Frf, fit: Fit, keep: NDArray[np.bool_]) -> tuple[Real, Real]:
     found = np.sort(fit.point.parameters.omega[keep] / (2 * np.pi))
     return half_power_readings(frf, found), floor_of_steps(frf.frequency_hz, found)
+
+
+def default_band(signals: Sequence[Signals]) -> tuple[float, float]:
+    """From below the lowest to above the highest drive frequency: a mode there still answers, and still rings."""
+    driven = [s.tone.frequency_hz for s in signals]
+    return min(driven) / BAND_MARGIN, max(driven) * BAND_MARGIN
+
+
+def clock_notes(signals: Sequence[Signals]) -> tuple[str, ...]:
+    """What is to be said of the generator's clock, by which the measured frequencies are off the recorded ones."""
+    offsets = [s.tone.frequency_hz / s.block.frequency_hz - 1 for s in signals if s.block.frequency_hz]
+    clock = 1e6 * float(np.median(offsets))
+    if not abs(clock) > CLOCK_PPM:
+        return ()
+    return (
+        f"The generator's clock runs {clock:+.0f} ppm against the converter's; the measured frequencies were used.",
+    )

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, linear_sum_assignment
 
 from modallab.core.errors import DataError
+from modallab.identification.selection.criteria import mac
 from modallab.updating.data import ModeData
-from modallab.updating.pairs import paired
 from modallab.updating.predictor import Predictor, checked
 from modallab.updating.prior import Prior
 from modallab.updating.result import ModeCheck, UpdatedParameters
@@ -210,3 +210,21 @@ def _check(predict: Predictor, numbers: Mapping[str, float], data: ModeData) -> 
     alike = np.sum(found * data.shapes, axis=1) ** 2
     mac = alike / np.sum(found**2, axis=1) / np.sum(data.shapes**2, axis=1)
     return ModeCheck(hz[places], mac)
+
+
+def paired(data: ModeData, frequency_hz: Real, shapes: Real) -> tuple[NDArray[np.int64], Real]:
+    """Place of the predicted mode of each measured one, and its sign.
+
+    Few points make shapes alike whose frequencies lie far apart: the MAC counts less by the ratio of frequencies.
+
+    Raises:
+        DataError: the model has fewer modes than were measured.
+    """
+    if frequency_hz.size < data.modes:
+        raise DataError(
+            f"the model has {frequency_hz.size} modes, and {data.modes} were measured", remedy="compute more modes"
+        )
+    apart = np.abs(np.log(frequency_hz / data.frequency_hz[:, None]))
+    _, places = linear_sum_assignment(-mac(data.shapes, shapes) * np.exp(-apart))
+    signs = np.sign(np.sum(shapes[places] * data.shapes, axis=1))
+    return places, np.where(signs == 0, 1.0, signs)

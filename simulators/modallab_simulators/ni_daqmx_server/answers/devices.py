@@ -12,8 +12,11 @@ from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.systems import Chassis
 from modallab_simulators.ni_daqmx_server.teds import serial_of
-from modallab_simulators.ni_daqmx_server.timebases import MODES, TRIGGERED
 
+MODES = [10178, 10123]
+"""Finite and continuous."""
+TRIGGERED = 0b1100
+"""Reference and start triggers, as bits."""
 ACCESSORY_NUMBERS = {"RM-24999_A": 0x7992}
 
 _SYSTEM: dict[str, Callable[[SimulatedSystem], Any]] = {

@@ -9,8 +9,6 @@ from modallab.acquisition.monitor.burst_look import BurstLook
 from modallab.acquisition.monitor.tone_prediction import Foreseen
 from modallab.core.errors import SafetyError
 
-Real = NDArray[np.float64]
-
 SEEN = 4.0
 """A tone so many times above what noise makes of it is seen."""
 

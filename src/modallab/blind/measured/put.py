@@ -5,15 +5,11 @@ needed was measured where a sensor stands at a driven point (Ewins, Modal Testin
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.frf import DERIVATIVES, Frf
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, slots=True)

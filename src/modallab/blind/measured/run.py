@@ -1,14 +1,14 @@
 """Semi-real trials from the draw to the outcome: sealed, diagnosed, opened."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from modallab.blind.measured.draw import MeasuredRequest, draw_effects, places_of
-from modallab.blind.measured.noise import with_noise
 from modallab.blind.measured.put import Put, with_effect
 from modallab.blind.measured.score import MeasuredOutcome, Truth, figures, judge_trial
 from modallab.blind.seal import open_truth, publish, seal
@@ -104,3 +104,12 @@ def _keep(folder: Path, name: str, found: ModalDiagnosis | None) -> None:
 
 def _answer(folder: Path, name: str) -> ModalDiagnosis | None:
     return _STORED.validate_json((folder / ANSWERS / f"{name}.json").read_bytes())
+
+
+Real = NDArray[np.float64]
+
+
+def with_noise(frf: Frf, variance: Real, rng: np.random.Generator) -> Frf:
+    """The same with noise drawn anew."""
+    drawn = rng.standard_normal((2, *frf.values.shape))
+    return replace(frf, values=frf.values + np.sqrt(variance / 2) * (drawn[0] + 1j * drawn[1]))

@@ -6,12 +6,10 @@ from typing import Any, cast
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 from scipy import io, sparse
 
 from modallab.core.errors import DataError, FormatError
 
-Real = NDArray[np.float64]
 READ = (".mtx", ".npz", ".npy", ".mat")
 
 

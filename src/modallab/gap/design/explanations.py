@@ -5,7 +5,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis
@@ -24,8 +23,6 @@ from modallab.gap.model.restored import begin_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import TOP_HZ, weights_of
 from modallab.gap.search.best_place import at_best_place
-
-Array = NDArray[np.float64]
 
 POSSIBLE = 0.01
 """Probability from which an explanation counts as left standing."""

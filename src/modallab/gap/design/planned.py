@@ -6,7 +6,6 @@ Piersol, Random Data, 2010).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +23,6 @@ from modallab.twin.bench import Twin
 from modallab.twin.response import Hits, Rise, Sines
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 HIT_N, HIT_S = 80.0, 0.003
 """A plain hit: half a sine of this height and length."""

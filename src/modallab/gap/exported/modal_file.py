@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
@@ -21,8 +20,6 @@ from modallab.signals.conversion import sign_of
 from modallab.twin.bench import Twin
 from modallab.twin.modes import solve
 from modallab.twin.structure import Structure
-
-Array = NDArray[np.float64]
 
 TOP_HZ = 800.0
 STEP_HZ = 0.5

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.io import loadmat, savemat
 
 from modallab.core.errors import FormatError, PlanError
@@ -14,7 +13,6 @@ from modallab.core.units import Test
 from modallab.formats.atomic import replacing
 from modallab.gap.exported.state_space import StateSpace
 
-Array = NDArray[np.float64]
 MATRICES = ("A", "B", "C", "D")
 
 

@@ -18,7 +18,6 @@ from modallab.twin.nonlinear.records import in_hit, in_sine, ready
 from modallab.twin.predict import drifted_modes, sensor_positions
 from modallab.twin.response import Hits, Sines
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 _KEPT: OrderedDict[tuple[object, ...], tuple[object, Any, Any]] = OrderedDict()

@@ -4,8 +4,6 @@ The common factor of all frequencies by the least sum of absolute deviations up 
 Statistics, 1986).
 """
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +13,6 @@ from modallab.gap.search.choose import Choice
 from modallab.twin.modes import solve
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 PULLED = 2.5
 """Deviations from which a sensitivity is worth a word, though within what the rig file allows."""

@@ -5,12 +5,9 @@ the Bootstrap, 1993, ch. 13.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Shrink
 from modallab.gap.report.measure import Squares
-
-Array = NDArray[np.float64]
 
 DRAWS = 400
 BARE = 0.02

@@ -3,13 +3,13 @@
 A fit stays in the low where it began. Each place is tried with everything else fitted, and the best are let go.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import minimise
-from modallab.gap.search.local_minima import local_minima
 
 PLACES: tuple[float, ...] = tuple(np.linspace(0.06, 0.99, 16).tolist())
 """Places over L that are tried."""
@@ -33,3 +33,9 @@ def at_best_place(fit: Fit) -> Fit:
     best = sorted(local_minima([f.cost for f in tried]), key=lambda k: tried[k].cost)[:LET_GO]
     begins = [np.insert(tried[k].u, at, x.coordinate(PLACES[k])) for k in best]
     return min([fit, *(minimise(fit.problem, u, LONG, 1e-4) for u in begins)], key=lambda f: f.cost)
+
+
+def local_minima(values: Sequence[float]) -> list[int]:
+    """Places of the values that are no higher than those beside them, in their order."""
+    wide = np.array([np.inf, *values, np.inf])
+    return np.flatnonzero((wide[1:-1] <= wide[:-2]) & (wide[1:-1] <= wide[2:])).tolist()

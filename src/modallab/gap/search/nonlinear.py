@@ -8,9 +8,6 @@ data.
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from modallab.core.progress import report
 from modallab.gap.inference.select import Level
 from modallab.gap.model.candidates import of_motion
@@ -24,8 +21,6 @@ from modallab.gap.search.rough_starts import FREQUENCIES, score
 from modallab.gap.search.stepped_starts import LOOKED, beam_at, begun
 from modallab.twin.effect_model import Overtones
 from modallab.twin.effects import search_of
-
-Array = NDArray[np.float64]
 
 BLOCKS = 6
 """Sine blocks of a first look that a linear beam explains worst."""

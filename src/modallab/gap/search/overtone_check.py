@@ -5,7 +5,6 @@ stands there is the law's own (Worden and Tomlinson, Nonlinearity in Structural 
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.core.block import Block
 from modallab.core.rig import Rig
@@ -18,8 +17,6 @@ from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.predicted_records import predict_record
 from modallab.signals.signals import to_signals
 from modallab.twin.bench import Twin
-
-Array = NDArray[np.float64]
 
 BLOCKS = 16
 """Blocks that are predicted, at most."""

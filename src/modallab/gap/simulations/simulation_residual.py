@@ -3,9 +3,6 @@
 from collections.abc import Collection
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.gap.conditioning.prepare import prepare
@@ -15,8 +12,6 @@ from modallab.gap.model.fit import all_rows
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import weights_of
 from modallab.gap.report.measure import Squares, squares_of
-
-Array = NDArray[np.float64]
 
 
 def simulation_residual(campaign: Campaign, records: Records, names: Collection[str] | None = None) -> Squares:

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.core.effects import Place
 from modallab.gap.model.fit import Fit, cost_of, priced
@@ -12,8 +11,6 @@ from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.fitting import COARSE, Bench, finish, misfit, short
 from modallab.twin.candidate import Candidate
 from modallab.twin.learned import elements
-
-Array = NDArray[np.float64]
 
 BEST = 2
 """Elements that are fitted to the end."""

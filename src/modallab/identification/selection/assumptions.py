@@ -20,7 +20,6 @@ from modallab.frf.left_out import LeftOut
 from modallab.identification.selection.criteria import mpd
 
 Assumption = Literal["linearity", "time invariance", "reciprocity", "proportional damping", "driving point"]
-Real = NDArray[np.float64]
 
 CHANGE_LIMIT = 0.05
 """Share by which two FRFs of one structure may differ: mounting, position and direction of a sensor do as much."""

@@ -3,11 +3,10 @@
 from modallab.core.digits import counted, plain
 from modallab.core.units import Test
 from modallab.reporting.content import Outcome, ReportContent
+from modallab.reporting.figures.blocks import impact_block, sine_block
 from modallab.reporting.figures.hits import hits
-from modallab.reporting.figures.impact_block import impact_block
 from modallab.reporting.figures.overview import frf_overview
 from modallab.reporting.figures.selection import farthest
-from modallab.reporting.figures.sine_block import sine_block
 from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, captioned_figure
 

@@ -1,4 +1,4 @@
-"""Force and response, each in time and as amplitude spectrum: the frame of the paper's figures 4 and 5."""
+"""Force and response of one block, each in time and as amplitude spectrum: the paper's figures 4 and 5."""
 
 from math import nan
 
@@ -65,3 +65,49 @@ def _pair(
     style.logarithmic(spectrum)
     style.label(spectrum, f"{what}, spectrum", "frequency [Hz]", f"amplitude [{unit}]")
     spectrum.set_xlim(0, min(to_hz, rate_hz / 2))
+
+
+def sine_block(signals: Signals, output: int, rig: Rig, to_hz: float = 220.0) -> Figure:
+    """Force and response in time and as spectrum, the drive frequency marked.
+
+    Args:
+        signals: the block, in SI units; the paper shows the one at 27.34 Hz.
+        output: place of the response in `signals.outputs`.
+        rig: for the response's quantity and point.
+        to_hz: upper end of the spectra.
+    """
+    figure, axes = quarters(signals, output, rig, to_hz)
+    frequency = signals.block.frequency_hz
+    if frequency is not None:
+        with style.look():
+            for spectrum in (axes[1], axes[3]):
+                spectrum.axvline(frequency, color=style.SOFT, linewidth=0.9, linestyle=":", zorder=0)
+    return figure
+
+
+def impact_block(
+    signals: Signals, output: int, rig: Rig, filtered: NDArray[np.float64] | None = None, to_hz: float = 220.0
+) -> Figure:
+    """Force and response in time and as spectrum, the filtered response dashed in the fourth panel.
+
+    Args:
+        signals: the block, in SI units.
+        output: place of the response in `signals.outputs`.
+        rig: for the response's quantity and point.
+        filtered: (outputs, n) the responses after the band-pass filter.
+        to_hz: upper end of the spectra.
+    """
+    figure, axes = quarters(signals, output, rig, to_hz)
+    if filtered is None:
+        return figure
+    with style.look():
+        axes[3].lines[0].set_label("as measured")
+        frequency, height = amplitude(filtered[output], signals.rate_hz)
+        # Far outside the band the filter leaves next to nothing; the axis stays with what was measured.
+        low, high = axes[3].get_ylim()
+        axes[3].plot(
+            frequency[1:], height[1:], "--", color=style.INK, linewidth=1.3, label="after the band-pass filter"
+        )
+        axes[3].set_ylim(low / 3, high)
+        style.legend(figure, axes[3].lines)
+    return figure
