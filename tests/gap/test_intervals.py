@@ -13,11 +13,12 @@ from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.conditioning.reduce import reduce
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.weights import Weights
-from modallab.gap.model.candidates import of_channel
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.candidates import of_bench, of_channel
+from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import nuisances
-from modallab.gap.search.intervals import deviations, interval, tolerated
+from modallab.gap.search.choose import Choice
+from modallab.gap.search.intervals import deviations, interval, intervals, tolerated
 from modallab.twin.candidate import Slot
 
 GAIN = 1.05
@@ -85,3 +86,16 @@ def test_of_a_gain_the_sensors_own_percent_is_nobodys_to_tell(rig: Rig) -> None:
     assert tolerated(wrong, rig.model_copy(update={"tolerance": Tolerance(youngs_modulus=0.01)})) == 0.0
     damper = Effect(effect="local_damper", parameters={"c": 9.0}, place={"x": 0.5})
     assert tolerated(damper, rig.model_copy(update={"tolerance": Tolerance.usual()})) == 0.0
+
+
+@pytest.mark.parametrize("x", [0.0, 0.5])
+def test_a_place_is_known_no_better_than_the_effect_explains_the_gap(rig: Rig, data: Reduced, x: float) -> None:
+    (mass,) = (c for c in of_bench(rig) if c.effect == "added_mass")
+    free = nuisances(rig, 450.0)
+    at = dict(zip([s.name for s in mass.slots], [np.log(0.05), x], strict=True))
+    wrong = seen(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), list(at.values())]))
+    base = seen(Problem(data, free), np.zeros(free.size))
+    (believed,) = intervals(Choice(base, wrong, (), True, False))
+    within = believed.within["x"]
+    # It explains nothing: of the place that leaves a range of many times what noise does.
+    assert within is None or within[1] - within[0] > 10 * deviations(wrong)[-1]

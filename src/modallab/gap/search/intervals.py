@@ -71,9 +71,15 @@ def intervals(choice: Choice) -> list[Believed]:
     for which, (candidate, effect) in enumerate(zip(fit.problem.candidates, fit.effects, strict=True)):
         own, off, shared = Believed(), _model_error(choice, which), tolerated(effect, fit.problem.data.rig)
         for slot in candidate.slots:
-            model = _of_number(fit, slot, slot.value(float(fit.u[at])), off, shared)
-            why = not_known(slot, float(fit.u[at]), float(deviation[at]), model)
-            own.within[slot.name] = None if why else interval(slot, float(fit.u[at]), float(deviation[at]), model)
+            u = float(fit.u[at])
+            if slot.name == "x":
+                sigma, model = float(np.hypot(deviation[at], off / (_steepest(fit) * slot.scale))), 0.0
+            else:
+                # A gain of its own multiplies a wrong one.
+                sure = shared * (abs(slot.value(u)) if slot.none else 1.0)
+                sigma, model = float(deviation[at]), float(np.hypot(off, sure))
+            why = not_known(slot, u, sigma, model)
+            own.within[slot.name] = None if why else interval(slot, u, sigma, model)
             known = own.within[slot.name]
             if known is not None and slot.name == search_of(candidate.effect).behind:
                 own.within[slot.name] = interval_in_series(fit, known)
@@ -89,14 +95,6 @@ def _model_error(choice: Choice, which: int) -> float:
     """Relative deviation of the numbers of an effect that the error of its model adds."""
     share = MODEL_SHARE * float(np.sqrt(excess(choice.fit) / max(_explained(choice, which), 1e-9)))
     return float(np.hypot(share, search_of(choice.fit.problem.candidates[which].effect).inexact))
-
-
-def _of_number(fit: Fit, slot: Slot, value: float, off: float, shared: float) -> float:
-    """What errors of the model, and its own tolerance, add to the deviation of a number, as a share of it."""
-    if slot.name == "x":
-        return off / (_steepest(fit) * value)
-    # A gain of its own multiplies a wrong one.
-    return float(np.hypot(off, shared * (abs(value) if slot.none else 1.0)))
 
 
 def _explained(choice: Choice, which: int) -> float:
