@@ -68,3 +68,9 @@ def test_what_a_model_misses_is_missed_in_neither() -> None:
     assert none.nothing is not None
     assert none.unknown is not None
     assert none.nothing + none.unknown + sum(c.probability for c in none.candidates) == pytest.approx(1.0)
+
+
+def test_modal_constants_that_were_not_found_end_no_comparison() -> None:
+    lost = np.full(model().modal_constants.shape, 1e60)
+    unknown = model().model_copy(update={"modal_constant_sigma": lost})
+    assert diagnose_by_model(model(), unknown, rig()).verdict == "no_gap"
