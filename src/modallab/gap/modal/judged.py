@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from modallab.core.diagnosis import Verdict
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import Fitted
-from modallab.gap.modal.scales import estimated, settled
+from modallab.gap.modal.scales import estimated, nameless, settled, usual
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import beside
 
@@ -58,12 +58,12 @@ def strain(fitted: Fitted) -> float:
 
 def judged(search: ModalSearch) -> Judged:
     """What the explanations amount to: where it is not nothing, the best is fitted until it stays the best."""
-    base, ladder = search.base, search.ladder
-    nothing = settled(base, ladder.usual)
+    base, as_usual = search.base, usual(search.base.free.of)
+    nothing, without_name = settled(base, as_usual), nameless(base)
     kinds = search.kinds(nothing)
     # One from smoother lines stands for its kind until it is fitted on those that count.
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
-    others = {name: estimated(nothing, rungs) for name, rungs in ladder.nameless(nothing, nothing).items()}
+    others = {name: estimated(nothing, rungs) for name, rungs in without_name.items()}
     found = _weighed(base, nothing, names, others)
     if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
         return _decided(found)
@@ -73,11 +73,11 @@ def judged(search: ModalSearch) -> Judged:
         if not n:
             return begun
         ended[n] = search.ended(kinds[n - 1])
-        return settled(ended[n], ladder.usual)
+        return settled(ended[n], as_usual)
 
     afar = [0.0, *(search.afar(one.candidate.effect) for one in names if one.candidate)]
     (_, *names), least = best_first([nothing, *names], afar, to_its_end)
-    others = {name: settled(base, rungs) for name, rungs in ladder.nameless(nothing, least).items()}
+    others = {name: settled(base, rungs) for name, rungs in without_name.items()}
     strains = strain(base), strain(ended[[nothing, *names].index(least)])
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
 

@@ -1,12 +1,12 @@
-"""By how much two tests of a structure differ though nothing was changed: a ladder of scales, and the likely one on it.
+"""By how much two tests of a structure differ: as is usual, or by more, which has no name.
 
-Lines, what goes along whole FRFs, and the structure have one scale each. The usual ladder stands on what is usual, and
-goes down from there; what has no name stands above it.
+Lines, what goes along whole FRFs, and the structure have one scale each, 1 for what is usual. It is not inferred from
+one comparison that two tests differ by less: what a sensor or a hit is off by is alike in all FRFs of its place, so
+that FRFs which agree are no sample of many.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import product
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,10 +14,8 @@ from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.fitting import Fitted, fit
 from modallab.gap.modal.linear import Linear
 
-USUAL = (1.0, 0.25, 0.0625)
-"""ScaleLadder of what two tests of a structure differ by, over what is usual, at most."""
 UNUSUAL = (4.0, 16.0, 64.0)
-"""ScaleLadder of what has no name."""
+"""Scales of what has no name."""
 TURNS = 2
 """Times that scales are inferred, and numbers fitted at them."""
 SUSPECTS = 2
@@ -27,45 +25,25 @@ Rung = tuple[Compared, float]
 """A comparison with its lines and shapes at some scale, and the scale of the structure."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class ScaleLadder:
-    """The scales of one comparison.
+def usual(c: Compared) -> list[Rung]:
+    """A comparison of two tests that differ as is usual."""
+    return [(c, 1.0)]
 
-    Attributes:
-        of: the comparison at what is usual.
-        even: scale of lines, and of shapes -> the comparison at them.
+
+def nameless(base: Fitted) -> dict[str, list[Rung]]:
+    """Where the structure, everything, or a channel differs by more than is usual.
+
+    Args:
+        base: fitted without a change.
     """
-
-    of: Compared
-    even: Mapping[tuple[float, float], Compared]
-
-    @classmethod
-    def about(cls, c: Compared) -> "ScaleLadder":
-        """Of lines and shapes they are inferred where both FRFs were measured: what models leave is no sample."""
-        steps = (1.0,) if c.frfs is None else USUAL
-        return cls(c, {(a, b): c.scaled(a, b) for a, b in product(steps, steps)})
-
-    @property
-    def usual(self) -> list[Rung]:
-        """At most what is usual."""
-        return list(product(self.even.values(), USUAL))
-
-    def nameless(self, base: Fitted, least: Fitted) -> dict[str, list[Rung]]:
-        """Where the structure, everything, or a channel differs by more than is usual.
-
-        Args:
-            base: fitted without a change.
-            least: the explanation at whose scale all that is not unusual is.
-        """
-        lines, shapes = next((key for key, own in self.even.items() if own is least.free.of), (1.0, 1.0))
-        missed, names = np.sqrt(np.mean(base.missed**2, axis=(0, 2))), self.of.model.outputs
-        found: dict[str, list[Rung]] = {"structure": list(product(self.even.values(), UNUSUAL))}
-        found["everything"] = [(self.of.scaled(a, x), x) for x in UNUSUAL for a in (lines, x)]
-        for o in np.argsort(-missed)[:SUSPECTS]:
-            there = np.arange(missed.size)[:, None] == o
-            ladder = ((np.where(there, a, lines), np.where(there, x, shapes)) for x in UNUSUAL for a in (lines, x))
-            found[names[int(o)]] = [(self.of.scaled(*each), least.free.wide) for each in ladder]
-        return found
+    c, missed = base.free.of, np.sqrt(np.mean(base.missed**2, axis=(0, 2)))
+    found: dict[str, list[Rung]] = {"structure": [(c, x) for x in UNUSUAL]}
+    found["everything"] = [(c.scaled(a, x), x) for x in UNUSUAL for a in (1.0, x)]
+    for o in np.argsort(-missed)[:SUSPECTS]:
+        there = np.arange(missed.size)[:, None] == o
+        each = ((np.where(there, a, 1.0), np.where(there, x, 1.0)) for x in UNUSUAL for a in (1.0, x))
+        found[c.model.outputs[int(o)]] = [(c.scaled(*scales), 1.0) for scales in each]
+    return found
 
 
 def estimated(fitted: Fitted, rungs: Sequence[Rung]) -> Fitted:

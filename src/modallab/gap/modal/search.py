@@ -12,7 +12,7 @@ from modallab.gap.modal.fitting import FIRST_STEPS, Fitted, fit
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.hanging import nearby
 from modallab.gap.modal.marginal import Marginal
-from modallab.gap.modal.scales import ScaleLadder, estimated
+from modallab.gap.modal.scales import estimated, usual
 
 Real = NDArray[np.float64]
 
@@ -33,14 +33,12 @@ class ModalSearch:
     Attributes:
         closer: the comparison of a place with others nearby.
         base: the fit without any change, of the comparison that counts.
-        ladder: of its scales.
         near: likely changes of each kind, small ones, with their evidence there.
         far: large ones, from smoother lines; their evidence is what they have there more than nothing.
     """
 
     closer: Free
     base: Fitted
-    ladder: ScaleLadder
     near: list[Fitted]
     far: list[Fitted]
 
@@ -53,10 +51,9 @@ class ModalSearch:
         # A large change is seen from afar, a small one on the lines that count: there tolerances follow it linearly.
         far, near = Marginal.about(thin, np.zeros(thin.size)), Marginal.about(last, base.u)
         large = _likely(far, lambda candidate, start: fit(thin, candidate, None, start, FIRST_STEPS))
-        there, ladder = ScaleLadder.about(thin.of).usual, ScaleLadder.about(last.of)
-        none, *each = (estimated(f, there) for f in (afar, *large))
+        none, *each = (estimated(f, usual(thin.of)) for f in (afar, *large))
         more = [replace(f, evidence=f.evidence - none.evidence) for f in each]
-        return cls(closer, base, ladder, [estimated(f, ladder.usual) for f in _likely(near, near.fit)], more)
+        return cls(closer, base, [estimated(f, usual(last.of)) for f in _likely(near, near.fit)], more)
 
     def kinds(self, nothing: Fitted) -> list[list[Fitted]]:
         """Likely changes by their kind, all with an evidence to hold against that of nothing."""
