@@ -59,7 +59,7 @@ def weights(
     constants = np.abs(bench.modal_constants)
     size = np.hypot(constants, SMALL * _rms(constants))
     # One that was not found at all is believed to be as large as it is.
-    of_modes = np.hypot(SHAPE * size, np.fmin(bench.modal_constant_sigma, size))
+    of_modes = np.hypot(SHAPE * size, np.minimum(np.nan_to_num(bench.modal_constant_sigma), size))
     # A modal constant is complex: it may be off in size and in phase.
     modes = kernels(bench, s).T
     shapes = np.concatenate([terms, modes, 1j * modes])
