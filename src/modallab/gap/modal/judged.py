@@ -59,11 +59,11 @@ def strain(fitted: Fitted) -> float:
 def judged(search: ModalSearch) -> Judged:
     """What the explanations amount to: where it is not nothing, the best is fitted until it stays the best."""
     base, as_usual = search.base, usual(search.base.free.of)
-    nothing, without_name = settled(base, as_usual), nameless(base)
+    nothing = settled(base, as_usual)
     kinds = search.kinds(nothing)
     # One from smoother lines stands for its kind until it is fitted on those that count.
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
-    others = {name: estimated(nothing, rungs) for name, rungs in without_name.items()}
+    others = {name: estimated(nothing, rungs) for name, rungs in nameless(base, nothing.free.wide).items()}
     found = _weighed(base, nothing, names, others)
     if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
         return _decided(found)
@@ -77,7 +77,7 @@ def judged(search: ModalSearch) -> Judged:
 
     afar = [0.0, *(search.afar(one.candidate.effect) for one in names if one.candidate)]
     (_, *names), least = best_first([nothing, *names], afar, to_its_end)
-    others = {name: settled(base, rungs) for name, rungs in without_name.items()}
+    others = {name: settled(base, rungs) for name, rungs in nameless(base, least.free.wide).items()}
     strains = strain(base), strain(ended[[nothing, *names].index(least)])
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
 

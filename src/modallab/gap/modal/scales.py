@@ -1,8 +1,8 @@
 """By how much two tests of a structure differ: as is usual, or by more, which has no name.
 
-Lines, what goes along whole FRFs, and the structure have one scale each, 1 for what is usual. It is not inferred from
-one comparison that two tests differ by less: what a sensor or a hit is off by is alike in all FRFs of its place, so
-that FRFs which agree are no sample of many.
+Lines, what goes along whole FRFs, and the structure have one scale each, 1 for what is usual. That of the structure may
+be less, which its modes show. FRFs do not show it of the others: what a sensor or a hit is off by is alike in all FRFs
+of its place, so that FRFs which agree are no sample of many.
 """
 
 from collections.abc import Sequence
@@ -14,6 +14,8 @@ from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.fitting import Fitted, fit
 from modallab.gap.modal.linear import Linear
 
+USUAL = (1.0, 0.25, 0.0625)
+"""Scales of the structure in two tests of it, at most what is usual."""
 UNUSUAL = (4.0, 16.0, 64.0)
 """Scales of what has no name."""
 TURNS = 2
@@ -27,14 +29,15 @@ Rung = tuple[Compared, float]
 
 def usual(c: Compared) -> list[Rung]:
     """A comparison of two tests that differ as is usual."""
-    return [(c, 1.0)]
+    return [(c, x) for x in USUAL]
 
 
-def nameless(base: Fitted) -> dict[str, list[Rung]]:
+def nameless(base: Fitted, wide: float) -> dict[str, list[Rung]]:
     """Where the structure, everything, or a channel differs by more than is usual.
 
     Args:
         base: fitted without a change.
+        wide: scale of the structure where a channel differs.
     """
     c, missed = base.free.of, np.sqrt(np.mean(base.missed**2, axis=(0, 2)))
     found: dict[str, list[Rung]] = {"structure": [(c, x) for x in UNUSUAL]}
@@ -42,7 +45,7 @@ def nameless(base: Fitted) -> dict[str, list[Rung]]:
     for o in np.argsort(-missed)[:SUSPECTS]:
         there = np.arange(missed.size)[:, None] == o
         each = ((np.where(there, a, 1.0), np.where(there, x, 1.0)) for x in UNUSUAL for a in (1.0, x))
-        found[c.model.outputs[int(o)]] = [(c.scaled(*scales), 1.0) for scales in each]
+        found[c.model.outputs[int(o)]] = [(c.scaled(*scales), wide) for scales in each]
     return found
 
 
