@@ -1,12 +1,18 @@
 """Measured FRFs off the frequency axis, against the closed form of the modes they were made of."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from other_structures import as_believed, as_built, benches, frf
 from phased_line import model, rig
+from structures import Material
 
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.off_axis import MeasuredFrfs
+from modallab.identification.frf_model import identify_frf
+from modallab.identification.options import Options
 from modallab.modification.synthesis import synthesised
 
 HZ = np.arange(10.0, 95.0, 0.05)
@@ -74,3 +80,14 @@ def test_modal_constants_that_were_not_found_end_no_comparison() -> None:
     lost = np.full(model().modal_constants.shape, 1e60)
     unknown = model().model_copy(update={"modal_constant_sigma": lost})
     assert diagnose_by_model(model(), unknown, rig()).verdict == "no_gap"
+
+
+@pytest.mark.thorough("identifies a plate twice")
+def test_a_sound_plate_measured_a_second_time_has_no_gap() -> None:
+    """Its sensors, hits, stiffness and mass are each off within their tolerances, alike in all FRFs of a place."""
+    bench, rng = replace(benches()["plate"], hits=(24, 21, 14, 11, 3, 18)), np.random.default_rng([3, 3])
+    before = frf(bench, bench.make(Material()), rng, as_believed(bench))
+    of, built = as_built(bench, rng)
+    after = frf(bench, of, rng, built)
+    models = [identify_frf(one, bench.rig, Options())[0] for one in (before, after)]
+    assert diagnose_by_model(*models, bench.rig, frfs=(before, after)).verdict == "no_gap"
