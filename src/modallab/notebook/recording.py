@@ -78,7 +78,7 @@ def load(
             channels one is made where none is given.
         array_map: which variable of a MATLAB file is what: a YAML file, or its content.
         options: what such files do not say themselves: test, rate_hz, drive_point, frequency_hz, window_s, variables,
-            columns, channels, ignore, level, set_up, group, volts ([each](docs/reference/import.md)).
+            columns, channels, ignore, level, set_up, group, volts, as the reference of imports says.
 
     Raises:
         FormatError: no such file, or of no known format.
