@@ -249,4 +249,4 @@ def _means(s: Complex, before: Side, after: Side) -> tuple[Means, Means] | None:
     omega, wanted = np.asarray(s.imag, np.float64), np.asarray(s.real, np.float64)
     each = np.array([of.sigma_at(omega, wanted) for of in (before.measured, after.measured)])
     there = np.asarray((each.max(axis=0) + 1j * omega)[np.all(each > 0, axis=0)])
-    return before.measured.means_at(there, before.model), after.measured.means_at(there, after.model)
+    return before.measured.means_at(there), after.measured.means_at(there)
