@@ -1,8 +1,8 @@
 """Values at points, taken along between them by a Gaussian process (kriging).
 
 Shapes of modes are smooth: the covariance is the squared exponential. How long their waves are, the values themselves
-tell: each length counts by its evidence (Rasmussen, Williams, Gaussian Processes for Machine Learning, 2006, ch. 5).
-Few points tell little of it, and what lies between them is then as uncertain as it should be.
+show: each length counts by its evidence (Rasmussen, Williams, Gaussian Processes for Machine Learning, 2006, ch. 5).
+Few points show little of it, and what lies between them is then as uncertain as it should be.
 """
 
 from dataclasses import dataclass, replace
@@ -46,7 +46,7 @@ class Between:
         size, count = max(float(np.ptp(known_m, axis=0).max()), 1e-9), len(known_m)
         known = known_m / size
         factor = np.linalg.cholesky(_correlation(known, known) + NOISE**2 * np.eye(count))
-        whitening = np.linalg.inv(factor)
+        whitening = np.asarray(np.linalg.inv(factor), np.float64)
         weights = whitening.transpose(0, 2, 1) @ (whitening @ values)
         power = np.einsum("kc,lkc->lc", values.conj(), weights).real
         variance = np.maximum(power, np.finfo(float).tiny) / count
@@ -59,16 +59,18 @@ class Between:
         return np.einsum("lpk,lkc,lc->pc", self._terms(places_m), self.weights, self.probability, optimize=True)
 
     def rows(self, places_m: Real) -> Real:
-        """(places, known) by which values at the known places add up to those at places (places, 3), in the mean."""
-        share = self.probability.mean(axis=1)
-        terms = self._terms(places_m) @ self.whitening.transpose(0, 2, 1) @ self.whitening
-        return np.einsum("lpk,l->pk", terms, share)
+        """(columns, places, known) by which values of a column add up to those at places (places, 3)."""
+        each = self._terms(places_m) @ self.whitening.transpose(0, 2, 1) @ self.whitening
+        return np.einsum("lpk,lc->cpk", each, self.probability)
 
     def spread(self, places_m: Real) -> Real:
-        """(places, columns) deviation of the values there."""
-        told = self._terms(places_m) @ self.whitening.transpose(0, 2, 1)
-        left = np.maximum(1 - np.sum(told**2, axis=2), 0.0)
-        return np.sqrt(np.einsum("lp,lc,lc->pc", left, self.variance, self.probability))
+        """(places, columns) deviation of the values there: within each length, and from one length to another."""
+        terms = self._terms(places_m)
+        explained = terms @ self.whitening.transpose(0, 2, 1)
+        left = np.maximum(1 - np.sum(explained**2, axis=2), 0.0)
+        each = terms @ self.weights
+        apart = np.abs(each - np.einsum("lpc,lc->pc", each, self.probability)) ** 2
+        return np.sqrt(np.einsum("lpc,lc->pc", left[:, :, None] * self.variance[:, None] + apart, self.probability))
 
     def turned(self, factors: Complex) -> "Between":
         """With each column times a factor (columns,) of size 1."""

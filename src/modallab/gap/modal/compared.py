@@ -129,7 +129,8 @@ class Compared:
         if len(between.known) != len(same):
             return found
         at = self.shapes.at_m[self.shapes.index(freedom)]
-        there, here = between.rows(np.stack([at + along_m @ self.shapes.tangents(freedom), at]))
+        # What lies outside the band is no mode: its waves are about as long as theirs.
+        there, here = between.rows(np.stack([at + along_m @ self.shapes.tangents(freedom), at])).mean(axis=0)
         share = dict(zip(same, there - here, strict=True))
         for o, f in enumerate(freedoms):
             if freedoms.index(f) == o:

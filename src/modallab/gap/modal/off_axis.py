@@ -60,7 +60,7 @@ class MeasuredFrfs:
             return None
         lines = in_band(frf, model.band_hz)
         s = frf.damping_shift + 2j * np.pi * lines.frequency_hz
-        values, variance = (np.moveaxis(of, -1, 0) for of in (lines.values, variance_of(lines)))
+        values, variance = np.moveaxis(lines.values, -1, 0), np.moveaxis(variance_of(lines), -1, 0)
         return cls(np.asarray(s), DERIVATIVES[frf.quantity], values, variance, PointModels.of(lines, model))
 
     def sigma_at(self, omega: Real, wanted: Real) -> Real:
@@ -77,8 +77,8 @@ class MeasuredFrfs:
 
     def chosen(self, rows: list[int], columns: list[int], turned: Real) -> "MeasuredFrfs":
         """Some outputs and inputs, each turned by its sign (outputs, inputs)."""
-        values, variance = (of[:, rows][:, :, columns] for of in (self.values, self.variance))
-        return MeasuredFrfs(self.s, self.power, values * turned, variance, self.models.chosen(rows, columns, turned))
+        values, models = self.values[:, rows][:, :, columns] * turned, self.models.chosen(rows, columns, turned)
+        return MeasuredFrfs(self.s, self.power, values, self.variance[:, rows][:, :, columns], models)
 
     def means_at(self, s: Complex) -> "Means":
         """What gives FRFs at complex frequencies (lines,)."""

@@ -71,8 +71,8 @@ class PointModels:
 
     def chosen(self, rows: Sequence[int], columns: Sequence[int], turned: Real) -> "PointModels":
         """Of some outputs and inputs, each turned by its sign (outputs, inputs)."""
-        parts = (self.omega, self.zeta, self.constants, self.terms)
-        omega, zeta, constants, terms = (of[:, rows][:, :, columns] for of in parts)
+        omega, zeta = self.omega[:, rows][:, :, columns], self.zeta[:, rows][:, :, columns]
+        constants, terms = self.constants[:, rows][:, :, columns], self.terms[:, rows][:, :, columns]
         return PointModels(omega, zeta, constants * turned, terms * turned, self.powers)
 
     def receptances(self, s: Complex) -> Complex:
