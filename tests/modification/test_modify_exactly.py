@@ -147,6 +147,16 @@ def test_what_is_coupled_brings_its_own_uncertainty() -> None:
     np.testing.assert_allclose(variance[0], variance[1], rtol=1e-6)
 
 
+def test_what_is_uncertain_of_two_structures_has_nothing_in_common() -> None:
+    drawn = []
+    for chain in (BARE, OTHER, BARE):
+        model = chain.model()
+        model = model.model_copy(update={"frequency_sigma_hz": 0.01 * model.frequency_hz})
+        drawn.append(Known(model).samples.poles[:, 0].imag)
+    assert abs(np.corrcoef(drawn[0], drawn[1])[0, 1]) < 0.3
+    np.testing.assert_array_equal(drawn[0], drawn[2])
+
+
 def _matrices(chain: Chain) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return chain.mass, chain.damping, chain.stiffness
 
