@@ -21,6 +21,7 @@ from modallab.core.block import Campaign  # noqa: E402
 from modallab.core.diagnosis import Diagnosis  # noqa: E402
 from modallab.core.effects import Effect  # noqa: E402
 from modallab.core.model import ModalModel  # noqa: E402
+from modallab.core.places import OneChannel  # noqa: E402
 from modallab.gap.diagnosis import diagnose  # noqa: E402
 from modallab.identification import Options  # noqa: E402
 from modallab.pipelines.identify import identify_campaign  # noqa: E402
@@ -56,7 +57,7 @@ def of_diagnosis(one: Diagnosis, two: Diagnosis, names: tuple[list[str], list[st
         (v, b.parameters[k]) for a, b in zip(one.effects, two.effects, strict=True) for k, v in a.parameters.items()
     ]
     for a, b in zip(one.effects, two.effects, strict=True):
-        where = [names[i][e.place["channel"]] for i, e in enumerate((a, b)) if isinstance(e.place.get("channel"), int)]
+        where = [names[i][e.place.channel] for i, e in enumerate((a, b)) if isinstance(e.place, OneChannel)]
         if len(set(where)) > 1:
             return np.inf
     return max(abs(b / a - 1) for a, b in [*pairs, (one.gap.after, two.gap.after)])

@@ -12,6 +12,7 @@ from modallab.bench.simulated import simulated_bench
 from modallab.cli.demo_rig import demo_plans, demo_rig
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import ModallabError
+from modallab.core.places import AlongBeam
 from modallab.core.rig import Tolerance
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.words.verdicts import sentence
@@ -37,7 +38,7 @@ def right(diagnosis: Diagnosis, effects: list[str]) -> bool:
         return diagnosis.verdict == "no_gap"
     names = sorted(effect.partition(",")[0] for effect in effects)
     places = [float(word[2:]) for effect in effects for word in effect.split(",") if word.startswith("x=")]
-    found = [f.place["x"] for f in diagnosis.effects if "x" in f.place]
+    found = [f.place.x for f in diagnosis.effects if isinstance(f.place, AlongBeam)]
     near = all(any(abs(x - place) < NEAR for x in found) for place in places)
     return sorted(f.effect for f in diagnosis.effects) == names and near
 

@@ -56,7 +56,12 @@ def trial(seed: int, names: Sequence[str]) -> dict[str, Any]:
         return {"seed": seed, "kept": False, "why": "it is not seen, or distinguished"}
     effect = made["effect"]
     assert isinstance(effect, Effect)
-    entry: dict[str, Any] = {"seed": seed, "truth": effect.effect, "numbers": effect.parameters, "place": effect.place}
+    entry: dict[str, Any] = {
+        "seed": seed,
+        "truth": effect.effect,
+        "numbers": effect.parameters,
+        "place": effect.place.model_dump(),
+    }
     entry |= {k: made[k] for k in ("plan", "sensors", "rough", "other", "seen", "apart", "url")}
     try:
         with TemporaryDirectory() as folder:

@@ -60,8 +60,7 @@ def trial(draw: Draw, made: Any) -> dict[str, Any]:
 
 
 def _effect(reported: dict[str, Any]) -> Effect:
-    place = {k: tuple(v) if isinstance(v, list) else v for k, v in reported["place"].items()}
-    return Effect(effect=reported["effect"], parameters=reported["parameters"], place=place)
+    return Effect(effect=reported["effect"], parameters=reported["parameters"], place=reported["place"])
 
 
 def names(entry: dict[str, Any]) -> tuple[list[str], list[str]]:

@@ -17,6 +17,7 @@ import yaml
 
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import catalogue
+from modallab.core.places import AlongBeam
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.gap.diagnosis import diagnose
 
@@ -40,8 +41,8 @@ def row(name: str, truth: list[dict[str, Any]], diagnosis: Diagnosis, seconds: f
         f = next((f for f in diagnosis.effects if f.effect == e["effect"]), None)
         if f is None:
             continue
-        if "x" in e["place"] and isinstance(e["place"]["x"], float) and "x" in f.place:
-            parts.append(f"x {float(f.place['x']) - e['place']['x']:+.3f}")
+        if "x" in e["place"] and isinstance(e["place"]["x"], float) and isinstance(f.place, AlongBeam):
+            parts.append(f"x {f.place.x - e['place']['x']:+.3f}")
         for key, value in e["parameters"].items():
             within = f.interval.get(key)
             held = "open" if within is None else "in" if within[0] <= value <= within[1] else "OUT"

@@ -177,7 +177,7 @@ def drawn(seed: int, names: Sequence[str] = EFFECTS) -> dict[str, Any] | None:
         if apart < SAME * seen and not keeps and sight.same(effect):
             continue
         words = [f"{k}={v!r}" for k, v in effect.parameters.items()]
-        words += [f"{k}={v}" for k, v in effect.place.items() if kind_of(effect.effect).place == k]
+        words += [f"{k}={v}" for k, v in effect.place.model_dump().items() if kind_of(effect.effect).place == k]
         own = f"effect={','.join([effect.effect, *words])}" + ("&tolerances=usual" if rough else "")
         return {"rig": rig, "plan": plan, "sensors": sensors, "effect": effect, "other": other, "rough": rough,
                 "seen": seen, "apart": apart, "url": f"{BENCH}&seed={seed}&{own}"}  # fmt: skip

@@ -128,7 +128,7 @@ def test_the_diagnosis_is_the_same(name: str) -> None:
     (effect,) = found.effects
     assert effect.effect == "added_mass"
     assert effect.parameters["mass"] == pytest.approx(0.05, rel=0.01)
-    assert effect.place["x_m"] == pytest.approx(0.8, abs=0.005)
+    assert effect.place.x_m == pytest.approx(0.8, abs=0.005)
     assert found.gap.after < 1.1
 
 

@@ -99,7 +99,7 @@ def test_the_diagnosis(heavy: Campaign, diagnosed: Diagnosis, name: str) -> None
     assert [e.effect for e in found.effects] == [e.effect for e in diagnosed.effects] == ["added_mass"]
     (one,), (two,) = diagnosed.effects, found.effects
     assert two.parameters == pytest.approx(one.parameters, rel=1e-5)
-    assert two.place["x_m"] == pytest.approx(one.place["x_m"], rel=1e-5)
+    assert two.place.x_m == pytest.approx(one.place.x_m, rel=1e-5)
     assert two.probability == pytest.approx(one.probability, abs=1e-4)
     # Before the effect the model is wrong, and its fit ends where it no longer pays, not at a sharp minimum.
     assert found.gap.by_channel == pytest.approx(diagnosed.gap.by_channel, rel=0.02)
@@ -122,7 +122,7 @@ def test_the_force_is_named_by_its_own_row(make: Callable[..., Campaign]) -> Non
     wrong = Effect(effect="force_gain", parameters={"gain": 0.8}, place={"channel": 0})
     other = SAME["rows permuted"](make(wrong, tests=("impact",)))
     found = diagnose(other, allowed=lambda n: n == "force_gain")
-    assert found.effects[0].place == {"channel": other.rig.force_channel.index}
+    assert found.effects[0].place.model_dump() == {"channel": other.rig.force_channel.index}
     assert found.where.channels == ["force"]
 
 

@@ -72,6 +72,18 @@ CASES: list[tuple[str, Any, list[str]]] = [
     ("converter", {"bits": 64}, ["converter.bits: found 64; allowed: 32 or less"]),
     ("shaker_point", 7, ["shaker_point: found 7; allowed: the id of a point"]),
     ("format_version", 3, ["format_version: found 3; allowed: 1 or 2; a newer file needs a newer modallab"]),
+    (
+        "revisions",
+        [
+            {
+                "effects": [{"effect": "added_mass", "place": {"x": "tip"}}],
+                "applied_on": "2026-01-31",
+                "before": 2.0,
+                "after": 1.0,
+            }
+        ],
+        ["revisions[0].effects[0].place: found {'x': 'tip'}; allowed: x (a share of the length, or all), channel"],
+    ),
     ("model", "plate", ["model: found 'plate'; allowed: 'cantilever' or 'unknown'"]),
 ]
 

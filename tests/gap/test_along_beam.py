@@ -51,7 +51,7 @@ def struck(data: Reduced, twin: Twin) -> Reduced:
 @pytest.mark.thorough("fits along the beam")
 def test_the_place_that_fits_all_records_is_the_springs(elsewhere: Fit) -> None:
     (found,) = along_the_beam(elsewhere).effects
-    assert found.place["x"] == pytest.approx(PLACE, abs=0.015)
+    assert found.place.x == pytest.approx(PLACE, abs=0.015)
     assert found.parameters["k3"] == pytest.approx(K3, rel=0.1)
 
 

@@ -67,7 +67,7 @@ def test_a_spring_that_moves_a_mode_by_a_quarter_is_found_from_afar() -> None:
     (effect,) = found.effects
     assert effect.effect == "ground_spring"
     assert effect.parameters["k"] == pytest.approx(3e4, rel=0.1)
-    assert np.linalg.norm(np.array(effect.place["at_m"]) - [0.17, 0.11, 0.0]) < 0.02
+    assert np.linalg.norm(np.array(effect.place.at_m) - [0.17, 0.11, 0.0]) < 0.02
 
 
 def test_a_mass_is_found_where_it_is() -> None:
@@ -76,7 +76,7 @@ def test_a_mass_is_found_where_it_is() -> None:
     (effect,) = found.effects
     assert effect.effect == "added_mass"
     assert effect.parameters["mass"] == pytest.approx(0.06, rel=0.1)
-    assert np.linalg.norm(np.array(effect.place["at_m"]) - [0.31, 0.17, 0.0]) < 0.02
+    assert np.linalg.norm(np.array(effect.place.at_m) - [0.31, 0.17, 0.0]) < 0.02
     assert effect.interval["mass"][0] < effect.parameters["mass"] < effect.interval["mass"][1]
 
 
@@ -84,7 +84,7 @@ def test_a_mass_is_found_where_it_is() -> None:
 def test_a_gain_is_that_of_its_channel() -> None:
     found = diagnose_by_model(REFERENCE, model(OMEGA, shapes(X, Y), (1.0, 0.8, 1.0)), rig())
     (effect,) = found.effects
-    assert (effect.effect, effect.place) == ("gain_error", {"channel": "a2"})
+    assert (effect.effect, effect.place.model_dump()) == ("gain_error", {"channel": "a2"})
     assert effect.parameters["gain"] == pytest.approx(0.8, rel=0.02)
 
 
@@ -155,7 +155,7 @@ def test_a_sensor_that_stands_elsewhere_is_found_by_the_mesh_to_a_millimetre() -
     constants[:, 1] = elsewhere[:, None] * psi
     found = diagnose_by_model(REFERENCE, bench.model_copy(update={"modal_constants": constants}), rig(), mesh())
     (effect,) = found.effects
-    assert (effect.effect, effect.place) == ("position_error", {"channel": "a2"})
+    assert (effect.effect, effect.place.model_dump()) == ("position_error", {"channel": "a2"})
     assert (effect.parameters["dx"], effect.parameters["dy"]) == pytest.approx(moved, abs=1e-3)
 
 

@@ -33,5 +33,5 @@ def test_a_size_is_exact_where_the_modal_model_is_not(effect: str, value: float,
     after = with_effect(before, Put(effect, value, output=0, input=0))
     models = [identify_frf(frf, rig(), Options())[0] for frf in (before, after)]
     (found,) = diagnose_by_model(models[0], models[1], rig(), frfs=(before, after)).effects
-    assert (found.effect, found.place["point"]) == (effect, 1)
+    assert (found.effect, found.place.point) == (effect, 1)
     assert found.parameters[name] == pytest.approx(value, rel=0.03)

@@ -152,7 +152,7 @@ def test_flat_tops_are_seen_with_their_level(make: Make) -> None:
 
     found = diagnose(make(spoil=cut))
     clipped = next(f for f in found.effects if f.effect == "clipping")
-    assert clipped.place["level_v"] == pytest.approx(0.3, rel=0.01)
+    assert clipped.place.level_v == pytest.approx(0.3, rel=0.01)
     assert found.where.channels == ["a08"]
 
 

@@ -78,7 +78,7 @@ def test_a_damper_is_named() -> None:
     shapes = (vectors * np.sqrt(2j * poles.imag / scale)).T @ PSI
     found = diagnose_by_model(model(), model(shapes, np.abs(poles), zeta=-poles.real / np.abs(poles)), rig())
     (effect,) = found.effects
-    assert (effect.effect, effect.place["point"]) == ("local_damper", 1)
+    assert (effect.effect, effect.place.point) == ("local_damper", 1)
     assert effect.parameters["c"] == pytest.approx(c, rel=0.2)
 
 

@@ -12,6 +12,7 @@ from modallab.cli import main
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError, PlanError
+from modallab.core.places import AlongBeam
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.gap.design.continued import continued
@@ -84,7 +85,7 @@ def test_what_is_the_same_on_every_record_is_said_to_be(make: Callable[..., Camp
 def test_two_places_of_a_mass_are_distinguished_by_hits_where_one_of_them_moves(make: Callable[..., Campaign]) -> None:
     # In much noise a sensor near the root feels neither mass well; the tip does.
     noise, rng = 0.09, np.random.default_rng(3)
-    near, far = (MASS.model_copy(update={"parameters": {"mass": 2e-3}, "place": {"x": x}}) for x in (0.8, 0.5))
+    near, far = (MASS.model_copy(update={"parameters": {"mass": 2e-3}, "place": AlongBeam(x=x)}) for x in (0.8, 0.5))
     loud = make(near, tests=("impact",), spoil=lambda v, _: v + noise * rng.standard_normal(v.shape))
     converter = loud.rig.converter.model_copy(update={"noise_rms_v": noise}) if loud.rig.converter else None
     rig = loud.rig.model_copy(update={"converter": converter, "shaker_point": None})

@@ -82,7 +82,7 @@ def test_what_a_model_misses_is_missed_in_neither() -> None:
     gain = frfs(noise=1e-4, seed=2)
     gain.values[1] *= 1.12
     (effect,) = diagnose_by_model(two, two, rig(), frfs=(frfs(noise=1e-4), gain)).effects
-    assert (effect.effect, effect.place) == ("gain_error", {"channel": "a2"})
+    assert (effect.effect, effect.place.model_dump()) == ("gain_error", {"channel": "a2"})
     assert effect.parameters["gain"] == pytest.approx(1.12, rel=1e-3)
     none = diagnose_by_model(two, two, rig(), frfs=(frfs(noise=1e-4), frfs(noise=1e-4, seed=3)))
     assert none.verdict == "no_gap"

@@ -32,7 +32,7 @@ def test_a_loose_mount_of_a_sensor_upside_down_is_both(make: Make) -> None:
     assert {e.effect for e in diagnosis.effects} == {"polarity", "loose_mount"}
     mount = next(e for e in diagnosis.effects if e.effect == "loose_mount")
     assert mount.parameters["hz"] == pytest.approx(52.0, rel=1e-3)
-    assert mount.place == {"channel": 6}
+    assert mount.place.model_dump() == {"channel": 6}
 
 
 def test_coarse_steps_of_one_channel_are_found_there_and_not_named(make: Make) -> None:

@@ -61,6 +61,6 @@ def test_a_mass_on_the_bench_is_named_weighed_and_found(massed: Diagnosis) -> No
     assert [f.effect for f in massed.effects] == ["added_mass"]
     only = massed.effects[0]
     assert only.parameters["mass"] == pytest.approx(0.04, rel=0.02)
-    assert only.place["x"] == pytest.approx(0.63, abs=0.01)
+    assert only.place.x == pytest.approx(0.63, abs=0.01)
     assert massed.gap.before > 20
     assert massed.gap.after < 1.1

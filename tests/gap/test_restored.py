@@ -62,10 +62,10 @@ def test_an_explanation_begins_with_its_own_effect(few: Campaign) -> None:
     problem, u = begin_of(said, data, nuisances(few.rig, 450.0))
     (effect,) = problem.effects(u)
     assert effect.parameters["mass"] == pytest.approx(0.05)
-    assert effect.place["x"] == pytest.approx(0.8)
+    assert effect.place.x == pytest.approx(0.8)
     held, v = begin_of(said, data, nuisances(few.rig, 450.0), in_place=True)
     assert len(v) == len(u) - 1
-    assert held.effects(v)[0].place["x"] == pytest.approx(0.8)
+    assert held.effects(v)[0].place.x == pytest.approx(0.8)
 
 
 def test_an_effect_that_the_rig_cannot_have_is_said_so(few: Campaign) -> None:
@@ -85,7 +85,7 @@ def test_a_mass_is_found_where_it_is_from_where_it_is_not(few: Campaign) -> None
     own = [s.coordinate({"mass": 0.02, "x": 0.35}[s.name]) for s in mass.slots]
     stuck = seen(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), own]))
     found = at_best_place(stuck)
-    assert found.effects[0].place["x"] == pytest.approx(0.8, abs=0.01)
+    assert found.effects[0].place.x == pytest.approx(0.8, abs=0.01)
     assert found.gap < 2.0
 
 

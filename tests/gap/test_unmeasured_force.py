@@ -19,7 +19,7 @@ def test_a_sound_structure_has_no_gap(seed: int) -> None:
 @AGAIN
 def test_the_reference_gives_a_mass_its_size() -> None:
     (effect,) = diagnose_by_model(model(), responses_alone(with_mass(1.0, 3), 1), rig()).effects
-    assert (effect.effect, effect.place["point"]) == ("added_mass", 3)
+    assert (effect.effect, effect.place.point) == ("added_mass", 3)
     low, high = effect.interval["mass"]
     assert low < 1.0 < high < 1.5
 
@@ -29,7 +29,7 @@ def test_a_gain_is_that_of_its_channel() -> None:
     of = model()
     wrong = of.model_copy(update={"modal_constants": of.modal_constants * np.array([1.0, 1.3, 1.0])[None, :, None]})
     (effect,) = diagnose_by_model(of, responses_alone(wrong), rig()).effects
-    assert (effect.effect, effect.place["channel"]) == ("gain_error", "a2")
+    assert (effect.effect, effect.place.channel) == ("gain_error", "a2")
     assert effect.parameters["gain"] == pytest.approx(1.3, rel=0.03)
 
 

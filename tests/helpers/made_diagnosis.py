@@ -2,6 +2,7 @@
 
 from modallab.core.diagnosis import Calibrated, Diagnosis, Found, Gap, Shrink, Verdict, Where
 from modallab.core.effects import Effect, kind_of
+from modallab.core.places import AlongBeam
 from modallab.core.rig import Rig
 from modallab.twin.structure import MODES
 
@@ -20,11 +21,11 @@ def made_diagnosis(rig: Rig, *effects: Effect, verdict: Verdict = "known", proba
             probability=probability,
             parameters=e.parameters,
             interval={name: (0.9 * value, 1.1 * value) for name, value in e.parameters.items()},
-            place={k: list(v) if isinstance(v, tuple) else v for k, v in e.place.items()},
+            place=e.place,
         )
         for e in effects
     ]
-    x = next((float(e.place["x"]) * rig.beam.length_m for e in effects if isinstance(e.place.get("x"), float)), None)
+    x = next((e.place.x * rig.beam.length_m for e in effects if isinstance(e.place, AlongBeam)), None)
     stage = found[0].stage if found else None
     return Diagnosis(
         rig=rig.name,

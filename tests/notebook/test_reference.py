@@ -31,7 +31,7 @@ def heavier():
 
 def test_a_mass_that_came_later_is_named_with_its_interval(heavier):
     (mass,) = heavier.effects
-    assert (mass.effect, mass.place["point"]) == ("added_mass", 2)
+    assert (mass.effect, mass.place.point) == ("added_mass", 2)
     low, high = mass.interval["mass"]
     assert low < 0.05 < high
     (row,) = heavier.table().rows

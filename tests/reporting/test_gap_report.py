@@ -10,6 +10,7 @@ from modallab.core.block import Campaign
 from modallab.core.budget import Budget, BudgetRow
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Percent
 from modallab.core.effects import Effect
+from modallab.core.places import AlongBeam
 from modallab.core.rig import Rig
 from modallab.gap.words.effects import place_of
 from modallab.gap.words.verdicts import sentence
@@ -40,7 +41,7 @@ def diagnosis(rig: Rig, campaign: Campaign) -> Diagnosis:
     (found,) = plain.effects
     found = found.model_copy(
         update={
-            "place": {"x": 0.8, "x_m": 0.8 * rig.beam.length_m},
+            "place": AlongBeam(x=0.8, x_m=0.8 * rig.beam.length_m),
             "interval": {"mass": (0.0488, 0.0498), "x": (0.798, 0.802)},
         }
     )

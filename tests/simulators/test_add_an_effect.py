@@ -67,4 +67,4 @@ def test_a_diagnosis_finds_it_in_the_simulated_bench(tmp_path: Path, link: Rig):
         ]
         assert [f.effect for f in found.effects] == [NAME]
         assert found.effects[0].parameters["k_slope"] == pytest.approx(5.0, rel=0.02)
-        assert found.effects[0].place["x"] == pytest.approx(0.6, abs=0.005)
+        assert found.effects[0].place.x == pytest.approx(0.6, abs=0.005)

@@ -5,6 +5,7 @@ from importlib.resources import files
 import pytest
 
 from modallab.core.effects import Effect
+from modallab.core.places import OneChannel
 from modallab.core.rig import Rig, Tolerance
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.gap.conditioning.prepare import prepare
@@ -79,8 +80,8 @@ def test_what_no_force_predicts_is_seen_in_a_trial(link: Rig, effect: Effect, nu
     found = inspected(prepared, fit.problem.twin(fit.u))
     assert [f.effect for f in found] == [effect.effect]
     assert found[0].parameters[number] == pytest.approx(effect.parameters[number], rel=tolerance)
-    if isinstance(effect.place.get("channel"), int):
-        assert found[0].place["channel"] == effect.place["channel"]
+    if isinstance(effect.place, OneChannel):
+        assert found[0].place.channel == effect.place.channel
 
 
 @AGAIN

@@ -111,8 +111,7 @@ def measured(entry: Entry) -> tuple[Campaign, list[dict[str, Any]]]:
 
 
 def as_effect(reported: dict[str, Any]) -> Effect:
-    place = {k: tuple(v) if isinstance(v, list) else v for k, v in reported["place"].items()}
-    return Effect(effect=reported["effect"], parameters=reported["parameters"], place=place)
+    return Effect(effect=reported["effect"], parameters=reported["parameters"], place=reported["place"])
 
 
 def kept_at(entry: Entry) -> Path:

@@ -45,7 +45,9 @@ def _joined(effects: list[Found] | list[FoundChange]) -> str:
 
 def _effects(effects: list[Found] | list[FoundChange]) -> Row:
     columns = {"probabilities": "probability", "numbers": "parameters", "intervals": "interval", "places": "place"}
-    return {name: json.dumps({f.effect: getattr(f, of) for f in effects}) for name, of in columns.items()}
+    return {
+        name: json.dumps({f.effect: f.model_dump(mode="json")[of] for f in effects}) for name, of in columns.items()
+    }
 
 
 def _of_beam(entry: Entry, made: Made, said: Diagnosis, seconds: float) -> Row:

@@ -5,7 +5,8 @@ from math import exp, log
 
 import numpy as np
 
-from modallab.core.effects import Effect, Parameter, Place
+from modallab.core.effects import Effect, Parameter
+from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.effect_part import EffectPart, Ties
@@ -126,24 +127,24 @@ class _Shape:
         length = rig.beam.length_m
         if self._kind.place == "hit":
             return 0.08 * length
-        row = self._place["channel"]
-        assert isinstance(row, int)
-        point = rig.channels[row].point
+        assert isinstance(self._place, OneChannel)
+        point = rig.channels[self._place.channel].point
         x = 0.0 if point is None else rig.x_of(point)
         if length - x < 1e-9 * length:
             self._sign = -1.0
         return max(x if self._sign < 0 else length - x, 1e-6 * length)
 
 
-def _drawn_place(rig: Rig, rng: np.random.Generator, part: EffectPart) -> dict[str, Place]:
+def _drawn_place(rig: Rig, rng: np.random.Generator, part: EffectPart) -> Place:
     kind = part.kind
     if kind.place == "x":
-        return {"x": round(float(rng.uniform(*part.drawn.places)), 3)}
+        return AlongBeam(x=round(float(rng.uniform(*part.drawn.places)), 3))
     if kind.place == "shaker" and rig.shaker_point is not None and rig.beam is not None:
-        return {"x": rig.x_of(rig.shaker_point) / rig.beam.length_m}
+        return AlongBeam(x=rig.x_of(rig.shaker_point) / rig.beam.length_m)
     rows = [c.index for c in rig.responses]
     if kind.place == "channel":
-        return {"channel": int(rng.choice(rows))}
+        return OneChannel(channel=int(rng.choice(rows)))
     if kind.place == "pair":
-        return {"channel": tuple(sorted(int(row) for row in rng.choice(rows, 2, replace=False)))}
-    return kind.fixed_place or {}
+        first, second = sorted(int(row) for row in rng.choice(rows, 2, replace=False))
+        return TwoChannels(channel=(first, second))
+    return kind.fixed_place or NoPlace()

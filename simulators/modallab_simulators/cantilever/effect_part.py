@@ -87,18 +87,3 @@ class EffectPart:
             FormatError: neither catalogue has it.
         """
         return self.outside or kind_of(self.name)
-
-
-def x_of(effect: Effect, rig: Rig) -> float:
-    """Where an effect on the beam is, in m from the clamp."""
-    assert rig.beam is not None
-    x = effect.place["x"]
-    assert isinstance(x, float | int)
-    return float(x) * rig.beam.length_m
-
-
-def row_of(effect: Effect) -> int:
-    """The row of an effect on one channel."""
-    row = effect.place["channel"]
-    assert isinstance(row, int)
-    return row

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from modallab.core.effects import Effect
 from modallab.core.errors import ConfigurationError
+from modallab.core.places import AlongBeam, rows_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
 from modallab_simulators.cantilever.effects import part_of, parts
@@ -30,7 +31,7 @@ def effect_in_truth(effect: Effect) -> dict[str, object]:
         "effect": effect.effect,
         "family": part.kind.stage,
         "parameters": {k: v for k, v in effect.parameters.items() if k not in part.options},
-        "place": {k: list(v) if isinstance(v, tuple) else v for k, v in effect.place.items()},
+        "place": effect.place.model_dump(mode="json"),
     }
 
 
@@ -62,11 +63,11 @@ def _at_shaker(effect: Effect, rig: Rig, problems: list[str]) -> Effect:
     if rig.shaker_point is None or rig.beam is None:
         problems.append(f"{effect.effect}: the rig has no shaker")
         return effect
-    return effect.model_copy(update={"place": {"x": rig.x_of(rig.shaker_point) / rig.beam.length_m}})
+    return effect.model_copy(update={"place": AlongBeam(x=rig.x_of(rig.shaker_point) / rig.beam.length_m)})
 
 
 def _channel_problems(effect: Effect, rig: Rig) -> list[str]:
-    rows = effect.place.get("channel")
+    rows = rows_of(effect.place)
     found: list[str] = []
     for row in rows if isinstance(rows, tuple) else (rows,):
         if not isinstance(row, int) or part_of(effect.effect).kind.place == "force":
@@ -84,5 +85,5 @@ def _repeated(effect: Effect, before: Sequence[Effect]) -> list[str]:
         if part_of(effect.effect).kind.place != "channel":
             return [f"{effect.effect} occurs twice; allowed: once"]
         if other.place == effect.place:
-            return [f"{effect.effect} occurs twice on row {effect.place['channel']}; allowed: once a row"]
+            return [f"{effect.effect} occurs twice on row {rows_of(effect.place)}; allowed: once a row"]
     return []

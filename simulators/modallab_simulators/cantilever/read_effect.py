@@ -2,7 +2,8 @@
 
 from math import isfinite
 
-from modallab.core.effects import Effect, EffectKind, Place
+from modallab.core.effects import Effect, EffectKind
+from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab_simulators.cantilever.effect_part import EffectPart
 from modallab_simulators.cantilever.effects import allowed, kinds, part_of
 
@@ -58,8 +59,8 @@ def _parameters(part: EffectPart, given: dict[str, str], problems: list[str]) ->
     return parameters
 
 
-def _place(kind: EffectKind, given: dict[str, str], problems: list[str]) -> dict[str, Place]:
-    fixed = {} if kind.place == "shaker" else kind.fixed_place
+def _place(kind: EffectKind, given: dict[str, str], problems: list[str]) -> Place:
+    fixed = NoPlace() if kind.place == "shaker" else kind.fixed_place
     if fixed is not None:
         return fixed
     if kind.place == "x":
@@ -70,17 +71,17 @@ def _place(kind: EffectKind, given: dict[str, str], problems: list[str]) -> dict
                 f"{kind.name}: x is {repr(text) if text else 'missing'}; "
                 "allowed: above 0 to 1, a share of the length from the clamp"
             )
-            return {}
-        return {"x": x}
+            return NoPlace()
+        return AlongBeam(x=x)
     text = given.pop("channel", "")
     channels = [_channel(part) for part in text.split(":")]
     needed = 2 if kind.place == "pair" else 1
     if len(channels) != needed or None in channels or len(set(channels)) != needed:
         form = "two accelerometers, such as a03:a07" if needed == 2 else "one accelerometer, such as a03"
         problems.append(f"{kind.name}: channel is {repr(text) if text else 'missing'}; allowed: {form}")
-        return {}
-    numbers = tuple(c for c in channels if c is not None)
-    return {"channel": numbers if needed == 2 else numbers[0]}
+        return NoPlace()
+    numbers = [c for c in channels if c is not None]
+    return TwoChannels(channel=(numbers[0], numbers[1])) if needed == 2 else OneChannel(channel=numbers[0])
 
 
 def _channel(text: str) -> int | None:

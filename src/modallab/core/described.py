@@ -1,11 +1,10 @@
 """What a diagnosis says of a gap that no effect of the catalogue explains: what it behaves like."""
 
-from typing import Any
-
 from pydantic import Field
 
 from modallab.core.effects import Effect
 from modallab.core.frozen import Frozen
+from modallab.core.places import NO_PLACE, Place, as_shares
 
 
 class Learned(Frozen):
@@ -23,12 +22,11 @@ class Learned(Frozen):
     parameters: dict[str, float]
     interval: dict[str, tuple[float, float] | None] = Field(default_factory=dict[str, tuple[float, float] | None])
     not_known: dict[str, str] = Field(default_factory=dict[str, str])
-    place: dict[str, Any] = Field(default_factory=dict[str, Any])
+    place: Place = NO_PLACE
 
     def as_effect(self) -> Effect:
         """The element for the twin."""
-        place = {k: v for k, v in self.place.items() if k != "x_m"}
-        return Effect(effect=self.element, parameters=self.parameters, place=place)
+        return Effect(effect=self.element, parameters=self.parameters, place=as_shares(self.place))
 
 
 class Alternative(Frozen):

@@ -1,7 +1,7 @@
 """What a diagnosis says, as a document."""
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -9,6 +9,7 @@ from modallab.core.budget import Budget
 from modallab.core.described import Alternative, Learned
 from modallab.core.effects import Effect, Stage
 from modallab.core.frozen import Frozen
+from modallab.core.places import Place, as_shares
 from modallab.core.versions import DIAGNOSIS
 
 Verdict = Literal["no_gap", "known", "unknown"]
@@ -125,12 +126,11 @@ class Found(Frozen):
     parameters: dict[str, float]
     interval: dict[str, tuple[float, float] | None]
     not_known: dict[str, str] = Field(default_factory=dict[str, str])
-    place: dict[str, Any]
+    place: Place
 
     def as_effect(self) -> Effect:
         """The effect for the twin."""
-        place = {k: tuple(v) if isinstance(v, list) else v for k, v in self.place.items() if k != "x_m"}
-        return Effect(effect=self.effect, parameters=self.parameters, place=place)
+        return Effect(effect=self.effect, parameters=self.parameters, place=as_shares(self.place))
 
 
 class Shrink(Frozen):

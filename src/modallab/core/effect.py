@@ -5,8 +5,7 @@ from datetime import date
 from pydantic import Field
 
 from modallab.core.frozen import Frozen
-
-Place = float | int | str | tuple[int, ...]
+from modallab.core.places import NO_PLACE, Place
 
 
 class Effect(Frozen):
@@ -20,7 +19,7 @@ class Effect(Frozen):
 
     effect: str
     parameters: dict[str, float] = Field(default_factory=dict[str, float])
-    place: dict[str, Place] = Field(default_factory=dict[str, Place])
+    place: Place = NO_PLACE
 
 
 class Revision(Frozen):

@@ -10,10 +10,11 @@ from functools import cache
 from types import MappingProxyType
 from typing import Literal, cast, get_args
 
-from modallab.core.effect import Effect, Place
+from modallab.core.effect import Effect
 from modallab.core.errors import FormatError
 from modallab.core.installed import installed
-from modallab.core.rig import Beam
+from modallab.core.places import AllAlongBeam, AllChannels, AlongBeam, FixedPlace, NoPlace, OneChannel, Place
+from modallab.core.rig import Beam, Rig
 from modallab.core.units import Test
 
 Stage = Literal["structure", "sensor", "acquisition", "excitation"]
@@ -26,7 +27,6 @@ __all__ = [
     "Effect",
     "EffectKind",
     "Parameter",
-    "Place",
     "PlaceKind",
     "Scale",
     "Stage",
@@ -92,19 +92,11 @@ class EffectKind:
     linear: bool = True
 
     @property
-    def fixed_place(self) -> dict[str, Place] | None:
+    def fixed_place(self) -> Place | None:
         """The place of every effect of this kind; None if it is a choice, or the rig's (x, channel, pair, shaker)."""
         if self.place == "all":
-            return {"x" if self.stage == "structure" else "channel": "all"}
-        fixed: dict[PlaceKind, dict[str, Place]] = {
-            "none": {},
-            "root": {"x": 0.0},
-            "force": {"channel": 0},
-            "base": {"where": "base"},
-            "hit": {"where": "hit"},
-            "impact": {"where": "impact"},
-        }
-        return fixed.get(self.place)
+            return AllAlongBeam() if self.stage == "structure" else AllChannels()
+        return _FIXED.get(self.place)
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of this name.
@@ -119,6 +111,19 @@ class EffectKind:
             f"{self.name} has no parameter {name!r}",
             remedy=f"use {', '.join(p.name for p in self.parameters) or 'none: it has no parameters'}",
         )
+
+
+def x_of(effect: Effect, rig: Rig) -> float:
+    """Where an effect on the beam is, in m from the clamp."""
+    assert rig.beam is not None
+    assert isinstance(effect.place, AlongBeam)
+    return effect.place.x * rig.beam.length_m
+
+
+def row_of(effect: Effect) -> int:
+    """The row of an effect on one channel."""
+    assert isinstance(effect.place, OneChannel)
+    return effect.place.channel
 
 
 def kind_of(name: str) -> EffectKind:
@@ -141,6 +146,14 @@ def catalogue() -> Mapping[str, EffectKind]:
     return MappingProxyType({kind.name: kind for kind in kinds})
 
 
+_FIXED: dict[PlaceKind, Place] = {
+    "none": NoPlace(),
+    "root": AlongBeam(x=0.0),
+    "force": OneChannel(channel=0),
+    "base": FixedPlace(where="base"),
+    "hit": FixedPlace(where="hit"),
+    "impact": FixedPlace(where="impact"),
+}
 _SCALES: dict[Scale, Callable[[Beam], float]] = {
     "one": lambda _: 1.0,
     "EI/L": lambda b: b.bending_stiffness_n_m2 / b.length_m,

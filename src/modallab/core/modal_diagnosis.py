@@ -1,12 +1,13 @@
 """What the comparison of a structure with its modal model says, as a document."""
 
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field
 
 from modallab.core.diagnosis import CandidateSet, Verdict
 from modallab.core.effects import Stage
 from modallab.core.frozen import Frozen
+from modallab.core.places import PlaceOnStructure
 from modallab.core.versions import MODAL_DIAGNOSIS
 
 
@@ -19,7 +20,7 @@ class FoundChange(Frozen):
         probability: of all explanations that were fitted.
         parameters: SI; of a sensor's place dx, dy and dz in m.
         interval: parameter -> (low, high) of 95 %.
-        place: point (the nearest) and at_m (x, y, z in m) on the structure, or the channel's name.
+        place: on the structure, or the channel's name.
     """
 
     effect: str
@@ -27,7 +28,7 @@ class FoundChange(Frozen):
     probability: float
     parameters: dict[str, float]
     interval: dict[str, tuple[float, float]]
-    place: dict[str, Any]
+    place: PlaceOnStructure
 
 
 class PartOfGap(Frozen):

@@ -156,6 +156,11 @@ class Rig(Frozen):
         """What the simulation of this bench carries: the effects of all its revisions."""
         return tuple(effect for revision in self.revisions for effect in revision.effects)
 
+    def sense_of(self, channel: Channel) -> float:
+        """Sign of a reading over the motion along its axis. Along the drive it is 1: that reading has been turned."""
+        across = channel.direction[1] != self.drive_direction[1]
+        return -1.0 if across and channel.direction[0] == "-" else 1.0
+
     def x_of(self, point: int) -> float:
         """Distance of a point from the clamp, in m.
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found,
 from modallab.core.digits import percent
 from modallab.core.effects import kind_of
 from modallab.core.hold_out import MIXED, HoldOut
+from modallab.core.places import in_metres
 from modallab.core.progress import part, report
 from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
 from modallab.gap.conditioning.records import as_recorded
@@ -163,9 +163,6 @@ def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
     found: list[Found] = []
     for effect, believed in zip(fit.effects, intervals(choice), strict=True):
         share = sum(p for f, p in ranked if any(c.effect == effect.effect for c in f.problem.candidates))
-        place: dict[str, Any] = {k: list(v) if isinstance(v, tuple) else v for k, v in effect.place.items()}
-        if isinstance(place.get("x"), float):
-            place["x_m"] = place["x"] * length
         found.append(
             Found(
                 effect=effect.effect,
@@ -174,7 +171,7 @@ def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
                 parameters=effect.parameters,
                 interval=believed.within,
                 not_known=believed.not_known,
-                place=place,
+                place=in_metres(effect.place, length),
             )
         )
     return found

@@ -107,12 +107,12 @@ def _line(frf: Frf, hz: float) -> int:
     return int(np.argmin(np.abs(frf.frequency_hz - hz)))
 
 
-def turned(values: Complex) -> Complex:
+def turned(values: Complex) -> NDArray[np.complex128]:
     """(..., freedoms) as real as a common turn makes them, positive where they are largest."""
     real = values * np.exp(-0.5j * np.angle(np.sum(values**2, axis=-1, keepdims=True)))
     largest = np.argmax(np.abs(real), axis=-1)[..., None]
     negative = np.real(np.take_along_axis(real, largest, axis=-1)) < 0
-    return np.asarray(real * np.where(negative, -1, 1))
+    return np.asarray(real * np.where(negative, -1, 1), np.complex128)
 
 
 def spatial(rig: Rig, deflection: Deflection) -> NDArray[np.complex128]:

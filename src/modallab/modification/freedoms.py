@@ -43,10 +43,7 @@ def senses_of(model: ModalModel, rig: Rig) -> Real:
     Raises:
         DataError: an output is no channel of the rig.
     """
-    drive = rig.drive_direction[1]
-    # What reads along the drive has been turned to its sense already.
-    directions = [_channel(name, rig).direction for name in model.outputs]
-    return np.array([1.0 if d[1] == drive or d[0] == "+" else -1.0 for d in directions])
+    return np.array([rig.sense_of(_channel(name, rig)) for name in model.outputs])
 
 
 def _channel(output: str, rig: Rig) -> Channel:

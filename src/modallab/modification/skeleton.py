@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.deflection import at_points, turned
-from modallab.modification.freedoms import freedoms_of
+from modallab.modification.freedoms import freedoms_of, senses_of
 from modallab.modification.structure import Structure
 
 Real = NDArray[np.float64]
@@ -66,7 +66,7 @@ def motion_without_scale(model: ModalModel, rig: Rig) -> Complex:
     """
     shapes = model.operating_shapes if model.shapes is None else model.shapes
     found = model.modal_constants[:, :, 0] if shapes is None else shapes
-    return _spread(rig, freedoms_of(model, rig)[0], np.nan_to_num(found))
+    return _spread(rig, freedoms_of(model, rig)[0], np.nan_to_num(found) * senses_of(model, rig))
 
 
 def _spread(rig: Rig, freedoms: tuple[tuple[int, str], ...], shapes: Complex) -> Complex:

@@ -104,16 +104,10 @@ def _freedom(channel: Channel, rig: Rig) -> Freedom:
     return channel.point, channel.direction[1]
 
 
-def _sense(channel: Channel, rig: Rig) -> float:
-    # What reads along the drive has been turned to its sense already.
-    across = channel.direction[1] != rig.drive_direction[1]
-    return -1.0 if across and channel.direction[0] == "-" else 1.0
-
-
 def _rows(rig: Rig) -> tuple[list[int], Real]:
     """The outputs that stand for their freedoms, the first of those at one, and the sense of every output."""
     freedoms = [_freedom(c, rig) for c in rig.responses]
-    return [freedoms.index(f) for f in dict.fromkeys(freedoms)], np.array([_sense(c, rig) for c in rig.responses])
+    return [freedoms.index(f) for f in dict.fromkeys(freedoms)], np.array([rig.sense_of(c) for c in rig.responses])
 
 
 def _setup(name: str, model: ModalModel, rig: Rig) -> ResponseSetUp:

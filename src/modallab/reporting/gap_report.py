@@ -6,6 +6,7 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis, Found, Percent
 from modallab.core.digits import probability, rounded
 from modallab.core.effects import kind_of
+from modallab.core.places import x_m_of
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import history
@@ -82,7 +83,7 @@ def _place(diagnosis: Diagnosis, rig: Rig) -> Markup:
     if where.stage is None:
         caption = "Nothing stands out: what is left lies within noise and tolerances."
     else:
-        placed = [place_of(f, _names(rig)) for f in diagnosis.effects if f.place.get("x_m") == where.x_m is not None]
+        placed = [place_of(f, _names(rig)) for f in diagnosis.effects if x_m_of(f.place) == where.x_m is not None]
         at = f", {where.x_m:.3f} m from the clamp" if where.x_m is not None else ""
         if placed:
             at = f", {placed[0][0]}" + (f" (95 %: {placed[0][1]})" if placed[0][1] else "")

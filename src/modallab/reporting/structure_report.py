@@ -8,6 +8,7 @@ import numpy as np
 from modallab.core.digits import percent, probability
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
+from modallab.core.places import NamedChannel
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.modal.diagnosis import Explained
@@ -115,7 +116,8 @@ def _marked(gap: StructureGap, change: FoundChange) -> Marked | None:
     if at is not None:
         return Marked(np.array([at]), label=label)
     places = {p.id: (p.x_m, p.y_m, p.z_m) for p in gap.rig.points}
-    channel = next((c for c in gap.rig.responses if c.name == change.place.get("channel")), None)
+    name = change.place.channel if isinstance(change.place, NamedChannel) else None
+    channel = next((c for c in gap.rig.responses if c.name == name), None)
     if channel is None:
         driven = [places[p] for p in gap.explained.free.of.model.input_points if p in places]
         return Marked(np.array(driven).reshape(-1, 3), label=label)

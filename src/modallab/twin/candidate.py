@@ -7,7 +7,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.effects import Effect, Place
+from modallab.core.effects import Effect
+from modallab.core.places import NO_PLACE, AlongBeam, Place
 from modallab.twin.elements import ELEMENTS
 
 Array = NDArray[np.float64]
@@ -99,27 +100,25 @@ class Candidate:
     Attributes:
         effect: its name.
         slots: its free numbers.
-        place: the fixed part of its place.
+        place: where it is; none where its place along the beam is a free number.
         fixed: parameters that are not free.
     """
 
     effect: str
     slots: tuple[Slot, ...]
-    place: tuple[tuple[str, Place], ...] = ()
+    place: Place = NO_PLACE
     fixed: tuple[tuple[str, float], ...] = ()
 
     def at(self, u: Array) -> Effect:
         """The effect at coordinates u."""
         values = {s.name: s.value(float(v)) for s, v in zip(self.slots, u, strict=True)}
-        place = dict(self.place)
-        if "x" in values:
-            place["x"] = min(max(values.pop("x"), 0.5 / ELEMENTS), 1.0)
+        place = AlongBeam(x=min(max(values.pop("x"), 0.5 / ELEMENTS), 1.0)) if "x" in values else self.place
         return Effect(effect=self.effect, parameters={**dict(self.fixed), **values}, place=place)
 
     def held_at(self, x: float) -> "Candidate":
         """The same, but that its place along the beam, as a share of the length, is not free."""
         slots = tuple(s for s in self.slots if s.name != "x")
-        return replace(self, slots=slots, place=(*self.place, ("x", x)))
+        return replace(self, slots=slots, place=AlongBeam(x=x))
 
 
 def spread(low: float, high: float, count: int) -> tuple[float, ...]:

@@ -6,7 +6,8 @@ from enum import Enum
 from math import inf
 from typing import Literal
 
-from modallab.core.effects import Effect, EffectKind, Place
+from modallab.core.effects import Effect, EffectKind
+from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Candidate, Slot
@@ -137,33 +138,22 @@ class EffectModel:
         slots, place = self.search.slots(rig.beam), self._place(rig, rows)
         return [Candidate(self.kind.name, slots, place, (*self.search.fixed, *form)) for form in self.search.forms]
 
-    def _place(self, rig: Rig, rows: tuple[int, ...]) -> tuple[tuple[str, Place], ...]:
+    def _place(self, rig: Rig, rows: tuple[int, ...]) -> Place:
         if self.kind.place == "force":
             # Its row of the rig, whichever that is.
-            return (("channel", rig.force_channel.index),)
+            return OneChannel(channel=rig.force_channel.index)
         fixed = self.kind.fixed_place
         if fixed is not None:
-            return tuple(fixed.items())
+            return fixed
         if self.kind.place == "shaker":
             assert rig.beam is not None
             assert rig.shaker_point is not None
-            return (("x", rig.x_of(rig.shaker_point) / rig.beam.length_m),)
+            return AlongBeam(x=rig.x_of(rig.shaker_point) / rig.beam.length_m)
         if self.kind.place == "x":
-            return ()
-        return (("channel", rows if self.kind.place == "pair" else rows[0]),)
+            return NoPlace()
+        return TwoChannels(channel=(rows[0], rows[1])) if self.kind.place == "pair" else OneChannel(channel=rows[0])
 
 
 def over(value: float, tolerance: float) -> float:
     """A number in deviations of its tolerance; infinitely many where there is none."""
     return abs(value) / tolerance if tolerance else inf
-
-
-def x_of(effect: Effect, rig: Rig) -> float:
-    """Where an effect on the beam is, in m from the clamp."""
-    assert rig.beam is not None
-    return float(effect.place["x"]) * rig.beam.length_m  # pyrefly: ignore[bad-argument-type]
-
-
-def channel_of(effect: Effect) -> int:
-    """The row of an effect on one channel."""
-    return int(effect.place["channel"])  # pyrefly: ignore[bad-argument-type]

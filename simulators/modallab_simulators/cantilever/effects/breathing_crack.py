@@ -3,11 +3,11 @@
 from dataclasses import replace
 from functools import partial
 
-from modallab.core.effects import Effect
+from modallab.core.effects import Effect, x_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
 from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, x_of
+from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 from modallab_simulators.cantilever.feedback.elements import CrackElement
 
 

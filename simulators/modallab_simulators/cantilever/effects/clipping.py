@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.block import Block
-from modallab.core.effects import Effect
+from modallab.core.effects import Effect, row_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered, Clip
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, row_of
+from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 
 
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from modallab.core.effects import Effect
+from modallab.core.effects import Effect, x_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
 from modallab_simulators.cantilever.attached import Attachment
-from modallab_simulators.cantilever.effect_part import EffectPart, x_of
+from modallab_simulators.cantilever.effect_part import EffectPart
 
 
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:

@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, row_of
+from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 
 
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:

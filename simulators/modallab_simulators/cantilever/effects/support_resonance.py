@@ -3,11 +3,11 @@
 from dataclasses import replace
 from math import pi
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
 from modallab_simulators.cantilever.attached import Absorber
-from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, x_of
+from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 
 
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:

@@ -3,16 +3,16 @@
 from dataclasses import replace
 
 from modallab.core.effects import Effect
+from modallab.core.places import TwoChannels
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
 from modallab_simulators.cantilever.effect_part import EffectPart
 
 
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
-    pair = effect.place["channel"]
-    assert isinstance(pair, tuple)
+    assert isinstance(effect.place, TwoChannels)
     c = altered.chain
-    return replace(altered, chain=replace(c, exchanged=(*c.exchanged, (pair[0], pair[1]))))
+    return replace(altered, chain=replace(c, exchanged=(*c.exchanged, effect.place.channel)))
 
 
 PART = EffectPart(

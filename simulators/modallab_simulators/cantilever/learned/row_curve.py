@@ -7,10 +7,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
-from modallab_simulators.cantilever.effect_part import EffectPart, row_of
+from modallab_simulators.cantilever.effect_part import EffectPart
 
 Floats = NDArray[np.float64]
 

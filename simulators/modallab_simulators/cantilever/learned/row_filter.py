@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.places import AllChannels, OneChannel
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
 from modallab_simulators.cantilever.effect_part import EffectPart
@@ -11,8 +12,7 @@ from modallab_simulators.cantilever.sensor import Sensor, high_pass, low_pass, m
 
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
     c, law = altered.chain, effect.parameters
-    row = effect.place["channel"]
-    own = row if isinstance(row, int) else None
+    own = effect.place.channel if isinstance(effect.place, OneChannel) else None
     rows = [c.index for c in rig.responses] if own is None else [own]
     if "gain" in law:
         c = replace(c, gain={**c.gain, **{r: c.gain.get(r, 1.0) * law["gain"] for r in rows}})
@@ -36,7 +36,7 @@ def _late(seconds: float) -> Sensor:
 
 
 def _check(effect: Effect, rig: Rig) -> list[str]:
-    if effect.parameters.get("delay", 0.0) < 0 and effect.place["channel"] != "all":
+    if effect.parameters.get("delay", 0.0) < 0 and not isinstance(effect.place, AllChannels):
         return [f"row_filter: one row of this bench cannot be early, by {-effect.parameters['delay']:g} s"]
     return []
 

@@ -9,6 +9,7 @@ from modallab.blind.measured.put import Put
 from modallab.blind.outcome import Share
 from modallab.core.frozen import Frozen
 from modallab.core.modal_diagnosis import ModalDiagnosis
+from modallab.core.places import EveryOutput, NamedChannel, PlaceOnStructure
 
 SIZE = 0.1
 """Relative error up to which a size is right; of a gain that of its distance from 1."""
@@ -77,7 +78,7 @@ def judge_trial(name: str, truth: Truth, found: ModalDiagnosis | None) -> Measur
     verdict = found.verdict if found else "not_identified"
     value = None if put is None else (put.value if put.other is None else truth.moved_m)
     said = None if named is None else _number(named.parameters)
-    there = "" if named is None else str(named.place.get("channel", named.place.get("point", "")))
+    there = "" if named is None else _said(named.place)
     right = verdict == "no_gap" if put is None else named is not None and named.effect == put.effect
     counts = right and put is not None
     return MeasuredTrial(
@@ -93,6 +94,12 @@ def judge_trial(name: str, truth: Truth, found: ModalDiagnosis | None) -> Measur
         size_error=_off(put, said, value) if counts else None,
         place_right=there == truth.place if counts and truth.place else None,
     )
+
+
+def _said(place: PlaceOnStructure) -> str:
+    if isinstance(place, EveryOutput):
+        return ""
+    return place.channel if isinstance(place, NamedChannel) else str(place.point)
 
 
 def _off(put: Put | None, said: float | None, value: float | None) -> float | None:

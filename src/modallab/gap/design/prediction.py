@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effect import Effect
+from modallab.core.effects import row_of
 from modallab.core.errors import DataError
+from modallab.core.places import OneChannel
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.records import as_volts, usable
 from modallab.gap.conditioning.reduce import sine_clock_of
@@ -45,7 +47,8 @@ def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Array]:
     ratio = clock_of(other, blocks)
     last = float(max(1, *(b.order for b in other.blocks)))
     rows = [c.index for c in rig.responses]
-    cut = {int(f.place["channel"]): float(f.place["level_v"]) for f in diagnosis.effects if "level_v" in f.place}
+    levels = [f.place for f in diagnosis.effects if isinstance(f.place, OneChannel)]
+    cut = {place.channel: place.level_v for place in levels if place.level_v is not None}
     curves = _curves([*rig.known_effects, *carried(diagnosis)])
     found: dict[str, Array] = {}
     for b in blocks:
@@ -60,7 +63,7 @@ def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Array]:
 
 def _curves(effects: Iterable[Effect]) -> list[tuple[int, Mapping[str, float]]]:
     """(row, law) of the static curves among them."""
-    return [(int(str(e.place["channel"])), e.parameters) for e in effects if e.effect == CURVE]
+    return [(row_of(e), e.parameters) for e in effects if e.effect == CURVE]
 
 
 def clock_of(campaign: Campaign, blocks: Sequence[Block]) -> float:

@@ -11,6 +11,7 @@ from modallab.core.effects import kind_of
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.model import ModalModel
+from modallab.core.places import EveryOutput, NamedChannel, NearPoint, PlaceOnStructure
 from modallab.core.rig import Rig
 from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
@@ -177,19 +178,19 @@ def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float]
     return {number: float(v[0])}, [float(sigma[0])]
 
 
-def _place(c: Compared, fitted: Fitted) -> dict[str, object]:
+def _place(c: Compared, fitted: Fitted) -> PlaceOnStructure:
     candidate, v = fitted.candidate, fitted.v
     assert candidate is not None
     if candidate.effect in EVERY:
-        return {"channels": "all"}
+        return EveryOutput()
     if not candidate.freedoms:
         of_force = candidate.channel is None
-        return {"channel": c.rig.force_channel.name if of_force else c.model.outputs[candidate.channel or 0]}
+        return NamedChannel(channel=c.rig.force_channel.name if of_force else c.model.outputs[candidate.channel or 0])
     freedom = candidate.freedoms[0]
     at = c.shapes.at_m[c.shapes.index(freedom)] + candidate.offset(v) @ c.shapes.tangents(freedom)
     nearest = int(np.argmin(np.linalg.norm(c.shapes.at_m - at, axis=1)))
-    place: dict[str, object] = {"point": c.shapes.freedoms[nearest][0], "at_m": at.tolist()}
-    return place | ({"axis": freedom[1]} if candidate.effect != "added_mass" else {})
+    axis = None if candidate.effect == "added_mass" else freedom[1]
+    return NearPoint(point=c.shapes.freedoms[nearest][0], at_m=tuple(at.tolist()), axis=axis)
 
 
 def _freedom(c: Compared, output: int) -> Freedom:

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.effects import Effect, Place
+from modallab.core.effects import Effect
+from modallab.core.places import RowsOfPlace, rows_of
 from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import Nuisances
@@ -71,10 +72,10 @@ class Problem:
         return self.free.size + sum(len(c.slots) for c in self.candidates)
 
     @property
-    def replaced(self) -> set[tuple[str, Place | None]]:
+    def replaced(self) -> set[tuple[str, RowsOfPlace | None]]:
         """(tolerance, channel or None) that effects stand for: one quantity is one number."""
         own = [(tolerance, c) for c in self.candidates if (tolerance := search_of(c.effect).replaces)]
-        return {(tolerance, dict(c.place).get("channel")) for tolerance, c in own}
+        return {(tolerance, rows_of(c.place)) for tolerance, c in own}
 
     def effects(self, u: Array) -> list[Effect]:
         """The effects at u."""
@@ -91,7 +92,7 @@ class Problem:
     def twins(self, u: Array) -> list[Twin]:
         """The twins at many u (twins, u)."""
         # An effect on the gain of a channel takes the place of its tolerance: two numbers for one gain never settle.
-        held = [c.place[0][1] for c in self.candidates if search_of(c.effect).replaces_gain]
+        held = [rows_of(c.place) for c in self.candidates if search_of(c.effect).replaces_gain]
         bare = self.free.builds(self.free.without_gains(u[:, : self.free.size], held), self.replaced)
         return [self._with_effects(twin, own) for twin, own in zip(bare, u, strict=True)]
 

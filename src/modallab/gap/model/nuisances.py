@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.effects import Place
 from modallab.core.errors import RigError
+from modallab.core.places import RowsOfPlace
 from modallab.core.rig import Beam, Rig
 from modallab.gap.model.tolerances import Departed, Deviation, Scales, applied, deviations, held, sensors_x_m
 from modallab.twin.bench import Chain, Twin
@@ -90,7 +90,7 @@ class Nuisances:
         """The twin of numbers (size,) without other effects than those that the rig's revisions know."""
         return self.builds(u[None])[0]
 
-    def builds(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> list[Twin]:
+    def builds(self, u: Array, replaced: Collection[tuple[str, RowsOfPlace | None]] = ()) -> list[Twin]:
         """The twins of many numbers (twins, size) at once.
 
         Args:
@@ -100,11 +100,11 @@ class Nuisances:
         twins = [with_known(twin, self.rig) for twin in self._bare(u, replaced)]
         return twins if self.stepped else [replace(twin, element=None) for twin in twins]
 
-    def bare(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> Twin:
+    def bare(self, u: Array, replaced: Collection[tuple[str, RowsOfPlace | None]] = ()) -> Twin:
         """The twin of numbers (size,) without these either."""
         return next(self._bare(u[None], replaced))
 
-    def _bare(self, u: Array, replaced: Collection[tuple[str, Place | None]]) -> Iterator[Twin]:
+    def _bare(self, u: Array, replaced: Collection[tuple[str, RowsOfPlace | None]]) -> Iterator[Twin]:
         nominal, chain, x_of, scales = _nominal(self)
         beams = self._beams(u, ("clamp_compliance", None) not in replaced)
         first = 3 + self.modes
@@ -143,7 +143,7 @@ class Nuisances:
             }
 
 
-def _without(values: Departed, replaced: Collection[tuple[str, Place | None]]) -> Departed:
+def _without(values: Departed, replaced: Collection[tuple[str, RowsOfPlace | None]]) -> Departed:
     """Numbers of tolerances, those left out that an effect stands for."""
     for name, at in replaced:
         if at is None:

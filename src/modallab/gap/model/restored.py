@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from modallab.core.diagnosis import Calibrated, CandidateSet
 from modallab.core.effects import Effect, kind_of
 from modallab.core.errors import DataError
+from modallab.core.places import AlongBeam, TwoChannels, rows_of
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs
 from modallab.gap.model.fit import Problem
@@ -82,9 +83,9 @@ def begin_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool 
 def _free_again(effect: Effect, data: Reduced) -> tuple[Candidate, Array]:
     """An effect with its numbers free, and the coordinates at which it is this one."""
     for c in _like(effect, data):
-        values = {**effect.parameters, **effect.place}
-        fixed = {**dict(c.place), **dict(c.fixed)}
-        if c.effect == effect.effect and all(values.get(k) == v for k, v in fixed.items()):
+        values = effect.parameters | ({"x": effect.place.x} if isinstance(effect.place, AlongBeam) else {})
+        there = c.place == effect.place or "x" in (s.name for s in c.slots)
+        if c.effect == effect.effect and there and all(values.get(k) == v for k, v in c.fixed):
             return c, np.array([_coordinate(s, values[s.name]) for s in c.slots])
     raise DataError(
         f"no fit looks for {effect.effect} at {effect.place}",
@@ -102,14 +103,12 @@ def _held_in_place(candidate: Candidate, own: Array) -> tuple[Candidate, Array]:
 
 
 def _like(effect: Effect, data: Reduced) -> list[Candidate]:
-    at = effect.place.get("channel")
-    kind = kind_of(effect.effect).place
-    if kind == "pair" and isinstance(at, tuple):
-        return of_pairs(data.rig, at)
-    return of_channel(data.rig, at) if kind == "channel" and isinstance(at, int) else of_bench(data.rig)
+    if isinstance(effect.place, TwoChannels):
+        return of_pairs(data.rig, effect.place.channel)
+    kind, row = kind_of(effect.effect).place, rows_of(effect.place)
+    return of_channel(data.rig, row) if kind == "channel" and isinstance(row, int) else of_bench(data.rig)
 
 
-def _coordinate(slot: Slot, value: object) -> float:
-    assert isinstance(value, float | int)
+def _coordinate(slot: Slot, value: float) -> float:
     near = float(np.clip(value, EDGE, 1 - EDGE)) if slot.transform == "share" else float(value)
     return slot.coordinate(near)

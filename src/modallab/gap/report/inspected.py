@@ -6,13 +6,13 @@ the beam's transmission from its base (`modallab.twin.base_motion`), median over
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Found
-from modallab.core.effects import kind_of
+from modallab.core.effects import kind_of, row_of
+from modallab.core.places import AllChannels, FixedPlace, OneChannel, Place, rows_of
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
 from modallab.gap.conditioning.prepare import ORDINARY_HUM, Prepared
@@ -62,7 +62,7 @@ def known_already(found: Found, rig: Rig) -> bool:
     """Whether the revisions of the rig hold an effect seen on the records, at its place and of about its size."""
     return any(
         known.effect == found.effect
-        and known.place.get("channel") == found.place.get("channel")
+        and rows_of(known.place) == rows_of(found.place)
         and all(1 / ALIKE < value / found.parameters[name] < ALIKE for name, value in known.parameters.items())
         for known in rig.known_effects
     )
@@ -78,15 +78,13 @@ def harm(prepared: Prepared, found: Found) -> float:
     levels = [np.std(b.samples * b.scale[:, None], axis=1) for b in prepared.campaign.blocks]
     level = np.maximum(np.median(np.array(levels), axis=0), 1e-300)
     if found.effect == "noisy_channel":
-        row = int(found.place["channel"])
+        row = row_of(found.as_effect())
         return float(prepared.measured_v[row] / level[row])
     assert prepared.hum is not None
     return float(np.max(prepared.hum.volts / np.sqrt(2) / level))
 
 
-def _found(
-    effect: str, parameters: dict[str, float], interval: dict[str, tuple[float, float]], place: dict[str, Any]
-) -> Found:
+def _found(effect: str, parameters: dict[str, float], interval: dict[str, tuple[float, float]], place: Place) -> Found:
     return Found(
         effect=effect,
         stage=kind_of(effect).stage,
@@ -114,7 +112,9 @@ def _noisy_row(prepared: Prepared, row: int) -> Found:
     level = prepared.measured_v[row] / min(max(bias, 0.8), 1.0)
     factor = float(np.sqrt(max(level**2 - step**2, own**2)) / own)
     half = float(np.exp(1.96 * np.hypot(LEVEL, sound)))
-    return _found("noisy_channel", {"factor": factor}, {"factor": (factor / half, factor * half)}, {"channel": row})
+    return _found(
+        "noisy_channel", {"factor": factor}, {"factor": (factor / half, factor * half)}, OneChannel(channel=row)
+    )
 
 
 def _hums(prepared: Prepared) -> bool:
@@ -130,7 +130,7 @@ def _hum(prepared: Prepared, twin: Twin) -> list[Found]:
     volts = float(np.mean(hum.volts))
     spread = 2 * float(np.mean(prepared.noise_v)) / np.sqrt(len(prepared.blocks) * 500)
     interval = {"volts": (volts - spread, volts + spread), "hz": (hum.hz, hum.hz)}
-    return [_found("mains_hum", {"volts": volts, "hz": hum.hz}, interval, {"channel": "all"})]
+    return [_found("mains_hum", {"volts": volts, "hz": hum.hz}, interval, AllChannels())]
 
 
 def _clipping(prepared: Prepared, twin: Twin) -> list[Found]:
@@ -138,7 +138,7 @@ def _clipping(prepared: Prepared, twin: Twin) -> list[Found]:
     for clipped in prepared.clipped:
         share = clipped.volts / max(_peak(prepared, twin, clipped.row), clipped.volts)
         interval = {"fraction_of_peak": (share * 0.95, min(1.0, share * 1.05))}
-        place = {"channel": clipped.row, "level_v": clipped.volts}
+        place = OneChannel(channel=clipped.row, level_v=clipped.volts)
         found.append(_found("clipping", {"fraction_of_peak": share}, interval, place))
     return found
 
@@ -147,12 +147,14 @@ def _ringing(prepared: Prepared, twin: Twin) -> list[Found]:
     assert prepared.ringing is not None
     fraction = prepared.ringing.fraction
     interval = {"fraction": (0.85 * fraction, 1.15 * fraction)}
-    return [_found("residual_ringing", {"fraction": fraction}, interval, {"where": "impact"})]
+    return [_found("residual_ringing", {"fraction": fraction}, interval, FixedPlace(where="impact"))]
 
 
 def _floor(prepared: Prepared, twin: Twin) -> list[Found]:
     rms = _base_motion(prepared, twin)
-    return [_found("floor_vibration", {"rms_acc": rms}, {"rms_acc": (0.85 * rms, 1.15 * rms)}, {"where": "base"})]
+    return [
+        _found("floor_vibration", {"rms_acc": rms}, {"rms_acc": (0.85 * rms, 1.15 * rms)}, FixedPlace(where="base"))
+    ]
 
 
 def _peak(prepared: Prepared, twin: Twin, row: int) -> float:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from modallab.core.diagnosis import Found, Verdict, Where
 from modallab.core.digits import part_of
 from modallab.core.effects import Stage, kind_of
+from modallab.core.places import rows_of, x_m_of
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.report.locate import Location
@@ -47,7 +48,7 @@ def where(
         stage=stage,
         tested_stage=None if location is None else location.stage,
         channels=[rig.channels[r].name for r in rows],
-        x_m=next((f.place["x_m"] for f in found if "x_m" in f.place), None) if verdict == "known" else None,
+        x_m=next((x for f in found if (x := x_m_of(f.place)) is not None), None) if verdict == "known" else None,
         tests=list(tests),
         bands=bands,
         share=share_within(choice.base.problem.twin(choice.base.u), data, tests, of_all, bands),
@@ -95,14 +96,12 @@ def _reasons(lead: Found, location: Location | None, choice: Choice) -> list[str
 
 
 def _rows_of(found: Found, force: int, channels: tuple[int, ...]) -> list[int]:
-    kind, channel = kind_of(found.effect), found.place.get("channel")
-    if kind.place == "force":
+    rows = rows_of(found.place)
+    if kind_of(found.effect).place == "force":
         return [force]
-    if isinstance(channel, int):
-        return [channel]
-    if isinstance(channel, list | tuple):
-        return [int(c) for c in channel]
-    return list(channels) if channel == "all" else []
+    if isinstance(rows, int):
+        return [rows]
+    return list(channels if rows == "all" else rows or ())
 
 
 def _bands(choice: Choice, data: Reduced) -> list[tuple[float, float]]:

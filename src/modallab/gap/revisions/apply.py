@@ -5,6 +5,7 @@ from datetime import date
 from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.effect import Effect, Revision
 from modallab.core.errors import DataError, RigError
+from modallab.core.places import OneChannel
 from modallab.core.rig import Rig
 
 
@@ -59,5 +60,7 @@ def at_revision(rig: Rig, number: int) -> Rig:
 
 def _as_known(found: Found) -> Effect:
     effect = found.as_effect()
+    if not isinstance(effect.place, OneChannel):
+        return effect
     # A level in V is of the records that were diagnosed; the share of the peak is of the bench.
-    return effect.model_copy(update={"place": {k: v for k, v in effect.place.items() if k != "level_v"}})
+    return effect.model_copy(update={"place": OneChannel(channel=effect.place.channel)})

@@ -17,6 +17,7 @@ from modallab.core.digits import change
 from modallab.core.errors import DataError
 from modallab.core.frozen import Frozen
 from modallab.core.hold_out import MIXED, HoldOut
+from modallab.core.places import rows_of, x_m_of
 from modallab.core.progress import part
 from modallab.gap.conditioning.noise import believed_noise
 from modallab.gap.conditioning.records import as_volts, usable
@@ -172,12 +173,12 @@ def differences(bench: Diagnosis, simulation: Diagnosis) -> tuple[list[Found], l
 
 
 def _same(one: Found, other: Found) -> bool:
-    return one.effect == other.effect and one.place.get("channel") == other.place.get("channel")
+    return one.effect == other.effect and rows_of(one.place) == rows_of(other.place)
 
 
 def _alike(one: Found, other: Found) -> bool:
     """Whether two findings of one effect are the same but for what their intervals leave open."""
-    if abs(float(one.place.get("x_m", 0.0)) - float(other.place.get("x_m", 0.0))) > APART:
+    if abs((x_m_of(one.place) or 0.0) - (x_m_of(other.place) or 0.0)) > APART:
         return False
     for name, value in one.parameters.items():
         second = other.parameters[name]

@@ -8,6 +8,7 @@ import numpy as np
 from modallab.core.described import Alternative
 from modallab.core.diagnosis import Described, Shrink
 from modallab.core.effects import Stage
+from modallab.core.places import x_m_of
 from modallab.core.progress import report
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import Prepared
@@ -110,7 +111,7 @@ def _described(
     best: Description, closes: Shrink, others: Sequence[Description], rig: Rig, everything: Reduced
 ) -> Described:
     first = best.learned[0]
-    x = first.place.get("x_m")
+    x = x_m_of(first.place)
     share = first.interval.get("x")
     length = rig.beam.length_m if rig.beam is not None else 1.0
     near = [o for o in others if excess(o.fit) < ABOUT * excess(best.fit)]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.described import Learned
+from modallab.core.places import OneChannel, in_metres
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, priced
 from modallab.gap.search.choose import Choice
@@ -36,17 +37,13 @@ def of_fit(base: Fit, fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> 
     length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
     found: list[Learned] = []
     for effect, believed in zip(fit.effects, intervals(Choice(base, fit, (), True, False)), strict=True):
-        place: dict[str, object] = dict(effect.place)
-        x = effect.place.get("x")
-        if isinstance(x, float):
-            place["x_m"] = x * length
         found.append(
             Learned(
                 element=effect.effect,
                 parameters=effect.parameters,
                 interval=believed.within,
                 not_known=believed.not_known,
-                place=dict(place),
+                place=in_metres(effect.place, length),
             )
         )
     return Description(fit, unseen, unseen, tuple(found), rows)
@@ -72,4 +69,4 @@ def stage_of(description: Description) -> str:
 
 def rows_of(fit: Fit) -> tuple[int, ...]:
     """The channels on which the effects and elements of a fit act alone."""
-    return tuple(row for e in fit.effects if isinstance(row := e.place.get("channel"), int))
+    return tuple(e.place.channel for e in fit.effects if isinstance(e.place, OneChannel))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from modallab.core.effects import Place
+from modallab.core.places import NO_PLACE, Place
 from modallab.gap.model.fit import Fit, cost_of, priced
 from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.fitting import COARSE, Bench, finish, misfit, short
@@ -31,16 +31,14 @@ class Trial:
     begins: tuple[tuple[float, ...], ...] = ()
 
 
-def element(
-    bench: Bench, name: str, numbers: Sequence[str], place: tuple[tuple[str, Place], ...] = (), room: float = 1.0
-) -> Candidate:
+def element(bench: Bench, name: str, numbers: Sequence[str], place: Place = NO_PLACE, room: float = 1.0) -> Candidate:
     """A learned element with some of its numbers free; the others are none.
 
     Args:
         bench: what is searched.
         name: of the element.
         numbers: that are free.
-        place: the fixed part of its place.
+        place: where it is; none where its place along the beam is free.
         room: share of its range that a number may go below 0, where several together could leave the beam unstable.
     """
     model = elements()[name]

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from modallab.core.places import AllAlongBeam, AllChannels
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.fitting import Bench
 from modallab.gap.unknown.fitted import Trial, element
@@ -33,13 +34,13 @@ def trials(bench: Bench, base: Fit) -> Iterator[Trial]:
 def along(bench: Bench) -> Iterator[Trial]:
     """Forces all along the beam."""
     for names in ALONG:
-        yield Trial(element(bench, "beam_law", names, (("x", "all"),), 1 / len(names)))
+        yield Trial(element(bench, "beam_law", names, AllAlongBeam(), 1 / len(names)))
 
 
 def on_all_rows(bench: Bench) -> Iterator[Trial]:
     """Operators that act on all accelerometers alike."""
     for names in WHOLE:
-        yield Trial(element(bench, "row_filter", names, (("channel", "all"),)))
+        yield Trial(element(bench, "row_filter", names, AllChannels()))
 
 
 def _likely(bench: Bench, base: Fit) -> list[Law]:

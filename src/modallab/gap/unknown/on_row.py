@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block
 from modallab.core.described import Learned
+from modallab.core.places import OneChannel
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import reduce
 from modallab.gap.conditioning.rows import Reduced
@@ -33,7 +34,7 @@ LEFT = 0.003
 def linear(bench: Bench, row: int) -> Iterator[Trial]:
     """Linear operators on one channel."""
     for names in LINEAR:
-        yield Trial(element(bench, "row_filter", names, (("channel", row),)))
+        yield Trial(element(bench, "row_filter", names, OneChannel(channel=row)))
 
 
 def without(bench: Bench, prepared: Prepared, fitted: Sequence[Block], row: int) -> Fit:
@@ -63,11 +64,11 @@ def by_sample(bench: Bench, prepared: Prepared, alone: Fit, held: Iterable[str],
             element="row_hold",
             parameters={"share": lost.share, "kept": lost.kept},
             interval={"share": (max(lost.share - spread, 0.0), lost.share + spread)},
-            place={"channel": row},
+            place=OneChannel(channel=row),
         )
         yield _again(bench, prepared, alone, channel, lost.made, learned, unseen)
     curve, interval = _curve(prepared, alone, channel, fitted)
-    learned = Learned(element="row_curve", parameters=curve.law, interval=dict(interval), place={"channel": row})
+    learned = Learned(element="row_curve", parameters=curve.law, interval=dict(interval), place=OneChannel(channel=row))
     yield _again(bench, prepared, alone, channel, curve.made(channel), learned, unseen)
 
 

@@ -1,12 +1,12 @@
 """An effect in words: its name, its numbers and its place, on a beam and on a measured structure."""
 
-from collections.abc import Mapping, Sequence
-from typing import cast
+from collections.abc import Sequence
 
 from modallab.core.diagnosis import Found
 from modallab.core.digits import listed, probability, rough, with_interval
 from modallab.core.effects import Parameter, kind_of
 from modallab.core.modal_diagnosis import FoundChange
+from modallab.core.places import AllChannels, AlongBeam, EveryOutput, NamedChannel, NearPoint, rows_of, x_m_of
 from modallab.twin.effects import model_of
 
 FIXED = {
@@ -52,38 +52,38 @@ def of_parameter(found: Found, parameter: Parameter) -> tuple[str, str]:
 def at(found: Found, channels: Sequence[str] = ()) -> str:
     """Where an effect acts, within a sentence: "at 0.622 m", "on a03 and a07"; "" where it has one place only."""
     place = place_of(found, channels)[0]
-    if place in FIXED.values() or found.place.get("channel") == "all":
+    if place in FIXED.values() or isinstance(found.place, AllChannels):
         return ""
     return f"at {place.removesuffix(FROM_CLAMP)}" if place.endswith(FROM_CLAMP) else place
 
 
 def place_of(found: Found, channels: Sequence[str] = ()) -> tuple[str, str]:
     """Where an effect acts, and its 95 % interval: "0.622 m from the clamp", "0.621 to 0.623 m"; "" for all of it."""
-    x_m, channel = found.place.get("x_m"), found.place.get("channel")
+    x_m, rows = x_m_of(found.place), rows_of(found.place)
     if "x" in found.not_known:
         return "somewhere along the beam", f"not known: {found.not_known['x']}"
-    if isinstance(x_m, float):
+    if x_m is not None:
         value, interval = with_interval(x_m, interval_m(found), "m")
         return f"{value}{FROM_CLAMP}", interval
-    if channel == "all":
+    if rows == "all":
         return "on all channels", ""
-    if channel is not None:
-        return _on(channel, channels), ""
+    if rows is not None:
+        return _on(rows, channels), ""
     return FIXED.get(kind_of(found.effect).place, ""), ""
 
 
 def interval_m(found: Found) -> tuple[float, float] | None:
     """The 95 % interval of a place along the beam, in m from the clamp."""
-    x, x_m, share = found.place.get("x"), found.place.get("x_m"), found.interval.get("x")
-    if share is None or not isinstance(x_m, float):
+    place, share = found.place, found.interval.get("x")
+    if share is None or not isinstance(place, AlongBeam) or place.x_m is None:
         return None
-    length = x_m / x if isinstance(x, float) and x else 1.0
+    length = place.x_m / place.x if place.x else 1.0
     return share[0] * length, share[1] * length
 
 
-def _on(channel: object, channels: Sequence[str]) -> str:
-    rows = cast("Sequence[object]", channel) if isinstance(channel, list | tuple) else [channel]
-    names = [channels[row] for row in rows if isinstance(row, int) and 0 <= row < len(channels)]
+def _on(channel: int | tuple[int, int], channels: Sequence[str]) -> str:
+    rows = (channel,) if isinstance(channel, int) else channel
+    names = [channels[row] for row in rows if 0 <= row < len(channels)]
     if len(names) == len(rows):
         return f"on {listed(names)}"
     return f"on channel{'s' * (len(rows) > 1)} {listed([str(row) for row in rows])}"
@@ -102,19 +102,17 @@ def with_numbers(change: FoundChange) -> str:
 
 def place_of_change(change: FoundChange) -> str:
     """On a channel, or near a point; of a spring with the axis along which it pulls."""
-    place = cast("Mapping[str, object]", change.place)
-    if "channels" in place:
+    place = change.place
+    if isinstance(place, EveryOutput):
         return "of all channels"
-    if "channel" in place:
-        return f"of {place['channel']}" if change.effect == "position_error" else f"on {place['channel']}"
-    along = f", along {place['axis']}" if "axis" in place else ""
-    return f"near point {place['point']}{along}"
+    if isinstance(place, NamedChannel):
+        return f"{'of' if change.effect == 'position_error' else 'on'} {place.channel}"
+    return f"near point {place.point}" + (f", along {place.axis}" if place.axis else "")
 
 
 def at_of_change(change: FoundChange) -> tuple[float, float, float] | None:
     """x, y and z in m where a change hangs on the structure; None where it is a channel's."""
-    at_m = change.place.get("at_m")
-    return None if at_m is None else cast("tuple[float, float, float]", tuple(at_m))
+    return change.place.at_m if isinstance(change.place, NearPoint) else None
 
 
 def numbers_of(change: FoundChange) -> list[tuple[str, str, str]]:

@@ -6,6 +6,7 @@ from functools import partial
 
 from modallab.core.described import Learned
 from modallab.core.digits import percent
+from modallab.core.places import AllChannels, OneChannel, x_m_of
 from modallab.core.rig import Rig
 
 Numbers = Mapping[str, float]
@@ -27,12 +28,12 @@ def in_words(learned: Sequence[Learned], rig: Rig) -> str:
 
 
 def _at(one: Learned, rig: Rig) -> str:
-    x, row = one.place.get("x_m"), one.place.get("channel")
-    if x is not None:
-        return f" at {x:.3f} m"
-    if row == "all":
+    x_m = x_m_of(one.place)
+    if x_m is not None:
+        return f" at {x_m:.3f} m"
+    if isinstance(one.place, AllChannels):
         return " on all accelerometers"
-    return f" on {rig.channels[int(row)].name}" if row is not None else ""
+    return f" on {rig.channels[one.place.channel].name}" if isinstance(one.place, OneChannel) else ""
 
 
 _POINT = (

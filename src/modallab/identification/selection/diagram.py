@@ -62,7 +62,7 @@ def stabilisation_diagram(frf: Frf, orders: Sequence[OrderPoles], tolerance: Tol
         )
     limits = tolerance or Tolerance()
     # The artificial damping of the FRFs is off the poles already.
-    sound = [_sound(o.poles, limits) for o in orders]
+    sound = [limits.plausible(o.poles) for o in orders]
     standing = [_standing(here, below, limits) for here, below in zip(sound, [sound[0][:0], *sound[:-1]], strict=True)]
     poles = np.concatenate(sound)
     return Diagram(
@@ -75,11 +75,6 @@ def stabilisation_diagram(frf: Frf, orders: Sequence[OrderPoles], tolerance: Tol
         cmif=cmif(convert(frf, "mobility")),
         mmif=mmif(frf),
     )
-
-
-def _sound(poles: NDArray[np.complex128], limits: Tolerance) -> NDArray[np.complex128]:
-    zeta = -poles.real / np.abs(poles)
-    return poles[(zeta > limits.min_zeta) & (zeta < limits.max_zeta)]
 
 
 def _standing(here: NDArray[np.complex128], below: NDArray[np.complex128], limits: Tolerance) -> NDArray[np.int64]:

@@ -26,6 +26,11 @@ class Tolerance:
     min_run: int = 5
     min_share: float = 0.25
 
+    def plausible(self, poles: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Those that a structure may have, by their damping."""
+        zeta = -poles.real / np.abs(poles)
+        return poles[(zeta > self.min_zeta) & (zeta < self.max_zeta)]
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class StablePole:
@@ -56,7 +61,7 @@ def stable_poles(orders: Sequence[OrderPoles], tolerance: Tolerance | None = Non
     open_runs: list[list[complex]] = []
     closed: list[list[complex]] = []
     for found in orders:
-        poles = _plausible(found.poles, limits)
+        poles = limits.plausible(found.poles)
         free = np.ones(poles.size, dtype=np.bool_)
         continued: list[list[complex]] = []
         for run in sorted(open_runs, key=len, reverse=True):
@@ -70,11 +75,6 @@ def stable_poles(orders: Sequence[OrderPoles], tolerance: Tolerance | None = Non
     closed += open_runs
     enough = max(limits.min_run, int(limits.min_share * len(orders)))
     return _distinct([_summary(run) for run in closed if len(run) >= enough], limits)
-
-
-def _plausible(poles: NDArray[np.complex128], limits: Tolerance) -> NDArray[np.complex128]:
-    zeta = -poles.real / np.abs(poles)
-    return poles[(zeta > limits.min_zeta) & (zeta < limits.max_zeta)]
 
 
 def _nearest(

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
+from modallab.modification.deflection import turned
 from modallab.modification.skeleton import Skeleton
 from modallab.reporting.figures import style
-from modallab.reporting.figures.shape_data import straighten
 from modallab.reporting.figures.wireframe import is_spatial, projection
 
 Real = NDArray[np.float64]
@@ -37,8 +37,8 @@ class Drawing:
             motion: (points, 3) complex, along x, y, z.
             title: over it.
         """
-        turned = straighten(motion.ravel()).reshape(motion.shape)
-        self.rest, self.moved, self.pairs = project_shape(rig, turned, float(np.abs(motion).max()) or 1.0)
+        real = turned(motion.ravel()).reshape(motion.shape)
+        self.rest, self.moved, self.pairs = project_shape(rig, real, float(np.abs(motion).max()) or 1.0)
         with style.look():
             self.figure, (axes,) = style.grid(1, 1, style.Cell(560, 280))
             self._frame(axes, title)

@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.modification.deflection import turned
 from modallab.reporting.figures.selection import position
 
 
@@ -41,15 +42,8 @@ def shape(model: ModalModel, mode: int, rig: Rig) -> Shape | None:
     if known.size < 2:
         return None
     sigma = np.full(phi.shape, np.nan) if model.shape_sigma is None else model.shape_sigma[mode]
-    turned = straighten(phi[known])
-    return Shape(x[known], turned.real, turned.imag, sigma[known], _skew_deg(turned))
-
-
-def straighten(phi: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """The shape turned in phase until its imaginary part is least, and the largest component positive."""
-    turn = np.exp(-0.5j * np.angle(np.sum(phi**2)))
-    turned = phi * turn
-    return turned * np.sign(turned.real[np.argmax(np.abs(turned))] or 1.0)
+    real = turned(phi[known])
+    return Shape(x[known], real.real, real.imag, sigma[known], _skew_deg(real))
 
 
 def line(x_m: NDArray[np.float64], phi: NDArray[np.float64], clamped: bool, n: int = 60) -> NDArray[np.float64]:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from modallab.core.digits import glued, plain
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.modification.deflection import at_points, turned
 from modallab.reporting.figures.moving import moving
-from modallab.reporting.figures.shape_data import straighten
 from modallab.reporting.markup import Markup, tag, trusted
 
 Real = NDArray[np.float64]
@@ -54,21 +54,15 @@ def shapes_of_model(model: ModalModel, rig: Rig) -> list[MovingShape]:
     phi = model.shapes if model.shapes is not None else model.operating_shapes
     if phi is None or not rig.points:
         return []
-    place = {p.id: n for n, p in enumerate(rig.points)}
     channels = {c.name: c for c in rig.responses}
-    found: list[MovingShape] = []
-    for r in range(model.n_modes):
-        motion = np.zeros((len(rig.points), 3), np.complex128)
-        known = [(channels[name], value) for name, value in zip(model.outputs, phi[r], strict=True) if name in channels]
-        for channel, value in known:
-            if channel.point in place and np.isfinite(value):
-                axis = "xyz".index(channel.direction[1])
-                # Models are positive along the drive; across it a channel was left as it is.
-                along = channel.direction[1] == rig.drive_direction[1]
-                sign = rig.drive_direction[0] if along else channel.direction[0]
-                motion[place[channel.point], axis] = value if sign == "+" else -value
-        found.append(MovingShape(f"Mode {r + 1}", float(model.frequency_hz[r]), motion))
-    return found
+    rows = [n for n, name in enumerate(model.outputs) if name in channels]
+    known = [channels[model.outputs[n]] for n in rows]
+    freedoms = [(c.point or 0, c.direction[1]) for c in known]
+    moved = phi[:, rows] * [rig.sense_of(c) for c in known]
+    return [
+        MovingShape(f"Mode {r + 1}", float(hz), at_points(rig, freedoms, values))
+        for r, (hz, values) in enumerate(zip(model.frequency_hz, moved, strict=True))
+    ]
 
 
 def wireframes(
@@ -110,10 +104,10 @@ def _picture(xyz: Real, pairs: Sequence[tuple[int, int]], faces: Sequence[Sequen
     scale = min((_WIDTH - 2 * _EDGE) / span[0], (_HEIGHT - 2 * _EDGE) / span[1])
     middle = (flat.max(axis=0) + flat.min(axis=0)) / 2
     rest = (flat - middle) * scale + np.array([_WIDTH, _HEIGHT]) / 2
-    turned = straighten(shape.motion.ravel()).reshape(shape.motion.shape)
-    reach = float(np.abs(turned).max()) or 1.0
+    motion = turned(shape.motion.ravel()).reshape(shape.motion.shape)
+    reach = float(np.abs(motion).max()) or 1.0
     most = min(_REACH * size * scale, _EDGE - 6)
-    moved = turned @ projection() * (most / reach)
+    moved = motion @ projection() * (most / reach)
     data = np.column_stack([rest, moved.real, moved.imag]).round(1)
     at = data[:, :2] + data[:, 2:4]
     joined = "".join(f"M{at[a, 0]:.1f} {at[a, 1]:.1f}L{at[b, 0]:.1f} {at[b, 1]:.1f}" for a, b in pairs)

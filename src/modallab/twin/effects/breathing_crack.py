@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, along_beam
-from modallab.twin.effect_model import EffectModel, Search, x_of
+from modallab.twin.effect_model import EffectModel, Search
 from modallab.twin.nonlinear.element import Element, Law
 
 WIDTH = 0.045

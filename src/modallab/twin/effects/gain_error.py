@@ -3,16 +3,16 @@
 from dataclasses import replace
 from math import inf
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot
-from modallab.twin.effect_model import EffectModel, Rival, Search, channel_of, over
+from modallab.twin.effect_model import EffectModel, Rival, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     gain = dict(twin.chain.gain)
-    gain[channel_of(effect)] = gain.get(channel_of(effect), 1.0) * effect.parameters["gain"]
+    gain[row_of(effect)] = gain.get(row_of(effect), 1.0) * effect.parameters["gain"]
     return replace(twin, chain=replace(twin.chain, gain=gain))
 
 

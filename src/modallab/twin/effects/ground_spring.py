@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, along_beam, spread
-from modallab.twin.effect_model import EffectModel, Search, x_of
+from modallab.twin.effect_model import EffectModel, Search
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:

@@ -2,15 +2,15 @@
 
 from dataclasses import replace
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Mount, Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search, channel_of
+from modallab.twin.effect_model import EffectModel, Search
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
-    mount = Mount(channel_of(effect), effect.parameters["hz"], effect.parameters["zeta"])
+    mount = Mount(row_of(effect), effect.parameters["hz"], effect.parameters["zeta"])
     return replace(twin, chain=replace(twin.chain, mounts=(*twin.chain.mounts, mount)))
 
 

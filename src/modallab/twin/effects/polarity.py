@@ -2,15 +2,15 @@
 
 from dataclasses import replace
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.effect_model import EffectModel, Search, channel_of
+from modallab.twin.effect_model import EffectModel, Search
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     gain = dict(twin.chain.gain)
-    gain[channel_of(effect)] = gain.get(channel_of(effect), 1.0) * effect.parameters["sign"]
+    gain[row_of(effect)] = gain.get(row_of(effect), 1.0) * effect.parameters["sign"]
     return replace(twin, chain=replace(twin.chain, gain=gain))
 
 

@@ -2,15 +2,15 @@
 
 from dataclasses import replace
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, Search, channel_of, over
+from modallab.twin.effect_model import EffectModel, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
-    shift = {**twin.chain.shift, channel_of(effect): effect.parameters["dx"]}
+    shift = {**twin.chain.shift, row_of(effect): effect.parameters["dx"]}
     return replace(twin, chain=replace(twin.chain, shift=shift))
 
 

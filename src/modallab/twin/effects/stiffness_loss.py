@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, along_beam
-from modallab.twin.effect_model import EffectModel, Rival, Search, x_of
+from modallab.twin.effect_model import EffectModel, Rival, Search
 
 WIDTH = 0.04
 """Half width of the loss over L."""

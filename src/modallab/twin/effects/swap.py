@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, EffectKind
 from modallab.core.errors import RigError
+from modallab.core.places import TwoChannels
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.signals.conversion import volts_per_si
@@ -13,8 +14,8 @@ from modallab.twin.effect_model import EffectModel, Search
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
-    first, second = effect.place["channel"]  # pyrefly: ignore[not-iterable]
-    pair = int(first), int(second)
+    assert isinstance(effect.place, TwoChannels)
+    pair = effect.place.channel
     return replace(twin, chain=replace(twin.chain, swap=pair, swap_ratio=_ratio(rig, *pair)))
 
 

@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.effects import Effect, EffectKind, Parameter, row_of
+from modallab.core.places import AllChannels
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Mount, Twin
 from modallab.twin.candidate import Slot, both_signs, spread
@@ -11,8 +12,8 @@ from modallab.twin.effect_model import EffectModel, Search
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     chain, law = twin.chain, effect.parameters
-    everywhere = effect.place["channel"] == "all"
-    for row in [c.index for c in rig.responses] if everywhere else [int(effect.place["channel"])]:  # pyrefly: ignore[bad-argument-type]
+    everywhere = isinstance(effect.place, AllChannels)
+    for row in [c.index for c in rig.responses] if everywhere else [row_of(effect)]:
         if "gain" in law:
             chain = replace(chain, gain={**chain.gain, row: chain.gain.get(row, 1.0) * law["gain"]})
         if "delay" in law:
