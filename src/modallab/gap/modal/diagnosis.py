@@ -33,6 +33,7 @@ Real = NDArray[np.float64]
 TWO_SIDED = 1.96
 TRUNCATED = 0.08
 """Deviation of the logarithm of a mass or a spring: modes outside the band are one compliance at its place alone."""
+GAINS = ("gain_error", "force_gain")
 LOOSE = 5.0
 """How much looser a search begins than it ends."""
 
@@ -177,6 +178,9 @@ def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float]
         return dict(zip(names, (v[:2] @ tangents).tolist(), strict=True)), np.sqrt(
             sigma[:2] ** 2 @ tangents**2
         ).tolist()
+    if candidate.effect in GAINS:
+        gain = next((g for _, g in fitted.change.gains), fitted.change.force_gain)
+        return {number: gain}, [abs(gain) * float(sigma[0])]
     return {number: float(v[0])}, [float(sigma[0])]
 
 

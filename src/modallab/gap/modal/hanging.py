@@ -31,8 +31,10 @@ HANGS = {
     "stiffness_loss": LOSSES,
 }
 """The sizes to begin with, in the order of the numbers of what hangs there."""
+BETWEEN = ("local_damper", "stiffness_loss")
+"""What may act between two points."""
 BESIDE = 3
-"""Points next to one, to each of which it may have lost stiffness."""
+"""Points next to one, as far as that reaches."""
 PHASE = 0.02
 """By how much the phase of the chain is off at a point, rad; and besides by as much as it is."""
 ROOM = 7.0
@@ -60,7 +62,7 @@ def hanging(c: Compared, effect: str) -> Iterator[Candidate]:
         if len(group) == 1 and None not in sum(_numbers(c, group), ()):
             yield _at_point(c, effect, group)
         yield _about_point(c, effect, group)
-    if effect == "stiffness_loss":
+    if effect in BETWEEN:
         yield from (_between(c, effect, pair) for pair in _pairs(c) if _seen(c, effect, pair) > 0)
 
 
