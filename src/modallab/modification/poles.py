@@ -212,7 +212,7 @@ def _step(s: Complex, flexibility: Callable[[Complex], Complex], own: Complex) -
 
 def _logarithmic(matrix: Complex, slope: Complex) -> Complex:
     """(...,) derivative of the logarithm of the determinants of (..., n, n); 0 where a root has gone astray."""
-    sound = (np.isfinite(matrix) & np.isfinite(slope)).all(axis=(-2, -1))
+    sound = np.asarray((np.isfinite(matrix) & np.isfinite(slope)).all(axis=(-2, -1)))
     kept = np.where(sound[..., None, None], matrix, np.eye(matrix.shape[-1]))
     # At a root the matrix is singular, now and then to the last digit: such a root is found, and stays.
     found = np.isneginf(np.linalg.slogdet(kept).logabsdet)
