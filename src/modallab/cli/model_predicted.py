@@ -13,19 +13,16 @@ from modallab.core.units import Quantity
 from modallab.formats.frf_file import rig_of, write_frf
 from modallab.formats.time_series import read_columns, write_motion
 from modallab.modification.forces import force_samples
+from modallab.modification.frfs import lines_with_peaks
 from modallab.modification.known import Known
 from modallab.modification.motion import Motion
 from modallab.modification.structure import At
 from modallab.reporting.motion_table import motion_document, motion_rows
 
-LOWEST = 1e-3
-"""Of the upper edge of a band that begins at 0 Hz: the first line of FRFs."""
-
 
 def frf(known: Known, arguments: argparse.Namespace) -> None:
     """FRFs as a file."""
-    low, high = known.model.band_hz
-    f = np.linspace(max(low, LOWEST * high), high, arguments.lines)
+    f = lines_with_peaks(known.model.band_hz, arguments.lines)
     found = known.frf(f, arguments.outputs, arguments.inputs, arguments.quantity)
     write_frf(arguments.out, found, rig_of(found))
     outputs, inputs, lines = found.values.shape

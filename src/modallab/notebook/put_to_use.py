@@ -15,6 +15,7 @@ from modallab.core.units import Quantity
 from modallab.modification.attachments import Addition, Coupled, Element, TunedAbsorber
 from modallab.modification.forces import force_samples
 from modallab.modification.free_band import kept_free
+from modallab.modification.frfs import lines_with_peaks
 from modallab.modification.inverse import By, best_absorber, tuned
 from modallab.modification.known import Known
 from modallab.modification.response import Between
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 Real = NDArray[np.float64]
 
 
-LINES = 2000
+LINES = 1000
 """Of a figure over the band."""
 
 
@@ -270,9 +271,9 @@ class ChangedModel(PutToUse):
         """
         from modallab.reporting.figures.predicted import before_after
 
-        low, high = self._known.model.band_hz
-        f, to = np.linspace(max(low, 1e-3 * high), high, LINES), [at if of is None else of]
-        before = self._known.alone.frf(f, to, [at], sigma=False)
+        alone, to = self._known.alone, [at if of is None else of]
+        f = lines_with_peaks(alone.model.band_hz, LINES, alone.structure.poles, self._known.poles)
+        before = alone.frf(f, to, [at], sigma=False)
         return before_after(before, self._known.frf(f, to, [at]))
 
     def save(self, path: str | Path) -> Path:

@@ -43,8 +43,6 @@ KEPT = 8
 _READY: dict[tuple[str, Test | None, tuple[str, ...]], "Known"] = {}
 MOST_SAMPLES = 100_000
 """Of a force by kind: more are computed beside the service, from its model."""
-LOWEST = 1e-3
-"""Of the upper edge of a band that begins at 0 Hz: the first line of FRFs."""
 
 
 def frf_of(
@@ -62,9 +60,10 @@ def frf_of(
         NotFoundError: no such campaign, or no model of this test.
         DataError: a point that the model does not know, or no driving point.
     """
+    from modallab.modification.frfs import lines_with_peaks
+
     known = known_of_campaign(service, campaign, test)
-    low, high = known.model.band_hz
-    found = known.frf(np.linspace(max(low, LOWEST * high), high, lines), outputs, inputs, quantity)
+    found = known.frf(lines_with_peaks(known.model.band_hz, lines), outputs, inputs, quantity)
     assert found.variance is not None
     return PredictedFrf(
         test=known.model.test,
@@ -123,8 +122,9 @@ def modified(service: Service, campaign: str, new: ModificationNew) -> ModifiedV
 
 
 def _mobility(known: "Known", changed: "Known", pair: PairNew) -> MobilityView:
-    low, high = known.model.band_hz
-    f = np.linspace(max(low, LOWEST * high), high, pair.lines)
+    from modallab.modification.frfs import lines_with_peaks
+
+    f = lines_with_peaks(known.model.band_hz, pair.lines, known.structure.poles, changed.poles)
     before, after = (one.frf(f, [pair.of], [pair.at], sigma=False).values[0, 0] for one in (known, changed))
     return MobilityView(frequency_hz=f, before=before, after=after)
 
