@@ -29,7 +29,7 @@ def frfs(quantity: FrfQuantity = "inertance", noise: float = 0.0, seed: int = 0,
 def at(frf: Frf, s: np.ndarray) -> np.ndarray:
     measured = MeasuredFrfs.of(frf, model())
     assert measured is not None
-    return measured.means_at(s, model()).receptances
+    return measured.means_at(s).receptances
 
 
 @pytest.mark.parametrize("quantity", ["receptance", "mobility", "inertance"])
@@ -46,6 +46,21 @@ def test_lines_farther_apart_than_a_resonance_is_wide_tell_it_too() -> None:
     np.testing.assert_allclose(at(coarse, s), synthesised(model(), s), rtol=1e-6)
 
 
+def test_each_point_s_own_resonance_is_met_where_a_roving_sensor_moved_it() -> None:
+    """Widths of a tenth of the lines' distance: a common model would stand beside each resonance by its width."""
+    s = 2 * np.pi * np.array([21.4, 50.0, 68.3]) * (0.03 + 1j)
+    coarse, narrow = np.arange(10.0, 95.0, 0.25), model().model_copy(update={"damping_ratio": np.full(3, 5e-4)})
+    whole, expected = frfs(hz=coarse), np.zeros((3, 3, 1), np.complex128)
+    for o, moved in enumerate((-4e-4, 0.0, 6e-4)):
+        own = narrow.model_copy(update={"frequency_hz": narrow.frequency_hz * (1 + moved)})
+        lines = np.asarray(2j * np.pi * coarse)
+        whole.values[o] = np.moveaxis(synthesised(own, lines) * (lines**2)[:, None, None], 0, -1)[o]
+        expected[:, o] = synthesised(own, s)[:, o]
+    measured = MeasuredFrfs.of(whole, narrow)
+    assert measured is not None
+    np.testing.assert_allclose(measured.means_at(s).receptances, expected, rtol=1e-4)
+
+
 def test_the_covariance_is_that_of_the_noise() -> None:
     s = 2 * np.pi * np.array([35.0, 50.0, 50.3]) * (0.01 + 1j)
     measured = MeasuredFrfs.of(frfs(noise=1e-3), model())
@@ -53,7 +68,7 @@ def test_the_covariance_is_that_of_the_noise() -> None:
     drawn = np.array([at(frfs(noise=1e-3, seed=n), s) for n in range(100)])
     off = drawn - drawn.mean(axis=0)
     found = np.einsum("nloi,nmoi->lm", off, np.conj(off)) / (100 * 3)
-    expected = measured.means_at(s, model()).noise().mean(axis=(2, 3))
+    expected = measured.means_at(s).noise().mean(axis=(2, 3))
     np.testing.assert_allclose(found, expected, atol=0.3 * np.abs(expected).max())
 
 
@@ -91,3 +106,16 @@ def test_a_sound_plate_measured_a_second_time_has_no_gap() -> None:
     after = frf(bench, of, rng, built)
     models = [identify_frf(one, bench.rig, Options())[0] for one in (before, after)]
     assert diagnose_by_model(*models, bench.rig, frfs=(before, after)).verdict == "no_gap"
+
+
+@pytest.mark.thorough("a comparison")
+def test_a_filter_in_the_force_s_channel_has_no_name_and_a_delay_has_one() -> None:
+    """To first order a filter is a delay."""
+    s = np.asarray(2j * np.pi * HZ)
+    verdicts = []
+    for by in (1 + s / (2 * np.pi * 150.0), np.exp(-s * 1e-3)):
+        there = frfs(noise=1e-5, seed=2)
+        there.values[:] *= by
+        found = diagnose_by_model(model(), model(), rig(), frfs=(frfs(noise=1e-5), there))
+        verdicts.append((found.verdict, [e.effect for e in found.effects]))
+    assert verdicts == [("unknown", []), ("known", ["trigger_delay"])]

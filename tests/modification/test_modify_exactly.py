@@ -147,6 +147,25 @@ def test_what_is_coupled_brings_its_own_uncertainty() -> None:
     np.testing.assert_allclose(variance[0], variance[1], rtol=1e-6)
 
 
+def test_a_root_that_is_met_to_the_last_digit_stays() -> None:
+    model = BARE.model()
+    unsure = Known(model.model_copy(update={"frequency_sigma_hz": 1e-3 * model.frequency_hz}))
+    sigmas = [
+        unsure.with_changes([Element(3, mass=mass)]).modes.frequency_sigma_hz for mass in 0.4 + 1e-4 * np.arange(8)
+    ]
+    np.testing.assert_allclose(sigmas, np.broadcast_to(sigmas[0], np.shape(sigmas)), rtol=1e-2)
+
+
+def test_what_is_uncertain_of_two_structures_has_nothing_in_common() -> None:
+    drawn = []
+    for chain in (BARE, OTHER, BARE):
+        model = chain.model()
+        model = model.model_copy(update={"frequency_sigma_hz": 0.01 * model.frequency_hz})
+        drawn.append(Known(model).samples.poles[:, 0].imag)
+    assert abs(np.corrcoef(drawn[0], drawn[1])[0, 1]) < 0.3
+    np.testing.assert_array_equal(drawn[0], drawn[2])
+
+
 def _matrices(chain: Chain) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return chain.mass, chain.damping, chain.stiffness
 
@@ -217,7 +236,7 @@ def test_a_frequency_out_of_reach_has_no_answer_and_says_what_is_in_reach() -> N
 
 def test_the_best_absorber_of_a_structure_of_one_mode_is_den_hartogs() -> None:
     one = Known(Chain.of([2.0], [1e4, 0.0], damping=1e-9).model())
-    absorber, before, after = best_absorber(one, 1, 1, 0.1)
+    absorber, before, after, *_ = best_absorber(one, 1, 1, 0.1)
     ratio, own = 0.05, float(np.sqrt(1e4 / 2) / (2 * np.pi))
     # Of the mobility the best tuning lies between those of receptance and inertance, 1 / (1 + mu) and 1 / sqrt(1 + mu).
     assert 1 / (1 + ratio) < absorber.frequency_hz / own < 1 / np.sqrt(1 + ratio)

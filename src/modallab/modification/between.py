@@ -1,10 +1,11 @@
-"""Values at points, taken along between them by radial functions.
+"""Values at points, taken along between them by a Gaussian process (kriging).
 
-The functions are r^5 with a quadratic part, which bend no border straight as r^3 does (Wendland, Scattered Data
-Approximation, 2005, ch. 8).
+Shapes of modes are smooth: the covariance is the squared exponential. How long their waves are, the values themselves
+show: each length counts by its evidence (Rasmussen, Williams, Gaussian Processes for Machine Learning, 2006, ch. 5).
+Few points show little of it, and what lies between them is then as uncertain as it should be.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,66 +14,73 @@ from numpy.typing import NDArray
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
+LENGTHS = np.geomspace(0.05, 2.0, 12)
+"""Lengths of the covariance over the extent of the points, each as likely as the other before values are known."""
+NOISE = 1e-3
+"""By how much values at the points are off, over their size: what identification leaves of a shape."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Between:
     """Values taken along in space.
 
     Attributes:
-        known: (known, 3) places, centred and scaled.
-        weights: (known + 10, columns) of the radial functions and the quadratic part.
-        inverse: (known + 10, known + 10) of the system that gives the weights.
-        rough: (columns,) deviation of the functions that go through such values, in the units of the kernel.
-        middle: (3,) of the places, m.
-        size: their extent, m.
+        known: (known, 3) places over their extent.
+        whitening: (lengths, known, known) inverse of the Cholesky factor of the values' correlation.
+        weights: (lengths, known, columns) of the correlation with the known places, for each length alone.
+        variance: (lengths, columns) of the process.
+        probability: (lengths, columns) of each length.
+        size: extent of the places, m.
     """
 
     known: Real
+    whitening: Real
     weights: Complex | Real
-    inverse: Real
-    rough: Real
-    middle: Real
+    variance: Real
+    probability: Real
     size: float
 
     @classmethod
     def of(cls, known_m: Real, values: Complex | Real) -> "Between":
         """Through values (known, columns) at places (known, 3)."""
-        middle, size = known_m.mean(axis=0), max(float(np.ptp(known_m, axis=0).max()), 1e-9)
-        known = (known_m - middle) / size
-        part = _quadratic(known)
-        terms = part.shape[1]
-        whole = np.block([[_radial(known, known), part], [part.T, np.zeros((terms, terms))]])
-        # Points in one plane, or few, leave coefficients of the quadratic part open: the smallest do.
-        inverse = np.asarray(np.linalg.pinv(whole, rcond=1e-12), np.float64)
-        weights = inverse @ np.concatenate([values, np.zeros((terms, values.shape[1]))])
-        # -r^5 is the covariance of what the quadratic part leaves.
-        power = -np.einsum("kc,kc->c", values.conj(), weights[: len(known)]).real
-        free = max(len(known) - int(np.linalg.matrix_rank(part)), 1)
-        return cls(known, weights, inverse, np.sqrt(np.maximum(power, 0.0) / free), middle, size)
+        size, count = max(float(np.ptp(known_m, axis=0).max()), 1e-9), len(known_m)
+        known = known_m / size
+        factor = np.linalg.cholesky(_correlation(known, known) + NOISE**2 * np.eye(count))
+        whitening = np.asarray(np.linalg.inv(factor), np.float64)
+        weights = whitening.transpose(0, 2, 1) @ (whitening @ values)
+        power = np.einsum("kc,lkc->lc", values.conj(), weights).real
+        variance = np.maximum(power, np.finfo(float).tiny) / count
+        logs = np.sum(np.log(np.diagonal(whitening, axis1=1, axis2=2)), axis=1)[:, None] - count * np.log(variance) / 2
+        mass = np.exp(logs - logs.max(axis=0))
+        return cls(known, whitening, weights, variance, mass / mass.sum(axis=0), size)
 
     def at(self, places_m: Real) -> Complex | Real:
         """(places, columns) at places (places, 3)."""
-        places = (places_m - self.middle) / self.size
-        return self._terms(places) @ self.weights
+        return np.einsum("lpk,lkc,lc->pc", self._terms(places_m), self.weights, self.probability, optimize=True)
 
     def rows(self, places_m: Real) -> Real:
-        """(places, known) by which values at the known places add up to those at places (places, 3)."""
-        return self._terms((places_m - self.middle) / self.size) @ self.inverse[:, : len(self.known)]
+        """(columns, places, known) by which values of a column add up to those at places (places, 3)."""
+        each = self._terms(places_m) @ self.whitening.transpose(0, 2, 1) @ self.whitening
+        return np.einsum("lpk,lc->cpk", each, self.probability)
 
     def spread(self, places_m: Real) -> Real:
-        """(places, columns) deviation of the values there: that of kriging, whose scale is how rough the values are."""
-        terms = self._terms((places_m - self.middle) / self.size)
-        square = np.einsum("pi,ij,pj->p", terms, self.inverse, terms)
-        return np.sqrt(np.maximum(square, 0.0))[:, None] * self.rough
+        """(places, columns) deviation of the values there: within each length, and from one length to another."""
+        terms = self._terms(places_m)
+        explained = terms @ self.whitening.transpose(0, 2, 1)
+        left = np.maximum(1 - np.sum(explained**2, axis=2), 0.0)
+        each = terms @ self.weights
+        apart = np.abs(each - np.einsum("lpc,lc->pc", each, self.probability)) ** 2
+        return np.sqrt(np.einsum("lpc,lc->pc", left[:, :, None] * self.variance[:, None] + apart, self.probability))
 
-    def _terms(self, places: Real) -> Real:
-        return np.concatenate([_radial(places, self.known), _quadratic(places)], axis=1)
+    def turned(self, factors: Complex) -> "Between":
+        """With each column times a factor (columns,) of size 1."""
+        return replace(self, weights=self.weights * factors)
+
+    def _terms(self, places_m: Real) -> Real:
+        return _correlation(places_m / self.size, self.known)
 
 
-def _radial(p: Real, q: Real) -> Real:
-    return np.linalg.norm(p[:, None] - q[None], axis=2) ** 5
-
-
-def _quadratic(p: Real) -> Real:
-    i, j = np.triu_indices(3)
-    return np.concatenate([np.ones((len(p), 1)), p, p[:, i] * p[:, j]], axis=1)
+def _correlation(p: Real, q: Real) -> Real:
+    """(lengths, p, q) between places (p, 3) and (q, 3)."""
+    away = np.linalg.norm(p[:, None] - q[None], axis=2) / LENGTHS[:, None, None]
+    return np.asarray(np.exp(-(away**2) / 2), np.float64)

@@ -110,7 +110,8 @@ def _crossings(structure: Structure, samples: Structure, model: ModalModel, rig:
     through, unsure = between.rows(places), between.spread(places)
     # At unit modal mass, as those between which is taken along.
     scale = np.sqrt(2 * structure.poles.imag)[:, None]
-    values, varied = (through @ _real(scale * s.psi[..., here]).swapaxes(-1, -2) for s in (structure, samples))
+    motion = (_real(scale * s.psi[..., here]) for s in (structure, samples))
+    values, varied = (np.einsum("mpk,...mk->...pm", through, of) for of in motion)
     step = float(np.linalg.norm(places[1] - places[0]))
     found: list[Crossing] = []
     for mode in range(len(structure.poles)):

@@ -182,8 +182,8 @@ def refined(attached: Attached, starts: Complex) -> Complex:
     s = starts + 0j
     for _ in range(ITERATIONS):
         step = _step(s, attached.flexibility, own)
-        size = np.minimum(1.0, LONGEST_STEP * np.abs(s) / np.maximum(np.abs(step), np.finfo(float).tiny))
-        s = s - size * step
+        longest = LONGEST_STEP * np.abs(s)
+        s = s - longest / np.maximum(np.abs(step), longest) * step
         if np.all(np.abs(step) < SETTLED * np.abs(s)):
             break
     return s
@@ -212,15 +212,13 @@ def _step(s: Complex, flexibility: Callable[[Complex], Complex], own: Complex) -
 
 def _logarithmic(matrix: Complex, slope: Complex) -> Complex:
     """(...,) derivative of the logarithm of the determinants of (..., n, n); 0 where a root has gone astray."""
-    sound = (np.isfinite(matrix) & np.isfinite(slope)).all(axis=(-2, -1), keepdims=True)
-    kept = np.where(sound, matrix, np.eye(matrix.shape[-1]))
-    slope = np.where(sound, slope, 0.0)
-    try:
-        rates = np.linalg.solve(kept, slope)
-    except np.linalg.LinAlgError:
-        # At a root the matrix is singular, now and then to the last digit.
-        rates = np.linalg.pinv(kept, rcond=0.0) @ slope
-    return np.trace(rates, axis1=-2, axis2=-1)
+    sound = (np.isfinite(matrix) & np.isfinite(slope)).all(axis=(-2, -1))
+    kept = np.where(sound[..., None, None], matrix, np.eye(matrix.shape[-1]))
+    # At a root the matrix is singular, now and then to the last digit: such a root is found, and stays.
+    found = np.isneginf(np.linalg.slogdet(kept).logabsdet)
+    solvable = np.where(found[..., None, None], np.eye(matrix.shape[-1]), kept)
+    rates = np.trace(np.linalg.solve(solvable, slope), axis1=-2, axis2=-1)
+    return np.where(found, np.inf, np.where(sound, rates, 0.0))
 
 
 def _inverse(distance: Complex) -> Complex:

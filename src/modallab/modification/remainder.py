@@ -19,25 +19,14 @@ from scipy.optimize import least_squares
 
 from modallab.core.errors import DataError
 from modallab.modification.outside_band import completed
+from modallab.modification.settings import DEFAULT
 from modallab.modification.structure import Structure
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
-POWERS = (-2, 0, 2)
-"""Of s in the residual terms of what is left: as below and above the band, and the next one."""
-COMMON = 20
-"""Directions in which errors of all values go together, of the samples' 200."""
-OWN = 0.01
-"""Of the variance of a value: what at least it has for itself, as samples do not say it better."""
-EXACT = 1e-7
+ROUNDING = float(np.sqrt(np.finfo(float).eps))
 """Of a value: what its deviation at least is, where models are given without any."""
-WIDEST = 3.0
-"""Deviations of a sample that count: beyond, a shape goes through zero at the joint."""
-FAR = 10.0
-"""By which factor a pole may lie beyond all values: it then stands for what is out of the band."""
-RELOCATIONS, STEPS = 30, 50
-AGAIN = 2
 
 
 def remainder(
@@ -64,15 +53,12 @@ def remainder(
             remedy="identify both in the same band",
         )
     s, values = known_values(both, part, at, of)
-    # What is uncertain of the two models has nothing in common: sample 1 of one goes with the last of the other.
-    places, varied_values = known_values(samples, reversed_samples(varied), at, of)
+    places, varied_values = known_values(samples, varied, at, of)
     off = varied_values - values
     rest = _fitted(s, values, off, _starts(s, count), both, at)
-    for _ in range(AGAIN):
-        # Poles of the samples are off as well, and with them where values are known.
-        left = off - rest.of_joint(places, at) + rest.of_joint(s, at)
-        rest = _fitted(s, values, left, rest.structure.poles, both, at, begin=False)
-    return rest
+    # Poles of the samples are off as well, and with them where values are known.
+    left = off - rest.of_joint(places, at) + rest.of_joint(s, at)
+    return _fitted(s, values, left, rest.structure.poles, both, at, begin=False)
 
 
 def _fitted(
@@ -92,11 +78,6 @@ def known_values(both: Structure, part: Structure, at: Real, of: Real) -> tuple[
     shapes = -at_poles * both.psi
     alone = both.receptance(part.poles, None, at)[..., 0]
     return np.concatenate([both.poles, part.poles], axis=-1), np.concatenate([shapes, alone], axis=-2)
-
-
-def reversed_samples(samples: Structure) -> Structure:
-    """The same in reverse order."""
-    return replace(samples, poles=samples.poles[::-1], psi=samples.psi[::-1], residual=samples.residual[::-1])
 
 
 def _starts(s: Complex, count: int) -> Complex:
@@ -121,11 +102,11 @@ class Errors:
     def of(cls, off: Complex, values: Complex) -> "Errors":
         """From samples (samples, points, freedoms) of what values are off by."""
         # A median: near a node at the joint a few samples are off by any amount.
-        scale = np.sqrt(np.median(np.abs(off) ** 2, axis=0) / (2 * np.log(2))) + EXACT * np.abs(values)
-        each = np.clip(_flat(off / scale), -WIDEST, WIDEST) / np.sqrt(len(off))
+        scale = np.sqrt(np.median(np.abs(off) ** 2, axis=0) / (2 * np.log(2))) + ROUNDING * np.abs(values)
+        each = np.clip(_flat(off / scale), -DEFAULT.widest, DEFAULT.widest) / np.sqrt(len(off))
         _, size, directions = np.linalg.svd(each, full_matrices=False)
-        common = directions[:COMMON].T * size[:COMMON]
-        own = np.maximum(1 - np.sum(common**2, axis=1), OWN)
+        common = directions[: DEFAULT.common].T * size[: DEFAULT.common]
+        own = np.maximum(1 - np.sum(common**2, axis=1), DEFAULT.own)
         return cls(scale, np.linalg.cholesky(common @ common.T + np.diag(own)))
 
     def whitened(self, values: Complex) -> Real:
@@ -138,7 +119,7 @@ def _flat(values: Complex) -> Real:
     return np.asarray(parts.reshape(*parts.shape[:-3], -1), np.float64)
 
 
-def basis(s: Complex, poles: Complex, powers: tuple[int, ...] = POWERS) -> Complex:
+def basis(s: Complex, poles: Complex, powers: tuple[int, ...]) -> Complex:
     """(points, 2 poles + terms): of real and imaginary parts of residues, and of residual terms over the highest."""
     up, down = 1 / (s[:, None] - poles), 1 / (s[:, None] - poles.conj())
     terms = [(s[:, None] / np.abs(s).max()) ** power for power in powers]
@@ -147,8 +128,8 @@ def basis(s: Complex, poles: Complex, powers: tuple[int, ...] = POWERS) -> Compl
 
 def relocated(s: Complex, scaled: Complex, weights: Real, poles: Complex) -> Complex:
     """(poles,) that fit (points, freedoms) values over their deviations, by vector fitting."""
-    for _ in range(RELOCATIONS):
-        own, common = basis(s, poles), basis(s, poles, ())
+    for _ in range(DEFAULT.relocations):
+        own, common = basis(s, poles, DEFAULT.powers), basis(s, poles, ())
         left, right = [], []
         for value, weight in zip(scaled.T, weights.T, strict=True):
             rows = np.column_stack([own * weight[:, None], -value[:, None] * common, value])
@@ -182,10 +163,10 @@ class Fit:
 
     def poles(self, start: Complex) -> Complex:
         """(poles,) that fit best, by rising frequency."""
-        n, edges = len(start), np.log([np.abs(self.s).min() / FAR, np.abs(self.s).max() * FAR])
+        n, edges = len(start), np.log([np.abs(self.s).min() / DEFAULT.far, np.abs(self.s).max() * DEFAULT.far])
         low, high = np.repeat([edges[0], 0.0], n), np.repeat([edges[1], 1.0], n)
         x = np.clip(_numbers(start), low, high)
-        found = least_squares(self._misfit, x, self._slopes, (low, high), x_scale="jac", max_nfev=STEPS).x
+        found = least_squares(self._misfit, x, self._slopes, (low, high), x_scale="jac", max_nfev=DEFAULT.steps).x
         poles = _of_numbers(found)
         return poles[np.argsort(poles.imag)]
 
@@ -197,7 +178,7 @@ class Fit:
 
     def _solved(self, poles: Complex) -> tuple[Real, Real]:
         """Orthonormal columns of the basis, and (freedoms, terms) coefficients."""
-        columns = self._columns(basis(self.s, poles))
+        columns = self._columns(basis(self.s, poles, DEFAULT.powers))
         q, r = np.linalg.qr(columns)
         found = np.linalg.lstsq(r, q.T @ self.right, rcond=None)[0]
         return np.asarray(q, np.float64), np.asarray(found.reshape(self.values.shape[1], -1), np.float64)
@@ -227,7 +208,7 @@ class Fit:
         q, found = self._solved(poles)
         x = _numbers(poles)
         slopes = self.errors.whitened(self._moves(poles, found, x))
-        whole = np.column_stack([self._columns(basis(self.s, poles)), slopes])
+        whole = np.column_stack([self._columns(basis(self.s, poles, DEFAULT.powers)), slopes])
         left = self.right - q @ (q.T @ self.right)
         misfit = float(left @ left) / max(1, len(left) - whole.shape[1])
         moved = (np.linalg.pinv(whole) @ self.errors.whitened(off)).T * np.sqrt(max(1.0, misfit))
@@ -272,9 +253,9 @@ def _structure(both: Structure, at: Real, poles: Complex, found: Real, highest: 
     n, joint = poles.shape[-1], int(np.argmax(at[:, 0]))
     residue = (found[..., :n] + 1j * found[..., n : 2 * n]).swapaxes(-1, -2)
     psi = residue / np.sqrt(residue[..., joint])[..., None]
-    terms = found[..., 2 * n :].swapaxes(-1, -2) / highest ** np.array(POWERS, np.float64)[:, None]
+    terms = found[..., 2 * n :].swapaxes(-1, -2) / highest ** np.array(DEFAULT.powers, np.float64)[:, None]
     freedoms = len(both.freedoms)
     whole = [completed(t[..., None], range(freedoms), [joint], freedoms) for t in terms]
     known = np.zeros_like(both.known)
     known[joint] = known[:, joint] = True
-    return replace(both, poles=poles, psi=psi, powers=POWERS, residual=np.array(whole), known=known)
+    return replace(both, poles=poles, psi=psi, powers=DEFAULT.powers, residual=np.array(whole), known=known)

@@ -6,7 +6,7 @@ what a sensor shows of a freedom, and what a force there does, stay two numbers 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -64,7 +64,7 @@ class Shapes:
         between = {a: Between.of(near.places_m, near.motion[a]) for a in same}
         # A shape's sign is free: that of the mesh follows the one of the modal constants.
         together = sum(np.sum(np.conj(between[a].at(at_m[s])) * both[:, s].T, axis=0) for a, s in same.items())
-        turned = {a: replace(b, weights=b.weights * _direction(np.asarray(together))) for a, b in between.items()}
+        turned = {a: b.turned(_direction(np.asarray(together))) for a, b in between.items()}
         reach = apart(at_m)
         shown = {f: on_surface(mesh.places_m, at, f[1], reach) for f, at in zip(freedoms, at_m, strict=True)}
         return cls(*known, turned, {f: t for f, t in shown.items() if t is not None})

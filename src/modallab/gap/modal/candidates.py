@@ -24,6 +24,10 @@ SHIFTS = (0.1, 0.3, 0.8)
 """Of a sensor, over the distance to the nearest point."""
 FARTHEST = 3.0
 """The farthest over that distance."""
+POWERS = np.arange(4)
+"""Of s in the logarithm of what the force channel does otherwise: a gain, a delay, and what is neither."""
+ODD = 0.5
+"""Deviation of that by each power, at the highest mode."""
 NEXT = 8
 """Other places of sensors to begin with."""
 
@@ -83,6 +87,18 @@ def _others(c: Compared, output: int) -> list[Real]:
     return [a for a in along if 0 < np.linalg.norm(a) < FARTHEST * spacing(c)][:NEXT]
 
 
+def force_channel(c: Compared) -> Candidate:
+    """The force's channel does something else than measure the force: it filters, holds, or is late by frequency."""
+    top = (2 * np.pi * float(c.model.frequency_hz.max())) ** POWERS
+    same = np.ones((len(c.out_psi), 1))
+
+    def make(v: Real, _: Compared) -> Change:
+        return Change(force_gain=float(np.exp(-v[0])), filters=same * (v / top)[1:])
+
+    count = POWERS.size
+    return Candidate("", (), None, make, (np.zeros(count),), np.full(count, ODD), np.zeros(count), ())
+
+
 def _delays(c: Compared) -> Iterator[Candidate]:
     index = {channel.name: channel.index for channel in c.rig.channels}
     scanned = np.array([index[name.split("@")[0]] for name in c.model.outputs], float) - c.rig.force_channel.index
@@ -94,7 +110,7 @@ def _delays(c: Compared) -> Iterator[Candidate]:
             effect,
             (),
             None,
-            lambda v, _, late=late: Change(delays=tuple((o, float(v[0] * share)) for o, share in enumerate(late))),
+            lambda v, _, late=late: Change(filters=-v[0] * late[:, None]),
             tuple(np.array([start]) for start in first),
             np.array([np.inf]),
             np.zeros(1),

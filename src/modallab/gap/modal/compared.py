@@ -129,7 +129,8 @@ class Compared:
         if len(between.known) != len(same):
             return found
         at = self.shapes.at_m[self.shapes.index(freedom)]
-        there, here = between.rows(np.stack([at + along_m @ self.shapes.tangents(freedom), at]))
+        # What lies outside the band is no mode: its waves are about as long as theirs.
+        there, here = between.rows(np.stack([at + along_m @ self.shapes.tangents(freedom), at])).mean(axis=0)
         share = dict(zip(same, there - here, strict=True))
         for o, f in enumerate(freedoms):
             if freedoms.index(f) == o:
@@ -249,4 +250,4 @@ def _means(s: Complex, before: Side, after: Side) -> tuple[Means, Means] | None:
     omega, wanted = np.asarray(s.imag, np.float64), np.asarray(s.real, np.float64)
     each = np.array([of.sigma_at(omega, wanted) for of in (before.measured, after.measured)])
     there = np.asarray((each.max(axis=0) + 1j * omega)[np.all(each > 0, axis=0)])
-    return before.measured.means_at(there, before.model), after.measured.means_at(there, after.model)
+    return before.measured.means_at(there), after.measured.means_at(there)

@@ -14,7 +14,7 @@ from modallab.core.rig import FORCE_SHARE
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.derivatives import derivatives
 from modallab.gap.modal.floor import of_structure
-from modallab.gap.modal.state import Hung, State, Structure
+from modallab.gap.modal.state import Hung, State, Structure, filtered
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -33,14 +33,14 @@ class Change:
         gains: output -> factor on what it reads.
         force_gain: factor on what the force channel reads.
         shifts: output -> metres along the two tangents, and by how many deviations the shapes there are off (modes,).
-        delays: output -> s by which it reads late.
+        filters: (outputs, powers) as of `State`; None where nothing is filtered.
     """
 
     hung: Hung | None = None
     gains: tuple[tuple[int, float], ...] = ()
     force_gain: float = 1.0
     shifts: tuple[tuple[int, Real, Real], ...] = ()
-    delays: tuple[tuple[int, float], ...] = ()
+    filters: Real | None = None
 
     @property
     def between_lines(self) -> "Change":
@@ -140,13 +140,11 @@ class Free:
         for o, along_m, off in change.shifts:
             moved[o] += c.shifted(o, along_m, off)
             mixed[o] += c.rows_of(o, along_m)
-        late = np.zeros(len(gain))
-        for o, late_s in change.delays:
-            if c.noise is not None:
-                late[o] += late_s
-            else:
-                # Of a model alone: what an identification makes of a delay is a shape that is turned mode by mode.
-                moved[o] = moved[o] * np.exp(-2j * np.pi * c.model.frequency_hz * late_s)
+        filters = np.zeros((len(gain), 1)) if change.filters is None else change.filters
+        if c.noise is None:
+            # Of a model alone: what an identification makes of a delay is a shape that is turned mode by mode.
+            moved = moved * filtered(2j * np.pi * c.model.frequency_hz, filters).T
+            filters = 0 * filters
         driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(c.into_slopes.shape[:2]), c.into_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
         structure, flexibility = self.structure(u)
@@ -156,7 +154,7 @@ class Free:
             out=moved,
             into=driven,
             gain=gain,
-            delay=late,
+            filters=filters,
             mixed=mixed,
             applied=applied,
             hung=change.hung,

@@ -79,15 +79,16 @@ def _at_point(c: Compared, effect: str, group: tuple[Freedom, ...]) -> Candidate
 def _about_point(c: Compared, effect: str, group: tuple[Freedom, ...]) -> Candidate:
     logs, within = _sizes(c, effect, group)
     tangents, local, step = c.shapes.tangents(group[0]), c.local_compliance, spacing(c)
-    free = np.linalg.norm(tangents, axis=1) > 0
+    free, shapes = np.linalg.norm(tangents, axis=1) > 0, len(group) * c.model.n_modes
+    believed = [np.inf, *np.where(free, step, 1e-9), COMPLIANCE_SPREAD if local else 1e-9, _phase(c)]
     return Candidate(
         effect,
         group,
         None,
         _hanging(c, effect, group, tangents, step, local, within),
-        tuple(np.array([log, 0.0, 0.0, 0.0, 0.0]) for log in logs),
-        np.array([np.inf, *np.where(free, step, 1e-9), COMPLIANCE_SPREAD if local else 1e-9, _phase(c)]),
-        np.zeros(5),
+        tuple(np.append(log, np.zeros(4 + shapes)) for log in logs),
+        np.append(believed, np.ones(shapes)),
+        np.zeros(5 + shapes),
         (float(np.ptp(logs)),),
     )
 
@@ -149,6 +150,9 @@ def _hanging(
     def make(v: Real, _: Compared) -> Change:
         offset = v[1:3] @ tangents
         away = np.concatenate([c.shapes.moved(f, offset[None]) for f in group]) - here
+        # Between the points the shapes are known within a deviation: the farther from them the less.
+        uncertain = np.concatenate([c.shapes.uncertain(f, offset[None]) for f in group])
+        away += v[5:].reshape(uncertain.shape) * uncertain
         size = _numbers_of(effect, float(np.exp(np.clip(v[0], *within))))
         return Change(
             Hung(

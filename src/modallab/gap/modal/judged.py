@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Verdict
+from modallab.gap.modal.candidates import force_channel
 from modallab.gap.modal.errors import sizes
-from modallab.gap.modal.fitting import Fitted
-from modallab.gap.modal.scales import estimated, nameless, settled, usual
+from modallab.gap.modal.fitting import Fitted, fit
+from modallab.gap.modal.scales import Rung, estimated, nameless, settled, usual
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import beside
 
@@ -63,7 +64,8 @@ def judged(search: ModalSearch) -> Judged:
     kinds = search.kinds(nothing)
     # One from smoother lines stands for its kind until it is fitted on those that count.
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
-    others = {name: estimated(nothing, rungs) for name, rungs in nameless(base, nothing.free.wide).items()}
+    force = _force_channel(base, as_usual)
+    others = {name: estimated(nothing, rungs) for name, rungs in nameless(base, nothing.free.wide).items()} | force
     found = _weighed(base, nothing, names, others)
     if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
         return _decided(found)
@@ -77,9 +79,19 @@ def judged(search: ModalSearch) -> Judged:
 
     afar = [0.0, *(search.afar(one.candidate.effect) for one in names if one.candidate)]
     (_, *names), least = best_first([nothing, *names], afar, to_its_end)
-    others = {name: settled(base, rungs) for name, rungs in nameless(base, least.free.wide).items()}
+    others = {name: settled(base, rungs) for name, rungs in nameless(base, least.free.wide).items()} | force
     strains = strain(base), strain(ended[[nothing, *names].index(least)])
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
+
+
+def _force_channel(base: Fitted, as_usual: list[Rung]) -> dict[str, Fitted]:
+    """What the force's channel does otherwise, whatever it is; empty where no force was measured."""
+    c = base.free.of
+    if c.bench.operating_shapes is not None:
+        return {}
+    otherwise = force_channel(c)
+    begun = fit(base.free, otherwise, base.u, otherwise.starts[0])
+    return {c.rig.force_channel.name: settled(begun, as_usual)}
 
 
 def _weighed(base: Fitted, nothing: Fitted, names: Sequence[Fitted], others: Mapping[str, Fitted]) -> Judged:

@@ -3,8 +3,9 @@
 An FRF H is analytic where Re s > 0, so that its lines give it there. At s0 = sigma + j omega0 it is the mean of its
 lines with weights sigma / pi / (sigma^2 + d^2), d = omega - omega0 (Poisson's integral of a half plane). So is H g for
 any other analytic g. With g = (1 + (s - s0) / c)^-2 far lines count little: the band has to hold the near ones only.
-A mean over lines misses a resonance narrower than their distance. So the mean is that of what the model leaves of the
-lines, and the model's own FRF at s0 is added: where the lines are dense, the model cancels.
+A mean over lines misses a resonance narrower than their distance. So the mean is that of what a model leaves of the
+lines, and the model's own FRF at s0 is added: where the lines are dense, the model cancels. Where a sensor that roves
+moves the resonances by more than their width, that has to be a model of each point's own.
 """
 
 from collections.abc import Callable
@@ -18,7 +19,8 @@ from scipy import sparse
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.frf.line_noise import variance_of
-from modallab.modification.synthesis import synthesised
+from modallab.gap.modal.point_models import PointModels
+from modallab.identification.frf_model import in_band
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -42,23 +44,24 @@ class MeasuredFrfs:
         power: times the displacement is differentiated.
         values: (lines, outputs, inputs).
         variance: (lines, outputs, inputs) of the complex numbers.
+        models: of each point, identified from these.
     """
 
     s: Complex
     power: int
     values: Complex
     variance: Real
+    models: PointModels
 
     @classmethod
     def of(cls, frf: Frf | None, model: ModalModel) -> "MeasuredFrfs | None":
         """In the band of the model that was identified from them; None where they are not its own, or not there."""
         if frf is None or frf.outputs != model.outputs or frf.values.shape[:2] != model.modal_constants.shape[1:]:
             return None
-        low, high = model.band_hz
-        inside = (frf.frequency_hz >= low) & (frf.frequency_hz <= high) & (frf.frequency_hz > 0)
-        s = frf.damping_shift + 2j * np.pi * frf.frequency_hz[inside]
-        values, variance = frf.values[..., inside], variance_of(frf)[..., inside]
-        return cls(np.asarray(s), DERIVATIVES[frf.quantity], np.moveaxis(values, -1, 0), np.moveaxis(variance, -1, 0))
+        lines = in_band(frf, model.band_hz)
+        s = frf.damping_shift + 2j * np.pi * lines.frequency_hz
+        values, variance = np.moveaxis(lines.values, -1, 0), np.moveaxis(variance_of(lines), -1, 0)
+        return cls(np.asarray(s), DERIVATIVES[frf.quantity], values, variance, PointModels.of(lines, model))
 
     def sigma_at(self, omega: Real, wanted: Real) -> Real:
         """(lines,) Re s at which they are known at omega (lines,), as near to what is wanted as can be; 0 for none."""
@@ -74,18 +77,18 @@ class MeasuredFrfs:
 
     def chosen(self, rows: list[int], columns: list[int], turned: Real) -> "MeasuredFrfs":
         """Some outputs and inputs, each turned by its sign (outputs, inputs)."""
-        values = self.values[:, rows][:, :, columns] * turned
-        return MeasuredFrfs(self.s, self.power, values, self.variance[:, rows][:, :, columns])
+        values, models = self.values[:, rows][:, :, columns] * turned, self.models.chosen(rows, columns, turned)
+        return MeasuredFrfs(self.s, self.power, values, self.variance[:, rows][:, :, columns], models)
 
-    def means_at(self, s: Complex, model: ModalModel) -> "Means":
-        """What gives FRFs at complex frequencies (lines,), with the model of these outputs and inputs."""
+    def means_at(self, s: Complex) -> "Means":
+        """What gives FRFs at complex frequencies (lines,)."""
         omega = self.s.imag
         edges = np.concatenate([omega[:1], (omega[1:] + omega[:-1]) / 2, omega[-1:]])
         sigma = (s.real - self.s[0].real)[:, None]
         poisson = np.diff(np.arctan((edges - s.imag[:, None]) / sigma), axis=1) / np.pi
         whole = poisson / (1 + (self.s - s[:, None]) / (REACH * sigma)) ** 2
         whole[np.abs(whole) < FAR * np.abs(whole).max(axis=1, keepdims=True)] = 0.0
-        return Means(self, s, sparse.csr_array(whole), synthesised(model, self.s), synthesised(model, s))
+        return Means(self, s, sparse.csr_array(whole), self.models.receptances(self.s), self.models.receptances(s))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -96,7 +99,7 @@ class Means:
         of: what was measured.
         s: (lines,) complex frequencies.
         weights: (lines, lines that were measured).
-        on_lines: (lines that were measured, outputs, inputs) the model's receptances.
+        on_lines: (lines that were measured, outputs, inputs) the models' receptances.
         off_axis: (lines, outputs, inputs) the same at s.
     """
 

@@ -18,6 +18,12 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 
+def filtered(s: Complex, filters: Real) -> Complex:
+    """(lines, outputs) what filters (outputs, powers) make of each line: exp(f_1 s + f_2 s^2 + ...)."""
+    powers = s[:, None] ** np.arange(1, filters.shape[1] + 1)
+    return np.asarray(np.exp(powers @ filters.T), np.complex128)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Hung:
     """What hangs on the structure at a place.
@@ -134,7 +140,7 @@ class State:
         out: (outputs, modes) shapes at the outputs.
         into: (inputs, modes) shapes at the inputs.
         gain: (outputs,) factors on what the outputs read.
-        delay: (outputs,) s by which they read late.
+        filters: (outputs, powers) coefficients of the logarithm of what they read over that, by s, s^2 and so on.
         mixed: (outputs, outputs) of what lies beside the shapes: a sensor that moved shows that of its new place.
         applied: (inputs,) force that acts over the force that is read.
         hung: the change that is looked for.
@@ -145,7 +151,7 @@ class State:
     out: Complex
     into: Complex
     gain: Real
-    delay: Real
+    filters: Real
     mixed: Real
     applied: Real
     hung: Hung | None = None
@@ -175,7 +181,7 @@ class State:
 
     def read(self, s: Complex) -> Complex:
         """(lines, outputs) what the outputs read over what they should."""
-        return np.asarray(self.gain * np.exp(-s[:, None] * self.delay), np.complex128)
+        return np.asarray(self.gain * filtered(s, self.filters), np.complex128)
 
     def receptance(self, s: Complex, outside: Complex) -> Complex:
         """(lines, outputs, inputs), with the reference's part `outside` the band, (lines, outputs, inputs)."""
