@@ -23,7 +23,7 @@ from modallab.gap.model.share import discrepancies, left
 from modallab.gap.report.budget import budget
 from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
-from modallab.gap.report.initial_gap import as_came
+from modallab.gap.report.initial_gap import squares_as_recorded
 from modallab.gap.report.inspected import harm, known_already
 from modallab.gap.report.locate import Location
 from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
@@ -192,7 +192,7 @@ def _candidates(
 
 def _gap(prepared: Prepared, choice: Choice, data: Reduced) -> Gap:
     twin = twin_of(choice.base, data)
-    raw = as_came(prepared, twin)
+    raw = squares_as_recorded(prepared, twin)
     thirds = np.minimum((raw.order * 3).astype(int), 2)
     hz = _resonances_hz(prepared)
     names = [data.rig.channels[c].name for c in raw.channels]
