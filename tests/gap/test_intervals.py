@@ -18,7 +18,7 @@ from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.search.choose import Choice
-from modallab.gap.search.intervals import deviations, interval, intervals, tolerated
+from modallab.gap.search.intervals import deviations, interval, intervals, relative_tolerance
 from modallab.twin.candidate import Slot
 
 GAIN = 1.05
@@ -81,11 +81,11 @@ def test_a_fit_is_as_sure_whatever_slopes_it_was_last_moved_by(rig: Rig, data: R
 def test_of_a_gain_the_sensors_own_percent_is_nobodys_to_tell(rig: Rig) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 4})
     stated = rig.model_copy(update={"tolerance": Tolerance(sensitivity=0.02)})
-    assert tolerated(wrong, stated) == pytest.approx(0.02 / 0.1)
+    assert relative_tolerance(wrong, stated) == pytest.approx(0.02 / 0.1)
     # Nothing is added where the rig file does not mention it, or where the tolerance is free beside the effect.
-    assert tolerated(wrong, rig.model_copy(update={"tolerance": Tolerance(youngs_modulus=0.01)})) == 0.0
+    assert relative_tolerance(wrong, rig.model_copy(update={"tolerance": Tolerance(youngs_modulus=0.01)})) == 0.0
     damper = Effect(effect="local_damper", parameters={"c": 9.0}, place={"x": 0.5})
-    assert tolerated(damper, rig.model_copy(update={"tolerance": Tolerance.usual()})) == 0.0
+    assert relative_tolerance(damper, rig.model_copy(update={"tolerance": Tolerance.usual()})) == 0.0
 
 
 @pytest.mark.parametrize("x", [0.0, 0.5])

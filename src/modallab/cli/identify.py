@@ -33,17 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Identify, print the table, and write what was asked for."""
     rig = None if arguments.rig is None else read_rig(arguments.rig)
     campaigns = [read_campaign(path, rig) for path in arguments.campaign]
-    band = None if arguments.band is None else (float(arguments.band[0]), float(arguments.band[1]))
-    options = Options(
-        method=arguments.method,
-        band_hz=band,
-        max_order=arguments.order,
-        pick_hz=tuple(arguments.pick or ()),
-        drop_hz=tuple(arguments.drop or ()),
-        refine=arguments.refine,
-        frf=arguments.frf,
-    )
-    console = console_of(arguments)
+    options, console = _options(arguments), console_of(arguments)
     if arguments.response_only:
         _require_plain(arguments)
     if len(campaigns) > 1 and (arguments.response_only or all(c.rig.force is None for c in campaigns)):
@@ -65,6 +55,18 @@ def run(arguments: argparse.Namespace) -> int:
         result = identify_chosen(campaign, options, arguments.test, response_only=alone, method=how)
     _show(console, campaign, result, arguments)
     return 0
+
+
+def _options(arguments: argparse.Namespace) -> Options:
+    return Options(
+        method=arguments.method,
+        band_hz=None if arguments.band is None else (float(arguments.band[0]), float(arguments.band[1])),
+        max_order=arguments.order,
+        pick_hz=tuple(arguments.pick or ()),
+        drop_hz=tuple(arguments.drop or ()),
+        refine=arguments.refine,
+        frf=arguments.frf,
+    )
 
 
 def _show(

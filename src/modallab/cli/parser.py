@@ -88,6 +88,20 @@ def _add_identify(commands: Commands) -> None:
         "campaign", type=Path, nargs="+", metavar="FOLDER|CAMPAIGN.h5", help="several: the set-ups of one test"
     )
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="instead of that inside or beside the campaign")
+    _add_estimation(command)
+    command.add_argument(
+        "--pick", type=positive, nargs="+", metavar="HZ", help="keep only the modes within 2 %% of these"
+    )
+    command.add_argument(
+        "--drop", type=positive, nargs="+", metavar="HZ", help="leave out the modes within 2 %% of these"
+    )
+    command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
+    command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    add_saying(command)
+    command.set_defaults(module="identify")
+
+
+def _add_estimation(command: argparse.ArgumentParser) -> None:
     command.add_argument("--method", choices=estimator_names(), default=USUAL, help="estimator")
     command.add_argument(
         "--refine",
@@ -112,22 +126,31 @@ def _add_identify(commands: Commands) -> None:
         choices=("ssi_cov", "plscf_spectra"),
         help="from the responses alone: the force is random, measured or not (default: where none was measured)",
     )
-    command.add_argument(
-        "--pick", type=positive, nargs="+", metavar="HZ", help="keep only the modes within 2 %% of these"
-    )
-    command.add_argument(
-        "--drop", type=positive, nargs="+", metavar="HZ", help="leave out the modes within 2 %% of these"
-    )
-    command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
-    command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
-    add_saying(command)
-    command.set_defaults(module="identify")
 
 
 def _add_rig(commands: Commands) -> None:
     rig = commands.add_parser("rig", help="check the channels of a bench, and calibrate them")
     actions = rig.add_subparsers(metavar="ACTION", required=True, dest="action")
     check = actions.add_parser("check", help="check every channel and say what is wrong")
+    _add_rig_check(check)
+    calibrate = actions.add_parser("calibrate", help="find a channel's sensitivity and enter it into the rig's history")
+    _add_calibration(calibrate)
+    mass = actions.add_parser(
+        "mass", help="check force transducer and accelerometer on a free rigid mass, before or after a test"
+    )
+    _add_rigid_mass(mass)
+    for command in (check, calibrate, mass):
+        command.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
+        command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
+        command.add_argument("--seconds", type=positive, default=3.0, help="length of the record in s")
+    reset = actions.add_parser("reset", help="reset a tripped rig, after somebody has looked at the bench")
+    reset.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
+    reset.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
+    reset.add_argument("--data", type=Path, required=True, metavar="FOLDER", help="data folder of the recordings")
+    rig.set_defaults(module="rig")
+
+
+def _add_rig_check(check: argparse.ArgumentParser) -> None:
     check.add_argument("--tap", action="store_true", help="check the polarity too, by a tap at every sensor's point")
     check.add_argument(
         "--drive", type=float, metavar="V", help="check the generator's clock too, by a burst of this amplitude"
@@ -138,7 +161,9 @@ def _add_rig(commands: Commands) -> None:
         metavar="NAME",
         help="two channels of different devices that read one signal, such as a tee: their phase, stated at 10 kHz",
     )
-    calibrate = actions.add_parser("calibrate", help="find a channel's sensitivity and enter it into the rig's history")
+
+
+def _add_calibration(calibrate: argparse.ArgumentParser) -> None:
     calibrate.add_argument("--channel", required=True, metavar="NAME", help="the channel")
     calibrate.add_argument(
         "--method", required=True, choices=("turnover", "shunt", "reference", "rigid-mass"), help="how"
@@ -152,23 +177,14 @@ def _add_rig(commands: Commands) -> None:
     calibrate.add_argument("--yes", action="store_true", help="do not wait for Enter")
     calibrate.set_defaults(in_place=True)
     calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="where the new rig goes (default: in place)")
-    mass = actions.add_parser(
-        "mass", help="check force transducer and accelerometer on a free rigid mass, before or after a test"
-    )
+
+
+def _add_rigid_mass(mass: argparse.ArgumentParser) -> None:
     mass.add_argument("--mass", type=positive, required=True, metavar="KG", help="with the accelerometer on it")
     mass.add_argument("--when", required=True, choices=("before", "after"), help="the test")
     mass.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
     mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="of the campaign that it belongs to")
     mass.add_argument("--yes", action="store_true", help="do not wait for Enter")
-    for command in (check, calibrate, mass):
-        command.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
-        command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
-        command.add_argument("--seconds", type=positive, default=3.0, help="length of the record in s")
-    reset = actions.add_parser("reset", help="reset a tripped rig, after somebody has looked at the bench")
-    reset.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
-    reset.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
-    reset.add_argument("--data", type=Path, required=True, metavar="FOLDER", help="data folder of the recordings")
-    rig.set_defaults(module="rig")
 
 
 def _add_devices(commands: Commands) -> None:

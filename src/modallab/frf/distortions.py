@@ -85,11 +85,7 @@ def distortions(signals: Sequence[Signals], band_hz: tuple[float, float]) -> Dis
     force = np.stack([np.fft.rfft(s.force)[chosen] for s in signals])
     response = np.stack([np.fft.rfft(s.responses)[:, chosen] for s in signals])
     waves = waves_of(force)
-    if len(waves) < 2 or min(map(len, waves)) < 2:
-        raise DataError(
-            f"there are {len(waves)} different waves, of {min(map(len, waves))} periods at least",
-            remedy="play several pseudo-random waves with different seeds, two blocks of each or more",
-        )
+    _require_several(waves)
     frf = response / force[:, None]
     of_wave = np.stack([frf[w].mean(axis=0) for w in waves])
     # Of one period; each wave tells it from as many periods less one.
@@ -108,6 +104,14 @@ def distortions(signals: Sequence[Signals], band_hz: tuple[float, float]) -> Dis
         waves=len(waves),
         periods=min(map(len, waves)),
     )
+
+
+def _require_several(waves: Sequence[NDArray[np.int64]]) -> None:
+    if len(waves) < 2 or min(map(len, waves)) < 2:
+        raise DataError(
+            f"there are {len(waves)} different waves, of {min(map(len, waves))} periods at least",
+            remedy="play several pseudo-random waves with different seeds, two blocks of each or more",
+        )
 
 
 def _of_every_wave(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDArray[np.int64]:

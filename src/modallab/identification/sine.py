@@ -21,7 +21,7 @@ from modallab.identification.estimate import estimate_poles
 from modallab.identification.likelihood.basis import LineBlock
 from modallab.identification.likelihood.excitation import Grid
 from modallab.identification.likelihood.fit import Fit
-from modallab.identification.likelihood.out_of_band import with_stand_ins
+from modallab.identification.likelihood.out_of_band import StartPoles, with_stand_ins
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.projection import Parameters, Problem
 from modallab.identification.likelihood.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
@@ -66,21 +66,13 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
         IdentificationError: no stable pole.
     """
     check_test(signals)
-    points = {s.block.drive_point for s in signals}
-    if len(points) > 1:
-        raise DataError(
-            f"the sine blocks are driven at points {sorted(map(str, points))}", remedy="identify each point apart"
-        )
+    _require_one_point(signals)
     band = options.band_hz or default_band(signals)
     # From 0 Hz on means from where the data begin: poles are sought on a logarithmic scale.
     band = (band[0] or default_band(signals)[0], band[1])
     used = [s for s in signals if band[0] <= s.tone.frequency_hz <= band[1]]
     frf = stepped_frf(used, rig)
-    if frf.frequency_hz.size < LEAST_LINES:
-        raise IdentificationError(
-            f"the sines between {band[0]:.4g} and {band[1]:.4g} Hz are of {frf.frequency_hz.size} frequencies only",
-            remedy=f"record at least {LEAST_LINES}, some on either side of each resonance, or widen the band",
-        )
+    _require_lines(frf, band)
     start = _start_poles(frf, options, band)
     fit = _refined(used, rig, start, band, FIRST_LOOK if options.refined else 0)
     keep = chosen(fit, band, options, first=True)
@@ -101,6 +93,22 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
     readings = _readings(frf, fit, keep)
     notes = (*(() if fit.refined.settled else (NOT_SETTLED,)), *clock_notes(used))
     return model_of_fit(fit, keep, rig, "sine", band, readings, notes, options.method), fit
+
+
+def _require_one_point(signals: Sequence[Signals]) -> None:
+    points = {s.block.drive_point for s in signals}
+    if len(points) > 1:
+        raise DataError(
+            f"the sine blocks are driven at points {sorted(map(str, points))}", remedy="identify each point apart"
+        )
+
+
+def _require_lines(frf: Frf, band: tuple[float, float]) -> None:
+    if frf.frequency_hz.size < LEAST_LINES:
+        raise IdentificationError(
+            f"the sines between {band[0]:.4g} and {band[1]:.4g} Hz are of {frf.frequency_hz.size} frequencies only",
+            remedy=f"record at least {LEAST_LINES}, some on either side of each resonance, or widen the band",
+        )
 
 
 def stepped_start(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
@@ -144,20 +152,7 @@ def _refined(
     excitations = [tone(grid, s.tone.frequency_hz, complex(s.tone.amplitude[0]), len(STAND_INS)) for s in signals]
     blocks = [LineBlock(e, np.fft.rfft(s.responses)[:, chosen], 0) for e, s in zip(excitations, signals, strict=True)]
     begin = with_stand_ins(start, band[1], STAND_INS, START_ZETA if max_iterations else ANY_ZETA)
-    force = np.array([np.abs(s.tone.amplitude[0]) for s in signals])
-    noise = np.array([s.tone.residual_rms[0] for s in signals]) * np.sqrt(2 / n)
-    # As good as free: force / (2 zeta omega) is the most a mode's state can be, a few times the force in N s.
-    state_sigma: Real = np.repeat(100 * force[:, None], begin.omega.size, axis=1)
-    # What stands in for the modes above the band has died out long before the block.
-    state_sigma[:, -begin.stand_ins :] = 1e-9
-    problem = Problem(
-        blocks=blocks,
-        powers=(0, 2, 4),
-        n_inputs=1,
-        state_sigma=state_sigma,
-        drive_sigma=np.maximum(noise / force, 1e-9),
-        zeta_prior=begin.zeta_prior,
-    )
+    problem = _problem(signals, blocks, begin)
     poles = poles_of(begin.omega, begin.zeta)
     steady = np.stack([e.steady_state(poles)[0] for e in excitations])
     parameters = Parameters(begin.omega, begin.zeta, steady, np.zeros(len(blocks), complex))
@@ -167,6 +162,24 @@ def _refined(
         parameters = search(held, parameters, Effort(FIRST_LOOK, states_first=STATES_FIRST)).point.parameters
     found = search(problem, parameters, Effort(max_iterations, states_first=0 if max_iterations else STATES_FIRST))
     return Fit(problem, found, (first.block.drive_point,))
+
+
+def _problem(signals: Sequence[Signals], blocks: Sequence[LineBlock], begin: StartPoles) -> Problem:
+    n = signals[0].force.size
+    force = np.array([np.abs(s.tone.amplitude[0]) for s in signals])
+    noise = np.array([s.tone.residual_rms[0] for s in signals]) * np.sqrt(2 / n)
+    # As good as free: force / (2 zeta omega) is the most a mode's state can be, a few times the force in N s.
+    state_sigma: Real = np.repeat(100 * force[:, None], begin.omega.size, axis=1)
+    # What stands in for the modes above the band has died out long before the block.
+    state_sigma[:, -begin.stand_ins :] = 1e-9
+    return Problem(
+        blocks=blocks,
+        powers=(0, 2, 4),
+        n_inputs=1,
+        state_sigma=state_sigma,
+        drive_sigma=np.maximum(noise / force, 1e-9),
+        zeta_prior=begin.zeta_prior,
+    )
 
 
 def _readings(frf: Frf, fit: Fit, keep: NDArray[np.bool_]) -> tuple[Real, Real]:

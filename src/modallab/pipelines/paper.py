@@ -170,11 +170,12 @@ def _said(modes: list[PaperMode], listed: list[Explanation], apart: float) -> li
             f"Nor can such lines exclude the ideal clamp: with EI over rho A free it stays within "
             f"{rigid.worst_lines:.2f} of a line of all three."
         )
-    for found, unit, above in ((spring, "EI/L", True), (mass, "of the beam", False)):
-        if found.allowed is not None:
-            low, high = found.allowed
-            side = (
-                f"{low:.2g} {unit} and stiffer" if above and high > 0.99 * SPRINGS[-1] else f"up to {high:.2g} {unit}"
-            )
-            said.append(f"Within half a line of all three is {found.name}, {side}.")
-    return said
+    return said + [
+        f"Within half a line of all three is {found.name}, {_allowed(*found.allowed, unit, above)}."
+        for found, unit, above in ((spring, "EI/L", True), (mass, "of the beam", False))
+        if found.allowed is not None
+    ]
+
+
+def _allowed(low: float, high: float, unit: str, above: bool) -> str:
+    return f"{low:.2g} {unit} and stiffer" if above and high > 0.99 * SPRINGS[-1] else f"up to {high:.2g} {unit}"

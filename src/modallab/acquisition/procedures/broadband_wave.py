@@ -49,7 +49,7 @@ class Layout:
 
 
 def layout_of(plan: BroadbandPlan, blocks: int, block_s: float) -> Layout:
-    """The wave of so many blocks; a burst-random begins each block at rest and needs no lead and no taper."""
+    """The layout of a wave. Burst random needs neither lead nor taper: each of its blocks begins at rest."""
     if plan.signal == "burst-random":
         return Layout(0.0, blocks, block_s, blocks * block_s + MARGIN_S)
     return Layout(plan.settle_s, blocks, block_s, plan.settle_s + blocks * block_s + MARGIN_S + plan.ramp_s)

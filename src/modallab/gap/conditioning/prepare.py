@@ -101,26 +101,15 @@ def prepare(campaign: Campaign) -> Prepared:
         DataError: there are no records, or none that says what drove it.
     """
     campaign = as_volts(campaign)
-    blocks, force = usable(campaign), campaign.rig.force_channel.index
-    as_built = campaign.rig.tolerance.of_assembly
-    noises = Noises.of(blocks, campaign.rig)
-    hum = find_hum(blocks, noises.in_use, force)
-    if hum is not None and len(blocks) < len(campaign.blocks):
-        blocks = usable(campaign, hum)
-        noises = Noises.of(blocks, campaign.rig)
-    believed, measured, noise = noises
+    force, as_built = campaign.rig.force_channel.index, campaign.rig.tolerance.of_assembly
+    blocks, (believed, measured, noise), hum = _with_hum(campaign)
     at_full_scale = _overloaded(blocks, campaign.rig)
     clipped = tuple(find_clipped(blocks, noise, _full_scale_v(blocks, campaign.rig), force))
     masked = at_full_scale | {(name, c.row) for c in clipped for name in c.records}
     noisy = _standing_out(measured, lines_behind(blocks), NOISY_AS_BUILT if as_built else NOISY)
     # Samples that are lost are noise to a spectrum, and would hide themselves.
     repeated = losing(blocks, np.fmin(noise, measured), force)
-    cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
-    poles = _poles(campaign, cleaned, masked, noisy)
-    if hum is not None:
-        decays = poles if moves_before_hits(cleaned, campaign.rig, noise) else NO_DECAYS
-        cleaned = tuple(without_hum(b, hum, decays) for b in blocks)
-        poles = _poles(campaign, cleaned, masked, noisy)
+    cleaned, poles = _cleaned_of_hum(campaign, blocks, hum, noise, masked, noisy)
     driven = settled(cleaned, campaign.rig)
     cleaned, poles = driven.blocks, poles if len(poles) else driven.poles
     ratio = sine_clock_of(cleaned, campaign.rig, noise)
@@ -148,6 +137,35 @@ def prepare(campaign: Campaign) -> Prepared:
         ratio,
         _notes(campaign, blocks, at_full_scale),
     )
+
+
+def _with_hum(campaign: Campaign) -> tuple[tuple[Block, ...], "Noises", Hum | None]:
+    """The records that can be used, their noise, and the hum in them: once it is known, more of them can be."""
+    blocks = usable(campaign)
+    noises = Noises.of(blocks, campaign.rig)
+    hum = find_hum(blocks, noises.in_use, campaign.rig.force_channel.index)
+    if hum is None or len(blocks) == len(campaign.blocks):
+        return blocks, noises, hum
+    blocks = usable(campaign, hum)
+    return blocks, Noises.of(blocks, campaign.rig), hum
+
+
+def _cleaned_of_hum(
+    campaign: Campaign,
+    blocks: tuple[Block, ...],
+    hum: Hum | None,
+    noise: Array,
+    masked: set[tuple[str, int]],
+    noisy: Sequence[int],
+) -> tuple[tuple[Block, ...], Complex]:
+    """The records without hum, and their poles: where the structure moves before a hit, its decays are no hum."""
+    if hum is None:
+        return blocks, _poles(campaign, blocks, masked, noisy)
+    cleaned = tuple(without_hum(b, hum) for b in blocks)
+    poles = _poles(campaign, cleaned, masked, noisy)
+    decays = poles if moves_before_hits(cleaned, campaign.rig, noise) else NO_DECAYS
+    cleaned = tuple(without_hum(b, hum, decays) for b in blocks)
+    return cleaned, _poles(campaign, cleaned, masked, noisy)
 
 
 class Noises(NamedTuple):

@@ -93,7 +93,7 @@ def without_needless(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
     return kept
 
 
-def to_decide(diagnosis: Diagnosis) -> list[CandidateSet]:
+def undecided(diagnosis: Diagnosis) -> list[CandidateSet]:
     """The explanations left standing, where an experiment can be planned for them.
 
     Raises:
@@ -118,7 +118,7 @@ def explanations(
     """Explanations, fitted to what is there.
 
     Args:
-        sets: the explanations, as `to_decide`.
+        sets: the explanations, as `undecided`.
         there: the records.
         points: place in m and number of further hits that are planned: where each lands is free as well.
 

@@ -12,7 +12,7 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.split import third
-from modallab.gap.design.explanations import Explanation, Recorded, explanations, recorded, to_decide
+from modallab.gap.design.explanations import Explanation, Recorded, explanations, recorded, undecided
 from modallab.gap.design.information import (
     Outlook,
     Rivals,
@@ -83,7 +83,7 @@ class Planning:
     @classmethod
     def of(cls, campaign: Campaign, diagnosis: Diagnosis) -> Self:
         """What is planned with beside a campaign; errors as of `next_experiments`."""
-        sets, there, done = to_decide(diagnosis), recorded(campaign), plans_of(campaign)
+        sets, there, done = undecided(diagnosis), recorded(campaign), plans_of(campaign)
         rig = there.prepared.campaign.rig
         listed = options(rig, done, diagnosis.gap.poles_hz)
         struck = [p for o in listed for plan in o.plans if isinstance(plan, ImpactPlan) for p in plan.points]

@@ -4,6 +4,7 @@ It is stepped once for all numbers that only turn what the sensors read: gains, 
 """
 
 from collections import OrderedDict
+from collections.abc import Callable
 from threading import Lock
 from typing import Any
 
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.twin.bench import Twin
 from modallab.twin.modes import Modes, undamped_key
-from modallab.twin.nonlinear.element import Coupling, coupling
+from modallab.twin.nonlinear.element import Coupling, Law, coupling
 from modallab.twin.nonlinear.records import in_hit, in_sine, ready
+from modallab.twin.nonlinear.steps import Steps
 from modallab.twin.predict import drifted_modes, sensor_positions
 from modallab.twin.response import Hits, Sines
 
@@ -60,28 +62,12 @@ def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: R
     owns = [coupling(element, structure, m) if twin.ei_drift else same for m in of_block]
 
     def step() -> tuple[list[Complex], list[Complex]]:
-        motions: list[Complex] = []
-        forces: list[Complex] = []
-        rise, same_steps = source.rise, ready(modes, same, source.dt, x)
-        for j, (m, own) in enumerate(zip(of_block, owns, strict=True)):
-            found = in_sine(
-                ready(m, own, source.dt, x) if twin.ei_drift else same_steps,
-                own.law,
-                complex(source.force[j]),
-                float(source.frequency_hz[j]),
-                source.n,
-                source.dt,
-                float(rise.history_s[j]),
-                float(rise.ramp_s[j]),
-                bool(rise.cosine[j]),
-                source.coarse,
-            )
-            motion, force = found.on_lines(source.lines[j])
-            per_newton = 2 / source.n / source.force[j]
-            motions.append(motion * per_newton)
-            forces.append(force * per_newton)
+        steps = [ready(modes, same, source.dt, x)] * len(owns)
+        if twin.ei_drift:
+            steps = [ready(m, own, source.dt, x) for m, own in zip(of_block, owns, strict=True)]
+        stepped = [_in_block(source, j, s, own.law) for j, (s, own) in enumerate(zip(steps, owns, strict=True))]
         # Fewer modes are followed in time where the steps are long.
-        return motions, forces
+        return [motion for motion, _ in stepped], [force for _, force in stepped]
 
     motion, force = _remembered(twin, (tuple(shares),), d, source.dt, step)
     answers = [
@@ -89,6 +75,26 @@ def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: R
         for m, own, s, a, b in zip(of_block, owns, source.s, motion, force, strict=True)
     ]
     return np.stack(answers, axis=1)
+
+
+def _in_block(source: Sines, j: int, steps: Callable[[int], Steps], law: Law) -> tuple[Complex, Complex]:
+    """What an element adds to the motion of the modes in a block of a sine, and its force, per n / 2 and per N."""
+    rise = source.rise
+    found = in_sine(
+        steps,
+        law,
+        complex(source.force[j]),
+        float(source.frequency_hz[j]),
+        source.n,
+        source.dt,
+        float(rise.history_s[j]),
+        float(rise.ramp_s[j]),
+        bool(rise.cosine[j]),
+        source.coarse,
+    )
+    motion, force = found.on_lines(source.lines[j])
+    per_newton = 2 / source.n / source.force[j]
+    return motion * per_newton, force * per_newton
 
 
 def _read(

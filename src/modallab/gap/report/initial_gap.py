@@ -39,7 +39,7 @@ def gap_before(campaign: Campaign) -> float:
         RigError: the rig has no beam.
     """
     prepared, twin, _ = _fitted(campaign)
-    return as_came(prepared, twin).gap
+    return squares_as_recorded(prepared, twin).gap
 
 
 def gap_known(campaign: Campaign) -> float:
@@ -51,7 +51,7 @@ def gap_known(campaign: Campaign) -> float:
     prepared, twin, data = _fitted(campaign)
     if any(known_already(found, prepared.campaign.rig) for found in inspected(prepared, twin)):
         return squares(twin, data).gap
-    return as_came(prepared, twin).gap
+    return squares_as_recorded(prepared, twin).gap
 
 
 def gap_unseen(campaign: Campaign, hold_out: HoldOut) -> float:
@@ -108,7 +108,7 @@ def reliable(prepared: Prepared) -> list[int]:
     return [i for i, c in enumerate(prepared.campaign.rig.responses) if c.index not in off]
 
 
-def as_came(prepared: Prepared, twin: Twin) -> Squares:
+def squares_as_recorded(prepared: Prepared, twin: Twin) -> Squares:
     """The records as they came, weighed by the noise the rig file promises."""
     campaign = prepared.campaign
     blocks = as_recorded(campaign, prepared.blocks)

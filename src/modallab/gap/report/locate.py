@@ -117,7 +117,7 @@ def _of_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -
         force = bench.data.rig.force_channel.index
         reason = f"One real factor on all channels and lines takes {part_of(1 - flat)} of the gap away: the force's."
         return Location("sensor", (force,), tests, (*why, reason))
-    late = lateness(base)
+    late = delay_share(base)
     if late > LATE:
         reason = f"All channels are off alike, and {percent(late)} of their phase grows with frequency: time runs late."
         return Location("acquisition", everywhere, tests, (*why, reason))
@@ -125,7 +125,7 @@ def _of_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -
     return Location("sensor", everywhere, tests, (*why, reason))
 
 
-def lateness(base: Fit) -> float:
+def delay_share(base: Fit) -> float:
     """Share of the squares of the channels' common phase on the lines that a delay makes, 0 to 1.
 
     The coefficient of determination of a regression of phase on frequency through 0, weighted by the response.

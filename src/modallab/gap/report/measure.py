@@ -5,7 +5,7 @@ the rms of the residuals over their standard deviations, real and imaginary part
 """
 
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -79,44 +79,29 @@ def squares(twin: Twin, data: Reduced) -> Squares:
 
 def squares_of(answers: Sequence[Complex], data: Reduced) -> Squares:
     """The residuals of any answers as squares."""
-    parts = whitened(answers, data)
-    total: list[float] = []
-    count: list[float] = []
-    records: list[str] = []
-    tests: list[str] = []
-    levels: list[str] = []
-    channels: list[int] = []
-    order: list[float] = []
+    rows = [
+        (float(np.sum(np.abs(r[used]) ** 2)), 2.0 * np.count_nonzero(used), name, test, level, channel, at)
+        for r, used, (name, test, level, at), channel in _rows(whitened(answers, data), data)
+    ]
+    total, count, records, tests, levels, channels, order = zip(*rows, strict=True) if rows else ((),) * 7
+    at = np.array(order) / data.last_order
+    return Squares(np.array(total), np.array(count), records, tests, levels, channels, at)
 
-    def add(r: Complex, used: NDArray[np.bool_], name: str, test: str, level: str, channel: int, at: float) -> None:
-        total.append(float(np.sum(np.abs(r[used]) ** 2)))
-        count.append(2.0 * float(np.count_nonzero(used)))
-        records.append(name)
-        tests.append(test)
-        levels.append(level)
-        channels.append(channel)
-        order.append(at / data.last_order)
 
+def _rows(
+    parts: Sequence[Complex], data: Reduced
+) -> Iterator[tuple[Complex, NDArray[np.bool_], tuple[str, str, str, float], int]]:
+    """Residuals of a channel in a record, which of them are used, the record's name, test, level and order."""
     for d, r in zip(data.impacts, parts, strict=False):
+        piece = d.piece
         for i, channel in enumerate(data.channels):
-            add(
-                r[i],
-                np.isfinite(d.rows.sigma[i]),
-                d.piece.name,
-                d.piece.test,
-                d.piece.level or "",
-                channel,
-                d.piece.order,
-            )
+            yield r[i], np.isfinite(d.rows.sigma[i]), (piece.name, piece.test, piece.level or "", piece.order), channel
     if data.sines is not None:
         shape = (len(data.channels), *data.sines.source.lines.shape)
         r, used = parts[-1].reshape(shape), np.isfinite(data.sines.rows.sigma).reshape(shape)
         for j, piece in enumerate(data.sines.pieces):
             for i, channel in enumerate(data.channels):
-                add(r[i, j], used[i, j], piece.name, "sine", piece.level or "", channel, piece.order)
-    return Squares(
-        np.array(total), np.array(count), tuple(records), tuple(tests), tuple(levels), tuple(channels), np.array(order)
-    )
+                yield r[i, j], used[i, j], (piece.name, "sine", piece.level or "", piece.order), channel
 
 
 def share_within(

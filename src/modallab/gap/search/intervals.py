@@ -69,7 +69,7 @@ def intervals(choice: Choice) -> list[Believed]:
     found: list[Believed] = []
     at = fit.problem.free.size
     for which, (candidate, effect) in enumerate(zip(fit.problem.candidates, fit.effects, strict=True)):
-        own, off, shared = Believed(), _model_error(choice, which), tolerated(effect, fit.problem.data.rig)
+        own, off, shared = Believed(), _model_error(choice, which), relative_tolerance(effect, fit.problem.data.rig)
         for slot in candidate.slots:
             u = float(fit.u[at])
             if slot.name == "x":
@@ -161,8 +161,8 @@ def not_known(slot: Slot, u: float, deviation: float, model: float) -> str:
     return NO_PLACE if slot.name == "x" and low <= slot.low and high >= slot.high else ""
 
 
-def tolerated(effect: Effect, rig: Rig) -> float:
-    """What the tolerance that an effect stands for has in it, one deviation, as a share of the effect; 0 for none."""
+def relative_tolerance(effect: Effect, rig: Rig) -> float:
+    """One deviation of the tolerance that an effect takes the place of, relative to the effect's size; 0 for none."""
     search = search_of(effect.effect)
     name = "sensitivity" if search.replaces_gain else search.replaces
     # A sensitivity that the rig file does not mention is exact.

@@ -40,7 +40,7 @@ WIDEST = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A curve.
+    """A static curve of a channel, by the numbers of its family.
 
     Attributes:
         family: names of its numbers.

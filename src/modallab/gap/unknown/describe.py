@@ -23,7 +23,7 @@ from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess, search_origin
 from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of, stage_of
 from modallab.gap.unknown.fitted import fitted
-from modallab.gap.unknown.on_beam import on_all_rows, trials
+from modallab.gap.unknown.on_beam import elements_of_beam, on_all_rows
 from modallab.gap.unknown.on_row import by_sample, linear, without
 from modallab.gap.words.learned import in_words
 
@@ -97,7 +97,7 @@ def _tried(
     # Where no channel is known to be off alone, the one that is off most is looked at all the same.
     loudest = bench.data.channels[int(np.argmax(channel_share(base)))]
     alone = [] if rows else list(linear(bench, loudest))
-    for fit in fitted(bench, base, [*trials(bench, base), *on_all_rows(bench), *alone]):
+    for fit in fitted(bench, base, [*elements_of_beam(bench, base), *on_all_rows(bench), *alone]):
         yield of_fit(base, fit, unseen, rows_of(fit))
 
 

@@ -22,7 +22,7 @@ WHOLE = (("gain",), ("delay",), ("low_pass_hz",), ("high_pass_hz",), ("gain", "d
 """The same of an operator on all channels."""
 
 
-def trials(bench: Bench, base: Fit) -> Iterator[Trial]:
+def elements_of_beam(bench: Bench, base: Fit) -> Iterator[Trial]:
     """The elements worth a fit, each with places to begin from."""
     for law in _likely(bench, base):
         names = tuple(law.numbers)

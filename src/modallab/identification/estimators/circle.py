@@ -43,6 +43,25 @@ def circle_fit(frequency_hz: NDArray[np.float64], mobility: NDArray[np.complex12
         DataError: too few lines, wrong shapes, NaN.
         IdentificationError: the lines stand on no circle.
     """
+    _require_lines(frequency_hz, mobility)
+    centre, radius = _circle(mobility)
+    misfit = float(np.std(np.abs(mobility - centre)) / radius)
+    if not np.isfinite(misfit) or misfit > 0.2:
+        raise IdentificationError(
+            f"the lines are off their circle by {100 * misfit:.0f} % of its radius",
+            remedy="take lines about one resonance that stands alone",
+        )
+    omega, turn = 2 * np.pi * frequency_hz, np.unwrap(np.angle(mobility - centre))
+    zero = _zero_angle(omega, turn)
+    rate, square, _ = _line(omega, turn - zero)
+    if square <= 0:
+        raise IdentificationError("no resonance on the circle", remedy="take lines on both sides of the peak")
+    resonance = float(np.sqrt(square))
+    constant = complex(2 * radius * np.exp(1j * zero) * rate)
+    return CircleFit(resonance / (2 * np.pi), rate / (2 * resonance), constant, misfit)
+
+
+def _require_lines(frequency_hz: NDArray[np.float64], mobility: NDArray[np.complex128]) -> None:
     if frequency_hz.ndim != 1 or frequency_hz.size < 5 or mobility.shape != frequency_hz.shape:
         raise DataError(
             f"{frequency_hz.shape} frequencies and {mobility.shape} values make no circle",
@@ -51,32 +70,19 @@ def circle_fit(frequency_hz: NDArray[np.float64], mobility: NDArray[np.complex12
     ascending = np.all(np.diff(frequency_hz) > 0) and frequency_hz[0] > 0
     if not (ascending and np.isfinite(mobility).all() and np.any(mobility.imag != 0)):
         raise DataError("the lines do not ascend from above 0 Hz, or have NaN or no phase", remedy="correct the FRF")
-    centre, radius = _circle(mobility)
-    misfit = float(np.std(np.abs(mobility - centre)) / radius)
-    if not np.isfinite(misfit) or misfit > 0.2:
-        raise IdentificationError(
-            f"the lines are off their circle by {100 * misfit:.0f} % of its radius",
-            remedy="take lines about one resonance that stands alone",
-        )
-    omega = 2 * np.pi * frequency_hz
-    # Where the circle is run through fastest lies the resonance: the first guess of where the angle is zero.
-    turn = np.unwrap(np.angle(mobility - centre))
-    speed = np.abs(np.diff(turn) / np.diff(omega))
-    place = int(np.argmax(speed))
-    zero = float(turn[place] + turn[place + 1]) / 2
+
+
+def _zero_angle(omega: NDArray[np.float64], turn: NDArray[np.float64]) -> float:
+    """The angle on the circle at resonance. A first guess is where the circle is run through fastest."""
     # Imported here: other estimators need none of it.
     from scipy import optimize
 
+    place = int(np.argmax(np.abs(np.diff(turn) / np.diff(omega))))
+    guess = float(turn[place] + turn[place + 1]) / 2
     best = optimize.minimize_scalar(
-        lambda z: _line(omega, turn - z)[2], bounds=(zero - 1, zero + 1), method="bounded", options={"xatol": 1e-12}
+        lambda z: _line(omega, turn - z)[2], bounds=(guess - 1, guess + 1), method="bounded", options={"xatol": 1e-12}
     )
-    zero = float(best.x)
-    rate, square, _ = _line(omega, turn - zero)
-    if square <= 0:
-        raise IdentificationError("no resonance on the circle", remedy="take lines on both sides of the peak")
-    resonance = float(np.sqrt(square))
-    constant = complex(2 * radius * np.exp(1j * zero) * rate)
-    return CircleFit(resonance / (2 * np.pi), rate / (2 * resonance), constant, misfit)
+    return float(best.x)
 
 
 def _line(omega: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[float, float, float]:

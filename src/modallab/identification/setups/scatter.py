@@ -108,7 +108,7 @@ def _between(x: Real, v: Real) -> float:
 
 
 def same_setup(values: Real, variance: Real) -> NDArray[np.int64]:
-    """(points,) which points' values (points, modes) agree within their variances: one set-up each, by first point."""
+    """(points,) number of each one's set-up: points share one where values (points, modes) agree within variances."""
     setup = np.full(len(values), -1, np.int64)
     held: list[tuple[Real, Real]] = []
     for k, (x, v) in enumerate(zip(values, variance, strict=True)):

@@ -38,23 +38,12 @@ def bench_picture(rig: Rig, where: Where, within_m: tuple[float, float] | None =
     ]
     parts += _sensors(rig, where, at)
     if rig.shaker_point is not None:
-        x, hot = at(rig.x_of(rig.shaker_point)), where.stage == "excitation"
-        said = "shaker, hammer and floor" if hot else "shaker"
-        parts += [
-            _line(x, 80, x, 104, "warning" if hot else "ink"),
-            _rect(x - 16, 104, 32, 20, "soft", hot),
-            _text(x, 138, said, "middle", hot),
-        ]
+        parts += _shaker(at(rig.x_of(rig.shaker_point)), where.stage == "excitation")
+    if within_m is not None and where.x_m is not None:
+        low, high = (at(min(max(v, 0.0), length)) for v in within_m)
+        parts.append(_rect(low, 84, max(high - low, 1.0), 4, "warning", True))
     if where.x_m is not None:
-        x = at(where.x_m)
-        if within_m is not None:
-            low, high = (at(min(max(v, 0.0), length)) for v in within_m)
-            parts.append(_rect(low, 84, max(high - low, 1.0), 4, "warning", True))
-        parts.append(
-            tag("circle", cx=f"{x:.1f}", cy="75", r="14", fill="none", stroke="var(--warning)", stroke_width="2.5")
-        )
-        # Beside the clamp, not on it.
-        parts.append(_text(min(max(x, LEFT + HALF_LABEL), RIGHT - 16), 104, f"{where.x_m:.3f} m", "middle", True))
+        parts += _place(at(where.x_m), f"{where.x_m:.3f} m")
     return tag(
         "svg",
         *parts,
@@ -64,6 +53,22 @@ def bench_picture(rig: Rig, where: Where, within_m: tuple[float, float] | None =
         role="img",
         aria_label="The bench with the place marked",
     )
+
+
+def _shaker(x: float, hot: bool) -> list[Markup]:
+    return [
+        _line(x, 80, x, 104, "warning" if hot else "ink"),
+        _rect(x - 16, 104, 32, 20, "soft", hot),
+        _text(x, 138, "shaker, hammer and floor" if hot else "shaker", "middle", hot),
+    ]
+
+
+def _place(x: float, label: str) -> list[Markup]:
+    return [
+        tag("circle", cx=f"{x:.1f}", cy="75", r="14", fill="none", stroke="var(--warning)", stroke_width="2.5"),
+        # Beside the clamp, not on it.
+        _text(min(max(x, LEFT + HALF_LABEL), RIGHT - 16), 104, label, "middle", True),
+    ]
 
 
 def _sensors(rig: Rig, where: Where, at: Callable[[float], float]) -> list[Markup]:

@@ -48,7 +48,7 @@ def resolution(mode: Mode, reading: Reading, block_s: float, before_s: float, pa
 def readings(
     frequency_hz: float, zeta: NDArray[np.float64], block_s: float, before_s: float, hann: bool
 ) -> NDArray[np.float64]:
-    """Half-power damping ratio (n,) of a mode with each zeta (n,), read off a block that cuts its ring-down off.
+    """(n,) damping ratios that half-power reads of modes with each zeta (n,), in a block shorter than the ring-down.
 
     The velocity after an ideal hit at `before_s`, sampled closely, is transformed as the paper does it.
     """

@@ -12,6 +12,13 @@ from modallab.reporting.sections.section import Section, captioned_figure, parag
 from modallab.reporting.sections.shapes_compared import comparison_tables
 
 OUT_OF_STEP_DEG = 5.0
+UNPLACED = "The places of the sensors are not known, so the mode shapes can't be drawn; they stand in the model below."
+MOVING = "So the beam moves at its natural frequencies, slowed down and magnified. The dots are the sensors."
+DRAWN = "Mode shapes over the length of the beam with bars of one sigma, one panel a mode, the clamp at the left"
+CAPTION = (
+    "Mode shapes at unit modal mass with bars of one standard deviation; a bar smaller than its mark can't be seen. "
+    "The free end, or where the beam moves most, points up. The curve between the points is only drawn through them."
+)
 
 
 def section(content: ReportContent) -> Section:
@@ -29,26 +36,11 @@ def section(content: ReportContent) -> Section:
     drawn = next((m for m in content.models if m.n_modes and shape(m, 0, content.rig) is not None), None)
     if figure is None or drawn is None:
         unplaced = any(m.shapes is not None and m.n_modes for m in content.models)
-        why = (
-            "The places of the sensors are not known, so the mode shapes can't be drawn; they stand in the model below."
-        )
-        return Section(anchor, heading, None, (*absent, why) if unplaced else absent)
-    still = captioned_figure(
-        figure,
-        "shapes",
-        "Mode shapes over the length of the beam with bars of one sigma, one panel a mode, the clamp at the left",
-        "Mode shapes at unit modal mass with bars of one standard deviation; a bar smaller than its mark can't be "
-        "seen. The free end, or where the beam moves most, points up. The curve between the points is only drawn "
-        "through them.",
-        min(3, drawn.n_modes),
-    )
-    text = "So the beam moves at its natural frequencies, slowed down and magnified. The dots are the sensors."
-    return Section(
-        anchor,
-        heading,
-        join([paragraph(text), animated_shapes(drawn, content.rig), _skew(content), still, comparison_tables(content)]),
-        absent,
-    )
+        return Section(anchor, heading, None, (*absent, UNPLACED) if unplaced else absent)
+    still = captioned_figure(figure, "shapes", DRAWN, CAPTION, min(3, drawn.n_modes))
+    moving = animated_shapes(drawn, content.rig)
+    parts = [paragraph(MOVING), moving, _skew(content), still, comparison_tables(content)]
+    return Section(anchor, heading, join(parts), absent)
 
 
 def _spatial(content: ReportContent) -> Markup | None:

@@ -44,17 +44,15 @@ _METHOD = (
 )
 
 
+SEVERAL = " Of the drive points the one that matches worst is drawn; the table has the others."
+
+
 def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) -> list[Markup]:
     test = outcome.test or "frf"
     known = np.nan_to_num(check.frac, nan=0.0)
     worst = int(np.argmin(np.median(known, axis=0)))
     drive = check.measured.input_points[worst]
     at = "" if drive is None else f", force at point {drive}"
-    several = (
-        " Of the drive points the one that matches worst is drawn; the table has the others."
-        if check.frac.shape[1] > 1
-        else ""
-    )
     output = farthest(content.rig, check.measured.outputs)
     where = place(check.measured.outputs[output], check.measured.output_points[output])
     named = where[0].lower() + where[1:]
@@ -70,18 +68,15 @@ def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) 
     heading = tag("h3", f"{_called(outcome)[0].upper()}{_called(outcome)[1:]}")
     if alone:
         return [heading, one]
-    return [
-        heading,
-        captioned_figure(
-            all_points(check, worst),
-            f"all-{test}-{i}",
-            f"Measured and regenerated mobility at {len(check.measured.outputs)} points over frequency, {spread}",
-            f"Mobility at all points{at}: measured against regenerated. {spread}.{several}",
-            min(3, len(check.measured.outputs)),
-        ),
-        one,
-        _fracs(check),
-    ]
+    several = SEVERAL if check.frac.shape[1] > 1 else ""
+    every = captioned_figure(
+        all_points(check, worst),
+        f"all-{test}-{i}",
+        f"Measured and regenerated mobility at {len(check.measured.outputs)} points over frequency, {spread}",
+        f"Mobility at all points{at}: measured against regenerated. {spread}.{several}",
+        min(3, len(check.measured.outputs)),
+    )
+    return [heading, every, one, _fracs(check)]
 
 
 def _fracs(check: Verification) -> Markup:

@@ -74,13 +74,21 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     mount_static(app)
     mount_page(app)
     mount_manual(app, settings.site)
-    hosts = {*LOOPBACK, settings.host, *settings.hosts}
+    _add_middleware(app, settings)
+    app.openapi = lambda: document_of(app)  # pyrefly: ignore[method-assign]
+    app.state.asyncapi = cache(lambda: asyncapi_of(app, API_VERSION))
+    app.state.openapi_json = cache(lambda: JSONResponse(app.openapi()).body)
+    app.state.asyncapi_json = cache(lambda: JSONResponse(app.state.asyncapi()).body)
+    return app
+
+
+def _add_middleware(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(Gzip)
     app.add_middleware(
         Guard,
-        callers=callers,
+        callers=app.state.callers,
         sessions=app.state.sessions,
-        hosts=hosts,
+        hosts={*LOOPBACK, settings.host, *settings.hosts},
         body_bytes=settings.body_bytes,
         origins=settings.cors,
         file_bytes=settings.file_bytes,
@@ -95,11 +103,6 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
             allow_headers=ASKED,
             expose_headers=ANSWERED,
         )
-    app.openapi = lambda: document_of(app)  # pyrefly: ignore[method-assign]
-    app.state.asyncapi = cache(lambda: asyncapi_of(app, API_VERSION))
-    app.state.openapi_json = cache(lambda: JSONResponse(app.openapi()).body)
-    app.state.asyncapi_json = cache(lambda: JSONResponse(app.state.asyncapi()).body)
-    return app
 
 
 def resources() -> list[APIRouter]:

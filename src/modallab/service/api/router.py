@@ -36,7 +36,7 @@ OPEN: dict[str, Any] = {"security": []}
 
 
 def make_router(tag: str, *, files: bool = False) -> APIRouter:
-    """A router for one resource; with `files` bodies are not held in memory, and the route itself looks at the key."""
+    """A router for one resource. With `files`, bodies are not held in memory, and the route checks the key itself."""
     route = RoleRoute if files else IdempotentRoute
     return APIRouter(prefix=PREFIX, tags=[tag], route_class=route, responses=documented(*ANY))
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 from threading import Event as Flag
 from threading import Thread
 from typing import Self
@@ -71,36 +72,23 @@ class Supervisor:
         self._settings, self._token = settings, token
         self._closing = Flag()
         self._closed = Flag()
-        self.store = Store(settings.data)
-        self._lock = Lease(settings.data / LOCK)
-        if not self._lock.acquire():
-            self.store.close()
-            raise ServiceError(
-                "another service uses this data folder", where=str(settings.data), remedy="stop it, or name another"
-            )
+        self.store, self._lock = _locked_store(settings.data)
         self._orphans = Orphans(settings.data)
         self._orphans.end_all()
         self._counter: Counter | None = None
         boot = secrets.token_hex(8)
         log = EventLog(self.store.catalogue.engine, self._new_events)
-        run_log = RunLog(self.store, log)
+        run_log = self._run_log = RunLog(self.store, log)
         jobs = self._queue = Jobs(self.store.catalogue.engine)
-        self._run_log = run_log
         self._watch = JobWatch(self.store.catalogue.engine, jobs, log)
         after = AfterRun(self.store, jobs)
         self._recovery = Recovery(run_log, after)
         self._recovery.look()
         self._purge = Purge(self.store)
         listener = bound(settings.host, settings.port)
+        benches = _benches(rigs, run_log, settings.data)
         leases = Leases(self.store.catalogue.engine, boot)
-        ids = rig_ids([rig.name for rig, _ in rigs])
-        self.controllers = Controllers(
-            [
-                Controller(Bench(i, run_log.revisions.settle(i, rig), url, settings.data), run_log, after)
-                for i, (rig, url) in zip(ids, rigs, strict=True)
-            ],
-            leases,
-        )
+        self.controllers = Controllers([Controller(bench, run_log, after) for bench in benches], leases)
         self._stop = self._stop_listener()
         self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
         settings = settings.model_copy(update={"stop_port": self._stop.port})
@@ -258,3 +246,18 @@ class Supervisor:
             LOG.exception("heartbeat: %s", trouble)
         else:
             LOG.warning("%s; stopped: %s", trouble, ", ".join(stopped) or "nothing was driven")
+
+
+def _locked_store(folder: Path) -> tuple[Store, Lease]:
+    store, lock = Store(folder), Lease(folder / LOCK)
+    if not lock.acquire():
+        store.close()
+        raise ServiceError(
+            "another service uses this data folder", where=str(folder), remedy="stop it, or name another"
+        )
+    return store, lock
+
+
+def _benches(rigs: Sequence[tuple[Rig, str]], run_log: RunLog, folder: Path) -> list[Bench]:
+    ids = rig_ids([rig.name for rig, _ in rigs])
+    return [Bench(i, run_log.revisions.settle(i, rig), url, folder) for i, (rig, url) in zip(ids, rigs, strict=True)]

@@ -16,7 +16,7 @@ LINK_LIFE = timedelta(minutes=10)
 
 
 class Sessions:
-    """Sessions and links of tokens: with another token they are void. The database holds a hash of each, no more."""
+    """Browsers that are logged in, and links that log one in; void once their token is. Only hashes are kept."""
 
     def __init__(self, engine: Engine, secret: Callable[[str], str]) -> None:
         """Read the sessions that were begun before.

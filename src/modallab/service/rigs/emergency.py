@@ -14,7 +14,7 @@ ANSWER_S = 6.0
 
 
 class EmergencyStop:
-    """Stops that are asked for while one goes on share it. Once the rig is latched a further one writes nothing."""
+    """Requests that come while a stop goes on share it. Once the rig is latched, a further one writes nothing."""
 
     def __init__(self, latch: TripLatch, notify: Callable[[str, str], None]) -> None:
         """`notify` is called with reason and operator of every stop that did something."""

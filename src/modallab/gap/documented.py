@@ -1,0 +1,265 @@
+"""A diagnosis as a document: what a search has found, with the gap before and after it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.block import Block
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, Percent, Shrink, Verdict
+from modallab.core.digits import percent
+from modallab.core.effects import kind_of
+from modallab.core.places import in_metres
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared
+from modallab.gap.conditioning.records import as_recorded
+from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.rows import Reduced
+from modallab.gap.conditioning.weights import Weights
+from modallab.gap.model.fit import Fit
+from modallab.gap.model.forward import forward
+from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.model.share import discrepancies, left
+from modallab.gap.report.budget import budget
+from modallab.gap.report.calibrated import calibrated
+from modallab.gap.report.contradictions import contradictions
+from modallab.gap.report.initial_gap import squares_as_recorded
+from modallab.gap.report.inspected import harm, known_already
+from modallab.gap.report.locate import Location
+from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
+from modallab.gap.report.next_step import next_experiment
+from modallab.gap.report.shrinkage import closed, shrink
+from modallab.gap.report.where import where
+from modallab.gap.search.choose import Choice, probabilities
+from modallab.gap.search.fitting import Bench, ordinary
+from modallab.gap.search.intervals import intervals
+from modallab.twin.bench import Twin
+
+SEED = 20240501
+USUAL = "The rig file states no tolerances: a lab's usual ones stand for them; the budget lists them."
+TOLERATED = "No effect explains the remaining {} of the response on held-out records; the rig file tolerates them."
+LOOSE_ASSEMBLY = (
+    "Together, the parameters of the assembly deviate more than the tolerances of the rig; none does alone."
+)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SearchInput:
+    """A campaign made ready for a search.
+
+    Attributes:
+        prepared: its records, with the tolerances completed.
+        bench: what is searched: the records that are fitted.
+        held: names of the records that no fit sees.
+        of_unseen: these records; the fitted ones where none are held out.
+        everything: all records, reduced.
+        unseen: those of `of_unseen`, reduced.
+        stated: whether the rig file states tolerances of its own.
+    """
+
+    prepared: Prepared
+    bench: Bench
+    held: list[str]
+    of_unseen: Sequence[Block]
+    everything: Reduced
+    unseen: Reduced
+    stated: bool
+
+    @property
+    def rig(self) -> Rig:
+        """The rig, its tolerances completed."""
+        return self.prepared.campaign.rig
+
+    @property
+    def matters(self) -> Reduced | None:
+        """Records on which an effect must be of consequence; None where the rig tolerates nothing."""
+        return self.unseen if self.rig.tolerance.of_assembly else None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ShownEffects:
+    """Effects that the records themselves show.
+
+    Attributes:
+        named: those whose names may be used.
+        seen: of these what does harm and is in no revision of the rig.
+        withheld: names that must not be used.
+    """
+
+    named: list[Found]
+    seen: list[Found]
+    withheld: list[str]
+
+
+def documented(ready: SearchInput, choice: Choice, location: Location | None, effects: ShownEffects) -> Diagnosis:
+    """What was found, as a document."""
+    prepared, everything = ready.prepared, ready.everything
+    nonlinear = location is not None and location.nonlinear
+    ranked = probabilities(choice)
+    found = [*_found(choice, ranked), *effects.seen]
+    verdict = _verdict(choice, effects.seen, effects.withheld)
+    return Diagnosis(
+        rig=ready.rig.name,
+        verdict=verdict,
+        gap=_gap(prepared, choice, everything),
+        where=where(verdict, found, effects.withheld, location, choice, everything, prepared),
+        effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
+        candidates=_candidates(ranked, effects.seen, choice, everything),
+        shrink=_shrink(choice, _as_found(ready, effects.seen), ready.unseen, ready.held),
+        next_experiment=next_experiment(verdict, ranked, prepared.campaign, nonlinear),
+        twin=calibrated(choice.believed, everything),
+        budget=budget(choice.believed, everything, _resonances_hz(prepared), usual=not ready.stated),
+        notes=_notes(ready, choice, effects.named, nonlinear),
+    )
+
+
+def _notes(ready: SearchInput, choice: Choice, shows: list[Found], nonlinear: bool) -> list[str]:
+    prepared = ready.prepared
+    return [
+        *([] if ready.stated else [USUAL]),
+        *(n for n in prepared.notes if not (nonlinear and n == ONE_LEVEL)),
+        *contradictions(choice, prepared),
+        *(d.why for d in choice.dismissed),
+        *([] if choice.tolerated is None else [TOLERATED.format(choice.tolerated)]),
+        *([LOOSE_ASSEMBLY] if choice.flat and not ordinary(choice.base) else []),
+        *(
+            f"Does no harm: {f.effect.replace('_', ' ')}, {percent(harm(prepared, f))} of the response."
+            for f in shows
+            if harmless(prepared, f)
+        ),
+        *(
+            f"As the rig's revisions know: {f.effect.replace('_', ' ')}."
+            for f in shows
+            if known_already(f, prepared.campaign.rig)
+        ),
+    ]
+
+
+def harmless(prepared: Prepared, found: Found) -> bool:
+    """Whether an effect that the records show is too small to matter on this rig."""
+    tolerance = prepared.campaign.rig.tolerance
+    return tolerance.of_assembly and harm(prepared, found) < tolerance.response
+
+
+def _verdict(choice: Choice, seen: list[Found], withheld: list[str]) -> Verdict:
+    if withheld or not choice.explained:
+        return "unknown"
+    return "no_gap" if choice.flat and not seen else "known"
+
+
+def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
+    fit = choice.fit
+    if not fit.problem.candidates or not choice.explained:
+        return []
+    length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
+    found: list[Found] = []
+    for effect, believed in zip(fit.effects, intervals(choice), strict=True):
+        share = sum(p for f, p in ranked if any(c.effect == effect.effect for c in f.problem.candidates))
+        found.append(
+            Found(
+                effect=effect.effect,
+                stage=kind_of(effect.effect).stage,
+                probability=float(min(share, 0.995)),
+                parameters=effect.parameters,
+                interval=believed.within,
+                not_known=believed.not_known,
+                place=in_metres(effect.place, length),
+            )
+        )
+    return found
+
+
+def _candidates(
+    ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choice, data: Reduced
+) -> list[CandidateSet]:
+    more = [f.effect for f in seen]
+    listed = [
+        CandidateSet(
+            effects=[*(c.effect for c in f.problem.candidates), *more],
+            probability=float(p),
+            gap=f.gap,
+            fitted=f.effects,
+            twin=calibrated(f, data),
+        )
+        for f, p in ranked[:8]
+        # What leaves more than no effect does explains nothing.
+        if (f.problem.candidates and f.gap < choice.base.gap) or (more and not f.problem.candidates)
+    ]
+    if not choice.explained:
+        listed = [c.model_copy(update={"probability": c.probability * 0.3}) for c in listed]
+    return listed
+
+
+def _gap(prepared: Prepared, choice: Choice, data: Reduced) -> Gap:
+    twin = twin_of(choice.base, data)
+    raw = squares_as_recorded(prepared, twin)
+    thirds = np.minimum((raw.order * 3).astype(int), 2)
+    hz = _resonances_hz(prepared)
+    names = [data.rig.channels[c].name for c in raw.channels]
+    fitted = twin_of(choice.believed, data)
+    after = squares(fitted, data)
+    return Gap(
+        before=raw.gap,
+        floor=1.0,
+        after=after.gap,
+        by_record=raw.by(raw.records),
+        by_test=raw.by(raw.tests),
+        by_level=raw.by(raw.levels),
+        by_channel=raw.by(names),
+        after_by_channel=after.by(names),
+        by_band=by_frequency(twin, data, band_of),
+        by_mode=by_frequency(twin, data, nearest_mode(hz)),
+        by_order=raw.by([("first third", "middle third", "last third")[i] for i in thirds]),
+        poles_hz=hz,
+        share_nominal=_percent(choice.fit.problem.free.build(np.zeros(choice.fit.problem.free.size)), data, hz),
+        share_before=_percent(twin, data, hz),
+        share_after=_percent(fitted, data, hz),
+        discrepancy=_discrepancy(fitted, data),
+    )
+
+
+def _resonances_hz(prepared: Prepared) -> list[float]:
+    return [float(f) for f in np.abs(prepared.poles) / (2 * np.pi)]
+
+
+def _percent(twin: Twin, data: Reduced, resonances_hz: list[float]) -> Percent:
+    at, away = left(data, forward(twin, data), np.array(resonances_hz))
+    return Percent(at_resonance=at, away=away)
+
+
+def _discrepancy(twin: Twin, data: Reduced) -> Discrepancy | None:
+    found = discrepancies(data, forward(twin, data))
+    if not found:
+        return None
+    worst = max(found, key=lambda name: found[name])
+    return Discrepancy(median=float(np.median(list(found.values()))), worst=found[worst], record=worst)
+
+
+def _as_found(ready: SearchInput, seen: list[Found]) -> Reduced:
+    """Records held out, before an explanation: as they came, where that is of the records themselves.
+
+    Noise that the rig file does not promise is no gap that an effect of the twin could close.
+    """
+    if not seen:
+        return ready.unseen
+    prepared = ready.prepared
+    full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
+    blocks = as_recorded(prepared.campaign, ready.of_unseen)
+    return reduce(prepared.campaign, blocks, Weights(prepared.believed_v, full_scales, doubt=prepared.driven.doubt))
+
+
+def _shrink(choice: Choice, raw: Reduced, clean: Reduced, held: list[str]) -> Shrink:
+    before = squares(twin_of(choice.base, clean), raw)
+    # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.
+    after = squares(twin_of(choice.believed, clean), clean)
+    rival = _rival(choice, clean, before.gap)
+    return shrink(held, before, after, rival, np.random.default_rng(SEED))
+
+
+def _rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
+    for fit in choice.rivals:
+        if before**2 - 1 > 0.02 and fit.problem.candidates:
+            after = squares(twin_of(fit, clean), clean).gap
+            # What leaves more than no effect closes nothing.
+            return {"+".join(c.effect for c in fit.problem.candidates): max(closed(before, after), 0.0)}
+    return {}
