@@ -186,3 +186,44 @@ def test_channels_that_are_structures_of_one_structure_are_found(tmp_path: Path)
     (block,) = import_sources([tmp_path / "x.mat"], RIG).blocks
     assert (block.rate_hz, block.units[0]) == (RATE_HZ, "kN")
     np.testing.assert_array_equal(block.samples, hit(4))
+
+
+def rows_of(head: str) -> str:
+    return head + "".join(f"{t:.9f},{','.join(map(str, row))}\n" for t, row in zip(times(), hit(4).T, strict=True))
+
+
+UNITS_APART = {
+    "x.mat": lambda path: io.savemat(path, {**as_variables(), "units": cell(["s", "N", "g", "g", "g"])}),
+    "x.npz": lambda path: np.savez(path, **as_variables(), units=np.array(["s", "N", "g", "g", "g"])),
+    "comment.csv": lambda path: path.write_text(rows_of("# Units: s, N, g, g, g\ntime,force,a01,a02,a03\n")),
+    "third row.csv": lambda path: path.write_text(
+        rows_of("time,force,a01,a02,a03\nModule,Hammer,Acc 1,Acc 2,Acc 3\ns,N,g,g,g\n")
+    ),
+    "table.csv": lambda path: path.write_text(rows_of("Channel,Unit\nforce,N\na01,g\n\ntime,force,a01,a02,a03\n")),
+}
+
+
+def as_variables() -> dict[str, np.ndarray]:
+    return {"time": times(), **dict(zip(NAMES, hit(4), strict=True))}
+
+
+@pytest.mark.parametrize("name", UNITS_APART)
+def test_the_one_unit_that_a_file_has_for_a_quantity_is_that_of_its_channels(tmp_path: Path, name: str) -> None:
+    UNITS_APART[name](tmp_path / name)
+    (block,) = import_sources([tmp_path / name], RIG).blocks
+    assert block.units == ("N", "g", "g", "g")
+
+
+def test_several_units_of_one_quantity_need_a_channel_each(tmp_path: Path) -> None:
+    np.savez(tmp_path / "x.npz", **as_variables(), units=np.array(["s", "N", "g", "g", "m/s^2"]))
+    with pytest.raises(DataError, match=r"several units of acceleration, g and m/s\^2, and does not say whose"):
+        import_sources([tmp_path / "x.npz"], RIG)
+
+
+def test_volts_need_a_sensitivity(tmp_path: Path) -> None:
+    content = RIG.model_dump(exclude_defaults=True, mode="json")
+    channels = [{k: v for k, v in c.items() if k != "sensitivity_v_per_unit"} for c in content["channels"]]
+    rig = type(RIG).model_validate(content | {"channels": channels})
+    (tmp_path / "x.csv").write_text(rows_of("time [s],force [N],a01 [V],a02 [m/s^2],a03 [m/s^2]\n"))
+    with pytest.raises(DataError, match="channel a01 is in V, and the rig has no sensitivity of it"):
+        import_sources([tmp_path / "x.csv"], rig)

@@ -64,6 +64,7 @@ WAYS = {
     "re im": table("freq,Re(a01),Im(a01),Re(a02),Im(a02),Real a03,Imaginary a03", two),
     "per channel": table("Frequency (Hz)\ta01 real\ta01 imag\ta02 real\ta02 imag\ta03_re\ta03_im", two, "\t"),
     "degrees": table("f,|a01|,a01 phase [deg],Mag a02,Phase a02 (°),a03_mag,a03_phase_deg", polar),
+    "a phase beside it": table("f,a01,a01 phase [deg],a02,Phase a02 (°),a03,a03_phase_deg", polar),
     "radians": table("f,abs a01,arg a01 [rad],abs a02,arg a02 [rad],abs a03,arg a03 [rad]", lambda v: polar(v, 1.0)),
     "by point": table("f [Hz],H1,H2,H3", lambda v: [f"{v.real:.12g}{v.imag:+.12g}i"]),
     "a title and units": "Test of 3 May;;\nFrequency;Re a01;Im a01;Re a02;Im a02;Re a03;Im a03\n"
@@ -129,7 +130,7 @@ def test_numbers_without_a_unit_are_in_those_of_the_rig(tmp_path: Path) -> None:
         (table("f,Re a01,Im a01,Re a02,Im a02,Re b,Im b", two), "column 'Re b' is the FRF of no response"),
         (table("f [h],a01,a02,a03", lambda v: [f"{v.real:g}{v.imag:+g}i"]), "'h' is no unit of frequency"),
         (table("f,a01 mag [dB re 1 mm],a01 ph [deg],a02,a02 ph,a03,a03 ph", polar), "'dB re 1 mm' is none of an FRF"),
-        (table("f,Re a01 [m/s^2],Im a01,Re a02,Im a02,Re a03,Im a03", two), "is none of an FRF of acceleration"),
+        (table("f,Re a01 [m/s^2],Im a01,Re a02,Im a02,Re a03,Im a03", two), "is none of an FRF of motion"),
         (table("f,Re a01,Im a01,Re a01,Im a01,Re a03,Im a03", two), "are of one FRF"),
         (table("f,Re a01/p1,Im a01/p1,Re a02/p2,Im a02/p2,Re a03/p1,Im a03/p1", two), "has no FRF of a01 to point 2"),
     ],
@@ -170,3 +171,9 @@ def test_every_way_of_writing_a_complex_number_is_one() -> None:
     assert {complex(plain_numbers(text)) for text in written} == {1.5 - 2e3j}
     assert plain_numbers("1,2;3,4") == "1,2;3,4"
     assert complex(plain_numbers("-2i")) == -2j
+
+
+def test_a_motion_over_the_force_is_taken_whatever_the_sensor_measures(tmp_path: Path) -> None:
+    frf = read(tmp_path, table("f,Re a01 [(mm/s)/N],Im a01,Re a02 [m/s/N],Im a02,Re a03 [m/s/N],Im a03", two))
+    assert frf.quantity == "mobility"
+    np.testing.assert_allclose(frf.values[:, 0], inertances() * np.array([1e-3, 1, 1])[:, None], rtol=1e-9)

@@ -140,7 +140,7 @@ def test_a_map_that_says_nothing_is_rejected(content: Any, words: str) -> None:
         ({"frf": "G", "frequency": "f"}, "has no array 'G'.*H 3x2x40"),
         ({"frf": "H", "frequency": "f", "axes": ["inputs", "outputs", "lines"]}, "shape .3, 2, 40.*with 3 outputs"),
         ({"frf": "H", "frequency": "f", "outputs": ["b"], "axes": ["lines"]}, "output 'b' of the map is no channel"),
-        ({"frf": "H", "frequency": "f", "unit": "m/N", "axes": ["outputs", "inputs", "lines"]}, "'m/N' is none of"),
+        ({"frf": "H", "frequency": "f", "unit": "N/m", "axes": ["outputs", "inputs", "lines"]}, "'N/m' is none of"),
     ],
 )
 def test_a_map_that_does_not_fit_says_where(tmp_path: Path, content: Any, words: str) -> None:

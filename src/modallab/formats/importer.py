@@ -18,6 +18,8 @@ from modallab.formats.options import COUNTED_HZ, ImportOptions, options_of
 from modallab.formats.sniff import sniff
 from modallab.signals.faults.found import faults_of
 
+_VOLTS = ("V", "mV")
+
 
 def import_recordings(paths: Sequence[Path], rig: Rig | None, said: Mapping[str, Any]) -> Campaign:
     """Read recordings as `import_sources` does, with what the user says; without a rig, on one drafted from the first.
@@ -149,7 +151,21 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 def _checked(campaign: Campaign) -> Campaign:
     check_structure(campaign)
     check_recordings(campaign)
+    _require_sensitivities(campaign)
     return campaign
+
+
+def _require_sensitivities(campaign: Campaign) -> None:
+    # The default of 1 V per unit is none that anybody has measured.
+    bare = {c.name: c for c in campaign.rig.channels if "sensitivity_v_per_unit" not in c.model_fields_set}
+    for block in campaign.blocks:
+        for name, unit in zip(block.channels, block.units, strict=True):
+            if name in bare and unit in _VOLTS and bare[name].unit not in _VOLTS:
+                raise DataError(
+                    f"channel {name} is in {unit}, and the rig has no sensitivity of it",
+                    where=campaign.source,
+                    remedy=f"write its sensitivity_v_per_unit, in V per {bare[name].unit}, into the rig file",
+                )
 
 
 def _in_order(blocks: Sequence[Block]) -> tuple[Block, ...]:

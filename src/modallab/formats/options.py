@@ -1,7 +1,7 @@
 """What a file without such facts is to be taken for."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
@@ -12,6 +12,7 @@ from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test
 from modallab.formats.arrays.array_map import ArrayMap
 from modallab.formats.asked import ASKED
+from modallab.formats.unit_text import normal_unit, quantity_of
 
 COUNTED_HZ = 1.0
 """The rate of an abscissa that counts samples, as programs write it that know no rate (LabVIEW: `Delta_X` 1)."""
@@ -146,3 +147,33 @@ def _pair(text: str) -> tuple[str, str]:
     if not (mark and channel and name):
         raise DataError(f"{text!r} says no CHANNEL=NAME", remedy="write it as force=F or a1=data:2, without blanks")
     return channel, name
+
+
+def units_of(
+    channels: Sequence[Channel], beside: Sequence[str], elsewhere: Iterable[str], options: ImportOptions, where: str
+) -> tuple[str, ...]:
+    """The unit of each channel: the one beside it, else the one that the file has for its quantity, else the rig's.
+
+    Args:
+        channels: of the rig.
+        beside: by channel, "" where the file has none.
+        elsewhere: what else in the file may be a unit, such as a list that does not say whose each is.
+        options: what the file does not say.
+        where: file, for messages.
+
+    Raises:
+        DataError: the file has several for one quantity, and does not say whose each is.
+    """
+    known = {normal_unit(text) for text in elsewhere}
+    return tuple(b or _of_quantity(c, known, where) or options.unit(c) for b, c in zip(beside, channels, strict=True))
+
+
+def _of_quantity(channel: Channel, known: Collection[str], where: str) -> str:
+    fitting = sorted(unit for unit in known if quantity_of(unit) == channel.quantity)
+    if len(fitting) > 1:
+        raise DataError(
+            f"has several units of {channel.quantity}, {' and '.join(fitting)}, and does not say whose each is",
+            where=where,
+            remedy=f"write the unit of {channel.name} beside its name",
+        )
+    return fitting[0] if fitting else ""

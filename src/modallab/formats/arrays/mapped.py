@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from modallab.core.array_checks import check_frf, check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
-from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
+from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, in_order
 from modallab.formats.arrays.channel_times import channel_times
@@ -98,11 +98,11 @@ def _units(
     if not array_map.unit:
         return assumed[0][0], np.array([factor for _, factor in assumed])
     found = frf_unit(normal_unit(array_map.unit), "")
-    if found is None or DERIVATIVES[found[0]] != DERIVATIVES[assumed[0][0]]:
+    if found is None:
         raise DataError(
-            f"unit {array_map.unit!r} is none of an FRF of {outputs[0].quantity} over force",
+            f"unit {array_map.unit!r} is none of an FRF of motion over force",
             where=where,
-            remedy="write it in the map as m/s^2/N, m/s/N or m/N; or mend the rig's channels",
+            remedy="write it in the map as m/s^2/N, m/s/N or m/N",
         )
     return found[0], np.full(len(outputs), found[1])
 

@@ -13,7 +13,7 @@ from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, listed
 from modallab.formats.arrays.channel_times import RATE_NAMES, STEP_NAMES, channel_times
 from modallab.formats.arrays.mapped import campaign_of_map
-from modallab.formats.options import ImportOptions
+from modallab.formats.options import ImportOptions, units_of
 from modallab.formats.starts import on_common_times
 from modallab.formats.unit_text import normal_unit
 
@@ -76,7 +76,7 @@ def campaign_of_arrays(
         rate_hz=rate,
         samples=samples,
         scale=np.ones(len(samples)),
-        units=tuple(unit_beside(texts or {}, _key(arrays, c.name, options)) or options.unit(c) for c in rig.channels),
+        units=_units(rig, arrays, texts or {}, options, where),
         channels=tuple(channel.name for channel in rig.channels),
         drive_point=options.drive_point,
         frequency_hz=options.frequency_hz,
@@ -87,6 +87,14 @@ def campaign_of_arrays(
 def owner_of(key: str) -> str:
     """The name of the structure that holds a channel's samples; that of its array, if it has none of its own."""
     return next((key.removesuffix(f".{name}") for name in reversed(_SAMPLES) if key.endswith(f".{name}")), key)
+
+
+def _units(rig: Rig, arrays: Arrays, texts: Texts, options: ImportOptions, where: str) -> tuple[str, ...]:
+    owned = {f"{owner_of(key)}{mark}{name}".lower() for key in arrays for mark in "._" for name in _UNITS}
+    apart = {key: rows for key, rows in texts.items() if key.lower() not in owned}
+    elsewhere = [row for key, rows in apart.items() if "unit" in key.rpartition(".")[2].lower() for row in rows]
+    beside = [unit_beside(texts, _key(arrays, c.name, options)) for c in rig.channels]
+    return units_of(rig.channels, beside, elsewhere, options, where)
 
 
 def unit_beside(texts: Texts, key: str | None) -> str:

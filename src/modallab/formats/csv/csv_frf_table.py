@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_frf
 from modallab.core.errors import DataError
-from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
+from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
 from modallab.formats.axis_units import to_hertz
 from modallab.formats.csv.csv_heads import is_frequency
@@ -144,6 +144,9 @@ def _values(parts: Mapping[Part, Column], channel: Channel, rig: Rig, where: str
     if column is not None and column.imaginary is not None:
         quantity, factor = _factor(column.heading, channel, rig, where)
         return quantity, factor * (column.real + 1j * column.imaginary)
+    if column is not None and "phase" in parts:
+        # A column without a word for its part that has a phase beside it is the magnitude.
+        parts = {**parts, "magnitude": column}
     for first, second in _PAIRS:
         if first in parts and second in parts:
             quantity, factor = _factor(parts[first].heading, channel, rig, where)
@@ -176,11 +179,11 @@ def _factor(heading: FrfHeading, channel: Channel, rig: Rig, where: str) -> tupl
     if not heading.unit:
         return assumed, factor
     pair = (assumed, 1.0) if heading.unit.lower() == "db" else frf_unit(reference_of(heading.unit), "")
-    if pair is None or DERIVATIVES[pair[0]] != DERIVATIVES[assumed]:
+    if pair is None:
         raise DataError(
-            f"column {heading.text!r}: unit {heading.unit!r} is none of an FRF of {channel.quantity} over force",
+            f"column {heading.text!r}: unit {heading.unit!r} is none of an FRF of motion over force",
             where=where,
-            remedy="write it as m/s^2/N, m/s/N or m/N, or as dB re 1 m/s^2/N; or mend the rig's channel",
+            remedy="write it as m/s^2/N, m/s/N or m/N, or as dB re 1 m/s^2/N",
         )
     return pair
 

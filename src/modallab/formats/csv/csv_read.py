@@ -16,7 +16,7 @@ from modallab.formats.csv.csv_frf import frf_of, is_frf
 from modallab.formats.csv.csv_frf_table import frf_of_table, holds_frfs
 from modallab.formats.csv.csv_heads import BY_OPTION, is_frequency, time_column
 from modallab.formats.csv.csv_table import Table, read_tables, side_by_side
-from modallab.formats.options import ImportOptions
+from modallab.formats.options import ImportOptions, units_of
 
 FASTEST_HZ = 1e7
 """No structure rings so fast that its records are sampled faster."""
@@ -87,7 +87,7 @@ def record_of(table: Table, rig: Rig, options: ImportOptions, name: str, where: 
         first_sample=facts.first_sample,
         samples=np.ascontiguousarray(table.values[:, order].T),
         scale=np.ones(len(order)),
-        units=tuple(unit or options.unit(c) for unit, c in zip(units, rig.channels, strict=True)),
+        units=units_of(rig.channels, units, table.elsewhere, options, where),
         channels=tuple(channel.name for channel in rig.channels),
         drive_point=facts.drive_point if options.drive_point is None else options.drive_point,
     )

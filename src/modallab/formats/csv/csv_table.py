@@ -38,6 +38,7 @@ class Table:
         no_numbers: by column, what stands there instead of a number.
         title: the last line of a single cell above it.
         note: on lines that were left out.
+        elsewhere: what stands above a table without units, cell by cell: units may be among them.
     """
 
     names: tuple[str, ...]
@@ -50,6 +51,7 @@ class Table:
     no_numbers: Mapping[int, FormatError] = field(default_factory=dict[int, FormatError])
     title: str = ""
     note: str = ""
+    elsewhere: tuple[str, ...] = ()
 
     def require(self, columns: Sequence[int]) -> None:
         """Reject columns that hold something else than numbers.
@@ -117,7 +119,13 @@ def _table(text: TextTable, where: str, said: str = "") -> Table:
         others,
         titles[-1] if titles else "",
         _note(text.below),
+        () if any(column.unit for column in columns[1:]) else _cells_above(text),
     )
+
+
+def _cells_above(text: TextTable) -> tuple[str, ...]:
+    lines = [*_texts(text.above), *_texts(text.commented)]
+    return tuple(cell for line in lines for cell in re.split(r"[,;:=\t\[\]()]", line))
 
 
 def _note(below: Sequence[Line]) -> str:

@@ -31,7 +31,9 @@ def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     """
     where = str(path)
     if path.suffix.lower() == ".npz":
-        return campaign_of_variables(_load_several(path), {}, path, rig, options)
+        held = _load_several(path)
+        texts = {name: tuple(map(str, one.ravel())) for name, one in held.items() if one.dtype.kind == "U"}
+        return campaign_of_variables({n: one for n, one in held.items() if n not in texts}, texts, path, rig, options)
     array = _load(path)
     if array.dtype.names:
         fields = {name: array[name] for name in array.dtype.names}
