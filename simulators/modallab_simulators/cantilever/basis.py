@@ -9,17 +9,17 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 class Basis(Protocol):
     """What the bench integrates in time."""
 
     @property
-    def poles(self) -> Complex:
+    def poles(self) -> Complex128:
         """p, with an imaginary part from 0, (modes,)."""
         ...
 
@@ -28,7 +28,7 @@ class Basis(Protocol):
         """s, (modes,)."""
         ...
 
-    def shapes(self, x_m: Floats, order: int = 0) -> Floats | Complex:
+    def shapes(self, x_m: Floats, order: int = 0) -> Floats | Complex128:
         """psi, displacement (order 0) or slope (1), in kg^-1/2, (points, modes)."""
         ...
 
@@ -37,7 +37,7 @@ class Basis(Protocol):
         """The undamped modes behind it."""
         ...
 
-    def project(self, rows: Floats) -> Floats | Complex:
+    def project(self, rows: Floats) -> Floats | Complex128:
         """psi of loads known by what they do to each undamped mode, (loads, modes behind) to (loads, modes)."""
         ...
 
@@ -46,7 +46,7 @@ class Basis(Protocol):
         ...
 
     @property
-    def participation(self) -> Floats | Complex:
+    def participation(self) -> Floats | Complex128:
         """What an acceleration of the base puts into each mode, in kg^1/2, (modes,)."""
         ...
 
@@ -64,7 +64,7 @@ class ModalBasis:
     zeta: Floats
 
     @property
-    def poles(self) -> Complex:
+    def poles(self) -> Complex128:
         """p = -zeta omega + j omega sqrt(1 - zeta^2)."""
         return self.omega * (-self.zeta + 1j * np.sqrt(1 - self.zeta**2))
 

@@ -1,4 +1,4 @@
-"""Complex modes of a structure with local dampers."""
+"""Complex128 modes of a structure with local dampers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class Damper:
 
 
 class DampedBasis:
-    """Complex modes of a structure with local dampers, from the state space of its first real modes.
+    """Complex128 modes of a structure with local dampers, from the state space of its first real modes.
 
     The damping matrix is that of the modes' own ratios plus c phi(x) phi(x)^T. It is symmetric, so left and right
     vectors are the same, and a_r = u^T (2 p_r + C) u scales them (Ewins, Modal Testing, 2.8).
@@ -33,7 +33,7 @@ class DampedBasis:
         self._poles, self._vectors = _complex_modes(modes, self._omega, zeta, dampers, reach)
 
     @property
-    def poles(self) -> Complex:
+    def poles(self) -> Complex128:
         """p, (modes,)."""
         return self._poles
 
@@ -42,11 +42,11 @@ class DampedBasis:
         """Imaginary part of p, or 1 where a mode does not swing."""
         return np.where(self._poles.imag > 0, self._poles.imag, 1.0)
 
-    def shapes(self, x_m: Floats, order: int = 0) -> Complex:
+    def shapes(self, x_m: Floats, order: int = 0) -> Complex128:
         """psi, (points, modes)."""
         return self.modes.shapes(x_m, len(self._omega), order) @ self._vectors
 
-    def project(self, rows: Floats) -> Complex:
+    def project(self, rows: Floats) -> Complex128:
         """By the complex modes' own share of each undamped one."""
         return rows[..., : len(self._omega)] @ self._vectors
 
@@ -56,7 +56,7 @@ class DampedBasis:
         return self.modes.flexibility(x_m, force_x_m, 0, put) - own.imag.sum(axis=1)
 
     @property
-    def participation(self) -> Complex:
+    def participation(self) -> Complex128:
         """Integral of mass times shape, against the base's acceleration."""
         return -self.modes.participation(len(self._omega)) @ self._vectors
 
@@ -69,7 +69,7 @@ class DampedBasis:
 
 def _complex_modes(
     modes: Modes, omega: Floats, zeta: Floats, dampers: Sequence[Damper], reach: float
-) -> tuple[Complex, Complex]:
+) -> tuple[Complex128, Complex128]:
     n = len(omega)
     damping = np.diag(2 * zeta * omega)
     for damper in dampers:
@@ -81,11 +81,11 @@ def _complex_modes(
     values, vectors = solved.eigenvalues.astype(np.complex128), solved.eigenvectors.astype(np.complex128)
     real = np.abs(values.imag) < 1e-9 * np.abs(values)
     keep = (np.abs(values) < reach) & (real | (values.imag > 0))
-    poles: Complex = np.where(real, values.real, values)[keep]
+    poles: Complex128 = np.where(real, values.real, values)[keep]
     real = real[keep]
     order = np.argsort(np.abs(poles))
     poles, real = poles[order], real[order]
-    u: Complex = (vectors[:n, keep] / omega[:, None])[:, order]
-    a: Complex = np.einsum("ir,ir->r", u, 2 * poles * u + damping @ u)
+    u: Complex128 = (vectors[:n, keep] / omega[:, None])[:, order]
+    a: Complex128 = np.einsum("ir,ir->r", u, 2 * poles * u + damping @ u)
     scale = np.where(real, 1.0, poles.imag)
     return poles, u * np.sqrt(np.where(real, 1j, 2j) * scale / a)

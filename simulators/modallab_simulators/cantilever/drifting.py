@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 NODES = (0.0, 0.5, 1.0)
 """Shares of the drift at which the structure is assembled."""
@@ -64,13 +64,13 @@ class Drifting:
         return tuple(_Node(basis, sign) for basis, sign in zip(bases, signs, strict=True)) if straight else None
 
 
-def same_way(shapes: Floats | Complex, others: Floats | Complex) -> Floats:
+def same_way(shapes: Floats | Complex128, others: Floats | Complex128) -> Floats:
     """-1 for each mode whose shape stands upside down to the other's, else 1, (modes,) of two (points, modes)."""
     along: Floats = np.sum(shapes * others.conj(), axis=0).real
     return np.where(along < 0, -1.0, 1.0)
 
 
-def _straight(values: Sequence[Floats | Complex]) -> bool:
+def _straight(values: Sequence[Floats | Complex128]) -> bool:
     """Whether the middle of three (modes,) or (points, modes) lies on the line between the others."""
     first, middle, last = values
     return bool(np.all(np.abs(middle - (first + last) / 2) <= BEND * np.max(np.abs(middle), axis=0)))
@@ -81,25 +81,27 @@ class _Node:
 
     def __init__(self, basis: Basis, sign: Floats) -> None:
         self.basis, self.poles, self.scale, self._sign = basis, basis.poles, basis.scale, sign
-        self._known: dict[tuple[bytes, float, int], Floats | Complex] = {}
+        self._known: dict[tuple[bytes, float, int], Floats | Complex128] = {}
 
     @cached_property
-    def participation(self) -> Floats | Complex:
+    def participation(self) -> Floats | Complex128:
         return self.basis.participation * self._sign
 
-    def project(self, rows: Floats) -> Floats | Complex:
+    def project(self, rows: Floats) -> Floats | Complex128:
         return self.basis.project(rows) * self._sign
 
-    def shapes(self, x_m: Floats, order: int) -> Floats | Complex:
+    def shapes(self, x_m: Floats, order: int) -> Floats | Complex128:
         return self._remembered((x_m.tobytes(), -1.0, order), lambda: self.basis.shapes(x_m, order) * self._sign)
 
-    def remainder(self, x_m: Floats, force_x_m: float, put: int) -> Floats | Complex:
+    def remainder(self, x_m: Floats, force_x_m: float, put: int) -> Floats | Complex128:
         return self._remembered((x_m.tobytes(), force_x_m, put), lambda: self.basis.remainder(x_m, force_x_m, put))
 
-    def base_remainder(self, x_m: Floats) -> Floats | Complex:
+    def base_remainder(self, x_m: Floats) -> Floats | Complex128:
         return self._remembered((x_m.tobytes(), -2.0, 0), lambda: self.basis.base_remainder(x_m))
 
-    def _remembered(self, key: tuple[bytes, float, int], asked: Callable[[], Floats | Complex]) -> Floats | Complex:
+    def _remembered(
+        self, key: tuple[bytes, float, int], asked: Callable[[], Floats | Complex128]
+    ) -> Floats | Complex128:
         if key not in self._known:
             if len(self._known) > _MOST:
                 self._known.clear()
@@ -116,7 +118,7 @@ class BetweenBases:
         self._nearest = nodes[round(2 * p)]
 
     @property
-    def poles(self) -> Complex:
+    def poles(self) -> Complex128:
         """p, (modes,)."""
         return self._between([node.poles for node in self._nodes])
 
@@ -125,7 +127,7 @@ class BetweenBases:
         """s, (modes,)."""
         return self._between([node.scale for node in self._nodes])
 
-    def shapes(self, x_m: Floats, order: int = 0) -> Floats | Complex:
+    def shapes(self, x_m: Floats, order: int = 0) -> Floats | Complex128:
         """psi, (points, modes)."""
         return self._between([node.shapes(x_m, order) for node in self._nodes])
 
@@ -134,7 +136,7 @@ class BetweenBases:
         """The undamped modes at the nearest node."""
         return self._nearest.basis.modes
 
-    def project(self, rows: Floats) -> Floats | Complex:
+    def project(self, rows: Floats) -> Floats | Complex128:
         """psi of loads on the undamped modes."""
         return self._between([node.project(rows) for node in self._nodes])
 
@@ -143,7 +145,7 @@ class BetweenBases:
         return self._between([node.remainder(x_m, force_x_m, put) for node in self._nodes])
 
     @property
-    def participation(self) -> Floats | Complex:
+    def participation(self) -> Floats | Complex128:
         """What an acceleration of the base puts into each mode."""
         return self._between([node.participation for node in self._nodes])
 

@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab_simulators.cantilever.sensor import Sensor
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
-def plain_feeds(shares: Complex | Floats, poles: Complex, rest: float, order: int, base: bool) -> Floats:
+def plain_feeds(shares: Complex128 | Floats, poles: Complex128, rest: float, order: int, base: bool) -> Floats:
     """Weights of f, f' and f'' in the derivative of an order of a point's motion, (3,)."""
     feeds = np.zeros(3)
     feeds[order] = rest
@@ -32,7 +32,7 @@ def sensed_feeds(feeds: Floats, sensor: Sensor) -> Floats:
     return sensed
 
 
-def transfer(c: Complex, poles: Complex, feeds: Floats, s: complex) -> complex:
+def transfer(c: Complex128, poles: Complex128, feeds: Floats, s: complex) -> complex:
     """What a unit load makes of a point's motion at a complex frequency."""
     modal = (c / (s - poles) - np.conj(c) / (s - np.conj(poles))).sum() / 2j
     return complex(modal + feeds[0] + feeds[1] * s + feeds[2] * s * s)

@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 class FewModes:
@@ -20,7 +20,7 @@ class FewModes:
         self._main, self._count = main, count
 
     @property
-    def poles(self) -> Complex:
+    def poles(self) -> Complex128:
         """p, (modes,)."""
         return self._main.poles
 
@@ -34,11 +34,11 @@ class FewModes:
         """The undamped modes behind it, all of them."""
         return self._main.modes
 
-    def shapes(self, x_m: Floats, order: int = 0) -> Floats | Complex:
+    def shapes(self, x_m: Floats, order: int = 0) -> Floats | Complex128:
         """psi, (points, modes)."""
         return self._main.shapes(x_m, order)
 
-    def project(self, rows: Floats) -> Floats | Complex:
+    def project(self, rows: Floats) -> Floats | Complex128:
         """psi of loads on the undamped modes."""
         return self._main.project(rows)
 
@@ -48,7 +48,7 @@ class FewModes:
         return self._static(x_m, load) - self._kept(x_m, self.shapes(np.array([force_x_m]), put)[0])
 
     @property
-    def participation(self) -> Floats | Complex:
+    def participation(self) -> Floats | Complex128:
         """What an acceleration of the base puts into each mode."""
         return self._main.participation
 
@@ -59,5 +59,5 @@ class FewModes:
     def _static(self, x_m: Floats, load: Floats) -> Floats:
         return self.modes.shapes(x_m, self._count) @ (load / self.modes.omega(self._count) ** 2)
 
-    def _kept(self, x_m: Floats, load: Floats | Complex) -> Floats:
+    def _kept(self, x_m: Floats, load: Floats | Complex128) -> Floats:
         return (self.shapes(x_m) * load / (-self.poles * self.scale)).imag.sum(axis=1)

@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab_simulators.cantilever.basis import Basis, ModalBasis
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 class JoinedBasis:
@@ -17,7 +17,7 @@ class JoinedBasis:
         self._main, self._side, self._share = main, side, share
 
     @property
-    def poles(self) -> Complex:
+    def poles(self) -> Complex128:
         """p of both, (modes,)."""
         return np.concatenate([self._main.poles, self._side.poles])
 
@@ -26,7 +26,7 @@ class JoinedBasis:
         """s of both, (modes,)."""
         return np.concatenate([self._main.scale, self._side.scale])
 
-    def shapes(self, x_m: Floats, order: int = 0) -> Complex:
+    def shapes(self, x_m: Floats, order: int = 0) -> Complex128:
         """psi; a moment knows nothing of the family beside, (points, modes)."""
         count = len(self._side.omega)
         side = np.zeros((len(x_m), count)) if order else self._share * self._side.shapes(x_m)
@@ -37,7 +37,7 @@ class JoinedBasis:
         """The undamped modes behind the main family."""
         return self._main.modes
 
-    def project(self, rows: Floats) -> Complex:
+    def project(self, rows: Floats) -> Complex128:
         """psi of loads on the main family's undamped modes."""
         main = self._main.project(rows)
         return _beside(main, np.zeros((*main.shape[:-1], len(self._side.omega))))
@@ -48,7 +48,7 @@ class JoinedBasis:
         return main if put else main + self._share**2 * self._side.remainder(x_m, force_x_m)
 
     @property
-    def participation(self) -> Complex:
+    def participation(self) -> Complex128:
         """Of the main family: the base shakes along the drive."""
         return _beside(self._main.participation, np.zeros(len(self._side.omega)))
 
@@ -57,5 +57,5 @@ class JoinedBasis:
         return self._main.base_remainder(x_m)
 
 
-def _beside(main: Floats | Complex, side: Floats) -> Complex:
+def _beside(main: Floats | Complex128, side: Floats) -> Complex128:
     return np.concatenate([main.astype(np.complex128), side.astype(np.complex128)], axis=-1)

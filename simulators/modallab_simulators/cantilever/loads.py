@@ -7,10 +7,10 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab_simulators.cantilever.sensor import Sensor
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 BLOCK = 960
 """Delivered samples in one stretch: with the filter's length it fills an FFT of 1024."""
@@ -29,7 +29,7 @@ class Spread:
         rest: what all modes beyond add statically at each output's place, (outputs,).
     """
 
-    psi: Floats | Complex
+    psi: Floats | Complex128
     rest: Floats
 
 

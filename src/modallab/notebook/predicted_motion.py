@@ -6,8 +6,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.units import SI_UNIT, Quantity
 from modallab.modification.structure import At
@@ -15,8 +16,6 @@ from modallab.notebook.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Quantity
@@ -23,8 +24,6 @@ from modallab.reporting.modified_table import checked, modified_rows, tuned_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Real = NDArray[np.float64]
 
 
 LINES = 2000

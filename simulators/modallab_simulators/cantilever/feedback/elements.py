@@ -6,6 +6,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.attached import KEPT
 from modallab_simulators.cantilever.basis import Basis
@@ -13,7 +14,6 @@ from modallab_simulators.cantilever.cracked import HALF_WIDTH
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 Law = Literal["cubic", "friction", "play", "crack"]
 
@@ -144,7 +144,7 @@ class Channel:
         point: (place, order) of a load at a point, else None.
     """
 
-    psi: Floats | Complex
+    psi: Floats | Complex128
     row: Floats
     point: tuple[float, int] | None = None
 

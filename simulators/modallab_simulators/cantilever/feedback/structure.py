@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab_simulators.cantilever.attached import KEPT
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.feedback.elements import (
@@ -23,7 +24,6 @@ from modallab_simulators.cantilever.loads import BLOCK, Drive, Spread
 from modallab_simulators.cantilever.structure import Structure
 
 Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 SUBSTEPS = 2
 """Per internal sample: a force that runs straight over a sixteenth of a millisecond is right to 5e-4 at 200 Hz."""
@@ -44,8 +44,8 @@ class FedState:
         past: forces over the samples before, (channels, samples).
     """
 
-    linear: Complex
-    z: Complex
+    linear: Complex128
+    z: Complex128
     g: Floats
     memory: Floats
     past: Floats
@@ -69,7 +69,7 @@ class FedStructure:
         self._drag = drag
         self._set_marching()
         self._loads = [*map(self._load, self._local), *self._drag_loads()]
-        self._intos: dict[tuple[float, str], tuple[Complex, Floats]] = {}
+        self._intos: dict[tuple[float, str], tuple[Complex128, Floats]] = {}
 
     @property
     def oversample(self) -> int:
@@ -136,7 +136,7 @@ class FedStructure:
         march(parts, g, memory, forces, _parts(into), *self._fixed[:6], direct, *self._fixed[6:], REACH, fed)
         return replace(state, z=parts[0] + 1j * parts[1], g=g, memory=memory), fed
 
-    def _known(self, drive: Drive) -> tuple[Complex, Floats]:
+    def _known(self, drive: Drive) -> tuple[Complex128, Floats]:
         """What a known load puts into each mode, and at once into each local motion."""
         key = (drive.x_m, drive.load)
         if key not in self._intos:
@@ -205,7 +205,7 @@ class FedStructure:
             first = last
         return crack
 
-    def _drag_rows(self) -> tuple[Complex, Complex, Floats]:
+    def _drag_rows(self) -> tuple[Complex128, Complex128, Floats]:
         basis, n = self._basis, len(self._basis.poles)
         if self._drag is None:
             return np.zeros((0, n), complex), np.zeros((0, n), complex), np.zeros((0, 0))
@@ -230,7 +230,7 @@ class FedStructure:
         return [Drive(0.0, np.zeros(0), 0.0, "spread", False, Spread(psi, still)) for psi in rows]
 
 
-def _parts(numbers: Complex) -> Floats:
+def _parts(numbers: Complex128) -> Floats:
     """Real and imaginary parts as rows before the last axis."""
     return np.ascontiguousarray(np.stack([numbers.real, numbers.imag], axis=-2))
 
@@ -239,7 +239,7 @@ def _kept(basis: Basis, one: Channel, other: Channel) -> float:
     return float((one.psi * other.psi / (-basis.poles * basis.scale)).imag.sum())
 
 
-def _straight(poles: Complex, step_s: float) -> tuple[Complex, Complex]:
+def _straight(poles: Complex128, step_s: float) -> tuple[Complex128, Complex128]:
     """What a force that runs straight over a step puts into z, by its value at the beginning and at the end."""
     x = poles * step_s
     end = step_s * (np.exp(x) - 1 - x) / x**2

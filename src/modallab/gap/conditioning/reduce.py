@@ -9,11 +9,11 @@ three- and four-parameter fits of IEEE Std 1057, the frequency common to all blo
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.drive_rows import drives, reduce_drive
@@ -23,9 +23,6 @@ from modallab.signals.hit import Hit
 from modallab.signals.signals import Signals, to_signals
 from modallab.signals.tone_fit import clock_ratio, fit_at
 from modallab.twin.response import HISTORY_S, RAMP_S, Hits, Rise, Sines
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 IMPACT_BAND = 0.2
 """Share of the rate up to which hits are used."""
@@ -91,7 +88,7 @@ def _apart(rig: Rig) -> bool:
     return bool(rig.tolerance.hit_position_m or rig.tolerance.hit_gain)
 
 
-def hit_pulses(signals: Sequence[Signals]) -> tuple[Array, NDArray[np.int64]]:
+def hit_pulses(signals: Sequence[Signals]) -> tuple[Real, NDArray[np.int64]]:
     """(hits, m) force in N about each hit without its offset, and (hits,) the sample at which each begins."""
     windows = [wide_hit(s) for s in signals]
     pulses = np.zeros((len(signals), max(w.stop - w.first for w in windows)))
@@ -166,7 +163,7 @@ def sine_clock(data: Reduced) -> float:
     return 1.0 if data.sines is None else _where_shown(data.sines.ratio, data.sines.ratio_sigma)
 
 
-def sine_clock_of(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
+def sine_clock_of(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> float:
     """The same from records as they came, of which only sines count, and (rows,) V of noise."""
     signals = [to_signals(b, rig) for b in blocks if b.test == "sine"]
     return _where_shown(*sine_ratio(signals, Weights(noise_v).force(rig, "sine"))) if signals else 1.0
