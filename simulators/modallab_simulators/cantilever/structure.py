@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
-from modallab.core.arrays import Complex128
+from modallab.core.arrays import Complex128, Real
 from modallab_simulators.cantilever.antialias import DELAY, lowpass
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.drifting import same_way
@@ -25,9 +24,6 @@ from modallab_simulators.cantilever.hold import REACH, difference_taps
 from modallab_simulators.cantilever.lift import modal_taps, state_taps
 from modallab_simulators.cantilever.loads import BLOCK, Drive, Load, Output, Spread
 from modallab_simulators.cantilever.scan import Scan
-
-Floats = NDArray[np.float64]
-
 
 _TINY = 1e-150
 _ALONG = 101
@@ -38,7 +34,7 @@ _ALONG = 101
 class _Filter:
     """The filter of rows sampled alike, and what a filtered oscillator owes to each force sample."""
 
-    taps: Floats
+    taps: Real
     modal: Complex128
     tail: Complex128
 
@@ -79,7 +75,7 @@ class Structure:
         return self._basis
 
     @property
-    def places_m(self) -> Floats:
+    def places_m(self) -> Real:
         """Where each output is, (outputs,)."""
         return self._x
 
@@ -103,7 +99,7 @@ class Structure:
         taken[:count] = moved * self._same_way(other)
         return taken
 
-    def _same_way(self, other: "Structure") -> Floats:
+    def _same_way(self, other: "Structure") -> Real:
         """-1 for each mode whose shape stands upside down to the other structure's, else 1, (modes,)."""
         at = np.linspace(0.0, self._basis.modes.length_m, _ALONG)
         return same_way(self._basis.shapes(at), other._basis.shapes(at))
@@ -113,7 +109,7 @@ class Structure:
         first = (block * BLOCK - self._span - 1) * self._oversample
         return first, (BLOCK + self._columns - 1) * self._oversample
 
-    def advance(self, state: Complex128, drives: Sequence[Drive]) -> tuple[Floats, Complex128]:
+    def advance(self, state: Complex128, drives: Sequence[Drive]) -> tuple[Real, Complex128]:
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
         if not drives:
             if not state.any():
@@ -140,7 +136,7 @@ class Structure:
             self._put(driving, drive.force_n, self._input(drive)[0])
         return _flushed(self._scan.driven(state, driving)[1])
 
-    def _put(self, driving: Complex128, force: Floats, into: Complex128) -> None:
+    def _put(self, driving: Complex128, force: Real, into: Complex128) -> None:
         """Add what a force puts into the oscillators between delivered samples."""
         width = self._drive_taps.shape[0]
         windows = np.lib.stride_tricks.sliding_window_view(force, width)[self._oversample - REACH :: self._oversample]
@@ -152,7 +148,7 @@ class Structure:
             taps = np.ascontiguousarray(self._drive_taps[:, only]).view(np.float64)
             driving[:, only] += (windows @ taps).view(np.complex128) * into[only]
 
-    def _filtered(self, force: Floats, kernel: Complex128) -> Complex128:
+    def _filtered(self, force: Real, kernel: Complex128) -> Complex128:
         phases = np.ascontiguousarray(force.reshape(-1, self._oversample).T)
         return np.einsum("cjf,jf->cf", kernel, np.fft.rfft(phases, self._fft, axis=1))
 
@@ -188,7 +184,7 @@ class Structure:
             self._inputs[key] = (into, self._kernel(self._impulse_taps(into, feeds)))
         return self._inputs[key]
 
-    def _coupling(self, drive: Drive) -> tuple[Complex128, Floats]:
+    def _coupling(self, drive: Drive) -> tuple[Complex128, Real]:
         """What a unit load puts into each oscillator, (poles,), and at once into each output, (outputs, 3)."""
         basis, at = self._basis, np.array([drive.x_m])
         if drive.spread is not None:
@@ -211,16 +207,16 @@ class Structure:
                 feeds[row, 0] = felt if output.kind == "force" else drive.volts_per_n
         return np.concatenate(into), feeds
 
-    def _impulse_taps(self, into: Complex128, feeds: Floats) -> Floats:
+    def _impulse_taps(self, into: Complex128, feeds: Real) -> Real:
         """Filtered output per force sample since the filter's far end, (outputs, taps)."""
         directs = np.stack([difference_taps(order, self._step_s) for order in range(3)])
-        rows: list[Floats] = []
+        rows: list[Real] = []
         for row, output in enumerate(self._outputs):
             chain = self._filters[output.later_s]
             rows.append(((self._gains[row] * into) @ chain.modal).imag + np.convolve(chain.taps, feeds[row] @ directs))
         return np.array(rows)
 
-    def _kernel(self, taps: Floats) -> Complex128:
+    def _kernel(self, taps: Real) -> Complex128:
         padded = np.zeros((len(taps), self._columns * self._oversample))
         padded[:, self._oversample - REACH : self._oversample - REACH + taps.shape[1]] = taps
         phases = padded.reshape(len(taps), self._columns, self._oversample)[:, ::-1].transpose(0, 2, 1)
