@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from modallab.core.lazy import lazily
 
 if TYPE_CHECKING:
+    from modallab.core.documents.forces import ImpulseForce, RandomForce, SineForce, SweepForce
     from modallab.formats.fem.matrix_model import MatrixModel
     from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
     from modallab.notebook.correlated import Correlated, CorrelatedModes, UpdatedModel
@@ -39,14 +40,18 @@ __all__ = [
     "DiagnosedTwin",
     "Element",
     "GapFound",
+    "ImpulseForce",
     "MatrixModel",
     "MeasuredFrf",
     "Model",
     "PredictedMotion",
     "Prior",
     "PutToUse",
+    "RandomForce",
     "Recording",
     "RigidLink",
+    "SineForce",
+    "SweepForce",
     "TunedAbsorber",
     "Understood",
     "UpdatedModel",
@@ -64,6 +69,7 @@ __all__ = [
 __getattr__ = lazily(
     __name__,
     {
+        "core.documents.forces": ("ImpulseForce", "RandomForce", "SineForce", "SweepForce"),
         "modification.attachments": ("Coupled", "Element", "RigidLink", "TunedAbsorber"),
         "notebook.understood": ("DeflectionShape", "Understood"),
         "notebook.shown": ("Answered",),

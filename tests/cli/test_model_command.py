@@ -5,14 +5,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from chain import BARE
+from chain import BARE, OTHER
+from scipy.io import loadmat
 
 from modallab.cli import main
+from modallab.core.units import Quantity
 from modallab.formats.frf_file import bare_rig
 from modallab.formats.rig.rig_file import write_rig
-from modallab.modification.attachments import Element
+from modallab.modification.attachments import Coupled, Element
 from modallab.modification.known import Known
 from modallab.modification.participation import participation
+from modallab.modification.structure import At
 
 
 @pytest.fixture
@@ -115,3 +118,68 @@ def test_a_correction_does_not_see_the_modes_held_out(
     assert "held out" in capsys.readouterr().out
     assert main(["model", "update", str(models), "--prior", "E", "one", "5%"]) != 0
     assert "--prior density 7850 2%" in capsys.readouterr().err
+
+
+def test_a_response_is_printed_written_and_that_of_python(
+    models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    force, answer, out = tmp_path / "force.csv", tmp_path / "answer.json", tmp_path / "motion.csv"
+    samples = np.random.default_rng(0).standard_normal((400, 2))
+    np.savetxt(force, samples, delimiter=",")
+    given = ["--at", "1", "4", "--of", "2", "--force", str(force), "--step", "0.01", "--displaced", "3", "0.001"]
+    assert main(["model", "response", str(models), *given, "--json", str(answer), "--out", str(out)]) == 0
+    start: dict[Quantity, dict[At, float]] = {"displacement": {3: 0.001}}
+    expected = Known(BARE.model()).response(samples.T, 0.01, [1, 4], [2], start=start)
+    written = np.loadtxt(out, delimiter=",", skiprows=1)
+    np.testing.assert_allclose(written[:, 1], expected[0], rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(json.loads(answer.read_text())["peak"], np.abs(expected).max(axis=1))
+    assert "acceleration in m/s^2 over 4 s" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "kind", [["--impulse", "0.1"], ["--sine", "10", "2"], ["--sweep", "2", "20", "1"], ["--random", "SPECTRUM"]]
+)
+def test_a_force_of_a_kind_lasts_as_long_as_is_said(
+    models: Path, tmp_path: Path, kind: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    spectrum = tmp_path / "spectrum.csv"
+    spectrum.write_text("1,0.01\n30,0.02\n")
+    given = [str(spectrum) if word == "SPECTRUM" else word for word in kind]
+    asked = ["model", "response", str(models), "--at", "1", "--step", "0.01", *given]
+    assert main(asked) != 0
+    assert "--seconds 10" in capsys.readouterr().err
+    assert main([*asked, "--seconds", "4"]) == 0
+    assert "over 4 s" in capsys.readouterr().out
+
+
+def test_matrices_for_control_design_are_those_of_python(models: Path, tmp_path: Path) -> None:
+    out = tmp_path / "model.mat"
+    assert main(["model", "state-space", str(models), "--at", "1", "--of", "3", "--out", str(out)]) == 0
+    found, expected = loadmat(out), Known(BARE.model()).state_space([1], [3], "acceleration")
+    for name in ("A", "B", "C", "D", "frequency_sigma_hz"):
+        np.testing.assert_allclose(found[name], np.atleast_2d(getattr(expected, name)))
+    assert found["outputs"][0].strip() == "acceleration 3 [m/s^2]"
+
+
+def test_what_is_coupled_and_taken_away_again_are_the_modes_of_python(models: Path, tmp_path: Path) -> None:
+    other, answer = tmp_path / "other.json", tmp_path / "answer.json"
+    other.write_text(json.dumps({"models": [OTHER.model().model_dump(mode="json")]}))
+    given = ["--other", str(other), "--pair", "4", "1", "--joint", "30000", "--json", str(answer)]
+    assert main(["model", "couple", str(models), *given]) == 0
+    held = Coupled(Known(OTHER.model()).structure, [(4, 1)], 3e4)
+    expected = Known(BARE.model()).with_changes([held]).modes.frequency_hz
+    np.testing.assert_allclose(json.loads(answer.read_text())["frequency_hz"], expected)
+
+
+def test_a_band_is_kept_free_and_an_absorber_found(
+    models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answer = tmp_path / "answer.json"
+    given = ["--band", "10.5", "11", "--by", "mass", "--at", "1", "3"]
+    assert main(["model", "free", str(models), *given, "--json", str(answer)]) == 0
+    assert len(json.loads(answer.read_text())["answers"]) == 2
+    assert "leaves no mode from 10.5 to 11 Hz" in capsys.readouterr().out
+    given = ["--mode", "1", "--at", "3", "--mass", "0.05"]
+    assert main(["model", "absorber", str(models), *given, "--json", str(answer)]) == 0
+    found = json.loads(answer.read_text())
+    assert found["peak_after"] < found["peak_before"]

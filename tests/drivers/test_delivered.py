@@ -10,6 +10,7 @@ from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Request
 from modallab.core.errors import ConfigurationError, PlanError
+from modallab.core.events import Notice
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Rig
 from modallab.signals.tone_fit import fit_at
@@ -64,10 +65,13 @@ def test_a_block_is_kept_native_and_read_back_delivered(server: NiServer, small:
 
 def test_native_blocks_have_the_nearest_whole_number_of_samples(server: NiServer, small: Rig, tmp_path: Path):
     bench = open_bench(server.url, small)
+    said: list[object] = []
     with Store(tmp_path) as store:
-        run = record(bench, small, PLAN.model_copy(update={"rate_hz": 2000.0}), store, lambda event: None)
+        run = record(bench, small, PLAN.model_copy(update={"rate_hz": 2000.0}), store, said.append)
         block = store.blocks(run)[0]
     bench.close()
+    notices = [event.what for event in said if isinstance(event, Notice)]
+    assert "the device samples at 2048 Hz; 2000 Hz was requested" in notices
     assert block.n_samples == round(0.512 * 2048)
     assert block.duration_s == block.n_samples / 2048.0
 

@@ -7,6 +7,7 @@ import pytest
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
+from modallab.core.places import AllAlongBeam
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.model.candidates import of_channel
@@ -38,7 +39,7 @@ def test_a_beam_pressed_beyond_its_buckling_load_is_a_bad_fit_and_no_failure(
 ) -> None:
     prepared = prepare(make())
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
-    law = element(bench, "beam_law", ("tension",), (("x", "all"),), 1.0)
+    law = element(bench, "beam_law", ("tension",), AllAlongBeam(), 1.0)
     problem, beam = Problem(bench.thin, bench.free, (law,)), rig.beam
     assert beam is not None
     bending = beam.youngs_modulus_pa * beam.width_m * beam.thickness_m**3 / 12

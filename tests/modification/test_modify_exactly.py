@@ -9,6 +9,7 @@ from scipy import linalg
 
 from modallab.core.errors import DataError
 from modallab.modification.attachments import Addition, Coupled, Element, RigidLink, TunedAbsorber
+from modallab.modification.free_band import kept_free
 from modallab.modification.inverse import By, best_absorber, tuned
 from modallab.modification.known import Known
 from modallab.modification.structure import structure_of
@@ -252,3 +253,28 @@ def test_rigid_links_that_hold_one_motion_twice_are_rejected(links: list[RigidLi
 
 def test_a_structure_held_everywhere_has_no_mode() -> None:
     assert not Known(BARE.model()).with_changes([RigidLink(p) for p in (1, 2, 3, 4)]).modes.frequency_hz.size
+
+
+@pytest.mark.parametrize("by", ["mass", "spring"])
+def test_the_smallest_size_that_frees_a_band_does_so_and_less_does_not(by: By) -> None:
+    known = Known(BARE.model())
+    hz = known.modes.frequency_hz
+    band = (float(0.93 * hz[1]), float(1.07 * hz[1]))
+    found = kept_free(known, band, by, [1, 2, 3, 4])
+    sizes = [a.size for a in found if a.feasible]
+    assert sizes
+    assert sizes == sorted(sizes)
+    for answer in found:
+        for size, free in ((1.0001 * answer.size, True), (0.9999 * answer.size, False)):
+            if answer.feasible:
+                changed = known.with_changes([Element(answer.at, **{by: size})]).modes.frequency_hz
+                assert free == (not np.any((changed > band[0]) & (changed < band[1])))
+
+
+def test_a_band_that_a_mode_cannot_leave_names_the_mode() -> None:
+    known = Known(BARE.model())
+    hz = known.modes.frequency_hz
+    none = [a for a in kept_free(known, (1e-3 * hz[0], 1.01 * hz[0]), "mass", [3]) if not a.feasible]
+    assert [a.stays for a in none] == [1]
+    free = kept_free(known, (float(1.05 * hz[0]), float(1.06 * hz[0])), "mass", [1])[0]
+    assert free.size == 0 or free.feasible

@@ -162,7 +162,14 @@ class SimulatedSystem:
             task.running = True
             task.kick(time.monotonic())
         else:
+            self._start(task)
+
+    def _start(self, task: Task) -> None:
+        try:
             start(self, task)
+        except StatusError:
+            self.stop(task)
+            raise
 
     def require_unexpired(self, task: Task) -> None:
         """Raise if the watchdog of the task's chassis has expired.

@@ -122,6 +122,12 @@ class InputTask(AcquiringTask):
         """Whether all samples of a finite task are there."""
         return self.ready if self.trigger is not None else AcquiringTask.has_all(self, clock)
 
+    def left(self, clock: BenchClock) -> int:
+        """Samples that a read of all gives; with a reference trigger all of its record, which may never come."""
+        if self.trigger is None:
+            return AcquiringTask.left(self, clock)
+        return self.record[0].shape[1] if self.ready else self.finite
+
     def take(self, count: int, clock: BenchClock) -> Floats:
         """The next (channels, n <= count) values that are there.
 

@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.bench.protocol import Request
+from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Converter, Rig
 from modallab.core.units import Test
 from modallab_simulators.cantilever.address import parse
 from modallab_simulators.cantilever.bench import CantileverBench
+from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.lines import Floats, OutputLine
+from modallab_simulators.ni_daqmx_server.status import StatusError
 
 LATENCY_S = 0.002
 STEP_V = 1e-9
@@ -85,9 +88,17 @@ class CantileverPlant:
         self.generator_ppm = float(self.facts.get("generator_ppm", 0.0))
 
     def begin(self, rate_hz: float, start_s: float, lines: Sequence[OutputLine]) -> Source:
-        """See `Plant`."""
+        """See `Plant`.
+
+        Raises:
+            StatusError: the bench cannot be sampled at such a rate.
+        """
         self._bench.stop()
-        delivery = self._bench.configure(Request(self._test, rate_hz))
+        try:
+            delivery = self._bench.configure(Request(self._test, rate_hz))
+        except ConfigurationError as error:
+            said = f"Property: SampClk.Rate\nRequested Value: {rate_hz:g}\n{error}"
+            raise StatusError(status.INVALID_VALUE, said) from error
         self._bench.start()
         # The bench plays bursts; a device plays whatever was written to it, so it is put beneath.
         inner = cast("Any", self._bench)

@@ -1,14 +1,17 @@
 """The wire: NI's gRPC service, all calls of one kind by one way."""
 
+import logging
 import re
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from functools import partial
+from typing import Any, NoReturn
 
 import grpc
 from nidaqmx._stubs import nidaqmx_pb2 as messages
 
+from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.answers.dispatch import CALL, attribute
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.sessions import wait_until_done
@@ -60,22 +63,20 @@ class _Calls(grpc.GenericRpcHandler):
         if name in STREAMS:
             return grpc.unary_stream_rpc_method_handler(_streamed(self._system, name), request.FromString, _encode)  # pyrefly: ignore[bad-argument-type]
         answer = _answerer(self._system, name)
-        if answer is None:
-            return None
 
         def call(asked: Any, context: grpc.ServicerContext) -> Any:
             try:
                 return answer(asked if self._clients is None else self._clients.scoped(asked, context.peer()))
-            except StatusError as error:
-                _reject(context, error)
             except SessionError as error:
                 found = grpc.StatusCode.ALREADY_EXISTS if error.exists else grpc.StatusCode.FAILED_PRECONDITION
                 context.abort(found, error.text)
+            except Exception as error:
+                _reject(context, _as_status(name, error))
 
         return grpc.unary_unary_rpc_method_handler(call, request.FromString, _encode)  # pyrefly: ignore[bad-argument-type]
 
 
-def _answerer(system: SimulatedSystem, name: str) -> Callable[[Any], Any] | None:
+def _answerer(system: SimulatedSystem, name: str) -> Callable[[Any], Any]:
     if name in FORMS:
         return lambda asked: read(system, name, asked)
     if name == "WaitUntilTaskDone":
@@ -83,7 +84,11 @@ def _answerer(system: SimulatedSystem, name: str) -> Callable[[Any], Any] | None
     if name in HANDLERS:
         return lambda asked: _handle(system, name, asked)
     match = CALL.fullmatch(name)
-    return None if match is None else (lambda asked: _attribute(system, name, match, asked))
+    return partial(_reject_unknown, name) if match is None else partial(_attribute, system, name, match)
+
+
+def _reject_unknown(name: str, _: Any) -> NoReturn:
+    raise StatusError(status.NOT_SIMULATED, f"Function: {name}")
 
 
 def _handle(system: SimulatedSystem, name: str, asked: Any) -> Any:
@@ -122,10 +127,19 @@ def _streamed(system: SimulatedSystem, name: str) -> Callable[[Any, grpc.Service
     def stream(asked: Any, context: grpc.ServicerContext) -> Iterator[Any]:
         try:
             yield from STREAMS[name](system, asked, context)
-        except StatusError as error:
-            _reject(context, error)
+        except Exception as error:
+            _reject(context, _as_status(name, error))
 
     return stream
+
+
+def _as_status(name: str, error: Exception) -> StatusError:
+    # A client of the driver knows no other failure than a status.
+    if isinstance(error, StatusError):
+        return error
+    logging.getLogger(__name__).error("%s failed", name, exc_info=error)
+    said = f"Function: {name}\n{type(error).__name__}: {error}"
+    return StatusError(status.SOFTWARE_FAULT, said, samples=0 if name.startswith("Read") else None)
 
 
 def _reject(context: grpc.ServicerContext, error: StatusError) -> None:

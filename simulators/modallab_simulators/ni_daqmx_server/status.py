@@ -39,6 +39,8 @@ NO_TIMESTAMP = -209842
 WRONG_CHANNELS = -200524
 WRONG_LINES = -200463
 NO_SUCH_DESTINATION = -89121
+NOT_SIMULATED = -50256
+SOFTWARE_FAULT = -50150
 
 _SAID = {
     NOT_YET_AVAILABLE: "Some or all of the samples requested have not yet been acquired.",
@@ -89,6 +91,8 @@ _SAID = {
     OTHERS_RESERVED: "The watchdog task cannot be reserved while other tasks on the chassis are reserved.",
     EXPIRED_NOT_RESET: "The watchdog timer has expired and cannot be reset.",
     NO_WATCHDOG: "The device does not support a watchdog timer.",
+    NOT_SIMULATED: "The requested feature is not supported: the simulated server lacks it.",
+    SOFTWARE_FAULT: "The software has encountered an internal fault.",
     NOT_FINISHED: "Wait Until Done did not indicate that the task was done within the specified timeout.",
 }
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from modallab.cli.model_predictions import MOTIONS, PREDICTED
 from modallab.cli.options import JSON_HELP, Commands, add_saying, count, positive
 from modallab.core.units import TESTS
 
@@ -13,8 +14,8 @@ def add_model_commands(commands: Commands) -> None:
         "model", help="put a modal model to use: what makes a response, and what a change makes of it"
     )
     actions = model.add_subparsers(metavar="ACTION", required=True, dest="action")
-    understood = (_participation(actions), _nodes(actions), _shape(actions), _compare(actions), _update(actions))
-    for command in (*understood, _modify(actions), _tune(actions), _frf(actions)):
+    for add in (_participation, _nodes, _shape, _frf, *PREDICTED, _compare, _update):
+        command = add(actions)
         command.add_argument(
             "model", type=Path, metavar="MODELS.json|FOLDER|CAMPAIGN.h5", help="models, or a campaign to identify"
         )
@@ -32,9 +33,7 @@ def _participation(actions: Commands) -> Any:
     span = command.add_mutually_exclusive_group()
     span.add_argument("--band", nargs=2, type=positive, metavar=("LO", "HI"), help="in Hz (default: the model's)")
     span.add_argument("--after", nargs=2, type=float, metavar=("BEGIN", "END"), help="a time in s after a hit")
-    command.add_argument(
-        "--quantity", choices=("displacement", "velocity", "acceleration"), default="velocity", help="of the motion"
-    )
+    command.add_argument("--quantity", choices=MOTIONS, default="velocity", help="of the motion")
     return command
 
 
@@ -77,35 +76,6 @@ def _update(actions: Commands) -> Any:
         help="of a parameter such as spring@8; 5%% is a deviation relative to the value",
     )
     command.add_argument("--hold-out", nargs="+", type=count, metavar="MODE", help="modes that only check")
-    return command
-
-
-def _modify(actions: Commands) -> Any:
-    command = actions.add_parser("modify", help="the modes with masses, springs, dampers, absorbers or links added")
-    command.add_argument("--at", type=int, metavar="POINT", help="of --mass, --spring and --damper")
-    command.add_argument("--to", type=int, metavar="POINT", help="other end of spring and damper (default: ground)")
-    command.add_argument("--mass", type=float, default=0.0, metavar="KG", help="below 0: taken away")
-    command.add_argument("--spring", type=float, default=0.0, metavar="N/M", help="stiffness")
-    command.add_argument("--damper", type=float, default=0.0, metavar="NS/M", help="viscous damping")
-    command.add_argument(
-        "--absorber",
-        nargs=4,
-        type=float,
-        metavar=("POINT", "KG", "HZ", "PERCENT"),
-        help="its mass, natural frequency, damping ratio",
-    )
-    command.add_argument("--ground", type=int, nargs="+", metavar="POINT", help="points that no longer move")
-    command.add_argument("--check", type=Path, metavar="FILE", help="models or campaign measured with the changes")
-    command.add_argument("--link", type=int, nargs=2, metavar="POINT", help="two points that move as one")
-    return command
-
-
-def _tune(actions: Commands) -> Any:
-    command = actions.add_parser("tune", help="the mass or spring that brings a mode to a frequency, at each point")
-    command.add_argument("--mode", type=int, required=True, metavar="N", help="from 1")
-    command.add_argument("--to", type=positive, required=True, metavar="HZ", help="the frequency")
-    command.add_argument("--by", choices=("mass", "spring"), required=True, help="what is added")
-    command.add_argument("--at", type=int, nargs="+", metavar="POINT", help="points to try (default: all)")
     return command
 
 

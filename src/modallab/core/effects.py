@@ -81,6 +81,7 @@ class EffectKind:
         tests: the tests it shows in.
         linear: whether the bench with it still answers in proportion to the force.
         says: what it does, in one line, with the convention of its parameters.
+        at_points: its number on a structure that is known at points alone, where that is not the first parameter.
     """
 
     name: str
@@ -90,6 +91,7 @@ class EffectKind:
     says: str
     tests: tuple[Test, ...] = ("impact", "sine")
     linear: bool = True
+    at_points: Parameter | None = None
 
     @property
     def fixed_place(self) -> Place | None:

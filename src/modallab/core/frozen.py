@@ -67,7 +67,7 @@ def described(cls: type) -> tuple[str, dict[str, str]]:
 
 _LIST = "\n\nAttributes:\n"
 _OF_ALL = {"kind": "Says which of several documents it is.", "format_version": "Of the document's form."}
-_ATTRIBUTE = re.compile(r"^ {4}([a-z][\w, ]*):((?:.*)(?:\n {8}.*)*)", re.MULTILINE)
+_ATTRIBUTE = re.compile(r"^ {4}([A-Za-z][\w, ]*):((?:.*)(?:\n {8}.*)*)", re.MULTILINE)
 
 
 Truth = Annotated[bool, Strict()]

@@ -112,6 +112,20 @@ class NearPoint(Frozen):
     axis: str | None = Field(default=None, exclude_if=unstated)
 
 
+class BetweenPoints(Frozen):
+    """Two points of a measured structure, and what connects them.
+
+    Attributes:
+        points: both.
+        at_m: x, y and z half-way.
+        axis: along which it acts.
+    """
+
+    points: tuple[int, int]
+    at_m: tuple[float, float, float]
+    axis: str
+
+
 class NamedChannel(Frozen):
     """A channel of a modal model.
 
@@ -132,7 +146,7 @@ class EveryOutput(Frozen):
     channels: Literal["all"] = "all"
 
 
-PlaceOnStructure = NearPoint | NamedChannel | EveryOutput
+PlaceOnStructure = NearPoint | BetweenPoints | NamedChannel | EveryOutput
 """Where a change of a measured structure acts."""
 
 

@@ -29,6 +29,12 @@ class Receptances(Protocol):
         ...
 
 
+LOWEST = 1e-3
+"""Of the upper edge of a band that begins at 0 Hz: the first line of FRFs."""
+HALF_WIDTHS = np.array([-16, -8, -4, -2, -1, -0.5, 0, 0.5, 1, 2, 4, 8, 16])
+"""From a pole, in half its bandwidth: over them a peak falls to a sixteenth."""
+
+
 def frf_between(
     structure: Structure,
     now: Receptances,
@@ -86,3 +92,19 @@ def frequencies_of(f: object) -> Real:
     if hz.ndim != 1 or not hz.size or not np.isfinite(hz).all() or hz[0] <= 0 or np.any(np.diff(hz) <= 0):
         raise DataError("the frequencies do not ascend from above 0 Hz", where="f", remedy="sort them, and leave 0 out")
     return hz
+
+
+def lines_with_peaks(band_hz: tuple[float, float], even: int, *poles: Complex) -> Real:
+    """(lines,) Hz evenly over a band, and more about each pole in it: a narrow peak lies between even lines.
+
+    Args:
+        band_hz: lower and upper edge; a band from 0 Hz on begins at a thousandth of its upper edge.
+        even: how many evenly.
+        poles: (poles,) rad/s, of one structure or several.
+    """
+    low, high = band_hz
+    first = max(low, LOWEST * high)
+    every = np.concatenate([np.zeros(0, np.complex128), *poles])[:, None]
+    near = (every.imag + np.abs(every.real) * HALF_WIDTHS).ravel() / (2 * np.pi)
+    within = near[(near > first) & (near < high)]
+    return np.unique(np.concatenate([np.linspace(first, high, even), within])).astype(np.float64)

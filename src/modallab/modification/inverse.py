@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from modallab.core.errors import DataError
 from modallab.modification.attachments import Addition, Element, TunedAbsorber
 from modallab.modification.known import Known
 from modallab.modification.poles import Attached, poles_of
-from modallab.modification.structure import At
+from modallab.modification.structure import At, Structure
 
 Real = NDArray[np.float64]
 By = Literal["mass", "spring"]
@@ -49,6 +49,16 @@ class Answer:
         return bool(np.isfinite(self.size))
 
 
+class BestAbsorber(NamedTuple):
+    """An absorber, and the largest mobility at its point about the mode: m/(N s), with one standard deviation."""
+
+    absorber: TunedAbsorber
+    before: float
+    after: float
+    before_sigma: float
+    after_sigma: float
+
+
 def tuned(known: Known, mode: int, to_hz: float, by: By, at: Sequence[At]) -> tuple[Answer, ...]:
     """What brings a mode to a frequency, at each of several points; the smallest first, then the points without one.
 
@@ -72,14 +82,9 @@ def tuned(known: Known, mode: int, to_hz: float, by: By, at: Sequence[At]) -> tu
 
 
 def _at_point(known: Known, mode: int, to_hz: float, by: By, at: At) -> Answer:
-    whole = known.structure
-    place, pole = whole.index(at), whole.poles[mode]
-    phi2 = float(np.abs(whole.psi[mode, place] ** 2 * 2 * pole.imag))
-    # A point near a node needs more than any point has: the largest shape bounds what is tried there.
-    largest = float(np.max(np.abs(whole.psi[mode] ** 2 * 2 * pole.imag)))
-    modal = (1.0 if by == "mass" else float(np.abs(pole) ** 2)) / max(phi2, 1e-3 * largest)
+    pole, modal = known.structure.poles[mode], modal_size(known.structure, mode, by, at)
     sizes = np.geomspace(ONLY_THE_LIGHT * modal, AT_MOST * modal, TRIED)
-    hz = np.array([_hz(known, mode, by, at, size) for size in sizes])
+    hz = np.array([changed_hz(known, by, at, size)[mode] for size in sizes])
     start = float(np.abs(pole)) / (2 * np.pi)
     reached = float(min(start, hz.min())), float(max(start, hz.max()))
     between = np.flatnonzero((hz[:-1] - to_hz) * (hz[1:] - to_hz) <= 0)
@@ -89,32 +94,41 @@ def _at_point(known: Known, mode: int, to_hz: float, by: By, at: At) -> Answer:
     low, high = (1e-3 * sizes[0], sizes[0]) if first else sizes[between[0] : between[0] + 2]
 
     def off(log_size: float) -> float:
-        return _hz(known, mode, by, at, float(np.exp(log_size))) - to_hz
+        return float(changed_hz(known, by, at, float(np.exp(log_size)))[mode]) - to_hz
 
     size = float(np.exp(brentq(off, np.log(low), np.log(high), xtol=1e-9)))
-    return Answer(at, size, _sigma(known, to_hz, by, at, size), *reached)
+    return Answer(at, size, sigma_of_size(known, to_hz, by, at, size), *reached)
 
 
-def _hz(known: Known, mode: int, by: By, at: At, size: float) -> float:
-    """Frequency of a mode with a change: its order among the modes stays as the change grows; two never cross."""
-    found = np.abs(poles_of(Attached.of(known.structure, [_change(by, at, size)]))) / (2 * np.pi)
-    return float(np.sort(found)[mode])
+def modal_size(whole: Structure, mode: int, by: By, at: At) -> float:
+    """Modal mass or stiffness of a mode, from 0, at a point, kg or N/m."""
+    place, pole = whole.index(at), whole.poles[mode]
+    phi2 = np.abs(whole.psi[mode] ** 2 * 2 * pole.imag)
+    # A point near a node needs more than any point has: the largest shape bounds what is tried there.
+    return (1.0 if by == "mass" else float(np.abs(pole) ** 2)) / float(max(phi2[place], 1e-3 * phi2.max()))
 
 
-def _change(by: By, at: At, size: float) -> Element:
+def changed_hz(known: Known, by: By, at: At, size: float) -> Real:
+    """(modes,) with a change. A mode keeps its place as the change grows: two never cross."""
+    changes = [change(by, at, size)] if size else []
+    return np.sort(np.abs(poles_of(Attached.of(known.structure, changes)))) / (2 * np.pi)
+
+
+def change(by: By, at: At, size: float) -> Element:
+    """A mass, or a spring to ground."""
     return Element(at, mass=size) if by == "mass" else Element(at, spring=size)
 
 
-def _sigma(known: Known, to_hz: float, by: By, at: At, size: float) -> float:
+def sigma_of_size(known: Known, to_hz: float, by: By, at: At, size: float) -> float:
     """Of the size: that of the frequency it gives over how the frequency moves with it."""
     small = 1e-3 * size
-    here, there = (known.with_changes([_change(by, at, s)]).modes for s in (size, size + small))
+    here, there = (known.with_changes([change(by, at, s)]).modes for s in (size, size + small))
     r = int(np.argmin(np.abs(here.frequency_hz - to_hz)))
     slope = (there.frequency_hz[r] - here.frequency_hz[r]) / small
     return float(here.frequency_sigma_hz[r] / abs(slope))
 
 
-def best_absorber(known: Known, mode: int, at: At, mass: float) -> tuple[TunedAbsorber, float, float]:
+def best_absorber(known: Known, mode: int, at: At, mass: float) -> BestAbsorber:
     """The absorber that leaves the least peak of the driving-point mobility about a mode.
 
     Den Hartog's tuning of a structure of one mode begins the search; the others, and its own damping, then move it.
@@ -124,9 +138,6 @@ def best_absorber(known: Known, mode: int, at: At, mass: float) -> tuple[TunedAb
         mode: from 1.
         at: where the absorber hangs.
         mass: of it, kg.
-
-    Returns:
-        the absorber, and the peaks before and after in m/(N s).
 
     Raises:
         DataError: no such mode, or the mode has a node there.
@@ -143,7 +154,11 @@ def best_absorber(known: Known, mode: int, at: At, mass: float) -> tuple[TunedAb
 
     found: Any = minimize(peak, start, method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-9})
     best = TunedAbsorber(at, mass, float(omega / (2 * np.pi) * np.exp(found.x[0])), float(np.exp(found.x[1])))
-    return best, _peak(known, [], f, at), _peak(known, [best], f, at)
+
+    def peaks(one: Known) -> Real:
+        return np.array([_peak(one, changes, f, at) for changes in ([], [best])])
+
+    return BestAbsorber(best, *peaks(known).tolist(), *known.deviation(peaks).tolist())
 
 
 def _mass_ratio(known: Known, mode: int, at: At, mass: float) -> tuple[float, float]:

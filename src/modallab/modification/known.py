@@ -255,15 +255,28 @@ class Known:
             DataError: a point that the model does not know.
         """
         modes = self._modes_at(of, at)
-        return state_space_of(modes.poles, modes.out, modes.into, quantity, of, at)
+        names = [[self._measured.freedoms[self._measured.index(a)][0] for a in places] for places in (of, at)]
+        return state_space_of(modes.poles, self._pole_sigma, modes.out, modes.into, quantity, *names)
+
+    @property
+    def poles(self) -> Complex:
+        """(modes,) rad/s, with what hangs on it."""
+        if not self.changes:
+            return self._measured.poles
+        m = self.modes
+        return 2 * np.pi * m.frequency_hz * (-m.damping_ratio + 1j * np.sqrt(1 - m.damping_ratio**2))
+
+    @property
+    def _pole_sigma(self) -> tuple[Real, Real]:
+        """(modes,) of frequencies in Hz, and of damping ratios."""
+        if self.changes:
+            return self.modes.frequency_sigma_hz, self.modes.damping_sigma
+        poles = self.samples.poles
+        return np.std(np.abs(poles), axis=0) / (2 * np.pi), np.std(-poles.real / np.abs(poles), axis=0)
 
     @cached_property
     def _poles_and_shapes(self) -> tuple[Complex, Complex]:
-        if not self.changes:
-            return self._measured.poles, self._measured.psi
-        m = self.modes
-        poles = 2 * np.pi * m.frequency_hz * (-m.damping_ratio + 1j * np.sqrt(1 - m.damping_ratio**2))
-        return poles, residues_of(self.attached, poles)
+        return self.poles, residues_of(self.attached, self.poles) if self.changes else self._measured.psi
 
     def _started(self, start: dict[Quantity, dict[At, float]]) -> Complex:
         poles, psi = self._poles_and_shapes

@@ -212,13 +212,13 @@ def _step(s: Complex, flexibility: Callable[[Complex], Complex], own: Complex) -
 
 def _logarithmic(matrix: Complex, slope: Complex) -> Complex:
     """(...,) derivative of the logarithm of the determinants of (..., n, n); 0 where a root has gone astray."""
-    sound = (np.isfinite(matrix) & np.isfinite(slope)).all(axis=(-2, -1))
-    kept = np.where(sound[..., None, None], matrix, np.eye(matrix.shape[-1]))
+    sound = (np.isfinite(matrix) & np.isfinite(slope)).all(axis=(-2, -1), keepdims=True)
+    kept = np.where(sound, matrix, np.eye(matrix.shape[-1]))
     # At a root the matrix is singular, now and then to the last digit: such a root is found, and stays.
     found = np.isneginf(np.linalg.slogdet(kept).logabsdet)
     solvable = np.where(found[..., None, None], np.eye(matrix.shape[-1]), kept)
-    rates = np.trace(np.linalg.solve(solvable, slope), axis1=-2, axis2=-1)
-    return np.where(found, np.inf, np.where(sound, rates, 0.0))
+    rates = np.trace(np.linalg.solve(solvable, np.where(sound, slope, 0.0)), axis1=-2, axis2=-1)
+    return np.where(found, np.inf, rates)
 
 
 def _inverse(distance: Complex) -> Complex:

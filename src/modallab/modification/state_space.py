@@ -1,7 +1,7 @@
 """Modes as a state space: what simulators and control design take."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,10 @@ class ModalStateSpace:
         inputs: names of the forces.
         outputs: names of the motions.
         unit: of the motions.
+        frequency_hz: (modes,) in the order of the states: all real parts first, then all imaginary parts.
+        frequency_sigma_hz: (modes,) one standard deviation.
+        damping_ratio: (modes,)
+        damping_sigma: (modes,) one standard deviation.
     """
 
     A: Real
@@ -41,6 +45,14 @@ class ModalStateSpace:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     unit: str
+    frequency_hz: Real
+    frequency_sigma_hz: Real
+    damping_ratio: Real
+    damping_sigma: Real
+
+    def document(self) -> dict[str, Any]:
+        """Every array as lists, for JSON."""
+        return {f.name: _listed(getattr(self, f.name)) for f in fields(self)}
 
     def scipy(self) -> Any:
         """As `scipy.signal.StateSpace`."""
@@ -64,19 +76,26 @@ class ModalStateSpace:
         path = Path(path)
         if path.suffix != ".mat":
             raise StorageError(f"{path.name} does not end with .mat", where=str(path), remedy="name it model.mat")
-        content = {name: getattr(self, name) for name in ("A", "B", "C", "D", "inputs", "outputs", "unit")}
+        content = {f.name: getattr(self, f.name) for f in fields(self)}
         with replacing(path) as draft:
             savemat(str(draft), content, appendmat=False)
         return path
 
 
 def state_space_of(
-    poles: Complex, out: Complex, into: Complex, quantity: Quantity, outputs: Sequence[object], inputs: Sequence[object]
+    poles: Complex,
+    sigma: tuple[Real, Real],
+    out: Complex,
+    into: Complex,
+    quantity: Quantity,
+    outputs: Sequence[object],
+    inputs: Sequence[object],
 ) -> ModalStateSpace:
     """The state space of modes, without what lies outside the band.
 
     Args:
         poles: (modes,) rad/s.
+        sigma: (modes,) of frequencies in Hz, and of damping ratios.
         out: (modes, outputs) psi.
         into: (modes, inputs) psi.
         quantity: displacement, velocity or acceleration.
@@ -95,7 +114,15 @@ def state_space_of(
         inputs=tuple(f"force {one} [N]" for one in inputs),
         outputs=tuple(f"{quantity} {one} [{SI_UNIT[quantity]}]" for one in outputs),
         unit=SI_UNIT[quantity],
+        frequency_hz=np.abs(poles) / (2 * np.pi),
+        frequency_sigma_hz=sigma[0],
+        damping_ratio=-poles.real / np.abs(poles),
+        damping_sigma=sigma[1],
     )
+
+
+def _listed(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 @dataclass(slots=True)

@@ -5,13 +5,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from pydantic import BaseModel
 
 from modallab.core.arrays import Real
+from modallab.core.documents.forces import ForceKind
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Quantity
 from modallab.modification.attachments import Addition, Coupled, Element, TunedAbsorber
+from modallab.modification.forces import force_samples
+from modallab.modification.free_band import kept_free
+from modallab.modification.frfs import lines_with_peaks
 from modallab.modification.inverse import By, best_absorber, tuned
 from modallab.modification.known import Known
 from modallab.modification.response import Between
@@ -20,13 +25,14 @@ from modallab.modification.structure import At
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.predicted_motion import PredictedMotion
 from modallab.notebook.shown import Shown
-from modallab.reporting.modified_table import checked, modified_rows, tuned_rows, write_rows
+from modallab.reporting.modified_table import checked, modified_rows, write_rows
+from modallab.reporting.tuned_table import free_rows, tuned_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-LINES = 2000
+LINES = 1000
 """Of a figure over the band."""
 
 
@@ -63,41 +69,37 @@ class PutToUse:
 
     def response(
         self,
-        force: ArrayLike,
+        force: ArrayLike | ForceKind,
         dt: float,
         at: At | Sequence[At],
         of: At | Sequence[At] | None = None,
         quantity: Quantity = "acceleration",
         between: Between = "band-limited",
         start: Mapping[Quantity, Mapping[At, float]] | None = None,
+        seconds: float | None = None,
     ) -> PredictedMotion:
         """The motion that forces give, exact for what is assumed between their samples.
 
         Args:
-            force: (samples,) N, or (inputs, samples).
+            force: (samples,) N, or (inputs, samples); or `ml.ImpulseForce`, `ml.SineForce`, `ml.SweepForce`,
+                `ml.RandomForce`.
             dt: s between samples.
             at: point of the force, or a list of points.
             of: points whose motion is asked for; None for all that have a sensor.
             quantity: displacement, velocity or acceleration, in m, m/s or m/s^2.
             between: "band-limited", as records are, or "linear" from sample to sample.
             start: displacements and velocities at the first sample, as {"displacement": {10: 0.001}}; None for rest.
+            seconds: how long a force lasts that is no array.
 
         Raises:
             DataError: a force that cannot be, or a point that the model does not know.
         """
-        forces = np.atleast_2d(np.asarray(force, np.float64))
-        points = _places(at)
-        if len(forces) != len(points):
-            raise DataError(
-                f"{len(forces)} forces at {len(points)} points", remedy="give a row of force for each point"
-            )
-        asked = self._sensors() if of is None else _places(of)
-        begin = None if start is None else {k: dict(v) for k, v in start.items()}
-
-        def move(known: Known) -> NDArray[np.float64]:
-            return known.response(forces, dt, points, asked, quantity, between, begin)
-
-        return PredictedMotion(move(self.known), dt, tuple(asked), quantity, lambda: self.known.deviation(move))
+        if isinstance(force, BaseModel):
+            if seconds is None:
+                raise DataError("how long the force lasts is not said", remedy="give seconds=10")
+            force = force_samples(force, dt, max(2, round(seconds / dt)))
+        asked = None if of is None else _places(of)
+        return PredictedMotion.of(self.known, force, dt, _places(at), asked, quantity, between, start)
 
     def state_space(
         self, at: At | Sequence[At], of: Sequence[At] | None = None, quantity: Quantity = "acceleration"
@@ -176,6 +178,19 @@ class PutToUse:
         """
         return Shown(*tuned_rows(tuned(self.known, mode, to_hz, by, at or self._sensors()), by, mode, to_hz))
 
+    def keep_free(self, band_hz: tuple[float, float], by: By, at: Sequence[At] | None = None) -> Shown:
+        """The mass, or spring to ground, that leaves no mode in a band, at each point: the smallest first.
+
+        Args:
+            band_hz: lower and upper edge.
+            by: "mass" or "spring".
+            at: points to try; None for all that have a sensor.
+
+        Raises:
+            DataError: edges that do not rise or lie beyond the model's band, or a point that the model does not know.
+        """
+        return Shown(*free_rows(kept_free(self.known, band_hz, by, at or self._sensors()), by, band_hz))
+
     def best_absorber(self, mode: int, at: At, mass: float) -> TunedAbsorber:
         """The absorber of a mass that leaves the least peak of the mobility at its point about a mode.
 
@@ -187,7 +202,7 @@ class PutToUse:
         Raises:
             DataError: no such mode, or it has a node there.
         """
-        return best_absorber(self.known, mode, at, mass)[0]
+        return best_absorber(self.known, mode, at, mass).absorber
 
     def _sensors(self) -> list[At]:
         return list(self.known.sensors)
@@ -255,9 +270,9 @@ class ChangedModel(PutToUse):
         """
         from modallab.reporting.figures.predicted import before_after
 
-        low, high = self._known.model.band_hz
-        f, to = np.linspace(max(low, 1e-3 * high), high, LINES), [at if of is None else of]
-        before = self._known.alone.frf(f, to, [at], sigma=False)
+        alone, to = self._known.alone, [at if of is None else of]
+        f = lines_with_peaks(alone.model.band_hz, LINES, alone.structure.poles, self._known.poles)
+        before = alone.frf(f, to, [at], sigma=False)
         return before_after(before, self._known.frf(f, to, [at]))
 
     def save(self, path: str | Path) -> Path:

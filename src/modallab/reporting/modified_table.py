@@ -12,7 +12,6 @@ from modallab.core.digits import alike, concise
 from modallab.core.errors import StorageError
 from modallab.core.model import ModalModel
 from modallab.formats.atomic import replacing
-from modallab.modification.inverse import Answer, By
 from modallab.modification.modified import ModesAfter
 
 SAME = 0.5
@@ -103,23 +102,6 @@ def _checked(after: ModesAfter, measured: ModalModel, r: int, m: int) -> Predict
     inside = bool(abs(found - hz) <= TWO_SIDED * np.hypot(sigma, own))
     said = f"Mode {r + 1}: predicted {concise(hz, sigma)} Hz, measured {alike(found, sigma / 10)} Hz"
     return Prediction(r + 1, hz, sigma, found, inside, said if inside else f"{said}, outside the 95 % interval")
-
-
-def tuned_rows(answers: Sequence[Answer], by: By, mode: int, to_hz: float) -> TableRows:
-    """What brings a mode to a frequency at each point, the smallest first; beside each what is in reach there."""
-    unit = {"mass": "kg", "spring": "N/m"}[by]
-    rows = tuple(
-        (
-            str(a.at[0] if isinstance(a.at, tuple) else a.at),
-            concise(a.size, a.sigma) if a.feasible else "none",
-            f"{a.lowest_hz:.5g} to {a.highest_hz:.5g}",
-        )
-        for a in answers
-    )
-    feasible = sum(a.feasible for a in answers)
-    how = "No point has" if not feasible else f"{feasible} of {len(answers)} points have"
-    sentences = f"{how} a {by} that brings mode {mode} to {to_hz:g} Hz; beside each, where any {by} can bring it."
-    return TableRows(("point", f"{by} [{unit}]", "in reach [Hz]"), rows, sentences)
 
 
 def write_rows(path: Path, rows: TableRows) -> Path:

@@ -305,6 +305,19 @@ def test_a_body_says_that_it_is_json(lab: Lab) -> None:
         problem(client.post(f"{API}/campaigns", content=body, headers=form), 415, "media-type")
 
 
+@pytest.mark.parametrize(
+    ("header", "value"),
+    [("Content-Encoding", "gzip"), ("Content-Encoding", "br"), ("Content-Type", "multipart/form-data; boundary=x")],
+)
+@pytest.mark.parametrize("path", ["/campaigns", f"/imports?name=n&rig={RIG}&format=csv"])
+def test_a_packed_body_is_named_as_such(lab: Lab, path: str, header: str, value: str) -> None:
+    with lab.client() as client:
+        headers = {"Content-Type": "application/json", header: value}
+        said = problem(client.post(f"{API}{path}", content=b"\x1f\x8b\0", headers=headers), 415, "media-type")
+        assert value in said["detail"]
+        assert said["where"] == header
+
+
 def test_head_is_answered_and_405_names_the_methods(lab: Lab) -> None:
     with lab.client() as client:
         assert client.head(f"{API}/rigs").status_code == 200

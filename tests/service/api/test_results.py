@@ -320,13 +320,40 @@ def test_a_model_is_put_to_use(lab: Lab, campaign: str) -> None:
         assert heavy["frf"] is None
         asked = {"changes": [mass], "frf": {"at": 10, "of": 3, "lines": 40}, "check": campaign}
         looked = client.post(f"{at}/modifications", json=asked).json()
-        assert [len(looked["frf"][name]["re"]) for name in ("before", "after")] == [40, 40]
+        lines = looked["frf"]["frequency_hz"]
+        assert [len(looked["frf"][name]["re"]) for name in ("before", "after")] == [len(lines)] * 2
+        # A narrow peak is not missed between even lines.
+        assert max(min(abs(hz / line - 1) for line in lines) for hz in before) < 5e-3
         assert looked["checked"][0]["words"].startswith("Mode 1: predicted ")
         assert not looked["checked"][0]["inside"]
         force = {"at": [10], "forces_n": [[0.0, 10.0, 0.0, 0.0]], "step_s": 5e-4, "of": [3, 8]}
         moved = client.post(f"{at}/responses", json=force).json()
         assert np.shape(moved["values"]) == (2, 4)
         assert moved["peak"] == pytest.approx(np.abs(moved["values"]).max(axis=1))
+
+
+def test_a_force_by_kind_moves_a_model_over_rest(lab: Lab, campaign: str) -> None:
+    at = f"{API}/campaigns/{campaign}/model"
+    sine = {"kind": "sine", "frequency_hz": 28.0, "amplitude_n": 2.0}
+    asked = {"at": [10], "forces": [sine], "seconds": 1.0, "step_s": 1e-3, "of": [3], "samples": False}
+    with lab.client() as client:
+        moved = client.post(f"{at}/responses", json=asked).json()
+        assert moved["values"] is None
+        assert 0 < moved["peak_sigma"][0] < moved["peak"][0]
+        assert moved["rms"][0] ** 2 >= sum(level**2 for level in moved["levels"][0])
+        pulled = asked | {"start": [{"at": 10, "displacement_m": 0.01}]}
+        assert client.post(f"{at}/responses", json=pulled).json()["peak"] > moved["peak"]
+        for wrong in ({"forces_n": [[0.0, 1.0]]}, {"seconds": None}, {"at": [10, 8]}):
+            assert client.post(f"{at}/responses", json=asked | wrong).status_code == 422
+        found = client.get(f"{at}/state-space", params={"at": 10, "of": [3, 8]}).json()
+        modes = len(found["frequency_hz"])
+        assert (np.shape(found["A"]), np.shape(found["C"])) == ((2 * modes, 2 * modes), (2, 2 * modes))
+        first = found["frequency_hz"][0]
+        band = {"low_hz": 0.97 * first, "high_hz": 1.03 * first, "by": "mass", "at": [10, 1]}
+        heavy = client.post(f"{at}/free-bands", json=band).json()["answers"][0]
+        changes = [{"kind": "element", "at": 10, "mass_kg": 1.001 * heavy["size"]}]
+        after = client.post(f"{at}/modifications", json={"changes": changes}).json()
+        assert (heavy["at"], after["frequency_hz"][0] < 0.97 * first) == (10, True)
 
 
 def test_a_model_is_compared_coupled_and_tuned_over_rest(lab: Lab, campaign: str) -> None:

@@ -226,6 +226,7 @@ def test_every_route_says_which_role_it_needs(lab: Lab) -> None:
         f"{model}/responses",
         f"{model}/tunings",
         f"{model}/absorbers",
+        f"{model}/free-bands",
         f"{model}/updates",
     }
     assert {route for route in said["observer"] if not route.startswith("get ")} == harmless

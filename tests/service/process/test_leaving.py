@@ -53,3 +53,4 @@ def test_a_run_that_is_cut_short_by_the_end_of_the_service_has_failed(tmp_path: 
         assert entry.code == "interrupted"
     assert not (tmp_path / "data" / "trip").exists()
     assert took_s < LEAVE_S, log
+    assert '"level": "ERROR"' not in log

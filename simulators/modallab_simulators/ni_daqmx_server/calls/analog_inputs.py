@@ -23,6 +23,8 @@ DIFFERENTIAL, PSEUDO = 10106, 12529
 INTERNAL, NO_SOURCE = 10200, 10230
 LET_CHOOSE, EXTERNAL = -1, 10167
 _SENSORS = ("Accel", "ForceIEPE", "Microphone", "VelocityIEPE")
+_ANY = ("Voltage", "Power", "CalculatedPower")
+"""What the driver makes of volts on any device."""
 DUPLICATE_CHANNEL = -200489
 
 
@@ -80,9 +82,7 @@ def _require(system: SimulatedSystem, physical: str, call: str) -> Module:
     known = physical in module.input_names() or internal.startswith("_") or internal in ("power", "dmm")
     if not known:
         raise StatusError(status.NO_SUCH_CHANNEL, f"Physical Channel Specified: {physical}")
-    if call in _SENSORS and not module.iepe:
-        raise StatusError(status.WRONG_MEASUREMENT, f"Physical Channel: {physical}\nProduct: {module.product}")
-    if call == "Accel4WireDCVoltage" and not (module.bridge or call in module.measures):
+    if not internal.startswith("_") and _base(call) not in (*module.measures, *_ANY):
         raise StatusError(status.WRONG_MEASUREMENT, f"Physical Channel: {physical}\nProduct: {module.product}")
     return module
 

@@ -27,6 +27,10 @@ SAMPLE_CLOCK, ON_DEMAND, IMPLICIT = 10388, 10390, 10451
 HANDSHAKE, BURST, CHANGE_DETECTION, PIPELINED = 10389, 12548, 12504, 14668
 BACKPLANE_CLOCKS = {"PXI_CLK10": (PXI, PXIE), "PXIE_CLK100": (PXIE,)}
 """What a device must be plugged into to see them."""
+NO_CLOCK = "None"
+"""What a task is given that follows no clock but its own."""
+_SOURCES = ("SAMP_CLK_SRC", "SAMP_CLK_TIMEBASE_SRC", "REF_CLK_SRC", "SYNC_PULSE_SRC", "DIG_EDGE_START_TRIG_SRC",
+            "DIG_EDGE_REF_TRIG_SRC")  # fmt: skip
 _TERMINALS = ("PFI", "RTSI", "PXI", "CLOCK", "CLK", "TIMEBASE", "TRIGGER", "INTERNAL", "CTR", "APFI", "EVENT",
               "SYNCPULSE", "COMPARATOR", "FREQOUT", "GATE")  # fmt: skip
 
@@ -57,8 +61,9 @@ def require_routes(system: SimulatedSystem, task: Task) -> None:
     Raises:
         StatusError: there is no such terminal.
     """
-    for attribute in ("SAMP_CLK_SRC", "DIG_EDGE_START_TRIG_SRC"):
-        require_terminal(system, task.get(attribute, ""))
+    for attribute in _SOURCES:
+        source = task.get(attribute, "")
+        require_terminal(system, "" if source.endswith(NO_CLOCK) else source)
     _require_backplane(task)
     count = task.get("SAMP_QUANT_SAMP_PER_CHAN", LEAST_FINITE)
     if task.timing == "clocked" and task.get("SAMP_QUANT_SAMP_MODE") == FINITE and count < LEAST_FINITE:

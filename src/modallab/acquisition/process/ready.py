@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
-from math import ceil
+from math import ceil, isclose
 from typing import Literal
 
 import numpy as np
@@ -112,6 +112,7 @@ def prepare(setup: Setup) -> Context:
     bench, plan = setup.bench, setup.plan
     bench.zero()
     delivery = bench.configure(Request(records_of(plan), plan.rate_hz))
+    _report_rate(setup, delivery)
     conversion = Conversion.of(setup.rig, records_of(plan), delivery.units, delivery.scale, delivery.dtype)
     block = round(plan.block_s * delivery.rate_hz)
     recut = _recut(plan, delivery)
@@ -131,6 +132,13 @@ def prepare(setup: Setup) -> Context:
         bench, setup.rig, setup.recorder, setup.emit, setup.life, conversion, stream, block, recut,
         setup.requests, setup.excitation,
     )  # fmt: skip
+
+
+def _report_rate(setup: Setup, delivery: Delivery) -> None:
+    asked_hz, given_hz = delivery.requested_rate_hz, delivery.rate_hz
+    if not isclose(asked_hz, given_hz, rel_tol=1e-9):
+        what = f"the device samples at {given_hz:.10g} Hz; {asked_hz:.10g} Hz was requested"
+        setup.emit(Notice(run=setup.recorder.run, what=what))
 
 
 def require_sensors_known(setup: Setup) -> None:

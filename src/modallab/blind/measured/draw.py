@@ -14,9 +14,9 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.freedoms import freedoms_of
 
-ON_STRUCTURE = ("added_mass", "ground_spring", "local_damper")
+ON_STRUCTURE = ("added_mass", "ground_spring", "local_damper", "stiffness_loss")
 HANGING = (0.005, 0.2)
-"""Masses and springs, over the least modal mass or stiffness at their point."""
+"""Masses, springs and lost stiffness, over the least modal mass or stiffness at their point."""
 DAMPING = (0.2, 3.0)
 """Dampers, over the modal damping there."""
 GAIN = (0.05, 0.5)
@@ -79,7 +79,8 @@ def _hanging(model: ModalModel, rig: Rig, effect: str, rng: np.random.Generator)
     points = driving_points(model, rig)
     output, driven = points[int(rng.integers(len(points)))]
     omega, zeta = _omega(model), model.damping_ratio
-    own = {"added_mass": np.ones(omega.size), "ground_spring": omega**2, "local_damper": 2 * zeta * omega}[effect]
+    by = {"added_mass": np.ones(omega.size), "local_damper": 2 * zeta * omega}
+    own = by.get(effect, omega**2)
     least = float(np.min(own / np.abs(model.modal_constants[:, output, driven])))
     share = _log(rng, DAMPING if effect == "local_damper" else HANGING)
     sense = -1.0 if np.sum(model.modal_constants[:, output, driven].real) < 0 else 1.0

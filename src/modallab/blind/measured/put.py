@@ -57,7 +57,9 @@ def _hung(frf: Frf, put: Put, output: int, driven: int) -> NDArray[np.complex128
     # Lines at 0 Hz have no receptance, and nothing that is measured.
     rate = np.where(s == 0, 1.0, s) ** DERIVATIVES[frf.quantity]
     receptance = frf.values / rate
-    z = put.value * {"added_mass": s**2, "ground_spring": np.ones(s.size), "local_damper": s}[put.effect]
+    even = np.ones(s.size)
+    by = {"added_mass": s**2, "ground_spring": even, "stiffness_loss": -even, "local_damper": s}
+    z = put.value * by[put.effect]
     here = put.sense * receptance[output, driven]
     through = put.sense * z / (1 + z * here)
     changed = receptance - receptance[:, driven, None] * through * receptance[None, output]

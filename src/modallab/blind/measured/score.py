@@ -9,7 +9,7 @@ from modallab.blind.measured.put import Put
 from modallab.blind.outcome import Share
 from modallab.core.frozen import Frozen
 from modallab.core.modal_diagnosis import ModalDiagnosis
-from modallab.core.places import EveryOutput, NamedChannel, PlaceOnStructure
+from modallab.core.places import BetweenPoints, EveryOutput, NamedChannel, PlaceOnStructure
 
 SIZE = 0.1
 """Relative error up to which a size is right; of a gain that of its distance from 1."""
@@ -99,6 +99,8 @@ def judge_trial(name: str, truth: Truth, found: ModalDiagnosis | None) -> Measur
 def _said(place: PlaceOnStructure) -> str:
     if isinstance(place, EveryOutput):
         return ""
+    if isinstance(place, BetweenPoints):
+        return f"{place.points[0]}-{place.points[1]}"
     return place.channel if isinstance(place, NamedChannel) else str(place.point)
 
 

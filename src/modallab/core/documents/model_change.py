@@ -87,7 +87,7 @@ class PairNew(Frozen):
     Attributes:
         at: point of the force.
         of: point of the motion.
-        lines: evenly over the band of the model.
+        lines: evenly over the band of the model; more are added about each mode before and after.
     """
 
     at: PositiveInt
@@ -115,7 +115,7 @@ class MobilityView(Frozen):
     """The mobility of one pair of points before and after a change, in m/(N s).
 
     Attributes:
-        frequency_hz: (lines,) evenly over the band of the model.
+        frequency_hz: (lines,) over the band of the model.
         before: (lines,) complex.
         after: (lines,) complex.
     """

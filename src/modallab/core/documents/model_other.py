@@ -99,6 +99,56 @@ class TuningsView(Frozen):
     tunings: tuple[TuningView, ...]
 
 
+class FreeBandNew(Frozen):
+    """A band that shall hold no mode.
+
+    Attributes:
+        test: whose model; null for the first.
+        low_hz: its lower edge.
+        high_hz: its upper edge.
+        by: what is hung on the structure: a mass, or a spring to ground.
+        at: points to try; null for all that have a sensor.
+    """
+
+    test: Test | None = None
+    low_hz: Frequency
+    high_hz: Frequency
+    by: Literal["mass", "spring"]
+    at: Annotated[tuple[PositiveInt, ...], Field(min_length=1, max_length=100)] | None = None
+
+
+class FreeBandView(Frozen):
+    """What leaves no mode in a band at a point, or the mode that stays there.
+
+    Attributes:
+        at: the point.
+        size: kg or N/m; 0 where the band is free already, null where none does.
+        sigma: of it, one standard deviation.
+        up_to: size from which the next mode is in the band; null where none comes.
+        stays: the mode, from 1, that no size brings out of the band; null where there is an answer.
+        stays_hz: where that mode is at the largest size that was tried.
+    """
+
+    at: int
+    size: float | None
+    sigma: float | None
+    up_to: float | None
+    stays: int | None
+    stays_hz: float | None
+
+
+class FreeBandsView(Frozen):
+    """The same at several points, the smallest first.
+
+    Attributes:
+        test: whose model.
+        answers: one for each point.
+    """
+
+    test: Test | None
+    answers: tuple[FreeBandView, ...]
+
+
 class BestAbsorberNew(Frozen):
     """A mode whose motion at a point shall be as small as an absorber of a mass makes it.
 
@@ -125,7 +175,9 @@ class BestAbsorberView(Frozen):
         frequency_hz: of it on a point at rest.
         damping_ratio: of it.
         peak_before: of the mobility at the point about the mode, m/(N s).
+        peak_before_sigma: one standard deviation.
         peak_after: the same with it.
+        peak_after_sigma: one standard deviation.
     """
 
     test: Test | None
@@ -134,4 +186,6 @@ class BestAbsorberView(Frozen):
     frequency_hz: float
     damping_ratio: float
     peak_before: float
+    peak_before_sigma: float
     peak_after: float
+    peak_after_sigma: float

@@ -1,9 +1,10 @@
-"""A modal model put to use: FRFs, and responses to forces."""
+"""A modal model put to use: FRFs, responses to forces, state spaces."""
 
 from typing import Annotated, Literal
 
 from pydantic import Field, PositiveInt
 
+from modallab.core.documents.forces import ForceKind
 from modallab.core.frf import FrfQuantity
 from modallab.core.frozen import ComplexArray, Frozen, RealArray
 from modallab.core.units import Quantity, Test
@@ -34,26 +35,48 @@ class PredictedFrf(Frozen):
     sigma: RealArray
 
 
+class StartNew(Frozen):
+    """How a point moves at the first sample.
+
+    Attributes:
+        at: the point.
+        displacement_m: of it; null where only the velocity is known.
+        velocity_m_s: of it; null where only the displacement is known.
+    """
+
+    at: PositiveInt
+    displacement_m: Force | None = None
+    velocity_m_s: Force | None = None
+
+
 class ResponseNew(Frozen):
     """Forces whose response is asked for.
 
     Attributes:
         test: whose model; null for the first.
         at: points of the forces.
-        forces_n: (forces, samples) a row for each point.
+        forces_n: (forces, samples) a row for each point; null where forces are given by kind.
+        forces: one for each point by kind; null where samples are given.
+        seconds: how long forces last that are given by kind.
         step_s: between samples.
         of: points whose motion is asked for; null for all that have a sensor.
         quantity: of the motion.
         between: what a force is between its samples.
+        start: displacements and velocities at the first sample; null for rest.
+        samples: whether motion over time is asked for, or its figures alone.
     """
 
     test: Test | None = None
     at: Annotated[tuple[PositiveInt, ...], Field(min_length=1, max_length=100)]
-    forces_n: Annotated[tuple[tuple[Force, ...], ...], Field(min_length=1, max_length=100)]
+    forces_n: Annotated[tuple[tuple[Force, ...], ...], Field(min_length=1, max_length=100)] | None = None
+    forces: Annotated[tuple[ForceKind, ...], Field(min_length=1, max_length=100)] | None = None
+    seconds: Annotated[float, Field(gt=0, le=1e6)] | None = None
     step_s: Step
     of: Annotated[tuple[PositiveInt, ...], Field(min_length=1, max_length=1000)] | None = None
     quantity: Literal["displacement", "velocity", "acceleration"] = "acceleration"
     between: Literal["band-limited", "linear"] = "band-limited"
+    start: Annotated[tuple[StartNew, ...], Field(max_length=1000)] | None = None
+    samples: bool = True
 
 
 class ResponseView(Frozen):
@@ -64,15 +87,59 @@ class ResponseView(Frozen):
         quantity: of the motion, in SI units.
         step_s: between samples.
         of: (points,) that move.
-        values: (points, samples).
+        values: (points, samples); null where only figures were asked for.
+        sigma: (points, samples) one standard deviation; null where `values` is.
         peak: (points,) largest absolute value.
+        peak_sigma: (points,) one standard deviation.
         rms: (points,) effective value.
+        rms_sigma: (points,) one standard deviation.
+        octaves_hz: (octaves,) centres of octave bands.
+        levels: (points, octaves) effective value in each.
+        levels_sigma: (points, octaves) one standard deviation.
     """
 
     test: Test | None
     quantity: Quantity
     step_s: float
     of: tuple[int, ...]
-    values: RealArray
+    values: RealArray | None
+    sigma: RealArray | None
     peak: RealArray
+    peak_sigma: RealArray
     rms: RealArray
+    rms_sigma: RealArray
+    octaves_hz: RealArray
+    levels: RealArray
+    levels_sigma: RealArray
+
+
+class StateSpaceView(Frozen):
+    """x' = A x + B f, y = C x + D f, with two states for each mode and the forces f in N.
+
+    Attributes:
+        test: whose model.
+        A: (states, states).
+        B: (states, inputs).
+        C: (outputs, states).
+        D: (outputs, inputs).
+        inputs: names of the forces.
+        outputs: names of the motions.
+        unit: of the motions.
+        frequency_hz: (modes,) in the order of the states: all real parts first, then all imaginary parts.
+        frequency_sigma_hz: (modes,) one standard deviation.
+        damping_ratio: (modes,).
+        damping_sigma: (modes,) one standard deviation.
+    """
+
+    test: Test | None
+    A: RealArray
+    B: RealArray
+    C: RealArray
+    D: RealArray
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    unit: str
+    frequency_hz: RealArray
+    frequency_sigma_hz: RealArray
+    damping_ratio: RealArray
+    damping_sigma: RealArray

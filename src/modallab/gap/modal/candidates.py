@@ -19,7 +19,9 @@ EVERY = ("trigger_delay", "channel_skew")
 """Effects in the time of all channels."""
 DELAYS = np.array([-0.6, -0.2, -0.07, 0.07, 0.2, 0.6])
 """Delays to begin with, as a phase at the highest mode; rad."""
-GAINS = (-1.0, 0.2, 0.5, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.5, 2.0)
+GAINS = (0.2, 0.5, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.5, 2.0)
+GAIN_SPREAD = 1.0
+"""Deviation of the logarithm of a gain that is wrong."""
 SHIFTS = (0.1, 0.3, 0.8)
 """Of a sensor, over the distance to the nearest point."""
 FARTHEST = 3.0
@@ -44,16 +46,27 @@ def candidates(c: Compared) -> list[Candidate]:
 
 def _gains(c: Compared) -> Iterator[Candidate]:
     for o in range(len(c.out_psi)):
-        yield _gain("gain_error", o, lambda v, _, o=o: Change(gains=((o, float(v[0])),)))
+        yield from _gain("gain_error", o, lambda gain, o=o: Change(gains=((o, gain),)))
 
 
 def _force_gain() -> Iterator[Candidate]:
-    yield _gain("force_gain", None, lambda v, _: Change(force_gain=float(v[0])))
+    yield from _gain("force_gain", None, lambda gain: Change(force_gain=gain))
 
 
-def _gain(effect: str, output: int | None, make: Callable[[Real, Compared], Change]) -> Candidate:
-    starts = tuple(np.array([g]) for g in GAINS)
-    return Candidate(effect, (), output, make, starts, np.array([np.inf]), np.ones(1), (float(np.ptp(GAINS)),))
+def _gain(effect: str, output: int | None, change: Callable[[float], Change]) -> Iterator[Candidate]:
+    """Of either sign, by its logarithm: with one sensor its gain and the force's then begin, and end, alike."""
+    for sign in (1.0, -1.0):
+        starts = tuple(np.log([[g if output is not None else 1 / g] for g in GAINS]))
+        yield Candidate(
+            effect,
+            (),
+            output,
+            lambda v, _, sign=sign: change(sign * float(np.exp(v[0]))),
+            starts,
+            np.array([GAIN_SPREAD]),
+            np.zeros(1),
+            (),
+        )
 
 
 def _places(c: Compared) -> Iterator[Candidate]:

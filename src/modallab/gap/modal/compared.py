@@ -18,6 +18,7 @@ from modallab.gap.modal.errors import sizes, weights
 from modallab.gap.modal.matching import Side, in_common
 from modallab.gap.modal.narrower import in_band
 from modallab.gap.modal.off_axis import Means
+from modallab.gap.modal.rigid import with_rigid_mode
 from modallab.gap.modal.state import Hung
 from modallab.gap.modal.weights import Weights
 from modallab.modification.freedoms import Freedom, freedoms_of
@@ -181,9 +182,11 @@ def compared(
     model, other = before.model, after.model
     if not both:
         model, other = (in_band(m, (low, high)) for m in (model, other))
+    lowest = max(low, 0.3 * float(model.frequency_hz[0]))
+    model = with_rigid_mode(model, rig)
     shapes = shapes_of(model, rig, mesh)
     outputs, inputs = freedoms_of(model, rig)
-    s = _lines(other, max(low, 0.3 * float(model.frequency_hz[0])), high, smooth)
+    s = _lines(other, lowest, high, smooth)
     out_psi = np.array([shapes.seen[:, shapes.index(f)] for f in outputs])
     into_psi = np.array([shapes.driven[:, shapes.index(f)] for f in inputs]) * shapes.turn
     means = _means(s, before, after)

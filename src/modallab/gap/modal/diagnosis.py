@@ -11,12 +11,13 @@ from modallab.core.effects import kind_of
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.model import ModalModel
-from modallab.core.places import EveryOutput, NamedChannel, NearPoint, PlaceOnStructure
+from modallab.core.places import BetweenPoints, EveryOutput, NamedChannel, NearPoint, PlaceOnStructure
 from modallab.core.rig import Rig
 from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
 from modallab.gap.modal.fitting import Fitted
 from modallab.gap.modal.free import Free
+from modallab.gap.modal.hanging import two_points
 from modallab.gap.modal.judged import Judged, judged
 from modallab.gap.modal.matching import Side
 from modallab.gap.modal.off_axis import MeasuredFrfs
@@ -32,6 +33,7 @@ Real = NDArray[np.float64]
 TWO_SIDED = 1.96
 TRUNCATED = 0.08
 """Deviation of the logarithm of a mass or a spring: modes outside the band are one compliance at its place alone."""
+GAINS = ("gain_error", "force_gain")
 LOOSE = 5.0
 """How much looser a search begins than it ends."""
 
@@ -166,7 +168,8 @@ def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float]
     """Numbers by name and their sigmas; of a mass or a spring that of the logarithm."""
     candidate, v = fitted.candidate, fitted.v
     assert candidate is not None
-    number = kind_of(candidate.effect).parameters[0].name
+    kind = kind_of(candidate.effect)
+    number = (kind.at_points or kind.parameters[0]).name
     if candidate.freedoms:
         return {number: float(np.exp(v[0]))}, [float(sigma[0])]
     if candidate.effect == "position_error":
@@ -175,6 +178,9 @@ def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float]
         return dict(zip(names, (v[:2] @ tangents).tolist(), strict=True)), np.sqrt(
             sigma[:2] ** 2 @ tangents**2
         ).tolist()
+    if candidate.effect in GAINS:
+        gain = next((g for _, g in fitted.change.gains), fitted.change.force_gain)
+        return {number: gain}, [abs(gain) * float(sigma[0])]
     return {number: float(v[0])}, [float(sigma[0])]
 
 
@@ -186,7 +192,10 @@ def _place(c: Compared, fitted: Fitted) -> PlaceOnStructure:
     if not candidate.freedoms:
         of_force = candidate.channel is None
         return NamedChannel(channel=c.rig.force_channel.name if of_force else c.model.outputs[candidate.channel or 0])
-    freedom = candidate.freedoms[0]
+    freedom, last = candidate.freedoms[0], candidate.freedoms[-1]
+    if two_points(candidate.freedoms):
+        middle = (c.shapes.at_m[c.shapes.index(freedom)] + c.shapes.at_m[c.shapes.index(last)]) / 2
+        return BetweenPoints(points=(freedom[0], last[0]), at_m=tuple(middle.tolist()), axis=freedom[1])
     at = c.shapes.at_m[c.shapes.index(freedom)] + candidate.offset(v) @ c.shapes.tangents(freedom)
     nearest = int(np.argmin(np.linalg.norm(c.shapes.at_m - at, axis=1)))
     axis = None if candidate.effect == "added_mass" else freedom[1]

@@ -1,4 +1,4 @@
-"""What may hang on the structure: a mass, a spring or a damper at, or about, a point."""
+"""What may hang on the structure: a mass, a spring or a damper at, or about, a point; and what stiffness it lost."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
@@ -22,12 +22,19 @@ SPRINGS = np.geomspace(0.004, 10.0, 9)
 """Springs, over the modal stiffness seen from there."""
 DAMPERS = np.geomspace(0.05, 20.0, 8)
 """Dampers, over the modal damping seen from there."""
+LOSSES = np.geomspace(0.004, 0.95, 8)
+"""Stiffness lost to ground or between points, over the modal stiffness seen from there."""
 HANGS = {
     "added_mass": MASSES,
     "ground_spring": SPRINGS,
     "local_damper": DAMPERS,
+    "stiffness_loss": LOSSES,
 }
 """The sizes to begin with, in the order of the numbers of what hangs there."""
+BETWEEN = ("local_damper", "stiffness_loss")
+"""What may act between two points."""
+BESIDE = 3
+"""Points next to one, as far as that reaches."""
 PHASE = 0.02
 """By how much the phase of the chain is off at a point, rad; and besides by as much as it is."""
 ROOM = 7.0
@@ -55,6 +62,35 @@ def hanging(c: Compared, effect: str) -> Iterator[Candidate]:
         if len(group) == 1 and None not in sum(_numbers(c, group), ()):
             yield _at_point(c, effect, group)
         yield _about_point(c, effect, group)
+    if effect in BETWEEN:
+        yield from (_between(c, effect, pair) for pair in _pairs(c) if _seen(c, effect, pair) > 0)
+
+
+def _pairs(c: Compared) -> list[tuple[Freedom, Freedom]]:
+    """Freedoms along one axis at points next to each other."""
+    found: dict[tuple[Freedom, Freedom], None] = {}
+    for f, here in zip(c.shapes.freedoms, c.shapes.at_m, strict=True):
+        others = [g for g in c.shapes.freedoms if g[1] == f[1] and g[0] != f[0]]
+        others.sort(key=lambda g: float(np.linalg.norm(c.shapes.at_m[c.shapes.index(g)] - here)))
+        found |= dict.fromkeys((min(f, g), max(f, g)) for g in others[:BESIDE])
+    return list(found)
+
+
+def _between(c: Compared, effect: str, pair: tuple[Freedom, Freedom]) -> Candidate:
+    outputs, inputs = _numbers(c, pair)
+    at, (logs, within) = [c.shapes.index(f) for f in pair], _sizes(c, effect, pair)
+    seen, driven, local = c.shapes.seen[:, at].T, c.shapes.driven[:, at].T, c.local_compliance
+
+    def make(v: Real, _: Compared) -> Change:
+        size = _numbers_of(effect, float(np.exp(np.clip(v[0], *within))))
+        turn = c.shapes.turn * complex(np.exp(1j * v[1]))
+        hung = Hung(seen, driven, *size, outputs=outputs, inputs=inputs, compliance=local, turn=turn, opposed=True)
+        return Change(hung)
+
+    starts = tuple(np.array([log, 0.0]) for log in logs)
+    return Candidate(
+        effect, pair, None, make, starts, np.array([np.inf, _phase(c)]), np.zeros(2), (float(np.ptp(logs)),)
+    )
 
 
 def _at_point(c: Compared, effect: str, group: tuple[Freedom, ...]) -> Candidate:
@@ -95,8 +131,8 @@ def _about_point(c: Compared, effect: str, group: tuple[Freedom, ...]) -> Candid
 
 def _numbers_of(effect: str, size: float) -> tuple[float, float, float]:
     """Mass, stiffness and damping."""
-    mass, stiffness, damping = (size if name == effect else 0.0 for name in HANGS)
-    return mass, stiffness, damping
+    of = {"added_mass": (size, 0.0, 0.0), "ground_spring": (0.0, size, 0.0), "local_damper": (0.0, 0.0, size)}
+    return of.get(effect, (0.0, -size, 0.0))
 
 
 def _sizes(c: Compared, effect: str, group: Sequence[Freedom]) -> tuple[Real, Real]:
@@ -106,7 +142,8 @@ def _sizes(c: Compared, effect: str, group: Sequence[Freedom]) -> tuple[Real, Re
 
 
 def _seen(c: Compared, effect: str, group: Sequence[Freedom]) -> float:
-    return _felt(c, effect, c.shapes.seen[:, [c.shapes.index(f) for f in group]])
+    psi = c.shapes.seen[:, [c.shapes.index(f) for f in group]]
+    return _felt(c, effect, psi[:, :1] - psi[:, 1:] if two_points(group) else psi)
 
 
 def _felt(c: Compared, effect: str, psi: Complex) -> float:
@@ -115,9 +152,17 @@ def _felt(c: Compared, effect: str, psi: Complex) -> float:
     own = {
         "added_mass": np.ones(omega.size),
         "ground_spring": omega**2,
+        "stiffness_loss": omega**2,
         "local_damper": 2 * c.model.damping_ratio * omega,
     }
-    return float(np.max(np.sum(np.abs(psi) ** 2, axis=1) / own[effect]))
+    # A body that moves as a whole has no stiffness and no damping of its own.
+    of_band = c.model.frequency_hz >= c.model.band_hz[0]
+    return float(np.max((np.sum(np.abs(psi) ** 2, axis=1) / own[effect])[of_band]))
+
+
+def two_points(group: Sequence[Freedom]) -> bool:
+    """Whether something acts between two points."""
+    return len({point for point, _ in group}) > 1
 
 
 def _phase(c: Compared) -> float:
@@ -129,9 +174,12 @@ def _phase(c: Compared) -> float:
 def nearby(c: Compared, found: Candidate, v: Real, count: int) -> list[tuple[Candidate, Real]]:
     """The same kind of change from other points near its place, each of a size that the modes feel alike."""
     first = found.freedoms[0]
+    if two_points(found.freedoms):
+        return []
     offset = found.offset(v) @ c.shapes.tangents(first)
     here = c.shapes.at_m[c.shapes.index(first)] + offset
     others = [o for o in hanging(c, found.effect) if o.freedoms != found.freedoms and o.freedoms[0][1] == first[1]]
+    others = [o for o in others if not two_points(o.freedoms)]
     others.sort(key=lambda o: float(np.linalg.norm(c.shapes.at_m[c.shapes.index(o.freedoms[0])] - here)))
     psi = np.concatenate([c.shapes.moved(f, offset[None]) for f in found.freedoms])
     felt = _felt(c, found.effect, psi.T)

@@ -129,7 +129,8 @@ def _posterior(nothing: Fitted, names: Sequence[Fitted], others: Sequence[Fitted
 def moves(fitted: Fitted) -> float:
     """Share of the response at its resonances that the change moves, at the output where it moves most."""
     free, c = fitted.free, fitted.free.of
-    s = np.asarray(2j * np.pi * np.concatenate([c.model.frequency_hz, c.bench.frequency_hz]))
+    hz = np.concatenate([c.model.frequency_hz, c.bench.frequency_hz])
+    s = np.asarray(2j * np.pi * hz[hz >= c.model.band_hz[0]])
     outside = beside(c.model, s, c.out_psi, c.into_psi)
     there = free.at(s, outside)
     moved, without = there.predicted(fitted.u, fitted.change.between_lines), there.predicted(fitted.u)

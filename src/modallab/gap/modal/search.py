@@ -113,7 +113,9 @@ def best_first(
     found, open_ = list(begun), set(range(len(begun)))
     while True:
         first = min(range(len(found)), key=lambda n: found[n].evidence)
-        near = [n for n in open_ if found[n].evidence < found[first].evidence + RIVAL]
+        # An estimate may be off by as much as that of the best one was.
+        limit = max(found[first].evidence, begun[first].evidence) + RIVAL
+        near = [n for n in open_ if found[n].evidence < limit]
         better = [n for n in open_ if afar[n] < afar[first]]
         if not near and not better:
             return found, found[first]

@@ -39,6 +39,7 @@ class Hung:
         compliance: of the modes outside the band at this place where it was not measured, m/N.
         near: share of what lies outside the band that counts: 1 at the very place, 0 far from it.
         turn: phase of the chain, exp(j phase), that measured FRFs have and what hangs there has not.
+        opposed: whether it hangs between its two directions instead of on each.
         extra: (lines, outputs, inputs) m/N that FRFs coupled line by line have over what is coupled off the axis; None
             where they were not measured.
     """
@@ -53,11 +54,17 @@ class Hung:
     compliance: float = 0.0
     near: float = 1.0
     turn: complex = 1.0
+    opposed: bool = False
     extra: Complex | None = None
 
     def dynamic_stiffness(self, s: Complex) -> Complex:
         """(lines,) of what hangs there, N/m."""
         return np.asarray(self.mass_kg * s**2 + self.damping * s + self.stiffness)
+
+    @property
+    def pattern(self) -> Real:
+        """(directions, directions) by which motions give forces, at unit dynamic stiffness."""
+        return np.array([[1.0, -1.0], [-1.0, 1.0]]) if self.opposed else np.eye(len(self.seen))
 
     def beside_modes(self, outside: Complex) -> tuple[Complex, Complex, Complex]:
         """What lies outside the band: to the outputs, from the inputs, and at the place itself.
@@ -170,10 +177,10 @@ class State:
             return x, y, whole
         hung = self.hung
         to, of, here = hung.beside_modes(outside)
-        z = hung.dynamic_stiffness(s)[:, None, None]
+        z = hung.dynamic_stiffness(s)[:, None, None] * hung.pattern
         seen = hung.seen @ flexibility
         to, of = x @ hung.driven.T + to, seen @ self.into.T + of
-        through = z * np.linalg.inv(np.eye(len(hung.seen)) + z * (seen @ hung.driven.T + here))
+        through = np.linalg.solve(np.eye(len(hung.seen)) + z @ (seen @ hung.driven.T + here), z)
         x_changed = x - to @ through @ seen
         y_changed = y - (flexibility @ hung.driven.T) @ through @ of
         changed = whole - to @ through @ of

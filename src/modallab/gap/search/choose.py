@@ -99,7 +99,15 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
         or (unseen is not None and stepped(fit) and _closes_unseen(_without_law(fit), fit, unseen))
     )
     choice = Choice(base, fit, others, explained, False)
-    return choice if held is None else _that_matters(choice, held, clock_shows(bench))
+    return _most_probable(choice if held is None else _that_matters(choice, held, clock_shows(bench)))
+
+
+def _most_probable(choice: Choice) -> Choice:
+    """The same with the explanation that is the most probable of all: an effect less than even odds have is none."""
+    best = probabilities(choice)[0][0]
+    if choice.flat or not choice.explained or best is choice.fit or not best.problem.candidates:
+        return choice
+    return replace(choice, fit=best, rivals=(choice.fit, *(f for f in choice.rivals if f is not best)))
 
 
 def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:

@@ -6,7 +6,16 @@ from modallab.core.diagnosis import Found
 from modallab.core.digits import listed, probability, rough, with_interval
 from modallab.core.effects import Parameter, kind_of
 from modallab.core.modal_diagnosis import FoundChange
-from modallab.core.places import AllChannels, AlongBeam, EveryOutput, NamedChannel, NearPoint, rows_of, x_m_of
+from modallab.core.places import (
+    AllChannels,
+    AlongBeam,
+    BetweenPoints,
+    EveryOutput,
+    NamedChannel,
+    NearPoint,
+    rows_of,
+    x_m_of,
+)
 from modallab.twin.effects import model_of
 
 FIXED = {
@@ -107,17 +116,20 @@ def place_of_change(change: FoundChange) -> str:
         return "of all channels"
     if isinstance(place, NamedChannel):
         return f"{'of' if change.effect == 'position_error' else 'on'} {place.channel}"
+    if isinstance(place, BetweenPoints):
+        return f"between points {place.points[0]} and {place.points[1]}, along {place.axis}"
     return f"near point {place.point}" + (f", along {place.axis}" if place.axis else "")
 
 
 def at_of_change(change: FoundChange) -> tuple[float, float, float] | None:
     """x, y and z in m where a change hangs on the structure; None where it is a channel's."""
-    return change.place.at_m if isinstance(change.place, NearPoint) else None
+    return change.place.at_m if isinstance(change.place, NearPoint | BetweenPoints) else None
 
 
 def numbers_of(change: FoundChange) -> list[tuple[str, str, str]]:
     """Name, value and 95 % interval of each number; a direction in which a sensor cannot be moved is left out."""
-    units = {p.name: p.unit for p in kind_of(change.effect).parameters}
+    kind = kind_of(change.effect)
+    units = {p.name: p.unit for p in (*kind.parameters, kind.at_points) if p is not None}
     return [
         (name, *_of_change(value, change.interval[name], units.get(name, "m")))
         for name, value in change.parameters.items()

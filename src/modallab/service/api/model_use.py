@@ -9,6 +9,8 @@ from modallab.core.documents.model_other import (
     BestAbsorberNew,
     BestAbsorberView,
     CorrelationView,
+    FreeBandNew,
+    FreeBandsView,
     TuningNew,
     TuningsView,
 )
@@ -18,6 +20,7 @@ from modallab.core.documents.model_use import (
     PredictedFrf,
     ResponseNew,
     ResponseView,
+    StateSpaceView,
 )
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
@@ -26,10 +29,10 @@ from modallab.service.api.problems import documented
 from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.roles import needs
 from modallab.service.api.router import make_router
-from modallab.service.jobs.model_other import absorber_of, correlation_of, tunings_of
+from modallab.service.jobs.model_other import absorber_of, correlation_of, free_bands_of, tunings_of
 from modallab.service.jobs.model_understood import deflection_of, nodes_of, participation_of, shapes_of
 from modallab.service.jobs.model_update import updated
-from modallab.service.jobs.model_use import frf_of, modified, response_to
+from modallab.service.jobs.model_use import frf_of, modified, response_to, state_space_of_model
 
 router = make_router("model-use")
 OfTest = Annotated[Test | None, Query(description="Whose model; left out: the first.")]
@@ -104,8 +107,21 @@ def modify_model(campaign: str, new: Annotated[ModificationNew, Body()], service
 
 @router.post("/campaigns/{campaign}/model/responses", responses=documented(404), openapi_extra=needs("observer"))
 def predict_response(campaign: str, new: Annotated[ResponseNew, Body()], service: ServiceOf) -> ResponseView:
-    """Predict the motion that forces give, from rest; nothing is kept."""
+    """Predict the motion that forces give, with its deviation; nothing is kept."""
     return response_to(service, campaign, new)
+
+
+@router.get("/campaigns/{campaign}/model/state-space", responses=documented(404))
+def get_state_space(
+    campaign: str,
+    at: Annotated[list[int], Query(max_length=100, description="Points of the forces; repeat it for several.")],
+    service: ServiceOf,
+    test: OfTest = None,
+    of: Points = None,
+    quantity: Annotated[Motion, Query(description="Of the motion.")] = "acceleration",
+) -> StateSpaceView:
+    """Matrices A, B, C, D from forces in N to motions, of the modes alone."""
+    return state_space_of_model(service, campaign, test, at, of, quantity)
 
 
 @router.get("/campaigns/{campaign}/model/correlation", responses=documented(404))
@@ -124,6 +140,12 @@ def get_correlation(
 def tune_model(campaign: str, new: Annotated[TuningNew, Body()], service: ServiceOf) -> TuningsView:
     """Find the mass or spring that brings a mode to a frequency, at each point; nothing is kept."""
     return tunings_of(service, campaign, new)
+
+
+@router.post("/campaigns/{campaign}/model/free-bands", responses=documented(404), openapi_extra=needs("observer"))
+def free_band(campaign: str, new: Annotated[FreeBandNew, Body()], service: ServiceOf) -> FreeBandsView:
+    """Find the mass or spring that leaves no mode in a band, at each point; nothing is kept."""
+    return free_bands_of(service, campaign, new)
 
 
 @router.post("/campaigns/{campaign}/model/absorbers", responses=documented(404), openapi_extra=needs("observer"))

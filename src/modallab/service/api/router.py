@@ -136,6 +136,7 @@ class RoleRoute(APIRoute):
             if require_role(request, extra):
                 await run_in_threadpool(require_own, request, extra)
             _require_address(request)
+            _require_unpacked(request)
             _require_known(request, known)
             return await handler(request)
 
@@ -192,6 +193,21 @@ def _require_known(request: Request, known: frozenset[str]) -> None:
     if foreign:
         said = f"is no parameter of this address; {there}"
         raise RequestValidationError([{"type": "extra_forbidden", "loc": ("query", n), "msg": said} for n in foreign])
+
+
+def _require_unpacked(request: Request) -> None:
+    """Reject a body that is compressed, or in parts: nothing here unpacks one, and its bytes are no text.
+
+    Raises:
+        MediaTypeError: names the packing.
+    """
+    remedy = "send the body as it is: the JSON, or the file itself"
+    packed = request.headers.get("content-encoding", "identity")
+    if packed.lower() != "identity":
+        raise MediaTypeError(f"a body packed by {packed!r} cannot be taken", where="Content-Encoding", remedy=remedy)
+    kind = request.headers.get("content-type", "")
+    if kind.lower().startswith("multipart/"):
+        raise MediaTypeError(f"a body in parts, {kind!r}, cannot be taken", where="Content-Type", remedy=remedy)
 
 
 async def _require_body(request: Request) -> None:

@@ -1,9 +1,14 @@
 """The newest model of a campaign beside that of another, and the change that a wanted property needs."""
 
+from math import isfinite
+
 from modallab.core.documents.model_other import (
     BestAbsorberNew,
     BestAbsorberView,
     CorrelationView,
+    FreeBandNew,
+    FreeBandsView,
+    FreeBandView,
     PairView,
     TuningNew,
     TuningsView,
@@ -76,6 +81,30 @@ def tunings_of(service: Service, campaign: str, new: TuningNew) -> TuningsView:
     )
 
 
+def free_bands_of(service: Service, campaign: str, new: FreeBandNew) -> FreeBandsView:
+    """What leaves no mode in a band at each of several points.
+
+    Raises:
+        NotFoundError: no such campaign, or no model of this test.
+        DataError: edges that do not rise or lie beyond the model's band, or a point that the model does not know.
+    """
+    from modallab.modification.free_band import kept_free
+
+    known = known_of_campaign(service, campaign, new.test)
+    answers = tuple(
+        FreeBandView(
+            at=a.at[0] if isinstance(a.at, tuple) else a.at,
+            size=a.size if a.feasible else None,
+            sigma=a.sigma if a.feasible else None,
+            up_to=a.up_to if isfinite(a.up_to) else None,
+            stays=a.stays or None,
+            stays_hz=a.stays_hz if a.stays else None,
+        )
+        for a in kept_free(known, (new.low_hz, new.high_hz), new.by, new.at or known.sensors)
+    )
+    return FreeBandsView(test=known.model.test, answers=answers)
+
+
 def absorber_of(service: Service, campaign: str, new: BestAbsorberNew) -> BestAbsorberView:
     """The absorber that leaves the least peak about a mode.
 
@@ -86,13 +115,15 @@ def absorber_of(service: Service, campaign: str, new: BestAbsorberNew) -> BestAb
     from modallab.modification.inverse import best_absorber
 
     known = known_of_campaign(service, campaign, new.test)
-    found, before, after = best_absorber(known, new.mode, new.at, new.mass_kg)
+    found = best_absorber(known, new.mode, new.at, new.mass_kg)
     return BestAbsorberView(
         test=known.model.test,
         at=new.at,
-        mass_kg=found.mass,
-        frequency_hz=found.frequency_hz,
-        damping_ratio=found.damping_ratio,
-        peak_before=before,
-        peak_after=after,
+        mass_kg=found.absorber.mass,
+        frequency_hz=found.absorber.frequency_hz,
+        damping_ratio=found.absorber.damping_ratio,
+        peak_before=found.before,
+        peak_before_sigma=found.before_sigma,
+        peak_after=found.after,
+        peak_after_sigma=found.after_sigma,
     )

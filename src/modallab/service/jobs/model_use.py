@@ -20,24 +20,29 @@ from modallab.core.documents.model_use import (
     PredictedFrf,
     ResponseNew,
     ResponseView,
+    StartNew,
+    StateSpaceView,
 )
 from modallab.core.documents.models import TestModel
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
-from modallab.core.units import Test
+from modallab.core.units import Quantity, Test
 from modallab.service.context import Service
 from modallab.service.errors import NotFoundError
 from modallab.service.jobs.results import models_of_campaign
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from modallab.modification.attachments import Addition
     from modallab.modification.known import Known
+    from modallab.modification.structure import At
 
 KEPT = 8
 """Models that stay ready for use: their samples take longer than what is asked of them."""
 _READY: dict[tuple[str, Test | None, tuple[str, ...]], "Known"] = {}
-LOWEST = 1e-3
-"""Of the upper edge of a band that begins at 0 Hz: the first line of FRFs."""
+MOST_SAMPLES = 100_000
+"""Of a force by kind: more are computed beside the service, from its model."""
 
 
 def frf_of(
@@ -55,9 +60,10 @@ def frf_of(
         NotFoundError: no such campaign, or no model of this test.
         DataError: a point that the model does not know, or no driving point.
     """
+    from modallab.modification.frfs import lines_with_peaks
+
     known = known_of_campaign(service, campaign, test)
-    low, high = known.model.band_hz
-    found = known.frf(np.linspace(max(low, LOWEST * high), high, lines), outputs, inputs, quantity)
+    found = known.frf(lines_with_peaks(known.model.band_hz, lines), outputs, inputs, quantity)
     assert found.variance is not None
     return PredictedFrf(
         test=known.model.test,
@@ -116,8 +122,9 @@ def modified(service: Service, campaign: str, new: ModificationNew) -> ModifiedV
 
 
 def _mobility(known: "Known", changed: "Known", pair: PairNew) -> MobilityView:
-    low, high = known.model.band_hz
-    f = np.linspace(max(low, LOWEST * high), high, pair.lines)
+    from modallab.modification.frfs import lines_with_peaks
+
+    f = lines_with_peaks(known.model.band_hz, pair.lines, known.structure.poles, changed.poles)
     before, after = (one.frf(f, [pair.of], [pair.at], sigma=False).values[0, 0] for one in (known, changed))
     return MobilityView(frequency_hz=f, before=before, after=after)
 
@@ -137,30 +144,71 @@ def _addition(service: Service, new: ChangeNew) -> "Addition":
 
 
 def response_to(service: Service, campaign: str, new: ResponseNew) -> ResponseView:
-    """The motion that forces give, from rest.
+    """The motion that forces give.
 
     Raises:
         NotFoundError: no such campaign, or no model of this test.
         DataError: forces that cannot be, a point that the model does not know, or no driving point.
     """
+    from modallab.modification.motion import Motion
+
     known = known_of_campaign(service, campaign, new.test)
-    if len(new.forces_n) != len(new.at) or len({len(force) for force in new.forces_n}) > 1:
-        raise DataError(
-            f"{len(new.forces_n)} forces at {len(new.at)} points",
-            where="forces_n",
-            remedy="give a row for each point, all of one length",
-        )
-    of = new.of or tuple(point for point, _ in known.sensors)
-    motion = known.response(np.array(new.forces_n), new.step_s, new.at, of, new.quantity, new.between)
+    start = _start(new.start or ())
+    found = Motion.of(known, _forces(new), new.step_s, new.at, new.of, new.quantity, new.between, start)
+    figures, sigma = found.figures, found.figures_sigma
     return ResponseView(
         test=known.model.test,
         quantity=new.quantity,
         step_s=new.step_s,
-        of=of,
-        values=motion,
-        peak=np.abs(motion).max(axis=1),
-        rms=np.sqrt(np.mean(motion**2, axis=1)),
+        of=tuple(p[0] if isinstance(p, tuple) else p for p in found.points),
+        values=found.values if new.samples else None,
+        sigma=found.sigma if new.samples else None,
+        peak=figures[:, 0],
+        peak_sigma=sigma[:, 0],
+        rms=figures[:, 1],
+        rms_sigma=sigma[:, 1],
+        octaves_hz=np.array(found.octaves_hz),
+        levels=figures[:, 2:],
+        levels_sigma=sigma[:, 2:],
     )
+
+
+def _forces(new: ResponseNew) -> "NDArray[np.float64]":
+    """(forces, samples) N."""
+    from modallab.modification.forces import force_samples
+
+    if (new.forces_n is None) == (new.forces is None):
+        raise DataError("forces are given twice, or not at all", where="forces", remedy="give forces_n or forces")
+    if new.forces_n is not None:
+        if len({len(force) for force in new.forces_n}) > 1:
+            raise DataError("forces of several lengths", where="forces_n", remedy="give rows of one length")
+        return np.array(new.forces_n)
+    count = 0 if new.seconds is None else round(new.seconds / new.step_s)
+    if not 2 <= count <= MOST_SAMPLES:
+        raise DataError(f"{count} samples", where="seconds", remedy=f"give seconds for 2 to {MOST_SAMPLES} samples")
+    return np.array([force_samples(force, new.step_s, count) for force in new.forces or ()])
+
+
+def _start(given: tuple[StartNew, ...]) -> "dict[Quantity, dict[At, float]] | None":
+    whole: dict[Quantity, dict[At, float]] = {
+        "displacement": {one.at: one.displacement_m for one in given if one.displacement_m is not None},
+        "velocity": {one.at: one.velocity_m_s for one in given if one.velocity_m_s is not None},
+    }
+    return {name: values for name, values in whole.items() if values} or None
+
+
+def state_space_of_model(
+    service: Service, campaign: str, test: Test | None, at: list[int], of: list[int] | None, quantity: Quantity
+) -> StateSpaceView:
+    """Matrices from forces to motions.
+
+    Raises:
+        NotFoundError: no such campaign, or no model of this test.
+        DataError: a point that the model does not know, or no driving point.
+    """
+    known = known_of_campaign(service, campaign, test)
+    found = known.state_space(at, of or known.sensors, quantity)
+    return StateSpaceView.model_validate({"test": known.model.test, **found.document()})
 
 
 def known_of_campaign(service: Service, campaign: str, test: Test | None) -> "Known":

@@ -67,6 +67,8 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
 
     def gone() -> None:
         # Connections that never end, such as those that follow events, must not keep it.
+        # What it cuts is no error either.
+        logging.getLogger("uvicorn").setLevel(logging.CRITICAL)
         if server is not None:
             server.should_exit = True
             server.force_exit = True

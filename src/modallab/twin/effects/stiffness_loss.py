@@ -25,6 +25,7 @@ MODEL = EffectModel(
         (Parameter("EI_loss", "", 1e-4, 0.95),),
         "x",
         "EI falls by the share EI_loss at x and by less about it, as exp(-((x - x0) / (0.04 L))^2) (a crack)",
+        at_points=Parameter("k", "N/m", 1e-4, 0.95, "EI/L^3"),
     ),
     rank=80,
     spoken="stiffness loss",

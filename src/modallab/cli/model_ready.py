@@ -1,0 +1,54 @@
+"""A model that a command names, ready for use."""
+
+from pathlib import Path
+
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.core.units import Test
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.formats.rig.rig_file import read_rig
+from modallab.identification.options import Options
+from modallab.modification.known import Known
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.model_file import read_models
+from modallab.pipelines.model_use import known_of
+from modallab.reporting.waiting import waiting
+
+
+def ready(path: Path, rig: Rig | None, test: Test | None, *, progress: bool) -> tuple[Known, Frf | None]:
+    """A model ready for use, and the FRFs it was compared with where there are any.
+
+    Args:
+        path: models, or a campaign to identify.
+        rig: instead of that inside or beside it.
+        test: whose model; None for the first.
+        progress: whether to show that it is identified.
+
+    Raises:
+        DataError: there is no model of the test, or nothing to read.
+    """
+    if path.suffix == ".json":
+        return Known(_chosen(read_models(path), test), rig or _beside(path)), None
+    campaign = read_campaign(path, rig)
+    # The others take as long, and nobody asked for them.
+    only = test if test and campaign.of(test) else None
+    with waiting("identifying", progress=progress):
+        result = identify_campaign(campaign, Options(), only)
+    model = _chosen([item.model for item in result.identified], test)
+    verification = next(item.verification for item in result.identified if item.model is model)
+    return known_of(campaign, model), None if verification is None else verification.measured
+
+
+def _beside(path: Path) -> Rig | None:
+    near = path.with_name("rig.yaml")
+    return read_rig(near) if near.exists() else None
+
+
+def _chosen(models: tuple[ModalModel, ...] | list[ModalModel], test: str | None) -> ModalModel:
+    fitting = [m for m in models if test in (None, m.test)]
+    if not fitting:
+        there = ", ".join(str(m.test) for m in models) or "none"
+        raise DataError(f"there is no model of {'a' if test is None else test} test", remedy=f"there are: {there}")
+    return fitting[0]

@@ -1,0 +1,49 @@
+"""Forces over time, of the kinds that are asked for by a few numbers."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.documents.forces import ForceKind, ImpulseForce, RandomForce, SineForce, SweepForce
+
+Real = NDArray[np.float64]
+
+
+def force_samples(force: ForceKind, step_s: float, count: int) -> Real:
+    """(count,) N at every step from 0 on."""
+    return np.asarray(KINDS[type(force)](force, step_s * np.arange(count, dtype=np.float64)), np.float64)
+
+
+def _impulse(force: ImpulseForce, time: Real) -> Real:
+    samples = np.zeros(time.size)
+    samples[1] = force.impulse_n_s / (time[1] - time[0])
+    return samples
+
+
+def _sine(force: SineForce, time: Real) -> Real:
+    return force.amplitude_n * np.sin(2 * np.pi * force.frequency_hz * time)
+
+
+def _sweep(force: SweepForce, time: Real) -> Real:
+    rate = (force.to_hz - force.from_hz) / (time[-1] - time[0])
+    return force.amplitude_n * np.sin(2 * np.pi * (force.from_hz + rate * time / 2) * time)
+
+
+def _random(force: RandomForce, time: Real) -> Real:
+    """Lines of the spectrum with normal real and imaginary parts: a record that would repeat without a step."""
+    n, step = time.size, time[1] - time[0]
+    hz, density = np.array(force.spectrum).T
+    lines = np.fft.rfftfreq(n, step)
+    power = np.interp(lines, hz, density, left=0.0, right=0.0) / (n * step)
+    parts = np.random.default_rng(force.seed).standard_normal((2, lines.size))
+    return np.fft.irfft(n / 2 * np.sqrt(power) * (parts[0] + 1j * parts[1]), n)
+
+
+KINDS: dict[type, Callable[[Any, Real], Real]] = {
+    ImpulseForce: _impulse,
+    SineForce: _sine,
+    SweepForce: _sweep,
+    RandomForce: _random,
+}

@@ -1,0 +1,143 @@
+"""The motion that forces give: over time, its largest and effective values, with one standard deviation."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from modallab.core.errors import DataError
+from modallab.core.units import Quantity
+from modallab.modification.known import Known
+from modallab.modification.response import Between
+from modallab.modification.structure import At
+
+Real = NDArray[np.float64]
+
+OCTAVE = 10**0.3
+"""Ratio of the centres of two octave bands (IEC 61260-1, base ten)."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion:
+    """Motion over time.
+
+    Attributes:
+        values: (points, samples) in SI units.
+        dt: s between samples.
+        points: of which.
+        quantity: displacement, velocity or acceleration.
+        band_hz: of the model.
+        deviation: of what is computed of such values, over the structures that the model leaves possible.
+    """
+
+    values: Real
+    dt: float
+    points: tuple[At, ...]
+    quantity: Quantity
+    band_hz: tuple[float, float]
+    deviation: Callable[[Callable[[Real], Real]], Real]
+
+    @classmethod
+    def of(
+        cls,
+        known: Known,
+        force: ArrayLike,
+        dt: float,
+        at: Sequence[At],
+        of: Sequence[At] | None,
+        quantity: Quantity = "acceleration",
+        between: Between = "band-limited",
+        start: Mapping[Quantity, Mapping[At, float]] | None = None,
+    ) -> Self:
+        """Of forces at points of a structure.
+
+        Args:
+            known: the structure.
+            force: (samples,) N, or (inputs, samples).
+            dt: s between samples.
+            at: (inputs,) points of the forces.
+            of: points whose motion is asked for; None for all that have a sensor.
+            quantity: displacement, velocity or acceleration.
+            between: what the force is between its samples.
+            start: displacement and velocity of points at the first sample; None for rest.
+
+        Raises:
+            DataError: a force that cannot be, or a point that the model does not know.
+        """
+        forces = np.atleast_2d(np.asarray(force, np.float64))
+        if len(forces) != len(at):
+            raise DataError(f"{len(forces)} forces at {len(at)} points", remedy="give a row of force for each point")
+        asked = list(known.sensors if of is None else of)
+        begin = None if start is None else {name: dict(values) for name, values in start.items()}
+
+        def move(one: Known) -> Real:
+            return one.response(forces, dt, at, asked, quantity, between, begin)
+
+        return cls(
+            move(known), dt, tuple(asked), quantity, known.model.band_hz,
+            lambda figure: known.deviation(lambda one: figure(move(one))),
+        )  # fmt: skip
+
+    @cached_property
+    def sigma(self) -> Real:
+        """(points, samples) one standard deviation, by what is uncertain of the model."""
+        return self.deviation(lambda values: values)
+
+    @property
+    def time(self) -> Real:
+        """(samples,) s."""
+        return self.dt * np.arange(self.values.shape[1])
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(points,) as figures and tables call them: an axis only where a point moves along several."""
+        numbers = [p[0] if isinstance(p, tuple) else p for p in self.points]
+        several = len(set(numbers)) < len(numbers)
+        pairs = zip(self.points, numbers, strict=True)
+        return tuple(f"{n}{p[1]}" if several and isinstance(p, tuple) else str(n) for p, n in pairs)
+
+    @property
+    def peak(self) -> Real:
+        """(points,) largest absolute value."""
+        return self.figures[:, 0]
+
+    @property
+    def rms(self) -> Real:
+        """(points,) effective value."""
+        return self.figures[:, 1]
+
+    @property
+    def octaves_hz(self) -> tuple[float, ...]:
+        """(octaves,) centres of the octave bands that the model and the step leave whole."""
+        low, high = self.band_hz[0], min(self.band_hz[1], 1 / (2 * self.dt))
+        low = max(low, 1 / (self.dt * self.values.shape[1]))
+        first, last = (np.log(edge / 1e3) / np.log(OCTAVE) for edge in (low, high))
+        return tuple(float(1e3 * OCTAVE**k) for k in range(int(np.ceil(first + 0.5)), int(np.floor(last - 0.5)) + 1))
+
+    @cached_property
+    def figures(self) -> Real:
+        """(points, 2 + octaves) largest value, effective value, effective value in each octave band."""
+        return self._figures(self.values)
+
+    @cached_property
+    def figures_sigma(self) -> Real:
+        """(points, 2 + octaves) one standard deviation of these."""
+        return self.deviation(self._figures)
+
+    def _figures(self, values: Real) -> Real:
+        peak, rms = np.abs(values).max(axis=1), np.sqrt(np.mean(values**2, axis=1))
+        edges = [(centre / OCTAVE**0.5, centre * OCTAVE**0.5) for centre in self.octaves_hz]
+        return np.stack([peak, rms, *(self._level(values, *edge) for edge in edges)], axis=1)
+
+    def level(self, low_hz: float, high_hz: float) -> Real:
+        """(points,) effective value within a band."""
+        return self._level(self.values, low_hz, high_hz)
+
+    def _level(self, values: Real, low_hz: float, high_hz: float) -> Real:
+        lines = np.fft.rfftfreq(values.shape[1], self.dt)
+        inside = (lines >= low_hz) & (lines <= high_hz)
+        spectrum = np.abs(np.fft.rfft(values, axis=1)) / values.shape[1]
+        return np.asarray(np.sqrt(2 * np.sum(spectrum[:, inside] ** 2, axis=1)), np.float64)
