@@ -22,6 +22,14 @@ TAIL_SHARE = 0.45
 """Poles beyond this share of the rate leave no tail: nothing in the band excites them."""
 
 
+def pulse_spectra(pulses: Real, starts: NDArray[np.int64], n: int) -> Complex:
+    """(hits, n // 2 + 1) of the pulses alone, each at its place in a block of n samples."""
+    windowed = np.zeros((len(pulses), n))
+    for row, pulse, start in zip(windowed, pulses, starts, strict=True):
+        row[start : start + len(pulse)] = pulse[: n - start]
+    return np.fft.rfft(windowed, axis=1)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Hits:
     """Hits at one point, taken together: sum conj(F_j) Y_j / sum |F_j|^2 on each line.
@@ -50,10 +58,7 @@ class Hits:
     @property
     def shares(self) -> Complex:
         """(hits, k) what each hit counts of the answer on each line; together 1."""
-        whole = np.zeros((len(self.pulses), self.n))
-        for row, pulse, start in zip(whole, self.pulses, self.first, strict=True):
-            row[start : start + len(pulse)] = pulse[: self.n - start]
-        return np.fft.rfft(whole)[:, self.lines.astype(int)] * self.weights
+        return pulse_spectra(self.pulses, self.first, self.n)[:, self.lines.astype(int)] * self.weights
 
     def kept(self, keep: NDArray[np.bool_]) -> Self:
         """Some of the lines."""

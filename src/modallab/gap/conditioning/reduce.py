@@ -22,7 +22,7 @@ from modallab.gap.conditioning.weights import Weights
 from modallab.signals.hit import Hit
 from modallab.signals.signals import Signals, to_signals
 from modallab.signals.tone_fit import clock_ratio, fit_at
-from modallab.twin.response import HISTORY_S, RAMP_S, Hits, Rise, Sines
+from modallab.twin.response import HISTORY_S, RAMP_S, Hits, Rise, Sines, pulse_spectra
 
 IMPACT_BAND = 0.2
 """Share of the rate up to which hits are used."""
@@ -54,12 +54,7 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
     lines = np.arange(1.0, int(IMPACT_BAND * n) + 1)
     signals = [to_signals(b, rig) for b in blocks]
     pulses, starts = hit_pulses(signals)
-    spectra: list[Complex] = []
-    for pulse, start in zip(pulses, starts, strict=True):
-        windowed = np.zeros(n)
-        windowed[start : start + len(pulse)] = pulse[: n - start]
-        spectra.append(np.fft.rfft(windowed)[1 : len(lines) + 1])
-    F = np.array(spectra)
+    F = pulse_spectra(pulses, starts, n)[:, 1 : len(lines) + 1]
     Y = np.array([np.fft.rfft(s.responses, axis=1)[:, 1 : len(lines) + 1] for s in signals])
     power = np.sum(np.abs(F) ** 2, axis=0)
     conj = F.conj() / power
