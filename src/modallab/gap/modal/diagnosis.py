@@ -1,5 +1,6 @@
 """The diagnosis of a structure that no beam describes: its modal model stands for the simulation."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -24,6 +25,8 @@ from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.gap.modal.parts import Misses, by_channel, by_mode
 from modallab.gap.modal.search import ModalSearch
 from modallab.gap.model.tolerances import with_tolerances
+from modallab.identification.backbone import backbone_notes
+from modallab.identification.backbone_laws import law_note, likely_law
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
 from modallab.updating.elements import COMPUTED
@@ -96,10 +99,11 @@ def explained_by_model(
     last = compare()
     smooth, closer = (Free(compare(width), LOOSE) for width in SMOOTHER)
     found = judged(ModalSearch.begun(smooth, closer, Free(last)))
-    return Explained(Free(last), found, _said(Free(last), found, (reference.n_modes, bench.n_modes)))
+    said = _said(Free(last), found, (reference.n_modes, bench.n_modes), _of_levels(bench))
+    return Explained(Free(last), found, said)
 
 
-def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
+def _said(free: Free, found: Judged, modes: tuple[int, int], levels: Sequence[str]) -> ModalDiagnosis:
     best, probable = found.best, {id(f): p for f, p in found.ranked}
     known = found.verdict == "known"
     misses = Misses.of(free, found.base, best)
@@ -122,8 +126,16 @@ def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
         modes=modes,
         by_channel=by_channel(free, misses),
         by_mode=by_mode(free, misses),
-        notes=[*found.notes, *_of_the_whole(best)],
+        notes=[*found.notes, *_of_the_whole(best), *levels],
     )
+
+
+def _of_levels(bench: ModalModel) -> list[str]:
+    """How a bench goes with its level, where it does: what is compared is its weakest."""
+    if bench.backbone is None:
+        return []
+    weakest = f"The bench is compared at its weakest level, {bench.backbone.levels[0]}."
+    return [*backbone_notes(bench.backbone), *law_note(likely_law(bench.backbone, bench)), weakest]
 
 
 def _of_the_whole(best: Fitted) -> list[str]:

@@ -1,0 +1,150 @@
+"""What law a backbone is like, and at which point it acts: by the evidence of each law at each.
+
+A nonlinear element at a point gives a mode the stiffness phi^2 k(a) and the damping phi^2 c(a), with phi the mode's
+shape there and a the amplitude there. k and c are those of the first harmonic (Worden and Tomlinson, Nonlinearity in
+Structural Dynamics, 2001, ch. 3; for joints Segalman, J. Appl. Mech. 72, 2005, 752).
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from modallab.core.model import Backbone, ModalModel
+
+Real = NDArray[np.float64]
+
+OFF = 0.05
+"""By how much of its largest change a law is off, one deviation: no element follows it exactly."""
+GAPS = np.array([0.2, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0])
+"""Clearances that are tried, over the median amplitude."""
+POWERS = (0.25, 0.5, 1.0, 2.0)
+"""Of the amplitude, in a joint's loss of stiffness."""
+SAID = 0.9
+"""Probability from which a law or a place is stated."""
+
+Shape = Callable[[Real, Real], tuple[Real, Real]]
+"""Amplitudes in m and omega in rad/s, both (modes, levels) -> stiffness of an element of unit size, and its damping
+times omega."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Law:
+    """A family of elements.
+
+    Attributes:
+        name: in words.
+        shapes: one for each of its inner numbers.
+    """
+
+    name: str
+    shapes: tuple[Shape, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LikelyLaw:
+    """What the backbones are like.
+
+    Attributes:
+        laws: name -> probability, the most probable first.
+        point: at which the most probable one acts; None where the shapes do not show it.
+        at_point: probability of that.
+    """
+
+    laws: dict[str, float]
+    point: int | None
+    at_point: float
+
+
+def _play(gap: float) -> Shape:
+    def shape(a: Real, _: Real) -> tuple[Real, Real]:
+        share = np.minimum(gap * float(np.nanmedian(a)) / np.maximum(a, 1e-300), 1.0)
+        return 1 - 2 / np.pi * (np.arcsin(share) + share * np.sqrt(1 - share**2)), 0 * a
+
+    return shape
+
+
+def _joint(power: float, ratio: float) -> Shape:
+    return lambda a, _: (-(a**power), ratio * a**power)
+
+
+LAWS = (
+    Law("a hardening spring", (lambda a, _: (a**2, 0 * a),)),
+    Law("a softening spring", (lambda a, _: (-(a**2), 0 * a),)),
+    Law("play between stops", tuple(_play(float(g)) for g in GAPS)),
+    Law("a bolted joint", tuple(_joint(p, r) for p in POWERS for r in (0.1, 0.3, 1.0))),
+    Law("dry friction", (lambda a, _: (0 * a, 1 / a),)),
+    Law("drag", (lambda a, omega: (0 * a, a * omega**2),)),
+)
+"""Each of one sign: what a spring, a joint or a damper of that kind can do."""
+
+
+def likely_law(found: Backbone, model: ModalModel) -> LikelyLaw | None:
+    """The laws with their probabilities; None where no mode was followed to three levels.
+
+    Args:
+        found: backbones of the model's modes.
+        model: of the weakest level.
+    """
+    followed = np.isfinite(found.frequency_hz + found.damping_ratio + found.amplitude_m)
+    known = np.asarray(np.all(followed, axis=1), np.bool_)
+    if found.frequency_hz.shape[1] < 3 or not known.any():
+        return None
+    scores = {
+        (law.name, point): np.logaddexp.reduce([_evidence(found, known, shape, phi, at) for shape in law.shapes])
+        - np.log(len(law.shapes))
+        for law in LAWS
+        for point, phi, at in _places(found, model, known)
+    }
+    total = np.logaddexp.reduce(list(scores.values()))
+    each = {key: float(np.exp(value - total)) for key, value in scores.items()}
+    laws = {law.name: sum(p for (name, _), p in each.items() if name == law.name) for law in LAWS}
+    ordered = dict(sorted(laws.items(), key=lambda pair: -pair[1]))
+    first = next(iter(ordered))
+    (_, point), share = max(((k, p) for k, p in each.items() if k[0] == first), key=lambda pair: pair[1])
+    return LikelyLaw(ordered, point, share / max(ordered[first], 1e-300))
+
+
+def law_note(likely: LikelyLaw | None) -> tuple[str, ...]:
+    """A sentence on the law and its place, as far as they are known."""
+    if likely is None:
+        return ()
+    name, probability = next(iter(likely.laws.items()))
+    if probability < SAID:
+        two = [f"{n} ({min(p, 0.99):.2f})" for n, p in list(likely.laws.items())[:2]]
+        return (f"Its law stays open: {' or '.join(two)}.",)
+    place = f" at point {likely.point}" if likely.point is not None and likely.at_point >= SAID else ""
+    return (f"The modes go with their amplitude as with {name}{place} (probability {min(probability, 0.99):.2f}).",)
+
+
+def _places(found: Backbone, model: ModalModel, known: NDArray[np.bool_]) -> Iterator[tuple[int | None, Real, Real]]:
+    """Points with (modes,) squares of the shapes there, and amplitudes there over those of the backbone."""
+    rows = [model.outputs.index(name) for name in found.sensors]
+    first = np.abs(model.modal_constants[:, :, 0])
+    seen = first[np.arange(len(rows)), rows]
+    driven = [o for o, p in enumerate(model.output_points) if p is not None and p == model.input_points[0]]
+    if not driven or np.count_nonzero(known) < 2:
+        yield None, np.ones(known.sum()), np.ones(known.sum())
+        return
+    for o, point in enumerate(model.output_points):
+        yield point, (first[:, o] ** 2 / first[:, driven[0]])[known], (first[:, o] / seen)[known]
+
+
+def _evidence(found: Backbone, known: NDArray[np.bool_], shape: Shape, phi: Real, at: Real) -> float:
+    """Logarithm of the evidence of an element of open size, by Schwarz's approximation."""
+    omega = 2 * np.pi * found.frequency_hz[known]
+    zeta, amplitude = found.damping_ratio[known], found.amplitude_m[known] * np.maximum(at, 1e-6)[:, None]
+    values = np.stack([omega**2, 2 * zeta * omega**2])
+    relative = 2 * found.frequency_sigma_hz[known] / found.frequency_hz[known], found.damping_sigma[known] / zeta
+    sigma = np.hypot(values * np.stack(relative), OFF * np.ptp(values, axis=2, keepdims=True))
+    element = np.stack(shape(amplitude, omega)) * phi[:, None]
+    # Each mode's own stiffness and damping are open: what is left of weighted means.
+    weight = 1 / np.maximum(sigma, 1e-300) ** 2
+    free = [
+        v - np.sum(weight * v, axis=2, keepdims=True) / weight.sum(axis=2, keepdims=True) for v in (values, element)
+    ]
+    left, by = ((v / sigma).ravel() for v in free)
+    _, rest = nnls(by[:, None], left)
+    return float(-(rest**2) / 2 - np.log(left.size) / 2 - np.sum(np.log(sigma)))
