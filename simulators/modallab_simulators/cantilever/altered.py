@@ -4,9 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import inf
 
-import numpy as np
-from numpy.typing import NDArray
-
+from modallab.core.arrays import Real
 from modallab_simulators.cantilever.attached import Absorber, Attachment
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.cracked import Loss
@@ -18,7 +16,6 @@ from modallab_simulators.cantilever.sensor import Sensor
 
 Element = PointElement | CrackElement
 Rows = Mapping[int, float]
-Floats = NDArray[np.float64]
 
 SIDE_ZETA = 0.004
 """Damping ratio of modes that are none of bending in the drive's direction, unless it is given."""
@@ -30,7 +27,7 @@ def _no_rows() -> Rows:
     return {}
 
 
-def _no_curves() -> Mapping[int, Callable[[Floats], Floats]]:
+def _no_curves() -> Mapping[int, Callable[[Real], Real]]:
     return {}
 
 
@@ -130,7 +127,7 @@ class ChainChanges:
     noise: Rows = field(default_factory=_no_rows)
     clips: tuple[Clip, ...] = ()
     knee_v: Rows = field(default_factory=_no_rows)
-    curves: Mapping[int, Callable[[Floats], Floats]] = field(default_factory=_no_curves)
+    curves: Mapping[int, Callable[[Real], Real]] = field(default_factory=_no_curves)
     lost_share: Rows = field(default_factory=_no_rows)
     holds: frozenset[int] = frozenset()
     jitter_s: float = 0.0

@@ -14,13 +14,11 @@ from functools import cached_property
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever.eigenmodes import eigh
 from modallab_simulators.cantilever.modes import Modes, SolvedModes
-
-Floats = NDArray[np.float64]
 
 KEPT = 80
 SUMMED = 160
@@ -80,7 +78,7 @@ class AttachedModes(SolvedModes):
         masses = [a.mass for a in self._at if a.order == 0] + [a.mass_kg for a in self._absorbers]
         return self._bare.total_mass_kg + sum(masses)
 
-    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
+    def shapes(self, x_m: Real, count: int, order: int = 0) -> Real:
         """Displacement or slope of the modes, (points, count)."""
         return self._basis(x_m, order) @ self._solved[1][:, :count]
 
@@ -90,7 +88,7 @@ class AttachedModes(SolvedModes):
         hung = vectors[len(vectors) - count :]
         return [int(np.argmax(np.abs(row))) for row in hung]
 
-    def participation(self, count: int) -> Floats:
+    def participation(self, count: int) -> Real:
         """Integral of mass times shape, in kg^1/2, (count,)."""
         hung = np.array([a.mass_kg for a in self._absorbers])
         own = np.concatenate([self._bare.participation(KEPT), self._shift_mass, self._residual_moment, hung])
@@ -100,7 +98,7 @@ class AttachedModes(SolvedModes):
                 total += attachment.mass * (row @ self._solved[1][:, :count])
         return total
 
-    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+    def flexibility(self, x_m: Real, force_x_m: float, seen: int = 0, put: int = 0) -> Real:
         """Static answer at `x_m` to a load at `force_x_m`, (points,)."""
         plain = self._held(x_m, force_x_m, seen, put)
         springs = [a for a in self._at if a.stiffness]
@@ -113,7 +111,7 @@ class AttachedModes(SolvedModes):
         )
         return plain - to @ np.linalg.solve(np.diag([1 / a.stiffness for a in springs]) + among, load)
 
-    def _held(self, x_m: Floats, force_x_m: float, seen: int, put: int) -> Floats:
+    def _held(self, x_m: Real, force_x_m: float, seen: int, put: int) -> Real:
         shift = 1 / self._root if seen == put == 0 else 0.0
         return self._bare.flexibility(x_m, force_x_m, seen, put) + shift
 
@@ -122,10 +120,10 @@ class AttachedModes(SolvedModes):
         return self._root != inf
 
     @property
-    def _shift_mass(self) -> Floats:
+    def _shift_mass(self) -> Real:
         return np.array([self._bare.total_mass_kg]) if self._shifts else np.zeros(0)
 
-    def _of_each(self, count: int) -> Floats:
+    def _of_each(self, count: int) -> Real:
         """What the bare modes do at each attachment, (attachments, count)."""
         rows = np.empty((len(self._at), count))
         for order in (0, 1):
@@ -135,19 +133,19 @@ class AttachedModes(SolvedModes):
         return rows
 
     @cached_property
-    def _there(self) -> Floats:
+    def _there(self) -> Real:
         return self._of_each(KEPT)
 
     @cached_property
-    def _residual(self) -> Floats:
+    def _residual(self) -> Real:
         """What the modes above the kept ones do at each attachment, over omega^2, (attachments, modes)."""
         return self._of_each(SUMMED)[:, KEPT:] / self._bare.omega(SUMMED)[KEPT:] ** 2
 
     @property
-    def _residual_moment(self) -> Floats:
+    def _residual_moment(self) -> Real:
         return self._residual @ self._bare.participation(SUMMED)[KEPT:]
 
-    def _basis(self, x_m: Floats, order: int) -> Floats:
+    def _basis(self, x_m: Real, order: int) -> Real:
         """The Ritz vectors at some points, (points, vectors)."""
         modes = self._bare.shapes(x_m, KEPT, order)
         columns = [modes]
@@ -160,13 +158,13 @@ class AttachedModes(SolvedModes):
         return np.concatenate(columns, axis=1)
 
     @cached_property
-    def _rows(self) -> Floats:
+    def _rows(self) -> Real:
         """The Ritz vectors at each attachment, (attachments, vectors)."""
         rows = [self._basis(np.array([a.x_m for a in self._at]), order) for order in (0, 1)]
         return np.array([rows[a.order][k] for k, a in enumerate(self._at)]).reshape(rows[0].shape)
 
     @cached_property
-    def _solved(self) -> tuple[Floats, Floats]:
+    def _solved(self) -> tuple[Real, Real]:
         mass, stiffness = self._bare_matrices()
         for a, row in zip(self._at, self._rows, strict=True):
             mass += a.mass * np.outer(row, row)
@@ -187,7 +185,7 @@ class AttachedModes(SolvedModes):
             )
         return np.sqrt(values), vectors * scale[:, None]
 
-    def _bare_matrices(self) -> tuple[Floats, Floats]:
+    def _bare_matrices(self) -> tuple[Real, Real]:
         shifts, last = len(self._shift_mass), KEPT + len(self._shift_mass) + len(self._at)
         n = last + len(self._absorbers)
         mass, stiffness = np.eye(n), np.zeros((n, n))

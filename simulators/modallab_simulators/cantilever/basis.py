@@ -7,28 +7,25 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab_simulators.cantilever.modes import Modes
-
-Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 class Basis(Protocol):
     """What the bench integrates in time."""
 
     @property
-    def poles(self) -> Complex:
+    def poles(self) -> Complex128:
         """p, with an imaginary part from 0, (modes,)."""
         ...
 
     @property
-    def scale(self) -> Floats:
+    def scale(self) -> Real:
         """s, (modes,)."""
         ...
 
-    def shapes(self, x_m: Floats, order: int = 0) -> Floats | Complex:
+    def shapes(self, x_m: Real, order: int = 0) -> Real | Complex128:
         """psi, displacement (order 0) or slope (1), in kg^-1/2, (points, modes)."""
         ...
 
@@ -37,20 +34,20 @@ class Basis(Protocol):
         """The undamped modes behind it."""
         ...
 
-    def project(self, rows: Floats) -> Floats | Complex:
+    def project(self, rows: Real) -> Real | Complex128:
         """psi of loads known by what they do to each undamped mode, (loads, modes behind) to (loads, modes)."""
         ...
 
-    def remainder(self, x_m: Floats, force_x_m: float, put: int = 0) -> Floats:
+    def remainder(self, x_m: Real, force_x_m: float, put: int = 0) -> Real:
         """Static displacement per force (put = 0) or moment (1) that all modes beyond add, (points,)."""
         ...
 
     @property
-    def participation(self) -> Floats | Complex:
+    def participation(self) -> Real | Complex128:
         """What an acceleration of the base puts into each mode, in kg^1/2, (modes,)."""
         ...
 
-    def base_remainder(self, x_m: Floats) -> Floats:
+    def base_remainder(self, x_m: Real) -> Real:
         """Static displacement per acceleration of the base that all modes beyond add, in s^2, (points,)."""
         ...
 
@@ -60,20 +57,20 @@ class ModalBasis:
     """The first len(omega) modes of a structure, each with a damping ratio of its own."""
 
     beam: Modes
-    omega: Floats
-    zeta: Floats
+    omega: Real
+    zeta: Real
 
     @property
-    def poles(self) -> Complex:
+    def poles(self) -> Complex128:
         """p = -zeta omega + j omega sqrt(1 - zeta^2)."""
         return self.omega * (-self.zeta + 1j * np.sqrt(1 - self.zeta**2))
 
     @property
-    def scale(self) -> Floats:
+    def scale(self) -> Real:
         """omega sqrt(1 - zeta^2)."""
         return self.poles.imag
 
-    def shapes(self, x_m: Floats, order: int = 0) -> Floats:
+    def shapes(self, x_m: Real, order: int = 0) -> Real:
         """At unit modal mass in kg^-1/2, (points, modes)."""
         return self.beam.shapes(x_m, len(self.omega), order)
 
@@ -82,26 +79,26 @@ class ModalBasis:
         """The undamped modes behind it."""
         return self.beam
 
-    def project(self, rows: Floats) -> Floats:
+    def project(self, rows: Real) -> Real:
         """The first of them."""
         return rows[..., : len(self.omega)]
 
-    def remainder(self, x_m: Floats, force_x_m: float, put: int = 0) -> Floats:
+    def remainder(self, x_m: Real, force_x_m: float, put: int = 0) -> Real:
         """Static flexibility of all modes beyond, (points,)."""
         own = self.shapes(x_m) * self.shapes(np.array([force_x_m]), put) / self.omega**2
         return self.beam.flexibility(x_m, force_x_m, 0, put) - own.sum(axis=1)
 
     @property
-    def participation(self) -> Floats:
+    def participation(self) -> Real:
         """Integral of mass times shape, against the base's acceleration."""
         return -self.beam.participation(len(self.omega))
 
-    def base_remainder(self, x_m: Floats) -> Floats:
+    def base_remainder(self, x_m: Real) -> Real:
         """Of the modes beyond, up to three times as many."""
         return _base_remainder(self.beam, x_m, len(self.omega))
 
 
-def _base_remainder(modes: Modes, x_m: Floats, kept: int) -> Floats:
+def _base_remainder(modes: Modes, x_m: Real, kept: int) -> Real:
     count = min(3 * kept, max(80, kept))
     share = -modes.participation(count) / modes.omega(count) ** 2
     return modes.shapes(x_m, count)[:, kept:] @ share[kept:]

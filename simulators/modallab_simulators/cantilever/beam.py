@@ -14,9 +14,8 @@ from math import inf, pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 HALVINGS = 56
 
@@ -46,7 +45,7 @@ class CantileverBeam:
     def _rate(self) -> float:
         return float(np.sqrt(self.bending_stiffness_n_m2 / self.mass_kg_m)) / self.length_m**2
 
-    def omega(self, count: int) -> Floats:
+    def omega(self, count: int) -> Real:
         """Natural frequencies of the first `count` modes in rad/s, (count,)."""
         return wave_numbers(count, self.kappa) ** 2 * self._rate
 
@@ -62,17 +61,17 @@ class CantileverBeam:
         """Of the beam."""
         return self.mass_kg_m * self.length_m
 
-    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
+    def shapes(self, x_m: Real, count: int, order: int = 0) -> Real:
         """Mode shapes, or their derivative of an order along x, at unit modal mass in kg^-1/2, (points, count)."""
         unit = unit_shapes(x_m / self.length_m, wave_numbers(count, self.kappa), self.kappa, order)
         return unit / np.sqrt(self.mass_kg_m * self.length_m) / self.length_m**order
 
-    def participation(self, count: int) -> Floats:
+    def participation(self, count: int) -> Real:
         """Integral of mass times shape, in kg^1/2, (count,): what the shear at the root carries in free vibration."""
         shear = self.bending_stiffness_n_m2 * self.shapes(np.zeros(1), count, 3)[0]
         return -shear / self.omega(count) ** 2
 
-    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+    def flexibility(self, x_m: Real, force_x_m: float, seen: int = 0, put: int = 0) -> Real:
         """Static answer at `x_m` to a load at `force_x_m`: bending of the beam and turn of the root, (points,).
 
         Args:
@@ -93,13 +92,13 @@ class CantileverBeam:
         return bend + x_m ** (1 - seen) * force_x_m ** (1 - put) / self.root_stiffness_nm_rad
 
 
-def wave_numbers(count: int, kappa: float) -> Floats:
+def wave_numbers(count: int, kappa: float) -> Real:
     """Roots b = beta L of the frequency equation for kappa > 0, ascending, (count,)."""
     return _roots(1, count, kappa).copy()
 
 
 @lru_cache(maxsize=256)
-def _roots(first: int, last: int, kappa: float) -> Floats:
+def _roots(first: int, last: int, kappa: float) -> Real:
     """Of modes `first` to `last`: one root between (n - 1) pi, where the equation has the sign of cos b, and n pi."""
     # Dividing by kappa or by b keeps the terms of order one for a soft as for a stiff root.
     soft, stiff = (kappa, 1.0) if kappa < 1 else (1.0, 0.0 if kappa == inf else 1.0 / kappa)
@@ -118,7 +117,7 @@ def _sech(b: Any) -> Any:
     return 2 * np.exp(-b) / (1 + np.exp(-2 * b))
 
 
-def unit_shapes(xi: Floats, b: Floats, kappa: float, order: int = 0) -> Floats:
+def unit_shapes(xi: Real, b: Real, kappa: float, order: int = 0) -> Real:
     """Shapes with integral of W^2 over xi of one, positive at the tip, or a derivative of them, (points, modes)."""
     s, c, t, sech = np.sin(b), np.cos(b), np.tanh(b), _sech(b)
     d = s - c * t
@@ -131,14 +130,14 @@ def unit_shapes(xi: Floats, b: Floats, kappa: float, order: int = 0) -> Floats:
     return shape * np.sign(tip) / np.sqrt(_norm(tip, d, c + sech, b, kappa)) * b**order
 
 
-def _turned(sine: Floats, cosine: Floats, order: int) -> tuple[Floats, Floats]:
+def _turned(sine: Real, cosine: Real, order: int) -> tuple[Real, Real]:
     # The derivative of a sin z - d cos z is d sin z + a cos z.
     for _ in range(order):
         sine, cosine = cosine, -sine
     return sine, cosine
 
 
-def _norm(tip: Floats, d: Floats, turn: Floats, b: Floats, kappa: float) -> Floats:
+def _norm(tip: Real, d: Real, turn: Real, b: Real, kappa: float) -> Real:
     # Integral of W^2 = (W(1)^2 + W'(0) W''(0) / b^4) / 4. The root's two forms are equal at a root of the frequency
     # equation; each is free of cancellation on its own side.
     root = 4 * kappa * turn**2 / b**2 if kappa < 1 else 4 * d**2 / kappa

@@ -8,13 +8,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Channel, Converter, Rig
 from modallab.core.units import Test, si_factor
 from modallab_simulators.cantilever.altered import ChainChanges
 from modallab_simulators.cantilever.channels import sensor_rows
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +24,7 @@ class Hum:
     hz: float = 50.0
     phase: float = 0.0
 
-    def on(self, rows: int, times_s: Floats) -> Floats:
+    def on(self, rows: int, times_s: Real) -> Real:
         """In V, (rows, times)."""
         wave = np.sin(2 * np.pi * self.hz * times_s + self.phase)
         return np.multiply.outer(self.volts * (0.5 + 0.1 * np.arange(rows)), wave)
@@ -43,7 +42,7 @@ class Luck:
 
     noise: NDArray[np.float32]
     lost: NDArray[np.bool_] | None = None
-    late: Floats | None = None
+    late: Real | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -66,18 +65,18 @@ class Chain:
         holds: rows that read the sample before in place of a lost one.
     """
 
-    volts_per_si: Floats
-    volts_per_count: Floats
-    noise_rms_v: Floats
+    volts_per_si: Real
+    volts_per_count: Real
+    noise_rms_v: Real
     low: int
     high: int
     dtype: np.dtype[np.generic]
-    clip_v: Floats
+    clip_v: Real
     hum: Hum
-    knee_v: Floats
-    lost_share: Floats
+    knee_v: Real
+    lost_share: Real
     jitter_s: float
-    curves: Mapping[int, Callable[[Floats], Floats]]
+    curves: Mapping[int, Callable[[Real], Real]]
     holds: frozenset[int]
 
     @classmethod
@@ -119,7 +118,7 @@ class Chain:
         late = flaws.standard_normal(count) if self.jitter_s else None
         return Luck(noise.standard_normal((rows, count), dtype=np.float32), lost, late)
 
-    def convert(self, seen: Floats, luck: Luck, times_s: Floats) -> NDArray[np.generic]:
+    def convert(self, seen: Real, luck: Luck, times_s: Real) -> NDArray[np.generic]:
         """Counts of what the rows see in SI units at some times, both (rows, n).
 
         Raises:
@@ -155,7 +154,7 @@ class Chain:
         return np.any((samples == self.high) | (samples == self.low), axis=1)
 
 
-def lose(counts: Floats, lost: NDArray[np.bool_], holds: frozenset[int]) -> None:
+def lose(counts: Real, lost: NDArray[np.bool_], holds: frozenset[int]) -> None:
     """Write what stands in place of lost samples: 0, or in rows that hold it the sample before, both (rows, n)."""
     for row in np.flatnonzero(np.any(lost, axis=1)):
         if int(row) in holds:

@@ -11,13 +11,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.modes import Modes
-
-Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 NODES = (0.0, 0.5, 1.0)
 """Shares of the drift at which the structure is assembled."""
@@ -64,13 +61,13 @@ class Drifting:
         return tuple(_Node(basis, sign) for basis, sign in zip(bases, signs, strict=True)) if straight else None
 
 
-def same_way(shapes: Floats | Complex, others: Floats | Complex) -> Floats:
+def same_way(shapes: Real | Complex128, others: Real | Complex128) -> Real:
     """-1 for each mode whose shape stands upside down to the other's, else 1, (modes,) of two (points, modes)."""
-    along: Floats = np.sum(shapes * others.conj(), axis=0).real
+    along: Real = np.sum(shapes * others.conj(), axis=0).real
     return np.where(along < 0, -1.0, 1.0)
 
 
-def _straight(values: Sequence[Floats | Complex]) -> bool:
+def _straight(values: Sequence[Real | Complex128]) -> bool:
     """Whether the middle of three (modes,) or (points, modes) lies on the line between the others."""
     first, middle, last = values
     return bool(np.all(np.abs(middle - (first + last) / 2) <= BEND * np.max(np.abs(middle), axis=0)))
@@ -79,27 +76,27 @@ def _straight(values: Sequence[Floats | Complex]) -> bool:
 class _Node:
     """A basis that remembers what it was asked; its shapes stand the same way as those at the other nodes."""
 
-    def __init__(self, basis: Basis, sign: Floats) -> None:
+    def __init__(self, basis: Basis, sign: Real) -> None:
         self.basis, self.poles, self.scale, self._sign = basis, basis.poles, basis.scale, sign
-        self._known: dict[tuple[bytes, float, int], Floats | Complex] = {}
+        self._known: dict[tuple[bytes, float, int], Real | Complex128] = {}
 
     @cached_property
-    def participation(self) -> Floats | Complex:
+    def participation(self) -> Real | Complex128:
         return self.basis.participation * self._sign
 
-    def project(self, rows: Floats) -> Floats | Complex:
+    def project(self, rows: Real) -> Real | Complex128:
         return self.basis.project(rows) * self._sign
 
-    def shapes(self, x_m: Floats, order: int) -> Floats | Complex:
+    def shapes(self, x_m: Real, order: int) -> Real | Complex128:
         return self._remembered((x_m.tobytes(), -1.0, order), lambda: self.basis.shapes(x_m, order) * self._sign)
 
-    def remainder(self, x_m: Floats, force_x_m: float, put: int) -> Floats | Complex:
+    def remainder(self, x_m: Real, force_x_m: float, put: int) -> Real | Complex128:
         return self._remembered((x_m.tobytes(), force_x_m, put), lambda: self.basis.remainder(x_m, force_x_m, put))
 
-    def base_remainder(self, x_m: Floats) -> Floats | Complex:
+    def base_remainder(self, x_m: Real) -> Real | Complex128:
         return self._remembered((x_m.tobytes(), -2.0, 0), lambda: self.basis.base_remainder(x_m))
 
-    def _remembered(self, key: tuple[bytes, float, int], asked: Callable[[], Floats | Complex]) -> Floats | Complex:
+    def _remembered(self, key: tuple[bytes, float, int], asked: Callable[[], Real | Complex128]) -> Real | Complex128:
         if key not in self._known:
             if len(self._known) > _MOST:
                 self._known.clear()
@@ -116,16 +113,16 @@ class BetweenBases:
         self._nearest = nodes[round(2 * p)]
 
     @property
-    def poles(self) -> Complex:
+    def poles(self) -> Complex128:
         """p, (modes,)."""
         return self._between([node.poles for node in self._nodes])
 
     @property
-    def scale(self) -> Floats:
+    def scale(self) -> Real:
         """s, (modes,)."""
         return self._between([node.scale for node in self._nodes])
 
-    def shapes(self, x_m: Floats, order: int = 0) -> Floats | Complex:
+    def shapes(self, x_m: Real, order: int = 0) -> Real | Complex128:
         """psi, (points, modes)."""
         return self._between([node.shapes(x_m, order) for node in self._nodes])
 
@@ -134,20 +131,20 @@ class BetweenBases:
         """The undamped modes at the nearest node."""
         return self._nearest.basis.modes
 
-    def project(self, rows: Floats) -> Floats | Complex:
+    def project(self, rows: Real) -> Real | Complex128:
         """psi of loads on the undamped modes."""
         return self._between([node.project(rows) for node in self._nodes])
 
-    def remainder(self, x_m: Floats, force_x_m: float, put: int = 0) -> Floats:
+    def remainder(self, x_m: Real, force_x_m: float, put: int = 0) -> Real:
         """Static displacement that all modes beyond add, (points,)."""
         return self._between([node.remainder(x_m, force_x_m, put) for node in self._nodes])
 
     @property
-    def participation(self) -> Floats | Complex:
+    def participation(self) -> Real | Complex128:
         """What an acceleration of the base puts into each mode."""
         return self._between([node.participation for node in self._nodes])
 
-    def base_remainder(self, x_m: Floats) -> Floats:
+    def base_remainder(self, x_m: Real) -> Real:
         """Static displacement per acceleration of the base that all modes beyond add."""
         return self._between([node.base_remainder(x_m) for node in self._nodes])
 

@@ -1,12 +1,11 @@
 """Eigenvalues and eigenvectors of a structure's matrices."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 
-def eigh(stiffness: Floats, mass: Floats | None = None) -> tuple[Floats, Floats]:
+def eigh(stiffness: Real, mass: Real | None = None) -> tuple[Real, Real]:
     """(n,) ascending eigenvalues and (n, n) eigenvectors, of unit modal mass, of (n, n) symmetric matrices.
 
     Without a mass matrix it is that of unity. With one, K v = omega^2 M v becomes a standard problem by M = L L^T

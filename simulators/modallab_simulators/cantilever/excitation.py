@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from modallab.core.arrays import Real
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Hit
-from modallab_simulators.cantilever.loads import Drive, Floats
+from modallab_simulators.cantilever.loads import Drive
 from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.wave_emission import WaveEmission
 
@@ -75,7 +76,7 @@ class Excitation:
                 drives += self._shaken(shaker, x_m, np.sum(volts, axis=0))
         return drives + shaking
 
-    def _shaken(self, shaker: int, x_m: float, volts: Floats) -> list[Drive]:
+    def _shaken(self, shaker: int, x_m: float, volts: Real) -> list[Drive]:
         drives = [Drive(x_m, volts * self._n_per_v, 1 / self._n_per_v, shaker=shaker)]
         if self._harmonics:
             distorted = self._harmonics * volts * (volts / AMPLIFIER_V + (volts / AMPLIFIER_V) ** 2)

@@ -1,15 +1,12 @@
 """What a load does to an output at once, and through the poles of a sensor."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab_simulators.cantilever.sensor import Sensor
 
-Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
-
-def plain_feeds(shares: Complex | Floats, poles: Complex, rest: float, order: int, base: bool) -> Floats:
+def plain_feeds(shares: Complex128 | Real, poles: Complex128, rest: float, order: int, base: bool) -> Real:
     """Weights of f, f' and f'' in the derivative of an order of a point's motion, (3,)."""
     feeds = np.zeros(3)
     feeds[order] = rest
@@ -23,7 +20,7 @@ def plain_feeds(shares: Complex | Floats, poles: Complex, rest: float, order: in
     return feeds
 
 
-def sensed_feeds(feeds: Floats, sensor: Sensor) -> Floats:
+def sensed_feeds(feeds: Real, sensor: Sensor) -> Real:
     """The same behind a sensor: of (w0 + w1 s + w2 s^2) H(s), the part that is a polynomial."""
     sensed = sensor.direct * feeds
     for pole, residue in sensor.pairs:
@@ -32,7 +29,7 @@ def sensed_feeds(feeds: Floats, sensor: Sensor) -> Floats:
     return sensed
 
 
-def transfer(c: Complex, poles: Complex, feeds: Floats, s: complex) -> complex:
+def transfer(c: Complex128, poles: Complex128, feeds: Real, s: complex) -> complex:
     """What a unit load makes of a point's motion at a complex frequency."""
     modal = (c / (s - poles) - np.conj(c) / (s - np.conj(poles))).sum() / 2j
     return complex(modal + feeds[0] + feeds[1] * s + feeds[2] * s * s)

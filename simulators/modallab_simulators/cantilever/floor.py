@@ -3,12 +3,11 @@
 from copy import copy
 
 import numpy as np
-from numpy.typing import NDArray
+
+from modallab.core.arrays import Real
 
 PERIOD_S = 65.536
 BAND_HZ = (2.0, 200.0)
-
-Floats = NDArray[np.float64]
 
 
 class Floor:
@@ -36,7 +35,7 @@ class Floor:
         other._begins = int(rng.integers(len(self._wave)))
         return other
 
-    def acceleration(self, first: int, count: int) -> Floats:
+    def acceleration(self, first: int, count: int) -> Real:
         """In m/s^2 on internal samples from `first`, nothing before the stream begins, (count,)."""
         index = np.arange(first, first + count)
         return np.where(index >= 0, self._wave[(self._begins + index) % len(self._wave)], 0.0)

@@ -8,16 +8,14 @@ from collections.abc import Callable, Sequence
 from math import exp, hypot, log, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Converter, Rig
 from modallab_simulators.cantilever.effects import part_of
 from modallab_simulators.cantilever.injected import inject
 from modallab_simulators.cantilever.trial import make_trial, sound_trial
-
-Array = NDArray[np.float64]
 
 NODE = 0.03
 """Share of a record's mean squares below which a channel counts as at a node: its own response is no measure there."""
@@ -63,7 +61,7 @@ class Ruler:
         chain = inject(effects, self._rig).altered.chain
         rows = [c.index for c in recorded.rig.responses]
         noise = {row: (factor**2 - 1) * self._noise_v**2 for row, factor in chain.noise.items()}
-        shares: dict[str, list[Array]] = {}
+        shares: dict[str, list[Real]] = {}
         for one, other in zip(recorded.blocks, self._sound_for(effects).blocks, strict=True):
             shares.setdefault(one.test, []).append(_shares(one, other, rows, chain.force_gain, noise))
         return sqrt(max(float(np.max(np.mean(listed, axis=0))) for listed in shares.values()))
@@ -77,7 +75,7 @@ class Ruler:
         return self._sound
 
 
-def _shares(one: Block, other: Block, rows: list[int], gain: float, noise: dict[int, float]) -> Array:
+def _shares(one: Block, other: Block, rows: list[int], gain: float, noise: dict[int, float]) -> Real:
     """Squares of each channel's difference in one record over those of its response."""
     difference = (one.samples[rows] - gain * other.samples[rows]) * one.scale[rows, None]
     own = np.mean((other.samples[rows] * other.scale[rows, None]) ** 2, axis=1)

@@ -3,9 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +15,7 @@ class Contact:
     width_s: float
     peak_n: float
 
-    def force(self, times_s: Floats) -> Floats:
+    def force(self, times_s: Real) -> Real:
         """Force in N at the given times."""
         share = (times_s - self.start_s) / self.width_s
         return np.where((share > 0) & (share < 1), self.peak_n * np.sin(np.pi * share) ** 2, 0.0)
@@ -49,6 +48,6 @@ class Hit:
         first = self.contacts[0]
         return Hit(self.x_m, (replace(first, peak_n=first.peak_n * share),), seen=False)
 
-    def force(self, times_s: Floats) -> Floats:
+    def force(self, times_s: Real) -> Real:
         """Force in N at the given times."""
         return np.sum([contact.force(times_s) for contact in self.contacts], axis=0)

@@ -4,13 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from modallab.core.arrays import Complex128, Real
 from modallab_simulators.cantilever.sensor import Sensor
-
-Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 BLOCK = 960
 """Delivered samples in one stretch: with the filter's length it fills an FFT of 1024."""
@@ -29,8 +24,8 @@ class Spread:
         rest: what all modes beyond add statically at each output's place, (outputs,).
     """
 
-    psi: Floats | Complex
-    rest: Floats
+    psi: Real | Complex128
+    rest: Real
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +64,7 @@ class Drive:
     """
 
     x_m: float
-    force_n: Floats
+    force_n: Real
     volts_per_n: float = 0.0
     load: Load = "force"
     seen: bool = True
@@ -103,7 +98,7 @@ class Moving(Protocol):
         """First internal sample and number of those whose force a stretch needs."""
         ...
 
-    def advance(self, state: Any, drives: Sequence[Drive]) -> tuple[Floats, Any]:
+    def advance(self, state: Any, drives: Sequence[Drive]) -> tuple[Real, Any]:
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
         ...
 

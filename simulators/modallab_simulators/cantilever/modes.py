@@ -5,9 +5,8 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 
 class Modes(Protocol):
@@ -23,7 +22,7 @@ class Modes(Protocol):
         """Of all that moves."""
         ...
 
-    def omega(self, count: int) -> Floats:
+    def omega(self, count: int) -> Real:
         """Natural frequencies in rad/s, (count,)."""
         ...
 
@@ -31,15 +30,15 @@ class Modes(Protocol):
         """How many modes lie below `omega` in rad/s."""
         ...
 
-    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
+    def shapes(self, x_m: Real, count: int, order: int = 0) -> Real:
         """Displacement (order 0) or slope (1) of the modes in kg^-1/2, (points, count)."""
         ...
 
-    def participation(self, count: int) -> Floats:
+    def participation(self, count: int) -> Real:
         """Integral of mass times shape, in kg^1/2, (count,)."""
         ...
 
-    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+    def flexibility(self, x_m: Real, force_x_m: float, seen: int = 0, put: int = 0) -> Real:
         """Static displacement (seen = 0) or slope (1) at `x_m` per force (put = 0) or moment (1), (points,)."""
         ...
 
@@ -60,7 +59,7 @@ class SolvedModes(ABC):
         """Of all that moves."""
         return self._bare.total_mass_kg
 
-    def omega(self, count: int) -> Floats:
+    def omega(self, count: int) -> Real:
         """Natural frequencies in rad/s, (count,)."""
         return self._solved[0][:count]
 
@@ -70,5 +69,5 @@ class SolvedModes(ABC):
 
     @cached_property
     @abstractmethod
-    def _solved(self) -> tuple[Floats, Floats]:
+    def _solved(self) -> tuple[Real, Real]:
         """Natural frequencies in rad/s, (modes,), and each mode as a sum of the bare ones, (terms, modes)."""

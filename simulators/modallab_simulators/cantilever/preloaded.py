@@ -3,14 +3,12 @@
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab_simulators.cantilever.attached import SUMMED
 from modallab_simulators.cantilever.eigenmodes import eigh
 from modallab_simulators.cantilever.modes import Modes
 from modallab_simulators.cantilever.ritz import RitzModes
-
-Floats = NDArray[np.float64]
 
 _NODES = 600
 
@@ -29,7 +27,7 @@ class PreloadedModes(RitzModes):
         super().__init__(bare, _NODES)
         self._force = force_n
 
-    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+    def flexibility(self, x_m: Real, force_x_m: float, seen: int = 0, put: int = 0) -> Real:
         """Static answer at `x_m` to a load at `force_x_m`, (points,)."""
         omega, vectors = self._solved
         to, load = self._bare.shapes(x_m, SUMMED, seen), self._bare.shapes(np.array([force_x_m]), SUMMED, put)[0]
@@ -38,7 +36,7 @@ class PreloadedModes(RitzModes):
         return self._bare.flexibility(x_m, force_x_m, seen, put) + with_force - without
 
     @cached_property
-    def _solved(self) -> tuple[Floats, Floats]:
+    def _solved(self) -> tuple[Real, Real]:
         x_m, weights = self._nodes
         slopes = self._bare.shapes(x_m, SUMMED, 1)
         stiffness = np.diag(self._bare.omega(SUMMED) ** 2) + self._force * slopes.T @ (slopes * weights[:, None])

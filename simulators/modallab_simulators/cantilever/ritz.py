@@ -2,14 +2,10 @@
 
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
+from modallab.core.arrays import Real
 from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.attached import SUMMED
 from modallab_simulators.cantilever.modes import Modes, SolvedModes
-
-Floats = NDArray[np.float64]
 
 
 class RitzModes(SolvedModes):
@@ -24,16 +20,16 @@ class RitzModes(SolvedModes):
         super().__init__(bare)
         self._count = nodes
 
-    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
+    def shapes(self, x_m: Real, count: int, order: int = 0) -> Real:
         """Displacement or slope of the modes, (points, count)."""
         return self._bare.shapes(x_m, SUMMED, order) @ self._solved[1][:, :count]
 
-    def participation(self, count: int) -> Floats:
+    def participation(self, count: int) -> Real:
         """Integral of mass times shape, in kg^1/2, (count,)."""
         return self._bare.participation(SUMMED) @ self._solved[1][:, :count]
 
     @cached_property
-    def _nodes(self) -> tuple[Floats, Floats]:
+    def _nodes(self) -> tuple[Real, Real]:
         """Places along the beam in m, and their weights in an integral, (nodes,)."""
         at, weights = gauss_legendre(self._count)
         half = self.length_m / 2

@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab_simulators.cantilever.attached import SUMMED
 from modallab_simulators.cantilever.eigenmodes import eigh
 from modallab_simulators.cantilever.modes import Modes
 from modallab_simulators.cantilever.ritz import RitzModes
-
-Floats = NDArray[np.float64]
 
 _NODES = 320
 
@@ -32,22 +30,22 @@ class RotaryModes(RitzModes):
         super().__init__(bare, _NODES)
         self._inertia, self._waves = inertia_kg_m, tuple(waves)
 
-    def participation(self, count: int) -> Floats:
+    def participation(self, count: int) -> Real:
         """Integral of mass times shape, in kg^1/2, (count,); a shift turns no slice."""
         x_m, weights = self._nodes
         heavier = (self._heavier(x_m) * weights) @ self._bare.shapes(x_m, SUMMED)
         return (self._bare.participation(SUMMED) + heavier) @ self._solved[1][:, :count]
 
-    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+    def flexibility(self, x_m: Real, force_x_m: float, seen: int = 0, put: int = 0) -> Real:
         """Static answer at `x_m` to a load at `force_x_m`: slices at rest have no inertia, (points,)."""
         return self._bare.flexibility(x_m, force_x_m, seen, put)
 
-    def _heavier(self, x_m: Floats) -> Floats:
+    def _heavier(self, x_m: Real) -> Real:
         terms = [a * np.cos(k * np.pi * x_m / self.length_m) for k, a in self._waves]
         return np.sum([np.zeros_like(x_m), *terms], axis=0)
 
     @cached_property
-    def _solved(self) -> tuple[Floats, Floats]:
+    def _solved(self) -> tuple[Real, Real]:
         x_m, weights = self._nodes
         slopes = self._bare.shapes(x_m, SUMMED, 1) * np.sqrt(weights)[:, None]
         mass = np.eye(SUMMED) + self._inertia * slopes.T @ slopes

@@ -1,11 +1,10 @@
 """The recursion z[k+1] = lambda z[k] + w[k] of many first-order poles at once, without a loop over samples."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from modallab.core.arrays import Complex128
 
 _MAX_LOG = 300.0
-
-Complex = NDArray[np.complex128]
 
 
 class Scan:
@@ -15,18 +14,18 @@ class Scan:
     way, since older terms only shrink; the stretch is cut where the powers would leave double precision's range.
     """
 
-    def __init__(self, poles: Complex, step_s: float, length: int) -> None:
+    def __init__(self, poles: Complex128, step_s: float, length: int) -> None:
         decay = float(np.max(-poles.real, initial=0.0)) * step_s
         self._stretch = length if decay * length < _MAX_LOG else max(1, int(_MAX_LOG / decay))
         self._length = length
-        self._decays: Complex = np.exp(np.multiply.outer(np.arange(length + 1) * step_s, poles))
-        self._grows: Complex = np.exp(np.multiply.outer(-np.arange(1, self._stretch + 1) * step_s, poles))
+        self._decays: Complex128 = np.exp(np.multiply.outer(np.arange(length + 1) * step_s, poles))
+        self._grows: Complex128 = np.exp(np.multiply.outer(-np.arange(1, self._stretch + 1) * step_s, poles))
 
-    def free(self, start: Complex) -> tuple[Complex, Complex]:
+    def free(self, start: Complex128) -> tuple[Complex128, Complex128]:
         """States of an undriven stretch, (length, poles), and the state after it."""
         return self._decays[:-1] * start, self._decays[-1] * start
 
-    def driven(self, start: Complex, driving: Complex) -> tuple[Complex, Complex]:
+    def driven(self, start: Complex128, driving: Complex128) -> tuple[Complex128, Complex128]:
         """States of a stretch driven by w, (length, poles), and the state after it."""
         states = np.empty_like(driving)
         for first in range(0, self._length, self._stretch):

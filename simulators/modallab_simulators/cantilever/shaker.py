@@ -3,12 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.bench.fall import fall_s, fall_volts
 from modallab.bench.protocol import Burst
-
-Floats = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +39,7 @@ class Emission:
         """The same, brought to zero at `at_s` unless it was before."""
         return self if self.cut_s is not None else replace(self, cut_s=at_s)
 
-    def volts(self, times_s: Floats) -> Floats:
+    def volts(self, times_s: Real) -> Real:
         """Output in V: a sine under its taper, or what falls from it; exactly 0 outside the burst."""
         wave = self._wave(times_s)
         if self.cut_s is not None:
@@ -52,11 +50,11 @@ class Emission:
     def _at(self, time_s: float) -> float:
         return float(self._wave(np.array([time_s]))[0])
 
-    def _wave(self, times_s: Floats) -> Floats:
+    def _wave(self, times_s: Real) -> Real:
         own = (times_s - self.start_s) * (1 + self.clock)
         return self.burst.amplitude_v * np.sin(2 * np.pi * self.burst.frequency_hz * own) * self._taper(own)
 
-    def _taper(self, own_s: Floats) -> Floats:
+    def _taper(self, own_s: Real) -> Real:
         burst = self.burst
         if burst.ramp_s == 0:
             return np.ones_like(own_s)

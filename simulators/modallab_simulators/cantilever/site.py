@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from modallab.core.arrays import Real
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab_simulators.cantilever.assembled import elements_of
@@ -16,7 +17,7 @@ from modallab_simulators.cantilever.drifting import Drifting
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Contact
 from modallab_simulators.cantilever.injected import Injected
-from modallab_simulators.cantilever.loads import Drive, Floats, Moving
+from modallab_simulators.cantilever.loads import Drive, Moving
 from modallab_simulators.cantilever.structure import Structure
 from modallab_simulators.cantilever.swing import PEAK_N, WIDTH_S
 from modallab_simulators.cantilever.truth import Truth, oversampling
@@ -82,7 +83,7 @@ class Site:
         full_scales = self._sound_chain.volts_per_count * self._sound_chain.high
         return _HEADROOM / float(np.max(peaks / full_scales))
 
-    def _peaks(self, structure: Moving, chain: Chain, width_s: float, x_m: float) -> Floats:
+    def _peaks(self, structure: Moving, chain: Chain, width_s: float, x_m: float) -> Real:
         """Of a hit of 1 N, in V, (rows,)."""
         first, count = structure.times(0)
         unit = Contact(0.001, width_s, 1.0).force(np.arange(first, first + count, dtype=np.float64) * self.step_s)

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab_simulators.cantilever.antialias import DELAY, lowpass
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.drifting import same_way
@@ -23,10 +23,7 @@ from modallab_simulators.cantilever.feeds import plain_feeds, sensed_feeds, tran
 from modallab_simulators.cantilever.hold import REACH, difference_taps
 from modallab_simulators.cantilever.lift import modal_taps, state_taps
 from modallab_simulators.cantilever.loads import BLOCK, Drive, Load, Output, Spread
-from modallab_simulators.cantilever.scan import Complex, Scan
-
-Floats = NDArray[np.float64]
-
+from modallab_simulators.cantilever.scan import Scan
 
 _TINY = 1e-150
 _ALONG = 101
@@ -37,9 +34,9 @@ _ALONG = 101
 class _Filter:
     """The filter of rows sampled alike, and what a filtered oscillator owes to each force sample."""
 
-    taps: Floats
-    modal: Complex
-    tail: Complex
+    taps: Real
+    modal: Complex128
+    tail: Complex128
 
 
 class Structure:
@@ -65,7 +62,7 @@ class Structure:
         seen = self._gains * tails
         self._seen = np.stack([seen.imag, seen.real], axis=2).reshape(len(outputs), -1)
         self._drive_taps = state_taps(self._poles, self._step_s, oversample)
-        self._inputs: dict[tuple[float, float, Load, bool, Spread | None, int], tuple[Complex, Complex]] = {}
+        self._inputs: dict[tuple[float, float, Load, bool, Spread | None, int], tuple[Complex128, Complex128]] = {}
 
     @property
     def oversample(self) -> int:
@@ -78,7 +75,7 @@ class Structure:
         return self._basis
 
     @property
-    def places_m(self) -> Floats:
+    def places_m(self) -> Real:
         """Where each output is, (outputs,)."""
         return self._x
 
@@ -88,11 +85,11 @@ class Structure:
         return DELAY + self._wait
 
     @property
-    def at_rest(self) -> Complex:
+    def at_rest(self) -> Complex128:
         """The state of a beam that has never moved."""
         return np.zeros(len(self._poles), dtype=np.complex128)
 
-    def taken_over(self, other: "Structure", state: Complex) -> Complex:
+    def taken_over(self, other: "Structure", state: Complex128) -> Complex128:
         """This structure's state where displacement and velocity of every mode are those of another's."""
         count = len(self._basis.poles)
         p, q, z = self._basis.poles, other._basis.poles, state[:count]
@@ -102,7 +99,7 @@ class Structure:
         taken[:count] = moved * self._same_way(other)
         return taken
 
-    def _same_way(self, other: "Structure") -> Floats:
+    def _same_way(self, other: "Structure") -> Real:
         """-1 for each mode whose shape stands upside down to the other structure's, else 1, (modes,)."""
         at = np.linspace(0.0, self._basis.modes.length_m, _ALONG)
         return same_way(self._basis.shapes(at), other._basis.shapes(at))
@@ -112,7 +109,7 @@ class Structure:
         first = (block * BLOCK - self._span - 1) * self._oversample
         return first, (BLOCK + self._columns - 1) * self._oversample
 
-    def advance(self, state: Complex, drives: Sequence[Drive]) -> tuple[Floats, Complex]:
+    def advance(self, state: Complex128, drives: Sequence[Drive]) -> tuple[Real, Complex128]:
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
         if not drives:
             if not state.any():
@@ -130,7 +127,7 @@ class Structure:
         seen += self._seen @ states.view(np.float64).T
         return seen, _flushed(after)
 
-    def pass_over(self, state: Complex, drives: Sequence[Drive]) -> Complex:
+    def pass_over(self, state: Complex128, drives: Sequence[Drive]) -> Complex128:
         """The state after a stretch of which nobody wants the outputs."""
         if not drives:
             return _flushed(self._scan.free(state)[1]) if state.any() else state
@@ -139,7 +136,7 @@ class Structure:
             self._put(driving, drive.force_n, self._input(drive)[0])
         return _flushed(self._scan.driven(state, driving)[1])
 
-    def _put(self, driving: Complex, force: Floats, into: Complex) -> None:
+    def _put(self, driving: Complex128, force: Real, into: Complex128) -> None:
         """Add what a force puts into the oscillators between delivered samples."""
         width = self._drive_taps.shape[0]
         windows = np.lib.stride_tricks.sliding_window_view(force, width)[self._oversample - REACH :: self._oversample]
@@ -151,7 +148,7 @@ class Structure:
             taps = np.ascontiguousarray(self._drive_taps[:, only]).view(np.float64)
             driving[:, only] += (windows @ taps).view(np.complex128) * into[only]
 
-    def _filtered(self, force: Floats, kernel: Complex) -> Complex:
+    def _filtered(self, force: Real, kernel: Complex128) -> Complex128:
         phases = np.ascontiguousarray(force.reshape(-1, self._oversample).T)
         return np.einsum("cjf,jf->cf", kernel, np.fft.rfft(phases, self._fft, axis=1))
 
@@ -163,7 +160,7 @@ class Structure:
             filters[later_s] = _Filter(taps, *modal_taps(self._poles, self._step_s, taps))
         return filters
 
-    def _output_gains(self) -> Complex:
+    def _output_gains(self) -> Complex128:
         """What each output sees of each oscillator of unit input, (outputs, poles)."""
         poles, scale = self._basis.poles, self._basis.scale
         psi = self._basis.shapes(self._x)
@@ -178,7 +175,7 @@ class Structure:
                 place += 1
         return gains
 
-    def _input(self, drive: Drive) -> tuple[Complex, Complex]:
+    def _input(self, drive: Drive) -> tuple[Complex128, Complex128]:
         key = (drive.x_m, drive.volts_per_n, drive.load, drive.seen, drive.spread, drive.shaker)
         if key not in self._inputs:
             if len(self._inputs) > 64:
@@ -187,7 +184,7 @@ class Structure:
             self._inputs[key] = (into, self._kernel(self._impulse_taps(into, feeds)))
         return self._inputs[key]
 
-    def _coupling(self, drive: Drive) -> tuple[Complex, Floats]:
+    def _coupling(self, drive: Drive) -> tuple[Complex128, Real]:
         """What a unit load puts into each oscillator, (poles,), and at once into each output, (outputs, 3)."""
         basis, at = self._basis, np.array([drive.x_m])
         if drive.spread is not None:
@@ -210,23 +207,23 @@ class Structure:
                 feeds[row, 0] = felt if output.kind == "force" else drive.volts_per_n
         return np.concatenate(into), feeds
 
-    def _impulse_taps(self, into: Complex, feeds: Floats) -> Floats:
+    def _impulse_taps(self, into: Complex128, feeds: Real) -> Real:
         """Filtered output per force sample since the filter's far end, (outputs, taps)."""
         directs = np.stack([difference_taps(order, self._step_s) for order in range(3)])
-        rows: list[Floats] = []
+        rows: list[Real] = []
         for row, output in enumerate(self._outputs):
             chain = self._filters[output.later_s]
             rows.append(((self._gains[row] * into) @ chain.modal).imag + np.convolve(chain.taps, feeds[row] @ directs))
         return np.array(rows)
 
-    def _kernel(self, taps: Floats) -> Complex:
+    def _kernel(self, taps: Real) -> Complex128:
         padded = np.zeros((len(taps), self._columns * self._oversample))
         padded[:, self._oversample - REACH : self._oversample - REACH + taps.shape[1]] = taps
         phases = padded.reshape(len(taps), self._columns, self._oversample)[:, ::-1].transpose(0, 2, 1)
         return np.fft.rfft(np.ascontiguousarray(phases), self._fft, axis=2)
 
 
-def _flushed(state: Complex) -> Complex:
+def _flushed(state: Complex128) -> Complex128:
     # A state that has died away would soon cost denormal arithmetic.
     state[np.abs(state) < _TINY] = 0
     return state

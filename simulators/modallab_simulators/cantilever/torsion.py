@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 POISSON = 0.3
 
@@ -38,7 +37,7 @@ class TorsionBar:
         """Of its turning: the moment of inertia in kg m^2."""
         return self.inertia_kg_m * self.length_m
 
-    def omega(self, count: int) -> Floats:
+    def omega(self, count: int) -> Real:
         """Natural frequencies in rad/s, (count,)."""
         speed = sqrt(self.stiffness_n_m2 / self.inertia_kg_m)
         return self._waves(count) * speed
@@ -47,23 +46,23 @@ class TorsionBar:
         """How many modes lie below `omega` in rad/s."""
         return int(np.searchsorted(self.omega(400), omega))
 
-    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
+    def shapes(self, x_m: Real, count: int, order: int = 0) -> Real:
         """Angle of the modes, (points, count)."""
         if order:
             raise ValueError("the slope of an angle is asked of nobody")
-        angle: Floats = np.sin(np.multiply.outer(x_m, self._waves(count)))
+        angle: Real = np.sin(np.multiply.outer(x_m, self._waves(count)))
         angle *= sqrt(2 / self.total_mass_kg)
         return angle
 
-    def participation(self, count: int) -> Floats:
+    def participation(self, count: int) -> Real:
         """Nothing: a base that shifts turns no bar."""
         return np.zeros(count)
 
-    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+    def flexibility(self, x_m: Real, force_x_m: float, seen: int = 0, put: int = 0) -> Real:
         """Static angle at `x_m` per moment about the bar's axis at `force_x_m`, (points,)."""
         near = np.minimum(x_m, force_x_m, dtype=np.float64)
         return near / self.stiffness_n_m2
 
-    def _waves(self, count: int) -> Floats:
+    def _waves(self, count: int) -> Real:
         odd = np.arange(1, count + 1, dtype=np.float64) - 0.5
         return odd * (pi / self.length_m)

@@ -4,15 +4,13 @@ from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.bench.protocol import Waveform
+from modallab.core.arrays import Real
 
 FALL_S = 0.010
 MOST_PER_S = 50.0
 """Of the wave's peak: no part of a fall is steeper."""
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -41,7 +39,7 @@ class WaveEmission:
         """The same, falling to zero from `at_s` on, unless it did before."""
         return self if self.cut_s is not None else replace(self, cut_s=at_s)
 
-    def volts(self, times_s: Floats) -> Floats:
+    def volts(self, times_s: Real) -> Real:
         """Output in V."""
         volts = self._wave(times_s)
         if self.cut_s is None:
@@ -50,7 +48,7 @@ class WaveEmission:
         part = np.clip((times_s - self.cut_s) / lasts_s, 0, 1)
         return np.where(times_s < self.cut_s, volts, np.where(part < 1, from_v * (1 + np.cos(pi * part)) / 2, 0.0))
 
-    def _wave(self, times_s: Floats) -> Floats:
+    def _wave(self, times_s: Real) -> Real:
         return self.wave.at((times_s - self.start_s) * (1 + self.clock))
 
     def _fall(self, at_s: float) -> tuple[float, float]:

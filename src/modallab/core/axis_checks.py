@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 
 _any_number = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 """Axes of absurd numbers are rejected, without a warning from NumPy on the way."""
 
-Real = NDArray[np.float64]
 
 _SAME = 1e-9
 _SIGMAS = 6.0

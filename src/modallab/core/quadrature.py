@@ -3,9 +3,8 @@
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 
 @lru_cache(maxsize=32)

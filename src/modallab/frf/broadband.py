@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
@@ -16,9 +17,6 @@ from modallab.frf.references import estimate_frf
 from modallab.frf.sums import Estimator, check_averages
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 DRIVEN_DB = 20.0
 """A line is driven where the force's spectrum, smoothed over some lines, is within this of its highest."""
@@ -83,7 +81,7 @@ def broadband_frf(
     )
 
 
-def _estimated(force: Complex, response: Complex, estimator: Estimator) -> tuple[Complex, Real, Real | None]:
+def _estimated(force: Complex128, response: Complex128, estimator: Estimator) -> tuple[Complex128, Real, Real | None]:
     """(outputs, inputs, lines) FRF, coherence and variance; one force needs no second block, which shows no variance.
 
     Args:

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.frf.broadband import PERIODIC, driven_lines
 from modallab.frf.estimate import lines
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 ALIKE = 0.99
 """Two blocks are periods of one wave if their forces' spectra are so coherent."""
@@ -42,7 +40,7 @@ class Distortions:
     """
 
     frequency_hz: Real
-    frf: Complex
+    frf: Complex128
     noise: Real
     excess: Real
     response: Real
@@ -121,7 +119,7 @@ def _of_every_wave(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDA
     return chosen
 
 
-def waves_of(force: Complex) -> list[NDArray[np.int64]]:
+def waves_of(force: Complex128) -> list[NDArray[np.int64]]:
     """Places of the blocks of each wave, by the phases of the force, (blocks, lines)."""
     unit = force / np.linalg.norm(force, axis=1, keepdims=True)
     left, found = list(range(len(force))), list[NDArray[np.int64]]()

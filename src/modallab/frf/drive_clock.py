@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
+from modallab.core.arrays import Real
 from modallab.frf.distortions import ALIKE
 from modallab.frf.joined import contiguous
 from modallab.signals.signals import Signals
-
-Real = NDArray[np.float64]
 
 DEGREE = 7
 """Of the splines between samples: below 2e-5 off up to a fifth of the rate."""

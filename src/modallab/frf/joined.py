@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
@@ -19,9 +20,6 @@ from modallab.frf.noisy_force import one_force_frf
 from modallab.frf.sums import Estimator
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 MOST_LINES = 9000
 """Of a record: each line is a small least-squares problem of its own."""
@@ -83,8 +81,8 @@ class RecordSpectra:
     frequency_hz: Real
     samples: int
     rate_hz: float
-    force: Complex
-    response: Complex
+    force: Complex128
+    response: Complex128
 
 
 def joined_spectra(signals: Sequence[Signals], band_hz: tuple[float, float]) -> RecordSpectra:
@@ -155,7 +153,7 @@ def contiguous(signals: Sequence[Signals]) -> list[list[Signals]]:
     return runs
 
 
-def _spectrum(values: Real, n: int) -> Complex:
+def _spectrum(values: Real, n: int) -> Complex128:
     """(records, rows, frequencies) of (rows, samples)."""
     count = values.shape[1] // n
     cut = values[:, : n * count].reshape(len(values), count, n).transpose(1, 0, 2)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.frf.broadband import LEFT_OUT, SMOOTHED, driven_lines
 from modallab.frf.distortions import waves_of
@@ -22,8 +23,6 @@ from modallab.frf.estimate import lines
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Flags = NDArray[np.bool_]
 
 LEAST = 4
@@ -159,7 +158,7 @@ def _held(power: Real) -> Flags:
     return np.asarray(power > LEFT_OUT * ndimage.maximum_filter1d(power, SMOOTHED))
 
 
-def _between(force: Complex, response: Complex, driven: NDArray[np.int64], count: int) -> Complex:
+def _between(force: Complex128, response: Complex128, driven: NDArray[np.int64], count: int) -> Complex128:
     """(outputs, lines) H1 of all blocks at the lines that are driven, and straight lines between them."""
     h = np.sum(response * force[:, None].conj(), axis=0)[:, driven] / np.sum(np.abs(force) ** 2, axis=0)[driven]
     at = np.arange(count)

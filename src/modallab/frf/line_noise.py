@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from modallab.core.arrays import Real
 from modallab.core.frf import Frf
-
-Real = NDArray[np.float64]
 
 LEAST = 1e-6
 """Below this 1 - coherence is rounding."""

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_spectra
+from modallab.core.arrays import Complex128
 from modallab.core.errors import DataError
-
-Complex = NDArray[np.complex128]
 
 MOST_VALUES = 100_000
 """Of the matrices that are worked on at once: as many as a processor keeps at hand."""
@@ -24,8 +23,8 @@ DISTINGUISHED = 1e-12
 
 
 def local_polynomial_frf(
-    force: Complex, response: Complex, order: int = 4, poles: int = 2, half_width: int | None = None
-) -> tuple[Complex, NDArray[np.float64]]:
+    force: Complex128, response: Complex128, order: int = 4, poles: int = 2, half_width: int | None = None
+) -> tuple[Complex128, NDArray[np.float64]]:
     """FRF and the noise variance of the responses, line by line.
 
     Args:
@@ -66,8 +65,8 @@ def local_polynomial_frf(
 
 
 def _at_lines(
-    force: Complex, response: Complex, power: NDArray[np.float64], poles: int
-) -> tuple[Complex, NDArray[np.float64]]:
+    force: Complex128, response: Complex128, power: NDArray[np.float64], poles: int
+) -> tuple[Complex128, NDArray[np.float64]]:
     """FRF (outputs, inputs, lines) in the middle of windows, and the variance (outputs, lines) of the noise in each.
 
     Args:
@@ -98,7 +97,7 @@ def _at_lines(
     return found.transpose(2, 1, 0), (np.sum(np.abs(left) ** 2, axis=1) / free).T
 
 
-def _shared(force: Complex, power: NDArray[np.float64]) -> Complex:
+def _shared(force: Complex128, power: NDArray[np.float64]) -> Complex128:
     """(lines, rows, columns) what all responses have: each force and each block's transient, times the polynomials."""
     lines, blocks, width, _ = force.shape
     by_force = force[..., None] * power[:, None, :, None, :]
@@ -108,7 +107,7 @@ def _shared(force: Complex, power: NDArray[np.float64]) -> Complex:
     return np.concatenate([by_force.reshape(flat), transient.reshape(flat)], axis=2)
 
 
-def _denominators(q: Complex, rows: Complex, with_powers: Complex) -> Complex:
+def _denominators(q: Complex128, rows: Complex128, with_powers: Complex128) -> Complex128:
     """(lines, outputs, poles) coefficients of each response's denominator, from what no shared column (`q`) explains.
 
     Where the polynomials alone explain a response, its denominator is not determined, and is 1.
@@ -127,7 +126,7 @@ def _denominators(q: Complex, rows: Complex, with_powers: Complex) -> Complex:
     return (vh.conj().swapaxes(2, 3) @ along)[..., 0] / scale
 
 
-def _scaled(columns: Complex) -> tuple[Complex, NDArray[np.float64]]:
+def _scaled(columns: Complex128) -> tuple[Complex128, NDArray[np.float64]]:
     """Columns of length 1, and the lengths that they had; a column of zeros stays."""
     length = np.linalg.norm(columns, axis=-2)
     length = np.where(length > 0, length, 1)

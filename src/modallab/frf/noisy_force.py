@@ -9,19 +9,18 @@ force may hold noise, the response none: that is H2. Hv is the geometric mean of
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab.core.errors import DataError
 from modallab.frf.local_polynomial import local_polynomial_frf
 from modallab.frf.sums import Estimator
-
-Complex = NDArray[np.complex128]
 
 HALF_WIDTH = 24
 """Lines to either side: with as few as H1 needs, the polynomials go through the noise, and both ways give the same."""
 
 
 def one_force_frf(
-    force: Complex, response: Complex, estimator: Estimator = "H1"
-) -> tuple[Complex, NDArray[np.float64]]:
+    force: Complex128, response: Complex128, estimator: Estimator = "H1"
+) -> tuple[Complex128, NDArray[np.float64]]:
     """FRF and the noise variance of the responses, line by line.
 
     Args:
@@ -42,10 +41,10 @@ def one_force_frf(
     half = min(HALF_WIDTH, (force.shape[2] - 1) // 2)
     h1, variance = local_polynomial_frf(force, response, half_width=half)
     inverse = [local_polynomial_frf(response[:, o : o + 1], force, half_width=half)[0][0] for o in range(len(h1))]
-    h2: Complex = np.reciprocal(np.stack(inverse))
+    h2: Complex128 = np.reciprocal(np.stack(inverse))
     return h2 if estimator == "H2" else _between(h1, h2), variance
 
 
-def _between(h1: Complex, h2: Complex) -> Complex:
-    middle: Complex = h1 * np.sqrt(h2 / h1)
+def _between(h1: Complex128, h2: Complex128) -> Complex128:
+    middle: Complex128 = h1 * np.sqrt(h2 / h1)
     return middle

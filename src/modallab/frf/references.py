@@ -9,15 +9,12 @@ Piersol, "Random Data", 4th ed. (2010), section 9.3, for the random error and it
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import fdtri
 
 from modallab.core.array_checks import check_spectra
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.frf.sums import Estimator
-
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 
 ALIKE = 1e10
 """Condition of the forces' correlation from which they are one force."""
@@ -34,7 +31,7 @@ class Estimate:
         freedom: real degrees of freedom of that variance.
     """
 
-    frf: Complex
+    frf: Complex128
     coherence: Real
     variance: Real
     freedom: float
@@ -53,7 +50,7 @@ class Estimate:
 
 
 def estimate_frf(
-    force: Complex, response: Complex, estimator: Estimator = "H1", averages: float | None = None
+    force: Complex128, response: Complex128, estimator: Estimator = "H1", averages: float | None = None
 ) -> Estimate:
     """FRFs of all responses to all forces from spectra of several blocks.
 
@@ -94,13 +91,13 @@ def estimate_frf(
     )
 
 
-def _h2(y: Complex, yf: Complex) -> Complex:
+def _h2(y: Complex128, yf: Complex128) -> Complex128:
     """Gyy = H Gfy, solved for H: the pseudoinverse where there are more outputs than inputs."""
     yy = y.transpose(0, 2, 1) @ y.conj() / y.shape[1]
     return yy @ np.linalg.pinv(yf.conj().transpose(0, 2, 1), rcond=1e-10)
 
 
-def _hv(ff: Complex, yf: Complex, power: Real) -> Complex:
+def _hv(ff: Complex128, yf: Complex128, power: Real) -> Complex128:
     """Each output with all forces: the direction in which forces and output together have the least power."""
     lines, outputs, inputs = yf.shape
     both = np.empty((lines, outputs, inputs + 1, inputs + 1), complex)
@@ -117,13 +114,13 @@ def _hv(ff: Complex, yf: Complex, power: Real) -> Complex:
     return np.where(np.abs(last) > 0, -least[..., :-1] / safe, 0) * root[..., -1:] / root[..., :-1]
 
 
-def _level(spectra: Complex) -> Real:
+def _level(spectra: Complex128) -> Real:
     """(channels,) RMS, 1 for one that is zero: responses and forces may differ by many powers of ten."""
     size = np.sqrt(np.mean(np.abs(spectra) ** 2, axis=(0, 2)))
     return np.where(size > 0, size, 1.0)
 
 
-def _checked(force: Complex, response: Complex, estimator: Estimator, averages: float | None) -> float:
+def _checked(force: Complex128, response: Complex128, estimator: Estimator, averages: float | None) -> float:
     """The number of independent averages."""
     check_spectra(force, response)
     blocks, inputs, _ = force.shape

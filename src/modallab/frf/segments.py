@@ -10,12 +10,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.axis_checks import check_rate
 from modallab.core.errors import DataError
 from modallab.signals.checks import check_rows
 
 Window = Literal["none", "hann"]
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -10,16 +10,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.frf.joined import contiguous
 from modallab.signals.signals import Signals
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
-
-def without_decays(signals: Sequence[Signals], poles: Complex, band_hz: tuple[float, float]) -> list[Signals]:
+def without_decays(signals: Sequence[Signals], poles: Complex128, band_hz: tuple[float, float]) -> list[Signals]:
     """The blocks without the free decays of these poles, as far as the blocks of each wave differ by them.
 
     Args:
@@ -33,7 +30,7 @@ def without_decays(signals: Sequence[Signals], poles: Complex, band_hz: tuple[fl
     return found
 
 
-def _settled(run: Sequence[Signals], poles: Complex, band_hz: tuple[float, float]) -> list[Signals]:
+def _settled(run: Sequence[Signals], poles: Complex128, band_hz: tuple[float, float]) -> list[Signals]:
     n, rate, inputs = run[0].n_samples, run[0].rate_hz, len(run[0].forces)
     rows = np.stack([np.vstack([s.forces, s.responses]) for s in run])
     decays = _decays(poles, len(run), n, rate)
@@ -47,17 +44,17 @@ def _settled(run: Sequence[Signals], poles: Complex, band_hz: tuple[float, float
     return [replace(s, forces=r[:inputs], responses=r[inputs:]) for s, r in zip(run, left, strict=True)]
 
 
-def _decays(poles: Complex, blocks: int, n: int, rate_hz: float) -> Real:
+def _decays(poles: Complex128, blocks: int, n: int, rate_hz: float) -> Real:
     """(blocks, 2 modes, samples) real decays: of a state's real part, then of its imaginary part."""
     time = np.arange(blocks * n) / rate_hz
-    decay: Complex = np.exp(np.outer(poles, time)).reshape(poles.size, blocks, n).transpose(1, 0, 2)
+    decay: Complex128 = np.exp(np.outer(poles, time)).reshape(poles.size, blocks, n).transpose(1, 0, 2)
     return np.concatenate([decay.real, -decay.imag], axis=1)
 
 
-def _sizes(differences: Complex, basis: Complex) -> Real:
+def _sizes(differences: Complex128, basis: Complex128) -> Real:
     """(2 modes, rows) by least squares over all blocks and lines."""
 
-    def flat(values: Complex) -> Real:
+    def flat(values: Complex128) -> Real:
         turned = values.transpose(0, 2, 1).reshape(-1, values.shape[1])
         return np.concatenate([turned.real, turned.imag])
 

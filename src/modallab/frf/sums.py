@@ -6,14 +6,12 @@ from functools import reduce
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_spectra
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.core.units import FrfEstimator
 
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 Estimator = FrfEstimator
 
 
@@ -30,11 +28,11 @@ class PowerSums:
 
     force: Real
     response: Real
-    cross: Complex
+    cross: Complex128
     averages: int
 
     @classmethod
-    def of(cls, force: Complex, response: Complex) -> Self:
+    def of(cls, force: Complex128, response: Complex128) -> Self:
         """Of some blocks.
 
         Args:
@@ -58,7 +56,7 @@ class PowerSums:
             self.averages + other.averages,
         )
 
-    def frf(self, estimator: Estimator = "H1") -> tuple[Complex, Real]:
+    def frf(self, estimator: Estimator = "H1") -> tuple[Complex128, Real]:
         """The FRF and the ordinary coherence.
 
         H1 = Sfy / Sff is unbiased under noise on the response, H2 = Syy / Syf under noise on the force,
@@ -84,7 +82,7 @@ class PowerSums:
         magnitude = np.sqrt(common)
         safe = np.where(magnitude > 0, magnitude, 1.0)
         h2_magnitude = self.response / safe
-        phase: Complex = np.where(magnitude > 0, self.cross / safe, 1.0 + 0j)
+        phase: Complex128 = np.where(magnitude > 0, self.cross / safe, 1.0 + 0j)
         if estimator == "H2":
             return phase * h2_magnitude, coherence
         return phase * np.sqrt(np.abs(h1) * h2_magnitude), coherence
@@ -108,6 +106,6 @@ def check_averages(estimator: Estimator, averages: Sequence[int], what: str) -> 
         )
 
 
-def _power(spectrum: Complex) -> Real:
+def _power(spectrum: Complex128) -> Real:
     # Without the root that an absolute value takes, which costs more than all the rest.
     return spectrum.real**2 + spectrum.imag**2

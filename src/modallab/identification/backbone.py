@@ -13,14 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import Backbone, ModalModel
 from modallab.frf.estimate import convert
 from modallab.identification.likelihood.poles import poles_of
 from modallab.signals.signals import Signals
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 NEAR = 0.12
 """Relative: as far from where the mode stood at the level before it is looked for."""
@@ -214,7 +212,7 @@ def _enough(frf: Frf, band: tuple[float, float]) -> bool:
     return int(np.count_nonzero((omega > band[0]) & (omega < band[1]))) >= LEAST_LINES
 
 
-def _band(mode: int, poles: Complex, pole: complex) -> tuple[float, float]:
+def _band(mode: int, poles: Complex128, pole: complex) -> tuple[float, float]:
     """Around a pole, up to half way to its neighbours, in rad/s."""
     low, high = (1 - NEAR) * abs(pole), (1 + NEAR) * abs(pole)
     others = np.abs(np.delete(poles, mode))
@@ -228,7 +226,7 @@ def _pole(start: complex, at: Real) -> complex:
     return complex(poles_of(np.array([abs(start) * np.exp(at[0])]), np.array([zeta]))[0])
 
 
-def _residual(s: Complex, measured: Real, pole: complex) -> Real:
+def _residual(s: Complex128, measured: Real, pole: complex) -> Real:
     """What the modal constant and two rest terms of each FRF leave; the constants follow from the pole."""
     one, other = s**2 / (s - pole), s**2 / (s - pole.conjugate())
     columns = np.stack([one + other, 1j * (one - other), s**2, np.ones_like(s)], axis=1)

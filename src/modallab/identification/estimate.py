@@ -4,17 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_frf
+from modallab.core.arrays import Complex128
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.estimator import Order, find_estimator
 from modallab.identification.start.bands import Band, split_bands
 from modallab.identification.start.peak_poles import half_power_pole, poles_of_peaks
 from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
-
-Complex = NDArray[np.complex128]
 
 CROWDED = 0.4
 """Where stable poles take up this share of what the highest order can hold, the range is cut into bands."""
@@ -35,7 +33,7 @@ class PoleEstimate:
         orders: all poles by rising order; none for estimators that have no order.
     """
 
-    poles: Complex
+    poles: Complex128
     orders: tuple[OrderPoles, ...] = ()
 
 
@@ -66,7 +64,7 @@ def estimate_poles(
     return _of_orders(frf, used.order, max_order, tolerance)
 
 
-def alone(frf: Frf, estimate: PoleEstimate) -> Complex:
+def alone(frf: Frf, estimate: PoleEstimate) -> Complex128:
     """Poles that may be looked at where none is stable, as such stand.
 
     That are poles damped by more than usual; and in lines too few for orders to rise, as those of a mode alone in a
@@ -127,5 +125,5 @@ def _joined(parts: Sequence[PoleEstimate]) -> PoleEstimate:
     return PoleEstimate(np.concatenate([part.poles for part in parts]), tuple(orders))
 
 
-def _stable(orders: Sequence[OrderPoles], tolerance: Tolerance | None) -> Complex:
+def _stable(orders: Sequence[OrderPoles], tolerance: Tolerance | None) -> Complex128:
     return np.array([p.pole for p in stable_poles(orders, tolerance)], dtype=np.complex128)

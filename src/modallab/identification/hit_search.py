@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab.core.frf import Frf
 from modallab.core.progress import part
 from modallab.identification.estimate import PoleEstimate
@@ -19,8 +20,6 @@ from modallab.identification.selection.operator_choice import chosen, in_fit
 from modallab.identification.selection.pre_trigger_noise import model_error
 from modallab.signals.signals import Signals
 
-Complex = NDArray[np.complex128]
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Found:
@@ -31,7 +30,7 @@ class Found:
     misfit: float
 
     @property
-    def poles(self) -> Complex:
+    def poles(self) -> Complex128:
         """The modes' (modes,) rad/s."""
         at = self.fit.point.parameters
         return np.asarray(-at.zeta[self.keep] * at.omega[self.keep] + 1j * at.omega[self.keep], np.complex128)
@@ -55,7 +54,7 @@ class HitSearch:
     band: tuple[float, float]
     options: Options
 
-    def found(self, frf: Frf, estimate: PoleEstimate, poles: Complex) -> Found:
+    def found(self, frf: Frf, estimate: PoleEstimate, poles: Complex128) -> Found:
         """The modes from these start poles; where they leave more than noise, also those that only some orders show.
 
         Args:
@@ -77,7 +76,7 @@ class HitSearch:
     def _by_hand(self) -> bool:
         return bool(self.options.pick_hz or self.options.drop_hz)
 
-    def _from(self, poles: Complex) -> Found:
+    def _from(self, poles: Complex128) -> Found:
         with part(0.0, 0.5, "first search"):
             fit = first_look(self.unknown, poles, self.groups, self.band)
         keep = chosen(fit, self.band, self.options, first=True)

@@ -3,15 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.frf import Frf
 from modallab.frf.estimate import convert
 from modallab.identification.likelihood.excitation import HitExcitation
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.start.half_power import reading_near, summed_amplitude
-
-Real = NDArray[np.float64]
 
 
 def half_power_readings(frf: Frf, found_hz: Real) -> Real:

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
@@ -35,8 +36,6 @@ from modallab.identification.start.refine_start import polished
 from modallab.identification.start.stabilisation import Tolerance
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
-
-Real = NDArray[np.float64]
 
 LOWEST_LINE = 2
 LEAST_LINES = 3

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modallab.core.array_checks import check_rate
+from modallab.core.arrays import Complex128, Real
 from modallab.core.digits import percent
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
@@ -16,8 +17,6 @@ from modallab.frf.segments import stretches
 from modallab.frf.sums import Estimator
 from modallab.notebook.measured import MeasuredFrf, frf
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 ForceEstimator = Literal["local-polynomial", "H1", "H2", "Hv"]
 ESTIMATORS: tuple[ForceEstimator, ...] = ("local-polynomial", "H1", "H2", "Hv")
 MOST_LINES = 9000
@@ -73,7 +72,7 @@ def driven(
     return frf(hz, values, inputs, outputs, quantity)
 
 
-def _by_local_polynomials(f: Real, y: Real, rate: float, band: tuple[float, float]) -> tuple[Real, Complex]:
+def _by_local_polynomials(f: Real, y: Real, rate: float, band: tuple[float, float]) -> tuple[Real, Complex128]:
     n = min(f.shape[1], int(MOST_LINES * rate / (band[1] - band[0])))
     count = f.shape[1] // n
     every = np.arange(n // 2 + 1) * rate / n
@@ -86,7 +85,7 @@ def _by_local_polynomials(f: Real, y: Real, rate: float, band: tuple[float, floa
 
 def _by_stretches(
     f: Real, y: Real, rate: float, band: tuple[float, float], estimator: Estimator, block_s: float | None
-) -> tuple[Real, Complex]:
+) -> tuple[Real, Complex128]:
     if block_s is None:
         raise DataError(f"{estimator} averages stretches, whose length is not given", remedy="give block_s")
     cut = stretches(np.concatenate([f, y]), rate, round(block_s * rate))
@@ -97,7 +96,7 @@ def _by_stretches(
     return cut.frequency_hz[chosen], found.frf
 
 
-def _spectra(rows: Real, n: int, count: int) -> Complex:
+def _spectra(rows: Real, n: int, count: int) -> Complex128:
     cut = rows[:, : n * count].reshape(len(rows), count, n).transpose(1, 0, 2)
     return np.asarray(np.fft.rfft(cut - cut.mean(axis=-1, keepdims=True)), np.complex128)
 
@@ -112,7 +111,7 @@ def _inside(hz: Real, band: tuple[float, float]) -> NDArray[np.bool_]:
     return inside
 
 
-def _check_driven(forces: Complex, band: tuple[float, float]) -> None:
+def _check_driven(forces: Complex128, band: tuple[float, float]) -> None:
     power = np.mean(np.abs(forces) ** 2, axis=0)
     begins = np.arange(0, power.shape[1], TOGETHER)
     few = np.add.reduceat(power, begins, axis=1) / np.diff(np.append(begins, power.shape[1]))

@@ -4,8 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.formats.time_series import write_motion
 from modallab.modification.motion import Motion
@@ -14,8 +15,6 @@ from modallab.reporting.motion_table import motion_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Real = NDArray[np.float64]
 
 
 class PredictedMotion(Motion):

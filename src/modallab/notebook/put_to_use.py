@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import BaseModel
 
+from modallab.core.arrays import Real
 from modallab.core.documents.forces import ForceKind
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
@@ -29,8 +30,6 @@ from modallab.reporting.tuned_table import free_rows, tuned_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Real = NDArray[np.float64]
 
 
 LINES = 1000

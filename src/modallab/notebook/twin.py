@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, FrfQuantity
 from modallab.core.rig import Rig
@@ -13,8 +14,6 @@ from modallab.modification.state_space import Stepped
 from modallab.notebook.measured import MeasuredFrf, frf
 from modallab.twin.bench import Twin
 from modallab.twin.modes import Modes, solve
-
-Real = NDArray[np.float64]
 
 
 class StateSpace(NamedTuple):

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.digits import percent
 from modallab.core.frozen import Frozen
 from modallab.core.plan import BLOCK_S
@@ -17,8 +17,6 @@ from modallab.core.rig import Beam
 from modallab.reporting.figures.resolution import readings
 from modallab.twin.modes import solve
 from modallab.twin.structure import Structure
-
-Array = NDArray[np.float64]
 
 TABLE_1 = ((4.8, 0.1250), (30.9, 0.0385), (87.8, 0.0103))
 """Hz and damping of the three modes, as printed."""
@@ -118,7 +116,7 @@ def _mode(hz: float, damping: float) -> PaperMode:
     )
 
 
-def _explained(name: str, of: Callable[[float], Structure], sizes: Array | None) -> Explanation:
+def _explained(name: str, of: Callable[[float], Structure], sizes: Real | None) -> Explanation:
     """The size whose worst distance from Table 1 is least, EI over rho A free: it only scales all frequencies."""
     tried = sizes if sizes is not None else np.zeros(1)
     found = [_scaled(solve(of(float(size))).frequency_hz[:3]) for size in tried]
@@ -134,7 +132,7 @@ def _explained(name: str, of: Callable[[float], Structure], sizes: Array | None)
     )
 
 
-def _scaled(own_hz: Array) -> tuple[list[float], float]:
+def _scaled(own_hz: Real) -> tuple[list[float], float]:
     """The frequencies, scaled to be as near to Table 1 as can be, and their worst distance in lines."""
     printed = np.array([hz for hz, _ in TABLE_1])
     scales = np.linspace(0.9, 1.1, 2001)[:, None] * (printed[2] / own_hz[2])

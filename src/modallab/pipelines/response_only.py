@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
@@ -19,8 +19,6 @@ from modallab.pipelines.identify import Identified, Result, identify_campaign
 from modallab.pipelines.sound import sound
 from modallab.signals.signals import to_signals_of
 from modallab.verification.assessment import assess_model
-
-Real = NDArray[np.float64]
 
 POLES: dict[ResponseMethod, Method] = {"ssi_cov": SSI_COV, "plscf_spectra": PLSCF}
 LEAST_PERIODS = 100.0

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
@@ -20,9 +21,6 @@ from modallab.pipelines.identify import Identified, Result
 from modallab.pipelines.response_only import identify_responses, response_records
 from modallab.pipelines.setups import common_provenance, require_distinct, setup_names
 from modallab.verification.assessment import assess_model
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 FAR = 4.0
 """Sigmas by which a set-up's frequency is off the joined one."""
@@ -76,7 +74,7 @@ def identify_response_setups(
     models = tuple(item.model for item in found)
     setups = [_setup(n, m, c.rig) for n, m, c in zip(names, models, campaigns, strict=True)]
 
-    def look(n: int, frequency_hz: Real, damping_ratio: Real) -> tuple[Complex, Real]:
+    def look(n: int, frequency_hz: Real, damping_ratio: Real) -> tuple[Complex128, Real]:
         records, rate, *_ = response_records(campaigns[n], test)
         rows, sense = _rows(campaigns[n].rig)
         values, sigma = shapes_at(records, rate, models[n].band_hz, frequency_hz, damping_ratio)

@@ -1,14 +1,12 @@
 """The point at which one more hit would tell most of the modes that are known least."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.model import ModalModel
 from modallab.core.plan import Precision
 from modallab.core.rig import Rig
 from modallab.identification.model.driving import driving_points
-
-Real = NDArray[np.float64]
 
 
 def telling_point(model: ModalModel, rig: Rig, hits: dict[int, int], target: Precision) -> int | None:

@@ -6,8 +6,8 @@ a block, which no line but that at 0 Hz holds. Channels with one common corner a
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.axis_checks import check_rate
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
@@ -21,8 +21,6 @@ BLACKMAN_HARRIS = np.array([0.35875, -0.48829, 0.14128, -0.01168])
 
 LEAST_SAMPLES = 8
 """Fewer hold neither a level nor an integral."""
-
-Real = NDArray[np.float64]
 
 
 def undo_ac_coupling(values: Real, rate_hz: float, rig: Rig, drive_hz: float | None = None) -> Real:

@@ -3,12 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.axis_checks import check_rate
 from modallab.core.errors import DataError
 from modallab.signals.checks import check_rows
 from modallab.signals.transform import next_quick_length
-
-Real = NDArray[np.float64]
 
 MOST_TAPS = 2**20
 """A lower edge that needs more is as good as none."""

@@ -11,12 +11,12 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import DERIVATIVE, Test, is_voltage, si_factor
 
-Real = NDArray[np.float64]
 Samples = NDArray[Any]
 
 DEFAULT_BITS = 16

@@ -12,12 +12,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.units import Test
 from modallab.signals.signals import Signals
 from modallab.signals.tone_fit import fit_frequency
-
-Real = NDArray[np.float64]
 
 CONTACT = 0.45
 """Share of the peak that a contact reaches: more than a steep filter's ringing (0.21) or noise beside weak hits."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.axis_checks import check_rate
 from modallab.core.block import Block
 from modallab.core.errors import DataError
@@ -17,8 +17,6 @@ from modallab.signals.checks import check_block, check_rows
 from modallab.signals.conversion import Conversion, require_one_axis
 from modallab.signals.hit import Hit, find_hit, windowed_force
 from modallab.signals.tone_fit import SineFit, fit_tone
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,20 +1,16 @@
 """How the beam answers to a base that moves."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.twin.matrices import OWN, matrices
 from modallab.twin.modes import solve
 from modallab.twin.structure import Structure
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
-
-def base_transmission(structure: Structure, x_m: Array, s: Complex) -> Complex:
+def base_transmission(structure: Structure, x_m: Real, s: Complex) -> Complex:
     """(points, k) absolute acceleration at places on the beam per acceleration of the base, at s (k,).
 
     Relative motion is that under the inertia load -M 1 of the moving base.

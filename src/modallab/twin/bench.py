@@ -1,20 +1,18 @@
 """The whole bench as the twin believes it: structure, excitation, measurement chain, clock."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any, Self, TypeVar
+from typing import Self, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE, Test
 from modallab.twin.modes import Modes
 from modallab.twin.nonlinear.element import Element
 from modallab.twin.structure import Structure
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
-S = TypeVar("S", Array, Complex)
+S = TypeVar("S", Real, Complex)
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +64,7 @@ class Chain:
         missing = {c.index: 2 - DERIVATIVE[c.quantity] for c in rig.responses if c.quantity in DERIVATIVE}
         return cls(integrals={index: count for index, count in missing.items() if count})
 
-    def as_delivered(self, rig: Rig, lags_s: Array) -> Self:
+    def as_delivered(self, rig: Rig, lags_s: Real) -> Self:
         """The same with the delays (channels,) and the AC coupling of the rig file: what a device delivers."""
         corners = {c.index: c.ac_corner_hz for c in rig.channels}
         # Where all channels share a corner, the measured force has it already.
@@ -117,7 +115,7 @@ class Twin:
         whole = self.element is not None and self.element.of_all_modes
         return modes if whole else replace(modes, out_of_band=self.residual_compliance * modes.out_of_band)
 
-    def drifted(self, tau: float | Array) -> Array:
+    def drifted(self, tau: float | Real) -> Real:
         """Share of the drift that has happened at a place in time between 0 and 1."""
         if not self.drift_curve:
             return np.asarray(tau, dtype=np.float64)

@@ -5,13 +5,12 @@ from math import log
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.effects import Effect
 from modallab.core.places import NO_PLACE, AlongBeam, Place
 from modallab.twin.elements import ELEMENTS
 
-Array = NDArray[np.float64]
 Transform = Literal["log", "plain", "share"]
 
 
@@ -109,7 +108,7 @@ class Candidate:
     place: Place = NO_PLACE
     fixed: tuple[tuple[str, float], ...] = ()
 
-    def at(self, u: Array) -> Effect:
+    def at(self, u: Real) -> Effect:
         """The effect at coordinates u."""
         values = {s.name: s.value(float(v)) for s, v in zip(self.slots, u, strict=True)}
         place = AlongBeam(x=min(max(values.pop("x"), 0.5 / ELEMENTS), 1.0)) if "x" in values else self.place

@@ -4,16 +4,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.quadrature import gauss_legendre
 
 ELEMENTS = 40
 """Hermite elements; points at tenths of the length are nodes."""
 FIELD_TERMS = 3
 """Cosine terms of the smooth fields EI(x) and rhoA(x)."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -26,35 +24,35 @@ class Patterns:
         rotary: (n, n) 1/m, of unit rhoI.
     """
 
-    stiffness: Array
-    mass: Array
-    rotary: Array
+    stiffness: Real
+    mass: Real
+    rotary: Real
 
 
-def shape_rows(x_m: float | Array, length_m: float) -> Array:
+def shape_rows(x_m: float | Real, length_m: float) -> Real:
     """Hermite interpolation of the deflection: (points, n) rows N with w(x) = N q; not to be written to."""
     return _known_rows(np.atleast_1d(np.asarray(x_m, dtype=np.float64)).tobytes(), length_m, 0)
 
 
-def slope_rows(x_m: float | Array, length_m: float) -> Array:
+def slope_rows(x_m: float | Real, length_m: float) -> Real:
     """Hermite interpolation of the slope: (points, n) rows N with w'(x) = N q; not to be written to."""
     return _known_rows(np.atleast_1d(np.asarray(x_m, dtype=np.float64)).tobytes(), length_m, 1)
 
 
-def curvature_rows(x_m: float | Array, length_m: float) -> Array:
+def curvature_rows(x_m: float | Real, length_m: float) -> Real:
     """Hermite interpolation of the curvature: (points, n) rows N with w''(x) = N q; not to be written to."""
     return _known_rows(np.atleast_1d(np.asarray(x_m, dtype=np.float64)).tobytes(), length_m, 2)
 
 
 @lru_cache(maxsize=256)
-def _known_rows(places: bytes, length_m: float, derivative: int) -> Array:
+def _known_rows(places: bytes, length_m: float, derivative: int) -> Real:
     # A fit asks for the same sensors thousands of times.
     rows = _rows(np.frombuffer(places), length_m, derivative)
     rows.flags.writeable = False
     return rows
 
 
-def weakened_stiffness(x_m: float, width_m: float, length_m: float, share: float) -> Array:
+def weakened_stiffness(x_m: float, width_m: float, length_m: float, share: float) -> Real:
     """(n, n) change of the stiffness of unit EI when it falls to 1 - share exp(-((x - x0) / width)^2).
 
     Cubics can't bend more in a part of an element: its stiffness is the inverse of its flexibility under linear
@@ -97,7 +95,7 @@ def patterns(length_m: float) -> Patterns:
 
 
 @lru_cache(maxsize=8)
-def flexibility(length_m: float) -> Array:
+def flexibility(length_m: float) -> Real:
     """(n, n) deflection of a clamped beam of unit EI to unit loads on its degrees of freedom; not to be written to."""
     answer = np.zeros((2 * ELEMENTS + 2,) * 2)
     answer[2:, 2:] = np.linalg.inv(patterns(length_m).stiffness[0][2:, 2:])
@@ -105,7 +103,7 @@ def flexibility(length_m: float) -> Array:
     return answer
 
 
-def _hermite(xi: Array, size: float, derivative: int) -> Array:
+def _hermite(xi: Real, size: float, derivative: int) -> Real:
     """(points, 4) Hermite cubics on [0, 1], differentiated by x."""
     one = np.ones_like(xi)
     if derivative == 0:
@@ -122,7 +120,7 @@ def _hermite(xi: Array, size: float, derivative: int) -> Array:
     return np.stack(rows, axis=-1) / size**derivative
 
 
-def _rows(x: Array, length_m: float, derivative: int) -> Array:
+def _rows(x: Real, length_m: float, derivative: int) -> Real:
     size = length_m / ELEMENTS
     element = np.clip((x / size).astype(int), 0, ELEMENTS - 1)
     rows = np.zeros((len(x), 2 * ELEMENTS + 2))

@@ -6,8 +6,8 @@ What two structures differ in is what these numbers differ in, which is cheap to
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.twin.elements import ELEMENTS, patterns, shape_rows, slope_rows, weakened_stiffness
 from modallab.twin.structure import Structure
 
@@ -20,7 +20,6 @@ FIELD, SLOPES, DEFLECTIONS, FREEDOM, LOSS = "field", "slopes", "deflections", "f
 DEFLECTION, SLOPE = "deflection", "slope"
 """the square of the deflection or of the slope at a place."""
 
-Array = NDArray[np.float64]
 Term = tuple[str, *tuple[float, ...]]
 """A kind, and the numbers that say which of its kind."""
 Terms = dict[Term, float]
@@ -59,13 +58,13 @@ def _add(terms: Terms, term: Term, value: float) -> None:
     terms[term] = terms.get(term, 0.0) + value
 
 
-def term_rows(terms: Iterable[Term], length_m: float) -> Array:
+def term_rows(terms: Iterable[Term], length_m: float) -> Real:
     """(terms, n) rows of terms that act on a deflection or a slope at a place: each term is row^T row."""
     rows = {DEFLECTION: shape_rows, SLOPE: slope_rows}
     return np.array([rows[kind](x, length_m)[0] for kind, x in terms]).reshape(-1, OWN)
 
 
-def term_matrix(term: Term, fields: Array, length_m: float) -> Array:
+def term_matrix(term: Term, fields: Real, length_m: float) -> Real:
     """(n, n) one of the other terms; `fields` are the beam's own patterns of stiffness or of mass."""
     kind, *numbers = term
     pattern = patterns(length_m)
@@ -86,17 +85,17 @@ def at_places(terms: Iterable[Term]) -> list[Term]:
     return [t for t in terms if t[0] in (DEFLECTION, SLOPE)]
 
 
-def _assembled(terms: Terms, fields: Array, length_m: float) -> Array:
+def _assembled(terms: Terms, fields: Real, length_m: float) -> Real:
     placed = at_places(terms)
     rows = term_rows(placed, length_m)
-    total: Array = rows.T @ (np.array([terms[t] for t in placed])[:, None] * rows)
+    total: Real = rows.T @ (np.array([terms[t] for t in placed])[:, None] * rows)
     for term, value in terms.items():
         if value and term[0] not in (DEFLECTION, SLOPE):
             total += value * term_matrix(term, fields, length_m)
     return total
 
 
-def matrices(structure: Structure) -> tuple[Array, Array]:
+def matrices(structure: Structure) -> tuple[Real, Real]:
     """Stiffness and mass over all degrees of freedom; those a rigid root takes are still in."""
     pattern, length = patterns(structure.length_m), structure.length_m
     stiffness = _assembled(stiffness_terms(structure), pattern.stiffness, length)
@@ -104,7 +103,7 @@ def matrices(structure: Structure) -> tuple[Array, Array]:
     return (stiffness, mass) if not structure.hung else _with_hung(structure, stiffness, mass)
 
 
-def _with_hung(structure: Structure, stiffness: Array, mass: Array) -> tuple[Array, Array]:
+def _with_hung(structure: Structure, stiffness: Real, mass: Real) -> tuple[Real, Real]:
     """The same with a freedom more for each mass that hangs on a spring."""
     size = OWN + len(structure.hung)
     whole, heavy = np.zeros((size, size)), np.zeros((size, size))

@@ -4,19 +4,18 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from threading import Lock
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from modallab.core.arrays import Complex, Real
 from modallab.twin.elements import shape_rows
 from modallab.twin.matrices import OWN, RIGID, matrices
 from modallab.twin.side_modes import given_way, poles_and_columns
 from modallab.twin.structure import MODES, Structure
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 T = TypeVar("T")
 
 
@@ -34,18 +33,18 @@ class Modes:
     poles: Complex
     columns: Complex
     length_m: float
-    out_of_band: Array
+    out_of_band: Real
 
-    def at(self, x_m: float | Array) -> Complex:
+    def at(self, x_m: float | Real) -> Complex:
         """(points, p) shapes at places on the beam."""
         return shape_rows(x_m, self.length_m) @ self.columns
 
-    def remainder(self, x_m: Array, drive_x_m: float) -> Array:
+    def remainder(self, x_m: Real, drive_x_m: float) -> Real:
         """(points,) static displacement in m per N at `drive_x_m` that the modes left out add."""
         return shape_rows(x_m, self.length_m) @ (self.out_of_band @ shape_rows(drive_x_m, self.length_m)[0])
 
     @property
-    def frequency_hz(self) -> Array:
+    def frequency_hz(self) -> Real:
         """(p,) undamped natural frequencies."""
         return np.abs(self.poles) / (2 * np.pi)
 
@@ -79,7 +78,7 @@ def have_same_modes(structure: Structure, other: Structure) -> bool:
     return undamped_key(structure) == undamped_key(other)
 
 
-def _damped(structure: Structure, omega: Array, phi: Array, out_of_band: Array) -> Modes:
+def _damped(structure: Structure, omega: Real, phi: Real, out_of_band: Real) -> Modes:
     if structure.dampers:
         poles, mixing = damped_poles(structure, omega, phi)
         return Modes(poles, phi[:OWN] @ mixing, structure.length_m, out_of_band[:OWN, :OWN])
@@ -109,11 +108,11 @@ class _Latest(Generic[T]):
         return made
 
 
-_UNDAMPED = _Latest[tuple[Array, Array, Array]](48)
+_UNDAMPED = _Latest[tuple[Real, Real, Real]](48)
 _DAMPED = _Latest[Modes](48)
 
 
-def undamped_modes(structure: Structure) -> tuple[Array, Array, Array]:
+def undamped_modes(structure: Structure) -> tuple[Real, Real, Real]:
     """The undamped modes: (MODES,) rad/s, (n, MODES) shapes, and the (n, n) compliance of the modes above them.
 
     n counts the freedoms of the beam and of what hangs on it. Results are kept: damping and chain do not change them.
@@ -121,7 +120,7 @@ def undamped_modes(structure: Structure) -> tuple[Array, Array, Array]:
     return _UNDAMPED.of(undamped_key(structure), lambda: _undamped(structure))
 
 
-def _undamped(structure: Structure) -> tuple[Array, Array, Array]:
+def _undamped(structure: Structure) -> tuple[Real, Real, Real]:
     stiffness, mass = matrices(structure)
     free = _free(structure)
     held = np.ix_(free, free)
@@ -153,7 +152,7 @@ def _free(structure: Structure) -> NDArray[np.int64]:
     return np.array([i for i in range(OWN + len(structure.hung)) if i not in held])
 
 
-def damping_of(structure: Structure, omega: Array, phi: Array) -> Array:
+def damping_of(structure: Structure, omega: Real, phi: Real) -> Real:
     """(n, n) damping matrix over modes."""
     damping = np.diag(2 * structure.zeta * omega)
     if structure.dampers:
@@ -163,7 +162,7 @@ def damping_of(structure: Structure, omega: Array, phi: Array) -> Array:
     return damping
 
 
-def damped_poles(structure: Structure, omega: Array, phi: Array) -> tuple[Complex, Complex]:
+def damped_poles(structure: Structure, omega: Real, phi: Real) -> tuple[Complex, Complex]:
     """(p,) poles, and (MODES, p) weights of the undamped shapes in their shapes, coupled by dampers."""
     n = len(omega)
     damping = damping_of(structure, omega, phi)

@@ -5,11 +5,10 @@ compliance; what damping then couples by the same expansion over the complex mod
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.twin.elements import patterns, shape_rows
 from modallab.twin.matrices import (
     OWN,
@@ -23,9 +22,6 @@ from modallab.twin.matrices import (
 )
 from modallab.twin.modes import Modes, beside, damped_poles, damping_of, held_at_root, solve, undamped_modes
 from modallab.twin.structure import MODES, Structure
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 class Neighbours:
@@ -67,7 +63,7 @@ class Neighbours:
         columns, rest = phi[:, :OWN] @ mixing, self._out_of_band[:OWN, :OWN]
         return [Modes(p, c, self._middle.length_m, rest) for p, c in zip(poles, columns, strict=True)]
 
-    def _undamped(self, structures: list[Structure]) -> tuple[Array, Array]:
+    def _undamped(self, structures: list[Structure]) -> tuple[Real, Real]:
         """(structures, MODES) rad/s and (structures, n, MODES) shapes."""
         phi, squared = self._phi, self._omega**2
         pattern = patterns(self._middle.length_m)
@@ -82,7 +78,7 @@ class Neighbours:
         moved = phi + phi @ mixing - self._out_of_band @ pushed
         return np.sqrt(np.maximum(squared + coupling[:, own, own], 1e-12)), moved
 
-    def _changed(self, terms_of: Callable[[Structure], Terms], structures: list[Structure], fields: Array) -> Array:
+    def _changed(self, terms_of: Callable[[Structure], Terms], structures: list[Structure], fields: Real) -> Real:
         """(structures, n, MODES) what their change of stiffness or of inertia does on each mode."""
         change = _differences(terms_of(self._middle), [terms_of(s) for s in structures])
         placed = at_places(change)
@@ -99,7 +95,7 @@ class Neighbours:
                 numbers[i, k] = more
         return np.tensordot(numbers, products, 1)
 
-    def _coupled(self, structures: list[Structure], omega: Array, phi: Array) -> tuple[Complex, Complex]:
+    def _coupled(self, structures: list[Structure], omega: Real, phi: Real) -> tuple[Complex, Complex]:
         """(structures, MODES) poles and (structures, MODES, MODES) weights of the undamped shapes in their shapes."""
         more = self._damped(structures, omega, phi) - self._damping
         on_mixing = more @ self._mixing
@@ -109,7 +105,7 @@ class Neighbours:
         kept = self._mixing * (1 - 0.5 * np.sum(self._mixing * on_mixing, axis=1))[:, None, :]
         return self._poles + coupling[:, own, own], kept + self._whole @ (coupling * self._near)
 
-    def _damped(self, structures: list[Structure], omega: Array, phi: Array) -> Array:
+    def _damped(self, structures: list[Structure], omega: Real, phi: Real) -> Real:
         """(structures, MODES, MODES) damping over modes."""
         damping = np.zeros((len(structures), MODES, MODES))
         own = np.arange(MODES)

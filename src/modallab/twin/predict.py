@@ -1,24 +1,20 @@
 """What the accelerometers read, sample by sample, from the measured force of a record that began from rest."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.twin.bench import Chain, Twin, exchange_plugs, transfer
 from modallab.twin.modes import Modes, solve
 from modallab.twin.nonlinear.element import coupling
 from modallab.twin.nonlinear.records import acceleration, in_hit, in_sine, ready
 from modallab.twin.response import Hits, Rise, Sines
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
-
 
 def predict_hit(
-    twin: Twin, force_n: Array, rate_hz: float, drive_x_m: float, channels: tuple[int, ...], x_m: Array, tau: float
-) -> Array:
+    twin: Twin, force_n: Real, rate_hz: float, drive_x_m: float, channels: tuple[int, ...], x_m: Real, tau: float
+) -> Real:
     """(channels, n) what the chain reads of a hit: m/s^2, or m/s and m where it integrates.
 
     Args:
@@ -72,10 +68,10 @@ def predict_sine(
     rate_hz: float,
     drive_x_m: float,
     channels: tuple[int, ...],
-    x_m: Array,
+    x_m: Real,
     tau: float,
     rise: Rise | None = None,
-) -> Array:
+) -> Real:
     """(channels, n) accelerations in m/s^2 of a sine block, with what rings on from its start.
 
     Args:
@@ -137,15 +133,15 @@ def drifted_modes(modes: Modes, ei_drift: float, tau: float) -> Modes:
     )
 
 
-def sensor_positions(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Array) -> Array:
+def sensor_positions(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Real) -> Real:
     """(channels,) places where the accelerometers truly sit, none beyond the beam's ends."""
     x = x_m + np.array([chain.shift.get(c, 0.0) for c in channels])
     return np.clip(x, 0.0, modes.length_m)
 
 
-def _outputs(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Array) -> Complex:
+def _outputs(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Real) -> Complex:
     return modes.at(sensor_positions(chain, modes, channels, x_m))
 
 
-def _out_of_band(twin: Twin, modes: Modes, channels: tuple[int, ...], x_m: Array, drive_x_m: float) -> Array:
+def _out_of_band(twin: Twin, modes: Modes, channels: tuple[int, ...], x_m: Real, drive_x_m: float) -> Real:
     return modes.remainder(sensor_positions(twin.chain, modes, channels, x_m), drive_x_m)

@@ -7,10 +7,12 @@ the decay that its rise, some seconds before, has left.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
+
+from modallab.core.arrays import Complex, Real
 
 HISTORY_S = 8.0
 """Time from the start of a sine to its block, where nothing else is known."""
@@ -19,8 +21,13 @@ RAMP_S = 1.0
 TAIL_SHARE = 0.45
 """Poles beyond this share of the rate leave no tail: nothing in the band excites them."""
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
+
+def pulse_spectra(pulses: Real, starts: NDArray[np.int64], n: int) -> Complex:
+    """(hits, n // 2 + 1) of the pulses alone, each at its place in a block of n samples."""
+    windowed = np.zeros((len(pulses), n))
+    for row, pulse, start in zip(windowed, pulses, starts, strict=True):
+        row[start : start + len(pulse)] = pulse[: n - start]
+    return np.fft.rfft(windowed, axis=1)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -36,10 +43,10 @@ class Hits:
         weights: (hits, k) conj(F_j) / sum |F_j|^2, F the DFT of the force.
     """
 
-    lines: Array
+    lines: Real
     n: int
     dt: float
-    pulses: Array
+    pulses: Real
     first: NDArray[np.int64]
     weights: Complex
 
@@ -51,16 +58,13 @@ class Hits:
     @property
     def shares(self) -> Complex:
         """(hits, k) what each hit counts of the answer on each line; together 1."""
-        whole = np.zeros((len(self.pulses), self.n))
-        for row, pulse, start in zip(whole, self.pulses, self.first, strict=True):
-            row[start : start + len(pulse)] = pulse[: self.n - start]
-        return np.fft.rfft(whole)[:, self.lines.astype(int)] * self.weights
+        return pulse_spectra(self.pulses, self.first, self.n)[:, self.lines.astype(int)] * self.weights
 
     def kept(self, keep: NDArray[np.bool_]) -> Self:
         """Some of the lines."""
         return replace(self, lines=self.lines[keep], weights=self.weights[:, keep])
 
-    def kernel(self, poles: Complex, ratios: Array | None = None) -> tuple[Complex, Complex]:
+    def kernel(self, poles: Complex, ratios: Real | None = None) -> tuple[Complex, Complex]:
         """(p, k) of the forced part and of the tail, per unit residue and unit force.
 
         Args:
@@ -81,7 +85,7 @@ class Hits:
         tail[kept] = shape * (laplace @ self.weights)
         return forced, tail
 
-    def _one_by_one(self, poles: Complex, ratios: Array) -> tuple[Complex, Complex]:
+    def _one_by_one(self, poles: Complex, ratios: Real) -> tuple[Complex, Complex]:
         forced = np.zeros((len(poles), len(self.lines)), dtype=np.complex128)
         tail = np.zeros_like(forced)
         for j, share in enumerate(self.shares):
@@ -107,11 +111,11 @@ class Averages:
         first: (k,) where each band begins among them.
     """
 
-    lines: Array
+    lines: Real
     n: int
     dt: float
-    fine: Array
-    share: Array
+    fine: Real
+    share: Real
     first: NDArray[np.int64]
 
     @property
@@ -126,7 +130,7 @@ class Averages:
         first = np.cumsum(count[keep]) - count[keep]
         return replace(self, lines=self.lines[keep], fine=self.fine[inside], share=self.share[inside], first=first)
 
-    def kernel(self, poles: Complex, ratios: Array | None = None) -> tuple[Complex, Complex]:
+    def kernel(self, poles: Complex, ratios: Real | None = None) -> tuple[Complex, Complex]:
         """(p, k) of the forced part and of the tail, which is none, per unit residue and unit force."""
         s = 2j * np.pi * self.fine / (self.n * self.dt)
         forced = np.add.reduceat(self.share * s**2 / (s - poles[:, None]), self.first, axis=1)
@@ -144,8 +148,8 @@ class Rise:
         counted: (blocks,) whether the history was counted in samples, so that the converter's clock stretches it.
     """
 
-    history_s: Array
-    ramp_s: Array
+    history_s: Real
+    ramp_s: Real
     cosine: NDArray[np.bool_]
     counted: NDArray[np.bool_]
 
@@ -186,8 +190,8 @@ class Sines:
         coarse: whether half of the steps will do where a law is stepped in time: only starts are compared.
     """
 
-    lines: Array
-    frequency_hz: Array
+    lines: Real
+    frequency_hz: Real
     n: int
     dt: float
     force: Complex

@@ -7,12 +7,12 @@ and sensors that sit off the centre line, or a little askew, drive and sense suc
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from modallab.core.arrays import Complex, Real
 from modallab.twin.elements import ELEMENTS, patterns
 
 MEMBERS = 4
@@ -20,8 +20,6 @@ MEMBERS = 4
 IN_ALL = 40
 """Modes of a family in all."""
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 Family = Literal["twist", "across", "alone"]
 
 
@@ -44,7 +42,7 @@ class SideModes:
     power: float = 1.0
 
 
-def multiples(family: Family) -> Array:
+def multiples(family: Family) -> Real:
     """(members,) natural frequencies of a family over its lowest."""
     return _all(family, 1.0, 1.0)[0][:MEMBERS]
 
@@ -58,20 +56,20 @@ def poles_and_columns(side: SideModes, length_m: float) -> tuple[Complex, Comple
     return -side.zeta * omega + 1j * damped, columns.astype(np.complex128)
 
 
-def given_way(side: SideModes, length_m: float) -> Array:
+def given_way(side: SideModes, length_m: float) -> Real:
     """(n, n) static compliance in m/N of the family's modes beyond those, over the same degrees of freedom."""
     return _given_way(side.family, side.power, length_m) / side.kg / (2 * np.pi * side.hz) ** 2
 
 
 @lru_cache(maxsize=16)
-def _given_way(family: Family, power: float, length_m: float) -> Array:
+def _given_way(family: Family, power: float, length_m: float) -> Real:
     ratios, shapes = _all(family, power, length_m)
     over = shapes[:, MEMBERS:] / ratios[MEMBERS:]
     return over @ over.T
 
 
 @lru_cache(maxsize=16)
-def _all(family: Family, power: float, length_m: float) -> tuple[Array, Array]:
+def _all(family: Family, power: float, length_m: float) -> tuple[Real, Real]:
     """(modes,) frequencies over the lowest, and (n, modes) deflection and slope at the nodes, 1 at the tip."""
     if family == "across":
         return _across(length_m)
@@ -87,7 +85,7 @@ def _all(family: Family, power: float, length_m: float) -> tuple[Array, Array]:
     return ratios, nodal.reshape(2 * len(x), -1)
 
 
-def _across(length_m: float) -> tuple[Array, Array]:
+def _across(length_m: float) -> tuple[Real, Real]:
     """Of the bare clamped beam."""
     pattern = patterns(length_m)
     values, vectors = eigh(pattern.mass[0][2:, 2:], pattern.stiffness[0][2:, 2:], check_finite=False)

@@ -4,8 +4,8 @@ import re
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.rig import Beam
 from modallab.twin.elements import FIELD_TERMS
 from modallab.twin.side_modes import SideModes
@@ -15,7 +15,6 @@ MODES = 15
 ROOT = 0.1
 """Relative deviation of a rotational spring at the root that a rig file states as "about" so much."""
 
-Array = NDArray[np.float64]
 Attached = tuple[tuple[float, float], ...]
 
 
@@ -50,9 +49,9 @@ class Structure:
     thickness_m: float
     youngs_modulus_pa: float
     density_kg_m3: float
-    zeta: Array
-    ei_field: Array = field(default_factory=lambda: np.zeros(FIELD_TERMS))
-    mass_field: Array = field(default_factory=lambda: np.zeros(FIELD_TERMS))
+    zeta: Real
+    ei_field: Real = field(default_factory=lambda: np.zeros(FIELD_TERMS))
+    mass_field: Real = field(default_factory=lambda: np.zeros(FIELD_TERMS))
     root_rotation: float = 0.0
     root_translation: float = 0.0
     masses: Attached = ()

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.rig import Beam, Rig
 from modallab.modification.freedoms import Freedom
@@ -14,8 +14,6 @@ from modallab.twin.matrices import OWN
 from modallab.twin.modes import undamped_modes
 from modallab.twin.structure import ROOT, Structure, believed_root
 from modallab.updating.prior import Prior
-
-Real = NDArray[np.float64]
 
 OF_BEAM = {"youngs_modulus": "Pa", "density": "kg/m^3", "thickness": "m"}
 AT_ROOT = {"joint_rotation": "N m/rad", "joint_translation": "N/m"}

@@ -5,19 +5,15 @@ abuse", Sound and Vibration, August 2003, 14).
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.identification.selection.criteria import comac, mac
 from modallab.modification.freedoms import Freedom
 from modallab.modification.known import Known
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 PAIRED = 0.5
 """MAC below which two modes are no pair."""

@@ -1,16 +1,12 @@
 """What a test says of modes: frequencies and shapes with their covariance."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.modification.known import Known
 from modallab.modification.samples import samples_of
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 PER_NUMBER = 4
 """Samples for each number, whose covariance is estimated from them."""

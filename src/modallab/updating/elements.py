@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
@@ -15,8 +16,6 @@ from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.folded import POWERS, folded
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
-
-Real = NDArray[np.float64]
 
 COMPUTED = "finite_elements"
 """The method of a model that was computed, and not measured."""

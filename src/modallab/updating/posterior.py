@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import least_squares, linear_sum_assignment
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.identification.selection.criteria import mac
 from modallab.updating.data import ModeData
 from modallab.updating.predictor import Predictor, checked
 from modallab.updating.prior import Prior
 from modallab.updating.result import ModeCheck, UpdatedParameters
-
-Real = NDArray[np.float64]
 
 OFF_HZ = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2)
 """By how much a model's frequencies may be off, relative. No structure is as even as its model to less."""

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.fem.fem_file import FemModel
@@ -12,7 +12,6 @@ from modallab.formats.fem.matrix_model import MatrixModel
 from modallab.modification.freedoms import Freedom
 from modallab.updating.elements import shapes_at
 
-Real = NDArray[np.float64]
 Predictor = Callable[[Mapping[str, float]], tuple[Real, Real]]
 """Numbers by name -> (modes,) Hz and (modes, freedoms) shapes at unit modal mass, kg^-1/2."""
 

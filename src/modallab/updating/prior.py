@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.updating.prior import Prior
-
-Real = NDArray[np.float64]
 
 DETERMINED = 0.5
 """Of the prior's deviation: where more of it is left, the data have said little of a parameter."""

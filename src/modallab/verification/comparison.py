@@ -5,12 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.identification.selection.criteria import comac, mac
 from modallab.identification.selection.pairing import nearest
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

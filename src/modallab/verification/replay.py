@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, FrfQuantity
 from modallab.core.model import ModalModel
@@ -17,8 +18,6 @@ from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.rows import stack
 from modallab.identification.likelihood.sine_block import tone
 from modallab.signals.signals import Signals
-
-Complex = NDArray[np.complex128]
 
 
 def replayed_hit(model: ModalModel, column: int, signals: Signals, quantity: FrfQuantity, *, moving: bool) -> Signals:
@@ -78,13 +77,13 @@ def _inside(model: ModalModel, grid: Grid) -> NDArray[np.bool_]:
     return (frequency > model.band_hz[0] - slack) & (frequency < model.band_hz[1] + slack)
 
 
-def _residues(model: ModalModel, column: int) -> tuple[Complex, Complex]:
+def _residues(model: ModalModel, column: int) -> tuple[Complex128, Complex128]:
     """Poles (modes,) and residues (modes, outputs)."""
     poles = poles_of(2 * np.pi * model.frequency_hz, model.damping_ratio)
     return poles, np.asarray(model.modal_constants[:, :, column] / (2j * poles.imag[:, None]), np.complex128)
 
 
-def _forced(model: ModalModel, column: int, excitation: Excitation, inside: NDArray[np.bool_]) -> Complex:
+def _forced(model: ModalModel, column: int, excitation: Excitation, inside: NDArray[np.bool_]) -> Complex128:
     poles, residue = _residues(model, column)
     answer = residue.T @ excitation.forced(poles)[0] + residue.conj().T @ excitation.forced(poles.conj())[0]
     # Outside the band a power of s says nothing of the structure, and grows without bound.
@@ -94,8 +93,8 @@ def _forced(model: ModalModel, column: int, excitation: Excitation, inside: NDAr
 
 
 def _motion_before(
-    model: ModalModel, column: int, excitation: Excitation, left: Complex, inside: NDArray[np.bool_]
-) -> Complex:
+    model: ModalModel, column: int, excitation: Excitation, left: Complex128, inside: NDArray[np.bool_]
+) -> Complex128:
     """The free decays (outputs, lines) of the states that explain best what the forced answer leaves."""
     poles, residue = _residues(model, column)
     up = residue[:, :, None] * excitation.free(poles)[0][:, None]

@@ -4,16 +4,13 @@ from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.attached import KEPT
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.cracked import HALF_WIDTH
 from modallab_simulators.cantilever.modes import Modes
-
-Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 Law = Literal["cubic", "friction", "play", "crack"]
 
@@ -75,13 +72,13 @@ class CrackElement:
     law: Law = field(default="crack", init=False)
     numbers: tuple[float, ...] = field(default=(), init=False)
 
-    def compliance(self, length_m: float) -> Floats:
+    def compliance(self, length_m: float) -> Real:
         """Integrals of c(s) (s - x)^(i + j), (channels, channels)."""
         s, weights, powers, _ = self._along(length_m)
         c = weights * self._excess(s, length_m)
         return powers @ (powers * c).T
 
-    def rows(self, modes: Modes) -> Floats:
+    def rows(self, modes: Modes) -> Real:
         """What each channel's forced curvature puts into each mode, (channels, KEPT)."""
         length = modes.length_m
         s, weights, powers, slopes = self._along(length)
@@ -95,7 +92,7 @@ class CrackElement:
         at_ends = (ends - self.x_m) ** np.arange(FITTED)[:, None] * self._excess(ends, length) * [-1.0, 1.0]
         return ei * (at_ends @ modes.shapes(ends, KEPT, 1) - inner @ modes.shapes(s, KEPT, 1))
 
-    def _along(self, length_m: float) -> tuple[Floats, Floats, Floats, Floats]:
+    def _along(self, length_m: float) -> tuple[Real, Real, Real, Real]:
         half = _SPAN * HALF_WIDTH * length_m
         low, high = max(self.x_m - half, 0.0), min(self.x_m + half, length_m)
         at, weights = gauss_legendre(_NODES)
@@ -105,7 +102,7 @@ class CrackElement:
         slopes = orders * (s - self.x_m) ** np.maximum(orders - 1, 0)
         return s, weights * (high - low) / 2, powers, slopes
 
-    def _excess(self, s: Floats, length_m: float) -> Floats:
+    def _excess(self, s: Real, length_m: float) -> Real:
         """c(s): what the crack adds to 1 / EI."""
         gauss = self.share * np.exp(-(((s - self.x_m) / (HALF_WIDTH * length_m)) ** 2))
         return (1 / (1 - gauss) - 1) / self.bending_stiffness_n_m2
@@ -120,16 +117,16 @@ class Drag:
     MODES = 6
     POINTS = 16
 
-    def seen(self, modes: Modes) -> Floats:
+    def seen(self, modes: Modes) -> Real:
         """Shapes of the modes it works on at the points where it is taken, (points, MODES)."""
         return modes.shapes(self._points(modes)[0], self.MODES)
 
-    def put(self, modes: Modes) -> Floats:
+    def put(self, modes: Modes) -> Real:
         """Force on each mode per |v| v at each point, (MODES, points)."""
         x, weights = self._points(modes)
         return self.c2_per_m * weights * modes.shapes(x, self.MODES).T
 
-    def _points(self, modes: Modes) -> tuple[Floats, Floats]:
+    def _points(self, modes: Modes) -> tuple[Real, Real]:
         at, weights = gauss_legendre(self.POINTS)
         return modes.length_m * (at + 1) / 2, weights * modes.length_m / 2
 
@@ -144,8 +141,8 @@ class Channel:
         point: (place, order) of a load at a point, else None.
     """
 
-    psi: Floats | Complex
-    row: Floats
+    psi: Real | Complex128
+    row: Real
     point: tuple[float, int] | None = None
 
 

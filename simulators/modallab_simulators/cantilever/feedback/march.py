@@ -13,9 +13,9 @@ from math import copysign
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab_simulators.cantilever.feedback.compiled import compiled
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 CUBIC, FRICTION, PLAY, CRACK = 0, 1, 2, 3
@@ -38,7 +38,7 @@ def _cubic(free: float, b: float, k3: float) -> float:
 
 
 @compiled
-def _friction(free: float, b: float, k: float, m: float, memory: Floats, e: int) -> float:
+def _friction(free: float, b: float, k: float, m: float, memory: Real, e: int) -> float:
     """What a slider of stiffness k and limit m leaves of k u; `memory` holds its last displacement and moment."""
     g = k * memory[e, 0] - memory[e, 1]
     u = free + b * g
@@ -59,7 +59,7 @@ def _play(free: float, b: float, k: float, gap: float) -> float:
 
 
 @compiled
-def _crack(own: Floats, crack: Floats, e: int, first: int, last: int, g: Floats) -> None:
+def _crack(own: Real, crack: Real, e: int, first: int, last: int, g: Real) -> None:
     """The bend that opens with a positive moment: what its compliance makes of the moment, or nothing."""
     moment = 0.0
     for i in range(first, last):
@@ -73,15 +73,15 @@ def _crack(own: Floats, crack: Floats, e: int, first: int, last: int, g: Floats)
 
 @compiled
 def _solve(
-    free: Floats,
-    own: Floats,
-    b: Floats,
-    g: Floats,
+    free: Real,
+    own: Real,
+    b: Real,
+    g: Real,
     kinds: Integers,
     firsts: Integers,
-    numbers: Floats,
-    memory: Floats,
-    crack: Floats,
+    numbers: Real,
+    memory: Real,
+    crack: Real,
 ) -> None:
     """All elements' forces at the substep's end, one after the other until none changes."""
     for _ in range(_PASSES):
@@ -106,7 +106,7 @@ def _solve(
 
 
 @compiled
-def _others(own: Floats, free: Floats, b: Floats, g: Floats, first: int, last: int) -> None:
+def _others(own: Real, free: Real, b: Real, g: Real, first: int, last: int) -> None:
     """What an element's motions would be with the other elements' forces, but without its own."""
     for i in range(first, last):
         own[i] = free[i]
@@ -116,7 +116,7 @@ def _others(own: Floats, free: Floats, b: Floats, g: Floats, first: int, last: i
 
 
 @compiled
-def _seen(row: int, seen: Floats, z: Floats) -> float:
+def _seen(row: int, seen: Real, z: Real) -> float:
     """Real part of a row of weights times z, or times as much of it as there are weights."""
     total = 0.0
     for r in range(seen.shape[2]):
@@ -125,7 +125,7 @@ def _seen(row: int, seen: Floats, z: Floats) -> float:
 
 
 @compiled
-def _add(z: Floats, weights: Floats, g: Floats) -> None:
+def _add(z: Real, weights: Real, g: Real) -> None:
     """What the fed-back forces put into each mode."""
     for c in range(len(g)):
         force = g[c]
@@ -136,7 +136,7 @@ def _add(z: Floats, weights: Floats, g: Floats) -> None:
 
 
 @compiled
-def _turn(z: Floats, decay: Floats) -> None:
+def _turn(z: Real, decay: Real) -> None:
     """One substep of free motion."""
     for r in range(z.shape[1]):
         real = decay[0, r] * z[0, r] - decay[1, r] * z[1, r]
@@ -145,7 +145,7 @@ def _turn(z: Floats, decay: Floats) -> None:
 
 
 @compiled
-def _drive(z: Floats, taps: Floats, s: int, forces: Floats, k: int, into: Floats, held: Floats) -> None:
+def _drive(z: Real, taps: Real, s: int, forces: Real, k: int, into: Real, held: Real) -> None:
     """What the known forces, by their samples about a substep, put into each mode."""
     modes = z.shape[1]
     for d in range(len(forces)):
@@ -168,7 +168,7 @@ def _drive(z: Floats, taps: Floats, s: int, forces: Floats, k: int, into: Floats
 
 
 @compiled
-def _drag(z: Floats, seen: Floats, put: Floats, local: int, g: Floats) -> None:
+def _drag(z: Real, seen: Real, put: Real, local: int, g: Real) -> None:
     """The forces g = -put |v| v on some modes, from the speeds v of some points."""
     for c in range(local, len(g)):
         g[c] = 0.0
@@ -181,26 +181,26 @@ def _drag(z: Floats, seen: Floats, put: Floats, local: int, g: Floats) -> None:
 
 @compiled
 def march(
-    z: Floats,
-    g: Floats,
-    memory: Floats,
-    forces: Floats,
-    into: Floats,
-    decay: Floats,
-    taps: Floats,
-    begin: Floats,
-    end: Floats,
-    seen: Floats,
-    b: Floats,
-    direct: Floats,
+    z: Real,
+    g: Real,
+    memory: Real,
+    forces: Real,
+    into: Real,
+    decay: Real,
+    taps: Real,
+    begin: Real,
+    end: Real,
+    seen: Real,
+    b: Real,
+    direct: Real,
     kinds: Integers,
     firsts: Integers,
-    numbers: Floats,
-    crack: Floats,
-    drag_seen: Floats,
-    drag_put: Floats,
+    numbers: Real,
+    crack: Real,
+    drag_seen: Real,
+    drag_put: Real,
     reach: int,
-    out: Floats,
+    out: Real,
 ) -> None:
     """Step z, g and the elements' memory through as many internal samples as `out` has columns.
 

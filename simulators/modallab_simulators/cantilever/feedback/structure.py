@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab_simulators.cantilever.attached import KEPT
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.feedback.elements import (
@@ -21,9 +21,6 @@ from modallab_simulators.cantilever.feedback.march import CRACK, CUBIC, FRICTION
 from modallab_simulators.cantilever.hold import REACH, step_taps
 from modallab_simulators.cantilever.loads import BLOCK, Drive, Spread
 from modallab_simulators.cantilever.structure import Structure
-
-Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 SUBSTEPS = 2
 """Per internal sample: a force that runs straight over a sixteenth of a millisecond is right to 5e-4 at 200 Hz."""
@@ -44,11 +41,11 @@ class FedState:
         past: forces over the samples before, (channels, samples).
     """
 
-    linear: Complex
-    z: Complex
-    g: Floats
-    memory: Floats
-    past: Floats
+    linear: Complex128
+    z: Complex128
+    g: Real
+    memory: Real
+    past: Real
 
     def any(self) -> bool:
         """Whether anything moves or is held in tension."""
@@ -69,7 +66,7 @@ class FedStructure:
         self._drag = drag
         self._set_marching()
         self._loads = [*map(self._load, self._local), *self._drag_loads()]
-        self._intos: dict[tuple[float, str], tuple[Complex, Floats]] = {}
+        self._intos: dict[tuple[float, str], tuple[Complex128, Real]] = {}
 
     @property
     def oversample(self) -> int:
@@ -100,7 +97,7 @@ class FedStructure:
         linear = self._linear.taken_over(other._linear, state.linear)
         return replace(state, linear=linear, z=self._linear.taken_over(other._linear, state.z))
 
-    def advance(self, state: FedState, drives: Sequence[Drive]) -> tuple[Floats, FedState]:
+    def advance(self, state: FedState, drives: Sequence[Drive]) -> tuple[Real, FedState]:
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
         loads, after = self._fed(state, drives)
         seen, linear = self._linear.advance(state.linear, loads)
@@ -124,7 +121,7 @@ class FedStructure:
         loads += [replace(load, force_n=force) for load, force in zip(self._loads, forces, strict=True)]
         return loads, replace(new, past=forces[:, step:])
 
-    def _marched(self, state: FedState, drives: Sequence[Drive], count: int) -> tuple[FedState, Floats]:
+    def _marched(self, state: FedState, drives: Sequence[Drive], count: int) -> tuple[FedState, Real]:
         begin = state.past.shape[1] - 1 - REACH
         forces = np.zeros((len(drives), count + 2 * REACH + 1))
         into, direct = np.zeros((len(drives), len(state.z)), complex), np.zeros((len(self._local), len(drives)))
@@ -136,7 +133,7 @@ class FedStructure:
         march(parts, g, memory, forces, _parts(into), *self._fixed[:6], direct, *self._fixed[6:], REACH, fed)
         return replace(state, z=parts[0] + 1j * parts[1], g=g, memory=memory), fed
 
-    def _known(self, drive: Drive) -> tuple[Complex, Floats]:
+    def _known(self, drive: Drive) -> tuple[Complex128, Real]:
         """What a known load puts into each mode, and at once into each local motion."""
         key = (drive.x_m, drive.load)
         if key not in self._intos:
@@ -181,7 +178,7 @@ class FedStructure:
             drag_put,
         )
 
-    def _static_among(self) -> Floats:
+    def _static_among(self) -> Real:
         """What channels do to each other at once, beyond the modes; a forced curvature carries no moment itself."""
         among = np.zeros((len(self._local), len(self._local)))
         for i, one in enumerate(self._local):
@@ -194,7 +191,7 @@ class FedStructure:
                 among[np.ix_(own, own)] = -kept
         return among
 
-    def _cracks(self, b: Floats) -> Floats:
+    def _cracks(self, b: Real) -> Real:
         crack, first = np.zeros((len(self._elements), FITTED + 1, FITTED)), 0
         for row, (element, group) in enumerate(zip(self._elements, self._groups, strict=True)):
             last = first + len(group)
@@ -205,7 +202,7 @@ class FedStructure:
             first = last
         return crack
 
-    def _drag_rows(self) -> tuple[Complex, Complex, Floats]:
+    def _drag_rows(self) -> tuple[Complex128, Complex128, Real]:
         basis, n = self._basis, len(self._basis.poles)
         if self._drag is None:
             return np.zeros((0, n), complex), np.zeros((0, n), complex), np.zeros((0, 0))
@@ -230,7 +227,7 @@ class FedStructure:
         return [Drive(0.0, np.zeros(0), 0.0, "spread", False, Spread(psi, still)) for psi in rows]
 
 
-def _parts(numbers: Complex) -> Floats:
+def _parts(numbers: Complex128) -> Real:
     """Real and imaginary parts as rows before the last axis."""
     return np.ascontiguousarray(np.stack([numbers.real, numbers.imag], axis=-2))
 
@@ -239,7 +236,7 @@ def _kept(basis: Basis, one: Channel, other: Channel) -> float:
     return float((one.psi * other.psi / (-basis.poles * basis.scale)).imag.sum())
 
 
-def _straight(poles: Complex, step_s: float) -> tuple[Complex, Complex]:
+def _straight(poles: Complex128, step_s: float) -> tuple[Complex128, Complex128]:
     """What a force that runs straight over a step puts into z, by its value at the beginning and at the end."""
     x = poles * step_s
     end = step_s * (np.exp(x) - 1 - x) / x**2

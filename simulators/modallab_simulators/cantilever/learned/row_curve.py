@@ -5,17 +5,15 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
 from modallab_simulators.cantilever.effect_part import EffectPart
 
-Floats = NDArray[np.float64]
 
-
-def _distorted(law: Mapping[str, float], volts: Floats) -> Floats:
+def _distorted(law: Mapping[str, float], volts: Real) -> Real:
     if "tanh_v" in law:
         return law["tanh_v"] * np.tanh(volts / law["tanh_v"])
     if "knee_v" in law:

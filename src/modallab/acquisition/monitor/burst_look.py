@@ -9,9 +9,8 @@ from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_o
 from modallab.acquisition.monitor.sensor_places import ExchangedChannels
 from modallab.acquisition.monitor.tone_prediction import Foreseen, foresee, tone_basis
 from modallab.bench.protocol import Burst
+from modallab.core.arrays import Real
 from modallab.storage.samples import Samples
-
-Real = NDArray[np.float64]
 
 HOP_S = 0.02
 """Between two looks, on a grid from the burst's start: what is found does not depend on how it was read."""

@@ -7,9 +7,8 @@ Models, 1996, section 5.1).
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 
 class ChannelPrediction:

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.rest_noise import RestNoise
+from modallab.core.arrays import Real
 from modallab.storage.samples import Samples
-
-Real = NDArray[np.float64]
 
 LONG_RUN = 5
 STEEP_STEPS, STEEP_NOISE = 20.0, 40.0

@@ -6,9 +6,8 @@ nothing follows.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Complex = NDArray[np.complex128]
+from modallab.core.arrays import Complex128
 
 MOST = 24
 """Shapes that are remembered, the latest."""
@@ -24,17 +23,17 @@ class KnownShapes:
     """Remembers the responses to the bursts that have settled."""
 
     def __init__(self) -> None:
-        self._shapes: list[Complex] = []
+        self._shapes: list[Complex128] = []
         self._sizes: list[float] = []
 
-    def keep(self, tone: Complex) -> None:
+    def keep(self, tone: Complex128) -> None:
         """Remember the (responses,) complex amplitudes of a burst, over their noise."""
         size = float(np.linalg.norm(tone))
         if size > 0:
             self._shapes = [*self._shapes, tone / size][-MOST:]
             self._sizes = [*self._sizes, size][-MOST:]
 
-    def must_read(self, channel: int, tone: Complex) -> float:
+    def must_read(self, channel: int, tone: Complex128) -> float:
         """The least that one of (responses,) must read, over its noise, by the others; 0 where nothing is known."""
         if not self._shapes or tone.size < 2:
             return 0.0

@@ -12,16 +12,14 @@ from math import pi, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import cont2discrete, lfilter
 
 from modallab.bench.protocol import Burst, Chunk
+from modallab.core.arrays import Real
 from modallab.core.errors import SafetyError
 from modallab.core.rig import Channel, Limits, Rig
 from modallab.core.units import DERIVATIVE, SI_UNIT, Quantity
 from modallab.signals.conversion import Conversion
-
-Real = NDArray[np.float64]
 
 CORNER_HZ = 1.0
 CORNER_PART = 0.2

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from modallab.acquisition.monitor.burst_look import HOP_S, WEAK_LATER_S, BurstLook, has_drive
 from modallab.acquisition.monitor.expected_force import SEEN, ExpectedForce
 from modallab.acquisition.monitor.tone_prediction import at_noise, dead, foresee, parts
-
-Real = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 FEW = 3
 """Fewer looks than these are taken one by one as quickly."""

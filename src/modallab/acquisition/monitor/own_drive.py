@@ -3,12 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.bench.protocol import Waveform
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from modallab.core.arrays import Complex128, Real
 
 TOGETHER = 9
 """Lines over which a force and its drive are one factor: whatever a converter delays turns them by little."""
@@ -40,7 +37,7 @@ def follows(forces: Real, waves: Sequence[Waveform], first_s: float, rate_hz: fl
     return [int(other) if sure else n for n, (other, sure) in enumerate(zip(most, clear, strict=True))]
 
 
-def _coherence(forces: Complex, drives: Complex) -> Real:
+def _coherence(forces: Complex128, drives: Complex128) -> Real:
     """(forces, drives) mean over the lines of what each drive explains of each force in TOGETHER lines."""
     count = forces.shape[1] // TOGETHER
     f, d = (rows[:, : count * TOGETHER].reshape(len(rows), count, TOGETHER) for rows in (forces, drives))

@@ -26,9 +26,8 @@ from modallab.acquisition.monitor.tone_prediction import (
     tone_is_lost,
 )
 from modallab.bench.protocol import Burst, Chunk
+from modallab.core.arrays import Real
 from modallab.storage.samples import Samples
-
-Real = NDArray[np.float64]
 
 GONE_LOOKS = 3
 """A tone is gone after so many looks in a row."""

@@ -6,9 +6,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.storage.samples import Samples
-
-Real = NDArray[np.float64]
 
 RARE = 1e-15
 """Probability, for noise that goes from sample to sample by itself, of a repetition that counts as frozen."""

@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 BETTER = 16.0
 """An exchange must explain the window so many times better: amplitudes four times."""

@@ -13,6 +13,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.signals.transform import spectrum
 
 LEVEL_FACTOR = 1.5
@@ -40,7 +41,6 @@ below it is its skirt, and no motion of its own, but may be large where the hit 
 USED_BAND = 0.4
 """Lines up to this fraction of the rate; above it the anti-alias filter falls."""
 
-Real = NDArray[np.float64]
 Single = NDArray[np.float32]
 Window = NDArray[Any]
 """(channels, n) as delivered."""

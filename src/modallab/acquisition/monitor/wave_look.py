@@ -12,9 +12,8 @@ from modallab.acquisition.monitor.flat_tops import flat_tops
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise
 from modallab.acquisition.monitor.tone_prediction import about_line_rms
 from modallab.bench.protocol import Chunk, Waveform
+from modallab.core.arrays import Real
 from modallab.storage.samples import Samples
-
-Real = NDArray[np.float64]
 
 HOP_S = 0.02
 WINDOW_HOPS = 4

@@ -20,11 +20,11 @@ from modallab.acquisition.procedures.broadband_wave import (
 from modallab.acquisition.procedures.driven_forces import DrivenForces
 from modallab.bench.abilities import WavePlaying, WavesPlaying
 from modallab.bench.protocol import Bench, Waveform
+from modallab.core.arrays import Real
 from modallab.core.block import also_driven_fact
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Limits
-from modallab.signals.conversion import Real
 from modallab.storage import BlockNote
 
 

@@ -9,12 +9,10 @@ from dataclasses import dataclass
 from math import ceil, floor, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.bench.protocol import Waveform
+from modallab.core.arrays import Real
 from modallab.core.plan import BroadbandPlan
-
-Real = NDArray[np.float64]
 
 OVERSAMPLED = 10.0
 LEAST_RATE_HZ = 5000.0

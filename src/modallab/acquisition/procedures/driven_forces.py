@@ -7,8 +7,9 @@ import numpy as np
 
 from modallab.acquisition.monitor.own_drive import follows
 from modallab.bench.protocol import Waveform
+from modallab.core.arrays import Real
 from modallab.core.errors import SafetyError
-from modallab.signals.conversion import Conversion, Real
+from modallab.signals.conversion import Conversion
 from modallab.storage.samples import Samples
 
 SEEN = 3.0

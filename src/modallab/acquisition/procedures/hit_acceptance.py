@@ -15,6 +15,7 @@ from modallab.acquisition.monitor.settled import (
     own_motion,
     ringing_lines,
 )
+from modallab.core.arrays import Real
 from modallab.core.plan import HitAcceptance
 
 MERGE_S = 0.002
@@ -25,8 +26,6 @@ cancels and a contact does not."""
 
 CONTACT_LEVEL = 0.05
 """The hammer touches the beam while the force is above this part of its peak."""
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from math import log
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.context import Context
 from modallab.acquisition.monitor.settled import (
@@ -22,6 +21,7 @@ from modallab.acquisition.monitor.settled import (
 )
 from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.protocol import Chunk
+from modallab.core.arrays import Real
 from modallab.core.events import HitTooEarly
 from modallab.core.plan import ImpactPlan
 from modallab.signals.transform import spectrum
@@ -41,8 +41,6 @@ KEPT = 8
 
 APART_S = 0.5
 """Contacts closer than this are one hit that came early."""
-
-Real = NDArray[np.float64]
 
 
 @dataclass(slots=True)

@@ -12,10 +12,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.plan import KnownMode
 from modallab.signals.tone_fit import fit_at, own_frequency
 
-Real = NDArray[np.float64]
 Settled = Literal["yes", "no", "unknown"]
 
 

@@ -5,16 +5,14 @@ from functools import partial
 from typing import Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from modallab.blind.measured.put import Put
+from modallab.core.arrays import Real
 from modallab.core.frozen import Frozen
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.freedoms import freedoms_of
-
-Real = NDArray[np.float64]
 
 ON_STRUCTURE = ("added_mass", "ground_spring", "local_damper", "stiffness_loss")
 HANGING = (0.005, 0.2)

@@ -5,13 +5,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from modallab.blind.measured.draw import MeasuredRequest, draw_effects, places_of
 from modallab.blind.measured.put import Put, with_effect
 from modallab.blind.measured.score import MeasuredOutcome, Truth, figures, judge_trial
 from modallab.blind.seal import open_truth, publish, seal
+from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import ModalDiagnosis
@@ -104,9 +104,6 @@ def _keep(folder: Path, name: str, found: ModalDiagnosis | None) -> None:
 
 def _answer(folder: Path, name: str) -> ModalDiagnosis | None:
     return _STORED.validate_json((folder / ANSWERS / f"{name}.json").read_bytes())
-
-
-Real = NDArray[np.float64]
 
 
 def with_noise(frf: Frf, variance: Real, rng: np.random.Generator) -> Frf:

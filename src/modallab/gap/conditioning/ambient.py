@@ -8,11 +8,10 @@ known poles, and their shapes the first left singular vector over the hits (Golu
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.hum import NO_DECAYS
@@ -20,9 +19,6 @@ from modallab.gap.conditioning.reduce import on_line, wide_hit
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import volts_per_si
 from modallab.signals.signals import to_signals
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 FLOOR_TOP_HZ = 60.0
 """A floor's shaking is looked for below this."""
@@ -66,12 +62,12 @@ class Floor:
 
     rms_acc: float
     z: float
-    spectrum: Array
-    density: Array
+    spectrum: Real
+    density: Real
     block_s: float
 
 
-def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
+def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> float:
     """Rms of the accelerometers before the hits, over their noise; 1 is noise alone."""
     ratios: list[float] = []
     for b in blocks:
@@ -82,12 +78,12 @@ def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
     return float(np.median(ratios)) if ratios else 1.0
 
 
-def moves_before_hits(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> bool:
+def moves_before_hits(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> bool:
     """Whether the accelerometers read more than their noise before the hits."""
     return before_hit([b for b in blocks if b.test == "impact"], rig, noise_v) >= MOVES
 
 
-def find_floor(blocks: Sequence[Block], rig: Rig, noise_v: Array, poles: Complex, ratio: float = 1.0) -> Floor | None:
+def find_floor(blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Complex, ratio: float = 1.0) -> Floor | None:
     """Base motion that stands in most sine blocks beside the drive and the decays; None if there is none."""
     sines = [b for b in blocks if b.test == "sine"]
     if len(sines) < 4:
@@ -113,7 +109,7 @@ def find_floor(blocks: Sequence[Block], rig: Rig, noise_v: Array, poles: Complex
     return Floor(base, float(np.sqrt(z)), spectrum, density, n / rate)
 
 
-def _above_noise(powers: Sequence[Array]) -> Array:
+def _above_noise(powers: Sequence[Real]) -> Real:
     """(channels, lines) mean over the blocks less the noise, by the median, which a drive's own transient moves little.
 
     Of a few blocks it is smoothed over five lines, which widens the resonances; many say each line by itself.
@@ -128,11 +124,11 @@ def _above_noise(powers: Sequence[Array]) -> Array:
 def _beside_drive(
     block: Block,
     rig: Rig,
-    noise_v: Array,
+    noise_v: Real,
     poles: Complex,
     ratio: float,
-    window: Callable[[int], Array] = np.ones,
-) -> Array:
+    window: Callable[[int], Real] = np.ones,
+) -> Real:
     """(channels, lines) |residual|^2 over the noise after the drive and the decays are taken out; NaN at harmonics."""
     a = to_signals(block, rig).responses
     n, dt = block.n_samples, 1 / block.rate_hz
@@ -152,7 +148,7 @@ def _beside_drive(
     return power
 
 
-def find_ringing(blocks: Sequence[Block], rig: Rig, noise_v: Array, poles: Complex) -> Ringing | None:
+def find_ringing(blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Complex) -> Ringing | None:
     """Decays before the hits; None if the beam is at rest, or if what stands there is no decay."""
     hits = [b for b in blocks if b.test == "impact"]
     z = before_hit(hits, rig, noise_v)
@@ -199,7 +195,7 @@ def _shapes(hits: Sequence[Block], rig: Rig, poles: Complex) -> Complex:
     return shapes
 
 
-def _decays(a: Array, poles: Complex, rate_hz: float) -> Complex:
+def _decays(a: Real, poles: Complex, rate_hz: float) -> Complex:
     """(channels, modes) complex amplitudes at the start of a stretch of free decay."""
     t = np.arange(a.shape[1]) / rate_hz
     # Modes without a pole here are as large at first: under a window they do not leak into the others.
@@ -210,7 +206,7 @@ def _decays(a: Array, poles: Complex, rate_hz: float) -> Complex:
     return (found[: len(poles)] + 1j * found[len(poles) :]).T
 
 
-def _state(block: Block, rig: Rig, noise_v: Array, poles: Complex, shapes: Complex) -> tuple[Complex, float, float]:
+def _state(block: Block, rig: Rig, noise_v: Real, poles: Complex, shapes: Complex) -> tuple[Complex, float, float]:
     signals = to_signals(block, rig)
     a, hit = signals.responses, wide_hit(signals)
     before, stop = max(24, hit.first), max(24, hit.first) + hit.stop - hit.first
@@ -230,5 +226,5 @@ def _state(block: Block, rig: Rig, noise_v: Array, poles: Complex, shapes: Compl
     return shapes * amplitude, left, float(shares[0])
 
 
-def _sigma(block: Block, rig: Rig, noise_v: Array) -> Array:
+def _sigma(block: Block, rig: Rig, noise_v: Real) -> Real:
     return (noise_v / np.abs(volts_per_si(rig, block.test)))[[c.index for c in rig.responses]]

@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from math import gcd
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block
-
-Array = NDArray[np.float64]
 
 SHARE = 0.02
 """Smallest share of a record's samples that counts as a flat top."""
@@ -40,7 +38,7 @@ class Clipped:
     records: tuple[str, ...]
 
 
-def find_clipped(blocks: Sequence[Block], noise_v: Array, full_scale_v: Array, force: int) -> list[Clipped]:
+def find_clipped(blocks: Sequence[Block], noise_v: Real, full_scale_v: Real, force: int) -> list[Clipped]:
     """Channels but the force's with flat tops below their (rows,) full scale in V."""
     found: list[Clipped] = []
     for row in (r for r in range(len(noise_v)) if r != force):

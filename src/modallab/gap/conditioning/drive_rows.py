@@ -5,11 +5,12 @@ that of its own noise is taken off.
 """
 
 from collections.abc import Sequence
-from typing import Any, TypeVar, cast
+from typing import TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
@@ -19,10 +20,8 @@ from modallab.gap.conditioning.weights import Weights
 from modallab.signals.signals import to_signals
 from modallab.twin.response import Averages
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 Lines = NDArray[np.int64]
-V = TypeVar("V", Array, Complex)
+V = TypeVar("V", Real, Complex)
 
 BANDWIDTH = 0.003
 """Of the bands over which FRFs of a drive are averaged, over their frequency: half a light mode's half-power width."""
@@ -54,7 +53,7 @@ def reduce_drive(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactD
     fine, starts = _driven_bands(np.where(np.isfinite(doubt), np.abs(force) ** 2, 0).sum(axis=0), own)
     if not len(fine):
         raise DataError(f"the force of {first.name} does not stand out of its noise", remedy="drive at a higher level")
-    power: Array = np.abs(force[:, fine]) ** 2
+    power: Real = np.abs(force[:, fine]) ** 2
     counts, whole = np.diff(starts, append=len(fine)), _banded(power, starts)
     # What the force's own noise adds to its power drives nothing.
     clean = whole - counts * own
@@ -74,7 +73,7 @@ def _banded(values: V, starts: Lines) -> V:
     return cast(V, np.add.reduceat(values.sum(axis=0), starts, axis=-1))
 
 
-def _spectra(records: Sequence[Array]) -> Complex:
+def _spectra(records: Sequence[Real]) -> Complex:
     """(records, rows, lines) of records (rows, n)."""
     rows = np.array(records)
     return np.fft.rfft(rows - rows.mean(axis=2, keepdims=True), axis=2)
@@ -92,7 +91,7 @@ def _piece(blocks: Sequence[Block], rig: Rig) -> Piece:
     )
 
 
-def _driven_bands(power: Array, noise: float) -> tuple[Lines, Lines]:
+def _driven_bands(power: Real, noise: float) -> tuple[Lines, Lines]:
     """The lines that a force of power (lines,) drives clear of its noise, and where among them each band begins."""
     clear = power[power > CLEAR * noise]
     fine = np.flatnonzero(power > max(CLEAR * noise, DRIVEN * float(np.median(clear)) if clear.size else np.inf))

@@ -9,11 +9,12 @@ Source: Pintelon and Schoukens, "System Identification: A Frequency Domain Appro
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
@@ -25,9 +26,6 @@ from modallab.identification.frf_model import identify_frf
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.options import Options
 from modallab.signals.signals import Signals, to_signals
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 LOOKS = 5
 """Steps that bring poles of FRFs to those of the records, each of which squares the error."""
@@ -50,7 +48,7 @@ class Settled:
 
     blocks: tuple[Block, ...]
     poles: Complex
-    doubt: dict[str, Array]
+    doubt: dict[str, Real]
 
 
 def settled(blocks: Sequence[Block], rig: Rig) -> Settled:
@@ -62,7 +60,7 @@ def settled(blocks: Sequence[Block], rig: Rig) -> Settled:
     """
     kept = [b for b in blocks if b.test not in BROADBAND]
     found: list[Complex] = [np.zeros(0, np.complex128)]
-    doubt: dict[str, Array] = {}
+    doubt: dict[str, Real] = {}
     for _, drive in groupby(sorted((b for b in blocks if b.test in BROADBAND), key=_drive), key=_drive):
         signals = [to_signals(b, rig) for b in drive]
         band = driven_band(signals)
@@ -142,7 +140,7 @@ class _Record:
         rows = [c.index for c in rig.responses]
         return cls(block, rows, lines, spectra[rig.force_channel.index], spectra[rows])
 
-    def settled(self, poles: Complex) -> tuple[Block, Array]:
+    def settled(self, poles: Complex) -> tuple[Block, Real]:
         """The record less the decays of these poles, and the doubt (lines,) that it leaves, see `Settled`."""
         poles = np.append(poles, self._above)
         decays = self._decays(poles)
@@ -164,7 +162,7 @@ class _Record:
         residues, slopes = (sizes[k : k + n] + 1j * sizes[k + n : k + 2 * n] for k in (0, 2 * n))
         return residues.T, slopes.T
 
-    def _sizes(self, answers: Sequence[Complex], decays: Array) -> tuple[Array, Array]:
+    def _sizes(self, answers: Sequence[Complex], decays: Real) -> tuple[Real, Real]:
         """(columns, outputs) by least squares: of the answers (k,) to the force, then of decays (decays, samples).
 
         With their covariance, (columns, columns), where each part of a line has the variance 1.
@@ -178,7 +176,7 @@ class _Record:
         seen = np.concatenate([self.responses.real, self.responses.imag], axis=1).T
         return inverse @ (q.T @ seen), inverse @ inverse.T
 
-    def _decays(self, poles: Complex) -> Array:
+    def _decays(self, poles: Complex) -> Real:
         wave = np.exp(np.outer(poles, np.arange(self.block.n_samples) / self.block.rate_hz))
         return np.concatenate([wave.real, wave.imag])
 

@@ -6,16 +6,13 @@ drive stands beside it (Harris, Proc. IEEE 66, 1978, 51).
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 MAINS_HZ = (50.0, 60.0)
 NO_DECAYS: Complex = np.zeros(0, dtype=np.complex128)
@@ -52,14 +49,14 @@ class Hum:
 
     hz: float
     seen_hz: float
-    volts: Array
+    volts: Real
     z: float
     force: int
     ratio: float
-    weight: Array
+    weight: Real
 
 
-def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
+def find_hum(blocks: Sequence[Block], noise_v: Real, force: int) -> Hum | None:
     """Hum that stands in most records on most rows, clear of noise; None if there is none.
 
     It comes with the wiring and is on the row of the force too, where a floor that shakes at the mains' frequency, as
@@ -123,7 +120,7 @@ def without_hum(block: Block, hum: Hum, decays: Complex | None = None) -> Block:
     return replace(block, samples=cleaned / block.scale[:, None])
 
 
-def _tuned(records: Sequence["_Record"], hz: float, noise_v: Array) -> float:
+def _tuned(records: Sequence["_Record"], hz: float, noise_v: Real) -> float:
     """Where the mains stands in the records: at its own frequency, unless another one nearby holds plainly more.
 
     Each row counts by its noise: a channel a thousand times as noisy as the others would decide it by chance.
@@ -162,12 +159,12 @@ class _Record:
         held: (fixed, rows) products of these with the volts.
     """
 
-    t: Array
-    window: Array
-    volts: Array
-    beside: Array
-    mixed: Array
-    held: Array
+    t: Real
+    window: Real
+    volts: Real
+    beside: Real
+    mixed: Real
+    held: Real
 
     @classmethod
     def of(cls, block: Block, near_hz: float, force: int, ratio: float, decays: Complex = NO_DECAYS) -> Self:
@@ -204,7 +201,7 @@ def _amplitudes(block: Block, hz: float, force: int, ratio: float, decays: Compl
     return _Record.of(block, hz, force, ratio, decays).amplitudes(hz)
 
 
-def _line(hz: float, t: Array, rate_hz: float) -> float:
+def _line(hz: float, t: Real, rate_hz: float) -> float:
     return round(hz * len(t) / rate_hz) * rate_hz / len(t)
 
 
@@ -237,7 +234,7 @@ def _samples_with_hum(block: Block, force: int) -> int:
     return before if block.test == "impact" and before > 60 else block.n_samples
 
 
-def weak_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> tuple[float, Array]:
+def weak_hum(blocks: Sequence[Block], noise_v: Real, force: int) -> tuple[float, Real]:
     """Frequency and (rows,) V amplitude of hum too weak to be taken out, its noise subtracted; amplitudes 0 if none."""
     best, strongest = (MAINS_HZ[0], np.zeros(len(noise_v))), WEAK
     for hz in MAINS_HZ:

@@ -3,11 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block
-
-Array = NDArray[np.float64]
 
 REPEATS = 0.025
 """Share of samples equal to the one before that no lively signal has."""
@@ -21,7 +19,7 @@ RECORDS = 3
 """Lively records that must show it."""
 
 
-def losing(blocks: Sequence[Block], noise_v: Array, force: int) -> tuple[int, ...]:
+def losing(blocks: Sequence[Block], noise_v: Real, force: int) -> tuple[int, ...]:
     """Rows that lose samples, as most of their lively records show.
 
     Args:
@@ -35,7 +33,7 @@ def losing(blocks: Sequence[Block], noise_v: Array, force: int) -> tuple[int, ..
     return tuple(int(i) for i in np.flatnonzero(lost & (repeats.count(axis=0) >= RECORDS)) if i != force)
 
 
-def _shares(block: Block, noise_v: Array) -> tuple[Array, Array]:
+def _shares(block: Block, noise_v: Real) -> tuple[Real, Real]:
     """(rows,) shares of one record's samples that repeat, and that are 0 beside others; NaN where little moves."""
     volts = block.samples * block.scale[:, None]
     far = np.maximum(LIVELY * noise_v, COUNTS * np.abs(block.scale))
@@ -46,5 +44,5 @@ def _shares(block: Block, noise_v: Array) -> tuple[Array, Array]:
     return np.where(lively, repeats, np.nan), np.where(lively, zeros, np.nan)
 
 
-def _typical(shares: "np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]") -> Array:
+def _typical(shares: "np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]") -> Real:
     return np.ma.median(shares, axis=0).filled(0.0)

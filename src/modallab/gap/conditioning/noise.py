@@ -8,15 +8,13 @@ step^2 / 12 (Bennett, Bell Syst. Tech. J. 27, 1948, 446).
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.frf.broadband import driven_band
 from modallab.signals.signals import to_signals
-
-Array = NDArray[np.float64]
 
 NOISE_BAND = (0.62, 0.94)
 """Share of the Nyquist frequency in which a bench answers little."""
@@ -33,7 +31,7 @@ RISES_HZ = 0.5
 """Corner, at the median row's noise, from which noise counts as rising: beyond chance in a few blocks of all rows."""
 
 
-def believed_noise(rig: Rig, blocks: Sequence[Block]) -> Array:
+def believed_noise(rig: Rig, blocks: Sequence[Block]) -> Real:
     """(rows,) V rms the rig file promises: the converter's noise, and its rounding."""
     counted = [b.scale for b in blocks if b.samples.dtype.kind in "iu"]
     known = rig.converter.volts_per_count if rig.converter is not None else 0.0
@@ -42,7 +40,7 @@ def believed_noise(rig: Rig, blocks: Sequence[Block]) -> Array:
     return np.maximum(np.hypot(own, steps / np.sqrt(12)), LEAST_V)
 
 
-def measured_noise(blocks: Sequence[Block], rig: Rig) -> Array:
+def measured_noise(blocks: Sequence[Block], rig: Rig) -> Real:
     """(rows,) V rms above 0.6 of the Nyquist frequency, scaled to the whole band; NaN where no record tells.
 
     The lower quartile over the records: what is in every record is noise, what is in some is a response.
@@ -65,7 +63,7 @@ def _driven_to(block: Block, rig: Rig) -> float:
     return driven_band([to_signals(block, rig)])[1] * 2 / block.rate_hz if block.test in BROADBAND else 0.0
 
 
-def _of_block(block: Block, force: int, driven_to: float = 0.0) -> Array | None:
+def _of_block(block: Block, force: int, driven_to: float = 0.0) -> Real | None:
     volts = block.samples * block.scale[:, None]
     if block.test == "impact":
         before = min(PRE_TRIGGER, int(np.argmax(np.abs(volts[force]))) - 30)
@@ -83,12 +81,12 @@ def _of_block(block: Block, force: int, driven_to: float = 0.0) -> Array | None:
     return np.sqrt(np.median(power, axis=1) / np.log(2) / np.sum(window**2))
 
 
-def noise_in_use(measured: Array, believed: Array) -> Array:
+def noise_in_use(measured: Real, believed: Real) -> Real:
     """(rows,) V rms to weigh with: what was measured where it is beyond doubt larger than believed."""
     return np.where(np.nan_to_num(measured) > 1.25 * believed, np.nan_to_num(measured), believed)
 
 
-def own_noise(blocks: Sequence[Block], believed: Array, force: int) -> Array:
+def own_noise(blocks: Sequence[Block], believed: Real, force: int) -> Real:
     """(rows,) V rms of each row as the sine blocks show it, above all drives; as believed where they are few.
 
     Half of all blocks lie below their median: other than a quartile it is not low by chance.
@@ -99,7 +97,7 @@ def own_noise(blocks: Sequence[Block], believed: Array, force: int) -> Array:
     return np.maximum(np.median(np.array(spreads), axis=0), LEAST_V)
 
 
-def rising_power(blocks: Sequence[Block], noise_v: Array, still: Sequence[int] = ()) -> float:
+def rising_power(blocks: Sequence[Block], noise_v: Real, still: Sequence[int] = ()) -> float:
     """Power at 1 Hz, in V^2 per sample, of noise that rises to low frequencies as 1 / f; 0 if none does.
 
     From what sine blocks far above leave there, where nothing of the drive is: all rows share their converter, so that
@@ -113,7 +111,7 @@ def rising_power(blocks: Sequence[Block], noise_v: Array, still: Sequence[int] =
     far = [b for b in blocks if b.test == "sine" and (b.frequency_hz or 0.0) > FAR_HZ]
     if len(far) < LEAST_BLOCKS:
         return 0.0
-    powers: list[Array] = []
+    powers: list[Real] = []
     for b in far:
         volts = b.samples * b.scale[:, None]
         window = np.hanning(b.n_samples)

@@ -6,17 +6,14 @@ A sine and its multiples are fitted together by least squares, so that the frequ
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.signals.signals import to_signals
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 ORDERS = (2, 3, 4, 5)
 CLEAR = 8.0
@@ -47,7 +44,7 @@ class Overtone:
     order: int
     hz: float
     y: Complex
-    beside: Array
+    beside: Real
     lines: NDArray[np.int64]
     spectrum: Complex
 
@@ -72,7 +69,7 @@ def overtones(blocks: Sequence[Block], rig: Rig, ratio: float = 1.0) -> list[Ove
     return found
 
 
-def of_record(name: str, responses: Array, rate_hz: float, frequency_hz: float) -> list[Overtone]:
+def of_record(name: str, responses: Real, rate_hz: float, frequency_hz: float) -> list[Overtone]:
     """The multiples of one sine in responses (channels, n)."""
     n = responses.shape[1]
     line = rate_hz / n

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.ambient import (
@@ -34,9 +34,6 @@ from modallab.gap.conditioning.reduce import sine_clock_of
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.conversion import Conversion
 from modallab.signals.full_scale import overloaded_channels
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 ONE_LEVEL = "Only one level: whether the bench answers in proportion cannot be examined."
 NOISY = 1.3
@@ -76,12 +73,12 @@ class Prepared:
 
     campaign: Campaign
     blocks: tuple[Block, ...]
-    believed_v: Array
-    noise_v: Array
-    measured_v: Array
+    believed_v: Real
+    noise_v: Real
+    measured_v: Real
     masked: frozenset[tuple[str, int]]
     hum: Hum | None
-    weak_hum: tuple[float, Array] | None
+    weak_hum: tuple[float, Real] | None
     rising_v2: float
     clipped: tuple[Clipped, ...]
     ringing: Ringing | None
@@ -154,7 +151,7 @@ def _cleaned_of_hum(
     campaign: Campaign,
     blocks: tuple[Block, ...],
     hum: Hum | None,
-    noise: Array,
+    noise: Real,
     masked: set[tuple[str, int]],
     noisy: Sequence[int],
 ) -> tuple[tuple[Block, ...], Complex]:
@@ -171,9 +168,9 @@ def _cleaned_of_hum(
 class Noises(NamedTuple):
     """(rows,) V rms of each row: by the rig file, as the records show it, and what is used."""
 
-    believed: Array
-    measured: Array
-    in_use: Array
+    believed: Real
+    measured: Real
+    in_use: Real
 
     @classmethod
     def of(cls, blocks: Sequence[Block], rig: Rig) -> Self:
@@ -189,12 +186,12 @@ def _overloaded(blocks: Sequence[Block], rig: Rig) -> set[tuple[str, int]]:
     return {(b.name, rows[name]) for b in blocks for name in overloaded_channels(b, rig)}
 
 
-def _full_scale_v(blocks: Sequence[Block], rig: Rig) -> Array:
+def _full_scale_v(blocks: Sequence[Block], rig: Rig) -> Real:
     first = blocks[0]
     return Conversion.of_block(first, rig).full_scale * np.abs(first.scale)
 
 
-def _standing_out(measured: Array, lines: int, least: float) -> tuple[int, ...]:
+def _standing_out(measured: Real, lines: int, least: float) -> tuple[int, ...]:
     """Rows whose noise stands above the others by more than chance, where so many lines show it."""
     middle = float(np.nanmedian(measured)) if np.any(np.isfinite(measured)) else np.inf
     limit = max(least, 1 + CHANCE / np.sqrt(max(lines, 1)))

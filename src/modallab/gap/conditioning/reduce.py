@@ -9,11 +9,11 @@ three- and four-parameter fits of IEEE Std 1057, the frequency common to all blo
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.drive_rows import drives, reduce_drive
@@ -22,10 +22,7 @@ from modallab.gap.conditioning.weights import Weights
 from modallab.signals.hit import Hit
 from modallab.signals.signals import Signals, to_signals
 from modallab.signals.tone_fit import clock_ratio, fit_at
-from modallab.twin.response import HISTORY_S, RAMP_S, Hits, Rise, Sines
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
+from modallab.twin.response import HISTORY_S, RAMP_S, Hits, Rise, Sines, pulse_spectra
 
 IMPACT_BAND = 0.2
 """Share of the rate up to which hits are used."""
@@ -57,12 +54,7 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
     lines = np.arange(1.0, int(IMPACT_BAND * n) + 1)
     signals = [to_signals(b, rig) for b in blocks]
     pulses, starts = hit_pulses(signals)
-    spectra: list[Complex] = []
-    for pulse, start in zip(pulses, starts, strict=True):
-        windowed = np.zeros(n)
-        windowed[start : start + len(pulse)] = pulse[: n - start]
-        spectra.append(np.fft.rfft(windowed)[1 : len(lines) + 1])
-    F = np.array(spectra)
+    F = pulse_spectra(pulses, starts, n)[:, 1 : len(lines) + 1]
     Y = np.array([np.fft.rfft(s.responses, axis=1)[:, 1 : len(lines) + 1] for s in signals])
     power = np.sum(np.abs(F) ** 2, axis=0)
     conj = F.conj() / power
@@ -91,7 +83,7 @@ def _apart(rig: Rig) -> bool:
     return bool(rig.tolerance.hit_position_m or rig.tolerance.hit_gain)
 
 
-def hit_pulses(signals: Sequence[Signals]) -> tuple[Array, NDArray[np.int64]]:
+def hit_pulses(signals: Sequence[Signals]) -> tuple[Real, NDArray[np.int64]]:
     """(hits, m) force in N about each hit without its offset, and (hits,) the sample at which each begins."""
     windows = [wide_hit(s) for s in signals]
     pulses = np.zeros((len(signals), max(w.stop - w.first for w in windows)))
@@ -166,7 +158,7 @@ def sine_clock(data: Reduced) -> float:
     return 1.0 if data.sines is None else _where_shown(data.sines.ratio, data.sines.ratio_sigma)
 
 
-def sine_clock_of(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
+def sine_clock_of(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> float:
     """The same from records as they came, of which only sines count, and (rows,) V of noise."""
     signals = [to_signals(b, rig) for b in blocks if b.test == "sine"]
     return _where_shown(*sine_ratio(signals, Weights(noise_v).force(rig, "sine"))) if signals else 1.0

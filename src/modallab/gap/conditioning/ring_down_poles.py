@@ -5,19 +5,15 @@ come from the shift of the observability matrix alone.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import wide_hit
 from modallab.identification.realization import block_hankel, state_poles
 from modallab.signals.signals import to_signals
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 ROWS = 24
 """Block rows of the Hankel matrix."""
@@ -51,7 +47,7 @@ def ring_down_poles(blocks: Sequence[Block], rig: Rig, keep: Sequence[int], top_
     return np.array(sorted(agreed, key=abs), dtype=np.complex128)
 
 
-def _decay(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[Array, float] | None:
+def _decay(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[Real, float] | None:
     """(channels, n) after the hit, and s between samples; None where next to nothing comes after it."""
     signals = to_signals(block, rig)
     motion, start = signals.responses, wide_hit(signals).stop
@@ -67,7 +63,7 @@ def _decay(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[
     return smooth[:, edge : length - edge : step], step / block.rate_hz
 
 
-def _poles_of(left: Array, outputs: int, dt: float, top_hz: float) -> Complex:
+def _poles_of(left: Real, outputs: int, dt: float, top_hz: float) -> Complex:
     shift = np.linalg.lstsq(left[:-outputs], left[outputs:], rcond=None)[0]
     poles = state_poles(shift, dt)
     zeta = -poles.real / np.abs(poles)

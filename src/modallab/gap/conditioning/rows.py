@@ -5,17 +5,13 @@ I + c d d^H for a unit vector d.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.twin.response import Averages, Hits, Sines
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -30,8 +26,8 @@ class Rows:
     """
 
     y: Complex
-    sigma: Array
-    common: Array
+    sigma: Real
+    common: Real
     direction: Complex
 
     def whiten(self, residual: Complex) -> Complex:
@@ -111,7 +107,7 @@ class Reduced:
     impacts: tuple[ImpactData, ...]
     sines: SineData | None
     channels: tuple[int, ...]
-    x_m: Array
+    x_m: Real
     last_order: float
 
     @property
@@ -122,7 +118,7 @@ class Reduced:
         return pieces[0].drive_x_m if pieces else None
 
 
-def rows_of(y: Complex, sigma: Array, force_noise: Array) -> Rows:
+def rows_of(y: Complex, sigma: Real, force_noise: Real) -> Rows:
     """Rows of (channels, rows) responses with their noise, and (rows,) noise of the force over the force."""
     whitened = y / sigma
     length = np.maximum(np.linalg.norm(whitened, axis=0), 1e-300)

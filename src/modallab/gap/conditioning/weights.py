@@ -4,13 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.signals.conversion import volts_per_si
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -28,16 +26,16 @@ class Weights:
         doubt: record -> (lines,) variance on each DFT line beside that of noise, over it.
     """
 
-    noise_v: Array
+    noise_v: Real
     masked: frozenset[tuple[str, int]] = frozenset()
-    floor: Array | None = None
+    floor: Real | None = None
     floor_s: float = 1.0
     rising_v2: float = 0.0
-    hum_v: Array | None = None
+    hum_v: Real | None = None
     hum_hz: float = 50.0
-    doubt: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    doubt: Mapping[str, Real] = field(default_factory=dict[str, Real])
 
-    def sigma(self, rig: Rig, test: Test, lines: Array, n: int, dt: float) -> Array:
+    def sigma(self, rig: Rig, test: Test, lines: Real, n: int, dt: float) -> Real:
         """(channels, lines) noise per sample in SI units, on the lines of a block of n samples, dt s apart."""
         rows, hz = [c.index for c in rig.responses], np.abs(lines) / (n * dt)
         total = self._si(rig, test)[rows][:, None] * self.rise(hz)[rows]
@@ -47,11 +45,11 @@ class Weights:
         # Noise of a band stands the higher above white noise of the same variance, the faster it is sampled.
         return np.sqrt(total**2 + self.floor[:, at] / dt)
 
-    def rise(self, hz: Array) -> Array:
+    def rise(self, hz: Real) -> Real:
         """(rows, hz) factor on the white noise of each row at these frequencies."""
         return np.sqrt(1 + self.rising_v2 / self.noise_v[:, None] ** 2 / np.maximum(hz, 0.5))
 
-    def hum(self, rig: Rig, test: Test, lines: Array, n: int, dt: float) -> Array:
+    def hum(self, rig: Rig, test: Test, lines: Real, n: int, dt: float) -> Real:
         """(channels, lines) SI amplitude that hum of unknown phase leaves on the lines of a block, of n / 2."""
         if self.hum_v is None:
             return np.zeros((len(rig.responses), len(lines)))
@@ -64,5 +62,5 @@ class Weights:
         """Noise of the force per sample in N."""
         return float(self._si(rig, test)[rig.force_channel.index])
 
-    def _si(self, rig: Rig, test: Test) -> Array:
+    def _si(self, rig: Rig, test: Test) -> Real:
         return self.noise_v / np.abs(volts_per_si(rig, test))

@@ -9,8 +9,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.rows import Reduced
@@ -22,8 +22,6 @@ from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.twin.candidate import Candidate, Slot
 from modallab.twin.effects import models
-
-Array = NDArray[np.float64]
 
 ALIKE = 0.95
 """Cosine from which two effects count as not to be distinguished."""
@@ -47,12 +45,12 @@ class Distinguishability:
     """
 
     effects: tuple[str, ...]
-    cosine: Array
-    strength: Array
-    left: Array
+    cosine: Real
+    strength: Real
+    left: Real
 
     @property
-    def least(self) -> Array:
+    def least(self) -> Real:
         """(effects,) share of a plain size down to which an effect can be seen; above 1 a plain one is hidden."""
         return SEEN / np.maximum(self.left, 1e-9)
 
@@ -96,7 +94,7 @@ def of_data(
     J = jacobian(base, zero, r0)
     # Priors are data too: a row of the identity each.
     q, _ = np.linalg.qr(np.vstack([J, np.eye(free.size)]))
-    found: dict[str, list[Array]] = {}
+    found: dict[str, list[Real]] = {}
     strength: dict[str, list[float]] = {}
     left: dict[str, list[float]] = {}
     for candidate, values in _signatures(rig, data):
@@ -120,10 +118,10 @@ def of_data(
     return Distinguishability(listed, cosine, strengths, lefts)
 
 
-def _signatures(rig: Rig, data: Reduced) -> list[tuple[Candidate, Array]]:
+def _signatures(rig: Rig, data: Reduced) -> list[tuple[Candidate, Real]]:
     """Every effect in a small size, at a few places."""
     middle = data.channels[len(data.channels) // 2]
-    found: list[tuple[Candidate, Array]] = []
+    found: list[tuple[Candidate, Real]] = []
     for c in of_bench(rig) + of_channel(rig, middle):
         # What has no size, as a turned sensor, has no signature of a small one.
         if not c.slots or not testable(c, data):

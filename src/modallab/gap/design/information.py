@@ -13,16 +13,14 @@ from itertools import pairwise
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import Explanation
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import shares_of
 from modallab.gap.search.fitting import excess, temperature_of
-
-Array = NDArray[np.float64]
 
 DRAWS = 100
 """New records that are drawn for each explanation."""
@@ -47,7 +45,7 @@ class Rivals:
 
     listed: tuple[Explanation, ...]
     numbers: tuple[slice, ...]
-    starts: tuple[tuple[Array, Array], ...]
+    starts: tuple[tuple[Real, Real], ...]
 
     @classmethod
     def of(cls, listed: Sequence[Explanation]) -> Self:
@@ -81,8 +79,8 @@ class Outlook:
 
     right: float
     alone: float
-    ratio: Array
-    chances: Array
+    ratio: Real
+    chances: Real
 
     @property
     def nats(self) -> float:
@@ -91,7 +89,7 @@ class Outlook:
         return float(self.chances @ np.min(others, axis=1))
 
 
-def _start(fit: Fit) -> tuple[Array, Array]:
+def _start(fit: Fit) -> tuple[Real, Real]:
     J, n = jacobian(fit.problem, fit.u, fit.residual), fit.problem.free.size
     _, slope, curvature = fit.problem.priors(fit.u)
     normal, gradient = J.T @ J, J.T @ fit.residual
@@ -100,13 +98,13 @@ def _start(fit: Fit) -> tuple[Array, Array]:
     return normal, gradient
 
 
-def columns_of(rivals: Rivals, data: Reduced) -> Array:
+def columns_of(rivals: Rivals, data: Reduced) -> Real:
     """(residuals, all numbers + explanations) slopes of each explanation's answers, and its answers less the first's.
 
     In noise units; what the records so far say of the generator's clock does not count twice.
     """
-    slopes: list[Array] = []
-    left: list[Array] = []
+    slopes: list[Real] = []
+    left: list[Real] = []
     for rival in rivals.listed:
         problem = replace(rival.fit.problem, data=data)
         left.append(problem.residual(rival.fit.u))
@@ -116,7 +114,7 @@ def columns_of(rivals: Rivals, data: Reduced) -> Array:
     return found[:-1] if known else found
 
 
-def outlook(rivals: Rivals, gram: Array, count: int, nonlinear: Array | None = None) -> Outlook:
+def outlook(rivals: Rivals, gram: Real, count: int, nonlinear: Real | None = None) -> Outlook:
     """What an experiment is expected to bring.
 
     Args:
@@ -141,7 +139,7 @@ def outlook(rivals: Rivals, gram: Array, count: int, nonlinear: Array | None = N
     return Outlook(float(chances @ right), float(chances @ alone), ratio, chances)
 
 
-def without_noise(rivals: Rivals, gram: Array, true: int) -> list[tuple[float, Array]]:
+def without_noise(rivals: Rivals, gram: Real, true: int) -> list[tuple[float, Real]]:
     """What each explanation leaves by slopes of the answers of one and of the records before, and its numbers then."""
     answers = np.zeros((1, len(gram)))
     answers[0, len(gram) - len(rivals.listed) + true] = 1
@@ -149,16 +147,16 @@ def without_noise(rivals: Rivals, gram: Array, true: int) -> list[tuple[float, A
     return [(float(cost[0]), r.fit.u + step[0]) for r, (cost, step) in zip(rivals.listed, found, strict=True)]
 
 
-def apart_by_row(rivals: Rivals, columns: Array) -> Array:
+def apart_by_row(rivals: Rivals, columns: Real) -> Real:
     """(residuals,) what the second explanation, fitted again, leaves of the answers of the first, in noise units."""
     own, first = rivals.numbers[1], columns.shape[1] - len(rivals.listed)
     slopes, off = columns[:, own], -columns[:, first + 1]
     normal, gradient = rivals.starts[1]
-    step: Array = np.linalg.solve(normal + slopes.T @ slopes, slopes.T @ off - gradient).astype(np.float64)
+    step: Real = np.linalg.solve(normal + slopes.T @ slopes, slopes.T @ off - gradient).astype(np.float64)
     return off - slopes @ step
 
 
-def believed(rivals: Rivals, costs: Array, count: int) -> Array:
+def believed(rivals: Rivals, costs: Real, count: int) -> Real:
     """(..., explanations) probabilities, as a diagnosis of all records would give them, of squares left of all."""
     n = rivals.count + count
     effects = np.array([len(r.effects) for r in rivals.listed])
@@ -166,22 +164,22 @@ def believed(rivals: Rivals, costs: Array, count: int) -> Array:
     return shares_of(costs, effects, n, temperature_of(rivals.excess / n))
 
 
-def _open(fit: Fit) -> Array:
+def _open(fit: Fit) -> Real:
     """(numbers of its effects,) how far each is drawn from the fit at most, about."""
     return np.array([OPEN_PLACE if s.name == "x" else OPEN for c in fit.problem.candidates for s in c.slots])
 
 
-def _drawn(rivals: Rivals, true: int, rng: np.random.Generator) -> Array:
+def _drawn(rivals: Rivals, true: int, rng: np.random.Generator) -> Real:
     """(draws, numbers) what the records so far leave open of an explanation's numbers."""
     fit, normal = rivals.listed[true].fit, rivals.starts[true][0].copy()
     own = np.arange(fit.problem.free.size, len(normal))
     normal[own, own] += _open(fit) ** -2
     z = rng.standard_normal((len(normal), DRAWS))
-    drawn: Array = np.linalg.solve(np.linalg.cholesky(normal).T, z).T.astype(np.float64)
+    drawn: Real = np.linalg.solve(np.linalg.cholesky(normal).T, z).T.astype(np.float64)
     return drawn
 
 
-def _costs(rivals: Rivals, gram: Array, true: int, drawn: Array, noise: Array) -> Array:
+def _costs(rivals: Rivals, gram: Real, true: int, drawn: Real, noise: Real) -> Real:
     """(draws, explanations) squares that each leaves of all records, less those of the new noise alone."""
     answers = np.zeros((len(drawn), len(gram)))
     answers[:, rivals.numbers[true]] = drawn
@@ -189,7 +187,7 @@ def _costs(rivals: Rivals, gram: Array, true: int, drawn: Array, noise: Array) -
     return np.array([_again(rivals, gram, k, answers, noise)[0] for k in range(len(rivals.listed))]).T
 
 
-def _again(rivals: Rivals, gram: Array, k: int, answers: Array, noise: Array) -> tuple[Array, Array]:
+def _again(rivals: Rivals, gram: Real, k: int, answers: Real, noise: Real) -> tuple[Real, Real]:
     """(draws,) squares that an explanation leaves, fitted again, and (draws, numbers) how far its numbers go.
 
     Args:
@@ -204,5 +202,5 @@ def _again(rivals: Rivals, gram: Array, k: int, answers: Array, noise: Array) ->
     less[:, len(gram) - len(rivals.listed) + k] -= 1
     along = less @ gram + noise
     slope = along[:, own] - gradient
-    step: Array = np.linalg.solve(normal + gram[own, own], slope.T).T.astype(np.float64)
+    step: Real = np.linalg.solve(normal + gram[own, own], slope.T).T.astype(np.float64)
     return rivals.listed[k].fit.cost + np.sum(less * (along + noise), axis=1) - np.sum(slope * step, axis=1), step

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import PlanError
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
@@ -21,8 +21,6 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import nuisances
 from modallab.twin.bench import Twin
 from modallab.twin.response import Hits, Rise, Sines
-
-Array = NDArray[np.float64]
 
 HIT_N, HIT_S = 80.0, 0.003
 """A plain hit: half a sine of this height and length."""
@@ -40,7 +38,7 @@ class Layout:
     """
 
     data: Reduced
-    force_noise: tuple[Array, ...]
+    force_noise: tuple[Real, ...]
 
     def answered(self, twin: Twin) -> Reduced:
         """The records as a twin answers them, without noise; a clock that is wrong shows in the sines."""
@@ -103,8 +101,8 @@ def laid_out(
     if any(isinstance(plan, BroadbandPlan) for plan in plans):
         raise PlanError("a broadband test has no model in the diagnosis yet", remedy="plan an impact or a sine test")
     order = 0.0 if done is None else done.last_order + 1
-    hits: list[tuple[ImpactData, Array]] = []
-    sines: list[tuple[SineData, Array]] = []
+    hits: list[tuple[ImpactData, Real]] = []
+    sines: list[tuple[SineData, Real]] = []
     for plan in plans:
         if isinstance(plan, ImpactPlan):
             for point in plan.points:
@@ -121,7 +119,7 @@ def laid_out(
     return Layout(data, (*(noise for _, noise in hits), *noise))
 
 
-def _one_test(sines: Sequence[tuple[SineData, Array]]) -> tuple[SineData, tuple[Array]]:
+def _one_test(sines: Sequence[tuple[SineData, Real]]) -> tuple[SineData, tuple[Real]]:
     whole = sines[0][0]
     for more, _ in sines[1:]:
         whole = with_more_sines(whole, more)
@@ -149,14 +147,14 @@ def with_more_sines(data: SineData, more: SineData) -> SineData:
     return replace(data, pieces=(*data.pieces, *more.pieces), source=source, rows=rows)
 
 
-def _empty(sigma: Array) -> Rows:
+def _empty(sigma: Real) -> Rows:
     zero = np.zeros(sigma.shape, dtype=np.complex128)
     return Rows(zero, sigma, np.zeros(sigma.shape[1]), zero)
 
 
 def _hits(
     rig: Rig, plan: ImpactPlan, point: int, weights: Weights, order: float, pulse: Hits | None
-) -> tuple[ImpactData, Array]:
+) -> tuple[ImpactData, Real]:
     n, dt = round(plan.block_s * plan.rate_hz), 1 / plan.rate_hz
     lines = np.arange(1.0, int(IMPACT_BAND * n) + 1)
     if pulse is None or (pulse.n, pulse.dt) != (n, dt):
@@ -174,14 +172,14 @@ def _hits(
     return ImpactData(piece, source, _empty(sigma)), noise
 
 
-def _plain_hit(plan: ImpactPlan, dt: float) -> tuple[Array, int]:
+def _plain_hit(plan: ImpactPlan, dt: float) -> tuple[Real, int]:
     before, after = round(BEFORE_S / dt), round(AFTER_S / dt)
     t = np.arange(-before, after) * dt
     pulse = HIT_N * np.where(np.abs(t) < HIT_S / 2, np.cos(np.pi * t / HIT_S), 0.0)
     return pulse, max(0, round(plan.pre_trigger_s * plan.rate_hz) - before)
 
 
-def _sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> tuple[SineData, Array]:
+def _sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> tuple[SineData, Real]:
     if rig.shaker_point is None:
         raise PlanError("the plan has a sine test, the rig no shaker point", remedy="add shaker_point to the rig file")
     n, dt = round(plan.block_s * plan.rate_hz), 1 / plan.rate_hz

@@ -5,8 +5,8 @@ from itertools import combinations
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
@@ -28,8 +28,6 @@ from modallab.gap.model.minimise import minimise
 from modallab.gap.search.best_place import at_best_place
 from modallab.twin.bench import Twin
 from modallab.twin.response import Hits
-
-Array = NDArray[np.float64]
 
 CHOSEN = 9
 """Sines at frequencies where the explanations differ most."""
@@ -58,7 +56,7 @@ class Prospect:
 
     option: Option
     layout: Layout
-    gram: Array
+    gram: Real
     count: int
     outlook: Outlook
     looked: bool = False
@@ -123,7 +121,7 @@ class Planning:
         hits = next((d.source for d in data.impacts if isinstance(d.source, Hits)), None)
         return laid_out(data.rig, [plan], self.there.weights, hits, data)
 
-    def _columns(self, layout: Layout) -> Array:
+    def _columns(self, layout: Layout) -> Real:
         # The force's noise lies along the answer, which is nearly the same of all that are left standing.
         return columns_of(self.rivals, self._answered(layout, self.rivals.listed[0]))
 
@@ -175,7 +173,7 @@ class Planning:
         kept = plan.model_copy(update={"frequencies_hz": tuple(plan.frequencies_hz[k] for k in best)})
         return Option("sines where they differ", f"Drive {CHOSEN} frequencies where the explanations differ.", (kept,))
 
-    def _apart_by_sine(self, layout: Layout) -> Array:
+    def _apart_by_sine(self, layout: Layout) -> Real:
         """(sines,) squares that the likeliest explanation's answers leave of the next."""
         assert layout.data.sines is not None
         sines, channels = layout.data.sines.source.lines, len(layout.data.channels)
@@ -187,7 +185,7 @@ def _twin(rival: Explanation) -> Twin:
     return rival.fit.problem.twin(rival.fit.u)
 
 
-def _least(problem: Problem, fit: Fit, end: Array, other: Fit) -> float:
+def _least(problem: Problem, fit: Fit, end: Real, other: Fit) -> float:
     """Least squares that an explanation leaves, from its own numbers, where slopes lead, and beside another's twin."""
     own = problem.free.size
     begins = (fit.u, np.clip(end, fit.u - LONGEST, fit.u + LONGEST), np.concatenate([other.u[:own], fit.u[own:]]))

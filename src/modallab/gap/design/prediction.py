@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effect import Effect
@@ -21,13 +21,12 @@ from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import unit_per_si, volts_per_si
 from modallab.twin.learned.row_curve import MODEL, apply_curve
 
-Array = NDArray[np.float64]
 CURVE = MODEL.kind.name
-Records = Mapping[str, Array]
+Records = Mapping[str, Real]
 """Record -> (channels, n) of the response channels, each in its own unit and direction."""
 
 
-def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Array]:
+def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Real]:
     """Record -> (channels, n): what each response channel of another campaign would read, each record begun from rest.
 
     Every row is in its channel's own unit, in the direction of its positive readings, and as late and as AC-coupled as
@@ -50,7 +49,7 @@ def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Array]:
     levels = [f.place for f in diagnosis.effects if isinstance(f.place, OneChannel)]
     cut = {place.channel: place.level_v for place in levels if place.level_v is not None}
     curves = _curves([*rig.known_effects, *carried(diagnosis)])
-    found: dict[str, Array] = {}
+    found: dict[str, Real] = {}
     for b in blocks:
         si = predict_record(twin, rig, b, last, ratio)
         limit = np.array([cut.get(row, np.inf) for row in rows]) / np.abs(volts_per_si(rig, b.test)[rows])
@@ -94,7 +93,7 @@ def with_records(other: Campaign, records: Records) -> Campaign:
     return replace(other, blocks=blocks, source=f"predicted from {other.source}")
 
 
-def _with_rows(block: Block, rig: Rig, rows: Sequence[int], values: Array) -> Block:
+def _with_rows(block: Block, rig: Rig, rows: Sequence[int], values: Real) -> Block:
     samples = (block.samples * block.scale[:, None]).astype(np.float64)
     if values.shape != (len(rows), samples.shape[1]):
         raise DataError(

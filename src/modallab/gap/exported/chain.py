@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from modallab.core.arrays import Real
 from modallab.twin.modes import solve
 from modallab.twin.structure import Structure
-
-Array = NDArray[np.float64]
 
 LINKS = 20
 """At least so many; points at which something acts or is sensed are nodes."""
@@ -43,21 +42,21 @@ class Chain:
         dampers: (joints,) what a damper to ground feels of each joint, and its N s/m.
     """
 
-    nodes_m: Array
-    masses_kg: Array
+    nodes_m: Real
+    masses_kg: Real
     slides: bool
-    modes: Array
-    omega: Array
-    zeta: Array
-    dampers: tuple[tuple[Array, float], ...]
+    modes: Real
+    omega: Real
+    zeta: Real
+    dampers: tuple[tuple[Real, float], ...]
 
     @property
-    def displacement(self) -> Array:
+    def displacement(self) -> Real:
         """(nodes, joints) what each node moves by each joint; of links only, not of the slide."""
         return _displacement(self.nodes_m, self.slides)
 
 
-def chain(structure: Structure, places_m: Array) -> Chain:
+def chain(structure: Structure, places_m: Real) -> Chain:
     """The chain of a structure, with nodes at these places."""
     modes = solve(replace(structure, dampers=()))
     omega, zeta = np.abs(modes.poles), -modes.poles.real / np.abs(modes.poles)
@@ -74,7 +73,7 @@ def chain(structure: Structure, places_m: Array) -> Chain:
     return Chain(nodes, masses, slides, joints, omega, zeta, dampers)
 
 
-def _nodes(length_m: float, places_m: Array) -> Array:
+def _nodes(length_m: float, places_m: Real) -> Real:
     fixed = np.unique(np.round(np.concatenate([[0.0, length_m], places_m]), 9))
     step = length_m / LINKS
     grid = np.linspace(0.0, length_m, LINKS + 1)
@@ -82,7 +81,7 @@ def _nodes(length_m: float, places_m: Array) -> Array:
     return np.asarray(np.sort(np.concatenate([fixed, grid[room]])), dtype=np.float64)
 
 
-def _masses(shapes: Array, structure: Structure) -> Array:
+def _masses(shapes: Real, structure: Structure) -> Real:
     count = shapes.shape[1]
     first, second = np.triu_indices(count)
     # What the low modes need counts most: the band lies there.
@@ -94,16 +93,16 @@ def _masses(shapes: Array, structure: Structure) -> Array:
     return np.maximum(found, LEAST_MASS * mean)
 
 
-def _displacement(nodes_m: Array, slides: bool) -> Array:
+def _displacement(nodes_m: Real, slides: bool) -> Real:
     hinges = np.maximum(nodes_m[:, None] - nodes_m[None, :-1], 0.0)
     return np.hstack([np.ones((len(nodes_m), 1)), hinges]) if slides else hinges
 
 
-def _row(x_m: float, nodes_m: Array, moved: Array) -> Array:
+def _row(x_m: float, nodes_m: Real, moved: Real) -> Real:
     return np.array([np.interp(x_m, nodes_m, column) for column in moved.T])
 
 
-def combinations(found: Chain, mass: Array) -> list[tuple[Array, float, float]]:
+def combinations(found: Chain, mass: Real) -> list[tuple[Real, float, float]]:
     """Combinations of joints with their stiffness and damping, for joints with this mass matrix (joints, joints).
 
     With M-orthonormal shapes theta_r, stiffness sum_r omega_r^2 (M theta_r)(M theta_r)^T has them as its modes.
@@ -113,19 +112,19 @@ def combinations(found: Chain, mass: Array) -> list[tuple[Array, float, float]]:
     rest = whole.shape[1] - len(found.omega)
     omega = np.concatenate([found.omega, np.full(rest, OTHERS * float(found.omega.max()))])
     zeta = np.concatenate([found.zeta, np.full(rest, OTHERS_ZETA)])
-    springs: list[tuple[Array, float, float]] = [
+    springs: list[tuple[Real, float, float]] = [
         (mass @ shape, float(w**2), float(2 * z * w)) for shape, w, z in zip(whole.T, omega, zeta, strict=True)
     ]
     return springs + [(row, 0.0, c) for row, c in found.dampers]
 
 
-def orthonormal(shapes: Array, mass: Array) -> Array:
+def orthonormal(shapes: Real, mass: Real) -> Real:
     """The shapes, each made orthonormal to those before: the low modes stay as they are (Gram and Schmidt)."""
     lower: NDArray[Any] = np.linalg.cholesky(shapes.T @ mass @ shapes)
     return np.asarray(np.linalg.solve(lower, shapes.T), dtype=np.float64).T
 
 
-def _complement(theta: Array, mass: Array) -> Array:
+def _complement(theta: Real, mass: Real) -> Real:
     """M-orthonormal shapes of all else."""
     lower: NDArray[Any] = np.linalg.cholesky(mass)
     known = lower.T @ theta

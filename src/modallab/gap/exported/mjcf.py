@@ -10,8 +10,8 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.extras import optional_package
 from modallab.core.rig import Rig
@@ -20,8 +20,6 @@ from modallab.formats.atomic import write_text
 from modallab.gap.exported.chain import Chain, chain, combinations
 from modallab.gap.exported.mjcf_laws import law_tendon
 from modallab.twin.bench import Twin
-
-Array = NDArray[np.float64]
 
 STEP_S = 1 / 32000
 SMALL = 1e-4
@@ -120,7 +118,7 @@ def _inertia(body: ET.Element, at: float, mass_kg: float, link_m: float) -> None
     ET.SubElement(body, "inertial", pos=f"{_number(at)} 0 0", mass=_number(mass_kg), diaginertia=" ".join([small] * 3))
 
 
-def _tendons(found: Chain, mass: Array) -> dict[str, tuple[Array, dict[str, str]]]:
+def _tendons(found: Chain, mass: Real) -> dict[str, tuple[Real, dict[str, str]]]:
     """Name -> what it takes of each joint, and its spring and damper: one for each mode and each damper."""
     return {
         f"mode{k}": (row, {"stiffness": _number(stiffness), "damping": _number(damping), "springlength": "0"})
@@ -128,7 +126,7 @@ def _tendons(found: Chain, mass: Array) -> dict[str, tuple[Array, dict[str, str]
     }
 
 
-def _add_tendons(root: ET.Element, joints: list[str], tendons: dict[str, tuple[Array, dict[str, str]]]) -> None:
+def _add_tendons(root: ET.Element, joints: list[str], tendons: dict[str, tuple[Real, dict[str, str]]]) -> None:
     tendon = ET.SubElement(root, "tendon")
     for name, (row, spring) in tendons.items():
         fixed = ET.SubElement(tendon, "fixed", {"name": name, **spring})
@@ -136,7 +134,7 @@ def _add_tendons(root: ET.Element, joints: list[str], tendons: dict[str, tuple[A
             ET.SubElement(fixed, "joint", joint=joint, coef=_number(float(coefficient)))
 
 
-def mass_matrix(text: str) -> Array:
+def mass_matrix(text: str) -> Real:
     """(joints, joints) of a model at rest, as MuJoCo has it.
 
     Raises:

@@ -6,8 +6,8 @@ A fixed tendon is a combination of joints that is as long as what the law feels:
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.gap.exported.chain import Chain, orthonormal
 from modallab.twin.bench import Twin
@@ -15,8 +15,6 @@ from modallab.twin.elements import slope_rows
 from modallab.twin.modes import solve
 from modallab.twin.nonlinear.element import Element, Law
 from modallab.twin.structure import Structure
-
-Array = NDArray[np.float64]
 
 
 def require_proportion(twin: Twin, form: str) -> None:
@@ -32,7 +30,7 @@ def require_proportion(twin: Twin, form: str) -> None:
         )
 
 
-def law_tendon(element: Element, structure: Structure, found: Chain, mass: Array) -> tuple[Array, dict[str, str]]:
+def law_tendon(element: Element, structure: Structure, found: Chain, mass: Real) -> tuple[Real, dict[str, str]]:
     """What the law's tendon takes of each joint, (joints,), and its spring.
 
     Args:
@@ -62,7 +60,7 @@ def law_tendon(element: Element, structure: Structure, found: Chain, mass: Array
     return row, spring
 
 
-def _of_modes(structure: Structure, row: Array) -> Array:
+def _of_modes(structure: Structure, row: Real) -> Real:
     """(m,) what a row over the elements' degrees of freedom is in each shape of unit modal mass."""
     modes = solve(replace(structure, dampers=()))
     return np.asarray(np.real(row @ modes.columns * np.sqrt(2j * modes.poles.imag)), dtype=np.float64)

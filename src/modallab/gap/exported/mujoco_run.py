@@ -5,14 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
 from modallab.gap.exported.mjcf import require_mujoco
 from modallab.gap.simulations.simulated_records import Simulate
-
-Array = NDArray[np.float64]
 
 
 def mujoco_simulation(path: Path, rig: Rig) -> Simulate:
@@ -34,7 +32,7 @@ def mujoco_simulation(path: Path, rig: Rig) -> Simulate:
     ]
     gains = np.array([_gain(mujoco, model, f"gain_{c.name}") for c in rig.responses])
 
-    def simulate(force_n: Array, dt: float) -> Array:
+    def simulate(force_n: Real, dt: float) -> Real:
         model.opt.timestep = dt
         at_once = _at_once(mujoco, model, motors, rows)
         # A control is held over its step: its middle is what the straight line has in the mean.
@@ -50,16 +48,16 @@ def mujoco_simulation(path: Path, rig: Rig) -> Simulate:
     return simulate
 
 
-def _rollout(model: Any, data: Any, initial: Array, control: Array) -> tuple[Array, Array]:
+def _rollout(model: Any, data: Any, initial: Real, control: Real) -> tuple[Real, Real]:
     rollout: Any = import_module("mujoco.rollout")
     state, sensed = rollout.rollout(model, data, initial, control)
     return np.asarray(state), np.asarray(sensed)
 
 
-def _at_once(mujoco: Any, model: Any, motors: list[int], rows: list[int]) -> Array:
+def _at_once(mujoco: Any, model: Any, motors: list[int], rows: list[int]) -> Real:
     """(channels, points) acceleration at rest for 1 N."""
     data = mujoco.MjData(model)
-    columns: list[Array] = []
+    columns: list[Real] = []
     for motor in motors:
         data.ctrl[:] = 0.0
         data.ctrl[motor] = 1.0

@@ -7,22 +7,19 @@ line between two samples of the force (Franklin, Powell and Workman, Digital Con
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.signal import cont2discrete
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.gap.exported.mjcf_laws import require_proportion
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 FAST = 6.0
 """Frequency of what stands for the modes left out, over that of the highest one kept."""
@@ -39,11 +36,11 @@ class StateSpace:
         clock: by how much faster the converter's clock runs than it says: a second of the records is 1 / (1 + clock).
     """
 
-    A: Array
-    B: Array
-    C: Array
-    D: Array
-    delay_s: Array
+    A: Real
+    B: Real
+    C: Real
+    D: Real
+    delay_s: Real
     clock: float = 0.0
 
     @property
@@ -53,14 +50,14 @@ class StateSpace:
         swinging = np.abs(poles[poles.imag > 0])
         return float(swinging.min()) / (2 * np.pi) if swinging.size else 0.0
 
-    def at_rate(self, rate_hz: float) -> tuple[Array, Array, Array, Array]:
+    def at_rate(self, rate_hz: float) -> tuple[Real, Real, Real, Real]:
         """The same in steps: x_{k+1} = A x_k + B f_k, y_k = C x_k + D f_k, f on straight lines between samples."""
         dt = 1 / rate_hz / (1 + self.clock)
         found = cont2discrete((self.A, self.B, self.C, self.D), dt, method="foh")
         A, B, C, D = (np.asarray(m, dtype=np.float64) for m in found[:4])
         return A, B, C, D
 
-    def simulate(self, force_n: Array, dt: float) -> Array:
+    def simulate(self, force_n: Real, dt: float) -> Real:
         """(channels, n) what the channels read of (points, n) forces in N, from rest, in steps of dt seconds."""
         A, B, C, D = self.at_rate(1 / dt)
         driven = np.flatnonzero(np.any(force_n != 0, axis=1))
@@ -121,7 +118,7 @@ def modal(poles: Complex, out: Complex, into: Complex, order: NDArray[np.int64])
 
 
 def _with_residual(
-    bare: StateSpace, twin: Twin, modes: Modes, x: Array, drive: Array, order: NDArray[np.int64]
+    bare: StateSpace, twin: Twin, modes: Modes, x: Real, drive: Real, order: NDArray[np.int64]
 ) -> StateSpace:
     """With the static compliance of the modes left out, as one fast mode an input."""
     if not twin.residual_compliance:
@@ -160,7 +157,7 @@ def _through(bare: StateSpace, chain: Chain, rows: tuple[int, ...], test: Test) 
     return found if chain.swap is None else _exchanged(found, chain, rows, test)
 
 
-def _filtered(s: StateSpace, k: int, a: Array, b: Array, c: list[float], d: float) -> StateSpace:
+def _filtered(s: StateSpace, k: int, a: Real, b: Real, c: list[float], d: float) -> StateSpace:
     """One output through a filter of its own."""
     n = len(a)
     A = np.block([[s.A, np.zeros((len(s.A), n))], [np.outer(b, s.C[k]), a]])
@@ -179,6 +176,6 @@ def _exchanged(s: StateSpace, chain: Chain, rows: tuple[int, ...], test: Test) -
     return replace(s, C=C, D=D)
 
 
-def _later(y: Array, samples: Array) -> Array:
+def _later(y: Real, samples: Real) -> Real:
     steps = np.arange(y.shape[1], dtype=np.float64)
     return np.stack([np.interp(steps - late, steps, row) for row, late in zip(y, samples, strict=True)])

@@ -9,8 +9,8 @@ from threading import Lock
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.twin.bench import Twin
 from modallab.twin.modes import Modes, undamped_key
@@ -19,8 +19,6 @@ from modallab.twin.nonlinear.records import in_hit, in_sine, ready
 from modallab.twin.nonlinear.steps import Steps
 from modallab.twin.predict import drifted_modes, sensor_positions
 from modallab.twin.response import Hits, Sines
-
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 _KEPT: OrderedDict[tuple[object, ...], tuple[object, Any, Any]] = OrderedDict()
 _MOST = 24

@@ -6,15 +6,13 @@ Gauss-Newton steps (Nocedal and Wright, Numerical Optimization, 2006, ch. 10) wi
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Piece
 from modallab.gap.model.fit import Fit, Problem, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.twin.effects import search_of
-
-Array = NDArray[np.float64]
 
 LOOSE = 0.05
 """Deviation of a piece's share of the drift from an even pace, before it is seen."""
@@ -56,7 +54,7 @@ def improved(fit: Fit) -> tuple[tuple[float, float], ...]:
     return tuple(zip(knots.tolist(), moved.tolist(), strict=True))
 
 
-def _by_piece(problem: Problem, u: Array, drift_curve: tuple[tuple[float, float], ...]) -> list[Array]:
+def _by_piece(problem: Problem, u: Real, drift_curve: tuple[tuple[float, float], ...]) -> list[Real]:
     twin = replace(problem.twin(u), drift_curve=drift_curve)
     answers = forward(twin, problem.data)
     parts = [rows.whiten(rows.y - y) for rows, y in zip(all_rows(problem.data), answers, strict=True)]

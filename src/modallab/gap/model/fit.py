@@ -7,11 +7,10 @@ R. Stat. Soc. B 63, 2001, 425), and lowered as the fit goes on.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.effects import Effect
 from modallab.core.places import RowsOfPlace, rows_of
 from modallab.gap.conditioning.rows import Reduced, Rows
@@ -20,9 +19,6 @@ from modallab.gap.model.nuisances import Nuisances
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import apply, search_of
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 HELD_WEIGHT = 300.0
 """Weight that holds the beam, in deviations of its priors, per unit of the relative error that is forgiven."""
@@ -55,7 +51,7 @@ class Problem:
         """Weight that keeps the beam at `held`: while the model is wrong the beam must not be strained to it."""
         return HELD_WEIGHT * self.floor
 
-    def priors(self, u: Array) -> tuple[float, Array, Array]:
+    def priors(self, u: Real) -> tuple[float, Real, Real]:
         """Squares of the priors at u, half their slope and half their curvature, one entry a nuisance each."""
         own = u[: self.free.size]
         away = np.zeros(len(own))
@@ -77,7 +73,7 @@ class Problem:
         own = [(tolerance, c) for c in self.candidates if (tolerance := search_of(c.effect).replaces)]
         return {(tolerance, rows_of(c.place)) for tolerance, c in own}
 
-    def effects(self, u: Array) -> list[Effect]:
+    def effects(self, u: Real) -> list[Effect]:
         """The effects at u."""
         found, at = [], self.free.size
         for candidate in self.candidates:
@@ -85,23 +81,23 @@ class Problem:
             at += len(candidate.slots)
         return found
 
-    def twin(self, u: Array) -> Twin:
+    def twin(self, u: Real) -> Twin:
         """The twin at u."""
         return self.twins(u[None])[0]
 
-    def twins(self, u: Array) -> list[Twin]:
+    def twins(self, u: Real) -> list[Twin]:
         """The twins at many u (twins, u)."""
         # An effect on the gain of a channel takes the place of its tolerance: two numbers for one gain never settle.
         held = [rows_of(c.place) for c in self.candidates if search_of(c.effect).replaces_gain]
         bare = self.free.builds(self.free.without_gains(u[:, : self.free.size], held), self.replaced)
         return [self._with_effects(twin, own) for twin, own in zip(bare, u, strict=True)]
 
-    def _with_effects(self, twin: Twin, u: Array) -> Twin:
+    def _with_effects(self, twin: Twin, u: Real) -> Twin:
         for effect in self.effects(u):
             twin = apply(twin, effect, self.data.rig)
         return replace(twin, drift_curve=self.drift_curve) if self.drift_curve else twin
 
-    def residual(self, u: Array) -> Array:
+    def residual(self, u: Real) -> Real:
         """Everything measured less everything predicted, in noise units, real and imaginary parts in one row."""
         twin = self.twin(u)
         try:
@@ -111,7 +107,7 @@ class Problem:
             answers = [np.full_like(rows.y, np.nan) for rows in all_rows(self.data)]
         return self.left(twin, answers)
 
-    def left(self, twin: Twin, answers: Sequence[Complex]) -> Array:
+    def left(self, twin: Twin, answers: Sequence[Complex]) -> Real:
         """The same of a twin whose answers are known."""
         parts = [
             softened(rows, self.floor).whiten(rows.y - y).ravel()
@@ -136,10 +132,10 @@ class Fit:
     """
 
     problem: Problem
-    u: Array
+    u: Real
     cost: float
-    residual: Array
-    normal: Array
+    residual: Real
+    normal: Real
 
     @property
     def gap(self) -> float:
@@ -164,7 +160,7 @@ def priced(fit: Fit) -> float:
     return fit.cost + numbers * float(np.log(max(np.count_nonzero(fit.residual), 1)))
 
 
-def seen(problem: Problem, u: Array, normal: Array | None = None) -> Fit:
+def seen(problem: Problem, u: Real, normal: Real | None = None) -> Fit:
     """These numbers as a fit of a problem; its curvature is that of priors alone where none is given."""
     r = problem.residual(u)
     return Fit(problem, u, float(r @ r + problem.priors(u)[0]), r, np.eye(len(u)) if normal is None else normal)
@@ -175,7 +171,7 @@ def all_rows(data: Reduced) -> list[Rows]:
     return [*(d.rows for d in data.impacts), *([data.sines.rows] if data.sines is not None else [])]
 
 
-def all_hz(data: Reduced) -> list[Array]:
+def all_hz(data: Reduced) -> list[Real]:
     """(rows,) frequency of each row in Hz, in the order of `all_rows`; negative where a line is a conjugate's."""
     found = [d.source.lines / (d.source.n * d.source.dt) for d in data.impacts]
     if data.sines is not None:
@@ -191,7 +187,7 @@ def softened(rows: Rows, floor: float) -> Rows:
     return replace(rows, sigma=np.hypot(rows.sigma, floor * largest), common=np.zeros_like(rows.common))
 
 
-def _clock(data: Reduced, twin: Twin) -> Array:
+def _clock(data: Reduced, twin: Twin) -> Real:
     if data.sines is None:
         return np.zeros(0)
     # Far beyond any doubt either way; a bound keeps it from outweighing all other evidence.

@@ -5,11 +5,11 @@ off block as in `modallab.twin.response`. A drift scales EI, so poles by sqrt(EI
 """
 
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, SineData
 from modallab.gap.model.added_motion import added_to_hits, added_to_sines
 from modallab.twin.bench import Chain, Twin, exchange_plugs, transfer
@@ -17,8 +17,6 @@ from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
 from modallab.twin.response import Averages, Hits, Sines
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 S = TypeVar("S", Hits | Averages, Sines)
 
 APART = 0.003
@@ -72,19 +70,19 @@ def driven_at(twin: Twin, piece: Piece) -> tuple[float, float]:
     return (x, 1.0) if piece.by_shaker else (twin.struck_x_m(x), twin.hit_gain(x))
 
 
-def drift_scale(twin: Twin, order: float | Array, data: Reduced) -> Array:
+def drift_scale(twin: Twin, order: float | Real, data: Reduced) -> Real:
     """Factor that a drift has put on all frequencies at a place in time, in records."""
     return np.sqrt(np.maximum(1e-3, 1 + twin.ei_drift * twin.drifted(order / data.last_order)))
 
 
-def hit_ratios(twin: Twin, d: ImpactData, data: Reduced) -> Array | None:
+def hit_ratios(twin: Twin, d: ImpactData, data: Reduced) -> Real | None:
     """(hits,) frequencies at each hit over those at their mean place in time; None where a mean hit says it all."""
     if abs(twin.ei_drift) < APART or not d.piece.orders:
         return None
     return drift_scale(twin, np.array(d.piece.orders), data) / drift_scale(twin, d.piece.order, data)
 
 
-def impact_residual(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Array:
+def impact_residual(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Real:
     """(channels,) static displacement per N of hits at one point that the modes left out add, drift included."""
     drive, gain = driven_at(twin, d.piece)
     softer = float(drift_scale(twin, d.piece.order, data)) ** 2
@@ -92,7 +90,7 @@ def impact_residual(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> A
     return share * modes.remainder(_sensor_positions(twin.chain, modes, data), drive)
 
 
-def sine_residual(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Array | None) -> Array:
+def sine_residual(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Real | None) -> Real:
     """(channels, blocks) the same in the sine test."""
     softer = np.ones(len(d.pieces)) if scale is None else scale**2
     static = modes.remainder(_sensor_positions(twin.chain, modes, data), d.pieces[0].drive_x_m)
@@ -109,14 +107,14 @@ def on_clock(source: S, twin: Twin) -> S:
     return replace(source, dt=source.dt / (1 + twin.clock))
 
 
-def sine_drift(twin: Twin, d: SineData, data: Reduced) -> Array | None:
+def sine_drift(twin: Twin, d: SineData, data: Reduced) -> Real | None:
     """(blocks,) factor on the frequencies at each block; None without a drift."""
     if not twin.ei_drift:
         return None
     return drift_scale(twin, np.array([p.order for p in d.pieces]), data)
 
 
-def sine_residue(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Array | None) -> tuple[Complex, Complex]:
+def sine_residue(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Real | None) -> tuple[Complex, Complex]:
     """(p,) or (p, blocks) poles and (channels, p) residues of the sine test, those without drift."""
     poles = modes.poles if scale is None else modes.poles[:, None] * scale
     return poles, _outputs(twin.chain, modes, data) * modes.at(d.pieces[0].drive_x_m)[0]
@@ -152,7 +150,7 @@ def at_poles(chain: Chain, data: Reduced, pole: Complex) -> Complex:
     return values if values.ndim == 3 else values[:, :, None]
 
 
-def _sensor_positions(chain: Chain, modes: Modes, data: Reduced) -> Array:
+def _sensor_positions(chain: Chain, modes: Modes, data: Reduced) -> Real:
     return sensor_positions(chain, modes, data.channels, data.x_m)
 
 

@@ -5,11 +5,11 @@ As `modallab.gap.model.forward` has it of one twin; the slopes of a fit ask for 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.gap.model.forward import drift_scale, driven_at
 from modallab.twin.bench import Twin
@@ -17,9 +17,7 @@ from modallab.twin.elements import shape_rows
 from modallab.twin.modes import Modes
 from modallab.twin.predict import sensor_positions
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
-Numbers = tuple[Complex, Complex, Array]
+Numbers = tuple[Complex, Complex, Real]
 """(twins, p) poles, (twins, channels, p) residues and (twins, channels) static remainder."""
 
 
@@ -38,13 +36,13 @@ class ManyModes:
 
     poles: Complex
     columns: Complex
-    out_of_band: tuple[Array, ...]
-    sensors: Array
+    out_of_band: tuple[Real, ...]
+    sensors: Real
     outputs: Complex
     length_m: float
 
     @classmethod
-    def of(cls, modes: Sequence[Modes], sensors: Array, count: int) -> Self:
+    def of(cls, modes: Sequence[Modes], sensors: Real, count: int) -> Self:
         """Of twins whose accelerometers sit there, with so many modes as a rule."""
         poles = np.full((len(modes), count), np.nan, dtype=np.complex128)
         columns: Complex = np.full((len(modes), sensors.shape[2], count), np.nan, dtype=np.complex128)
@@ -54,14 +52,14 @@ class ManyModes:
         out_of_band = tuple(m.out_of_band for m in modes)
         return cls(poles, columns, out_of_band, sensors, sensors @ columns, modes[0].length_m)
 
-    def at(self, x_m: Sequence[float]) -> tuple[Complex, Array]:
+    def at(self, x_m: Sequence[float]) -> tuple[Complex, Real]:
         """(twins, p) shapes at one place on each twin, and (twins, channels) static m per N that others add there."""
         rows = np.array([shape_rows(x, self.length_m)[0] for x in x_m])
         pushed = np.array([given @ row for given, row in zip(self.out_of_band, rows, strict=True)])
         return (rows[:, None] @ self.columns)[:, 0], (self.sensors @ pushed[:, :, None])[:, :, 0]
 
 
-def sensor_rows(twins: Sequence[Twin], modes: Modes, data: Reduced) -> Array:
+def sensor_rows(twins: Sequence[Twin], modes: Modes, data: Reduced) -> Real:
     """(twins, channels, n) rows that take a shape at the accelerometers of each twin."""
     first, *others = twins
     usual = shape_rows(sensor_positions(first.chain, modes, data.channels, data.x_m), modes.length_m)
@@ -89,5 +87,5 @@ def of_sines(twins: Sequence[Twin], modes: ManyModes, d: SineData) -> Numbers:
     return modes.poles, modes.outputs * drive[:, None], static * _shares(twins)
 
 
-def _shares(twins: Sequence[Twin]) -> Array:
+def _shares(twins: Sequence[Twin]) -> Real:
     return np.array([[t.residual_compliance] for t in twins])

@@ -13,13 +13,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.model.fit import Fit, Problem, all_rows, softened
 from modallab.gap.model.sensitivity import Tangent, smooth_in
 from modallab.twin.bench import Twin
-
-Array = NDArray[np.float64]
 
 STEP = 1e-4
 """Step of the numerical derivative, in deviations of the prior or in coordinates of an effect."""
@@ -48,7 +46,7 @@ MOST_CURVED = 1.5
 """A step that would bend by more than so many times its length goes straight: second order says nothing of it."""
 
 
-def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4, whole: bool = False) -> Fit:
+def minimise(problem: Problem, u: Real, iterations: int = 8, tolerance: float = 1e-4, whole: bool = False) -> Fit:
     """Levenberg-Marquardt from u, the damping a tenth after a step that helps, tenfold after one that does not.
 
     Args:
@@ -74,19 +72,19 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
 class _Here:
     """Numbers, residual and cost."""
 
-    u: Array
-    r: Array
+    u: Real
+    r: Real
     cost: float
 
 
-def _at(problem: Problem, u: Array) -> _Here:
+def _at(problem: Problem, u: Real) -> _Here:
     r = problem.residual(u)
     return _Here(u, r, float(r @ r + problem.priors(u)[0]))
 
 
 def _descended(
     problem: Problem, begin: _Here, dampings: tuple[float, ...], whole: bool
-) -> tuple[_Here, tuple[float, ...], Array]:
+) -> tuple[_Here, tuple[float, ...], Real]:
     """Where the slopes at a place lead to, the damping of the next steps, and the curvature there.
 
     Steps held back more along what the data determine, and steps held back alike along all numbers, each creep where
@@ -101,7 +99,7 @@ def _descended(
     return best, tuple(d for _, d in ways), normal
 
 
-def _along(problem: Problem, begin: _Here, slopes: tuple[Array, Array, Array], damping: float) -> tuple[_Here, float]:
+def _along(problem: Problem, begin: _Here, slopes: tuple[Real, Real, Real], damping: float) -> tuple[_Here, float]:
     """Where steps with these slopes lead to, and the damping of the next."""
     J, n, here = slopes[0], problem.free.size, begin
     for again in range(SAME_SLOPES):
@@ -116,7 +114,7 @@ def _along(problem: Problem, begin: _Here, slopes: tuple[Array, Array, Array], d
     return here, damping
 
 
-def jacobian(problem: Problem, u: Array, r: Array, whole: bool = False) -> Array:
+def jacobian(problem: Problem, u: Real, r: Real, whole: bool = False) -> Real:
     """(residuals, u): through poles and residues where the beam, its places or gains move, else by differences.
 
     Args:
@@ -152,14 +150,14 @@ def jacobian(problem: Problem, u: Array, r: Array, whole: bool = False) -> Array
     return J.T
 
 
-def _residuals(problem: Problem, moved: Array) -> list[Array]:
+def _residuals(problem: Problem, moved: Real) -> list[Real]:
     if not len(moved) or problem.twin(moved[0]).element is None:
         return [problem.residual(u) for u in moved]
     with ThreadPoolExecutor(WORKERS) as workers:
         return list(workers.map(problem.residual, moved))
 
 
-def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: int) -> Array:
+def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: int) -> Real:
     """(twins, residuals); NaN for a twin to which no slope leads."""
     changes = Tangent(here, problem.data).changes(twins, near)
     weights = [softened(rows, problem.floor) for rows in all_rows(problem.data)]
@@ -178,13 +176,13 @@ def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: in
 
 
 def _step(
-    problem: Problem, here: _Here, slopes: tuple[Array, Array, Array], gradient: Array, damping: float, once: bool
+    problem: Problem, here: _Here, slopes: tuple[Real, Real, Real], gradient: Real, damping: float, once: bool
 ) -> tuple[_Here | None, float]:
     """Where the first step that helps leads to, of one or of ever shorter ones, None if none does; the next damping."""
     (J, normal, scale), first = slopes, damping
     while damping < STIFFEST:
         held_back = normal + damping * scale
-        step: Array = np.clip(-np.linalg.solve(held_back, gradient), -4.0, 4.0).astype(np.float64)
+        step: Real = np.clip(-np.linalg.solve(held_back, gradient), -4.0, 4.0).astype(np.float64)
         if not once and not problem.floor and _narrow(here.cost, here.r):
             step = _curved_step(problem, here, J, held_back, step)
         there = _at(problem, here.u + np.clip(step, -4, 4))
@@ -201,11 +199,11 @@ def narrow(fit: Fit) -> bool:
     return _narrow(fit.cost, fit.residual)
 
 
-def _narrow(cost: float, r: Array) -> bool:
+def _narrow(cost: float, r: Real) -> bool:
     return cost < NARROW * np.count_nonzero(r)
 
 
-def _curved_step(problem: Problem, here: _Here, J: Array, held_back: Array, step: Array) -> Array:
+def _curved_step(problem: Problem, here: _Here, J: Real, held_back: Real, step: Real) -> Real:
     """A step that follows the curvature of the residual along it, if that is small enough to be believed."""
     sides = problem.residual(here.u + ALONG * step) + problem.residual(here.u - ALONG * step)
     bend = -np.linalg.solve(held_back, J.T @ ((sides - 2 * here.r) / ALONG**2))
@@ -214,7 +212,7 @@ def _curved_step(problem: Problem, here: _Here, J: Array, held_back: Array, step
     return step + bend / 2 if small else step
 
 
-def _scale(problem: Problem, normal: Array) -> Array:
+def _scale(problem: Problem, normal: Real) -> Real:
     """What damps a step: the curvature along each axis, which for the beam are those that the data part.
 
     Frequencies determine E t^2 / rho to a millionth, amplitudes rho t to a thousandth, and the thickness alone shows in

@@ -11,8 +11,8 @@ from math import log
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import RigError
 from modallab.core.places import RowsOfPlace
 from modallab.core.rig import Beam, Rig
@@ -20,8 +20,6 @@ from modallab.gap.model.tolerances import Departed, Deviation, Scales, applied, 
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.effects import with_known
 from modallab.twin.structure import MODES, ROOT, Structure, believed_root
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -60,14 +58,14 @@ class Nuisances:
         return 3 + self.modes + len(self.gains)
 
     @property
-    def axes(self) -> Array:
+    def axes(self) -> Real:
         """(3, 3) columns: what moves E, thickness and density so that only all frequencies, only the mass, and neither
         of them changes, in units of the priors' deviations."""
         t = self.rig.tolerance
         deviations = np.maximum([t.youngs_modulus, t.thickness, t.density], 1e-6)
         return np.array([[1.0, 1.0, -3.0], [0.0, 0.0, 1.0], [0.0, 1.0, -1.0]]) / deviations[:, None]
 
-    def within_priors(self, u: Array) -> Array:
+    def within_priors(self, u: Real) -> Real:
         """The same beam but for its rotary inertia, with the most likely thickness.
 
         Frequencies and amplitudes hardly determine the thickness: a fit from far off may have left it anywhere.
@@ -77,7 +75,7 @@ class Nuisances:
         straight[:3] -= along * float(along @ u[:3]) / float(along @ along)
         return straight
 
-    def without_gains(self, u: Array, channels: Sequence[object]) -> Array:
+    def without_gains(self, u: Real, channels: Sequence[object]) -> Real:
         """The same numbers (..., size) with the sensitivities of some channels at what the rig file says."""
         gone = [3 + self.modes + i for i, channel in enumerate(self.gains) if channel in channels]
         if not gone:
@@ -86,11 +84,11 @@ class Nuisances:
         u[..., gone] = 0.0
         return u
 
-    def build(self, u: Array) -> Twin:
+    def build(self, u: Real) -> Twin:
         """The twin of numbers (size,) without other effects than those that the rig's revisions know."""
         return self.builds(u[None])[0]
 
-    def builds(self, u: Array, replaced: Collection[tuple[str, RowsOfPlace | None]] = ()) -> list[Twin]:
+    def builds(self, u: Real, replaced: Collection[tuple[str, RowsOfPlace | None]] = ()) -> list[Twin]:
         """The twins of many numbers (twins, size) at once.
 
         Args:
@@ -100,11 +98,11 @@ class Nuisances:
         twins = [with_known(twin, self.rig) for twin in self._bare(u, replaced)]
         return twins if self.stepped else [replace(twin, element=None) for twin in twins]
 
-    def bare(self, u: Array, replaced: Collection[tuple[str, RowsOfPlace | None]] = ()) -> Twin:
+    def bare(self, u: Real, replaced: Collection[tuple[str, RowsOfPlace | None]] = ()) -> Twin:
         """The twin of numbers (size,) without these either."""
         return next(self._bare(u[None], replaced))
 
-    def _bare(self, u: Array, replaced: Collection[tuple[str, RowsOfPlace | None]]) -> Iterator[Twin]:
+    def _bare(self, u: Real, replaced: Collection[tuple[str, RowsOfPlace | None]]) -> Iterator[Twin]:
         nominal, chain, x_of, scales = _nominal(self)
         beams = self._beams(u, ("clamp_compliance", None) not in replaced)
         first = 3 + self.modes
@@ -120,7 +118,7 @@ class Nuisances:
                 twin = applied(twin, self.rig, _without(scales.by_tolerance(numbers), replaced), x_of)
             yield twin
 
-    def _beams(self, u: Array, softer: bool) -> Iterator[dict[str, Any]]:
+    def _beams(self, u: Real, softer: bool) -> Iterator[dict[str, Any]]:
         """What the first numbers (twins, size) make of the beam, by the names of `Structure`; `softer` of its root."""
         tolerance, damping = self.rig.tolerance, self.rig.damping_ratio
         nominal = _nominal(self)[0]

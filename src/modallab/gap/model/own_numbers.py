@@ -7,15 +7,13 @@ themselves, with their priors: Gauss-Newton steps (Nocedal and Wright, Numerical
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.drift_curve import improved
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import STEP
 from modallab.twin.bench import Twin
-
-Array = NDArray[np.float64]
 
 OF_HITS = ("hit_position_m", "hit_gain")
 """Tolerances that each drive point has a number of its own for."""
@@ -33,7 +31,7 @@ def twin_of(fit: Fit, data: Reduced) -> Twin:
     return own.problem.twin(own.u)
 
 
-def with_own_hits(fit: Fit, data: Reduced) -> Array:
+def with_own_hits(fit: Fit, data: Reduced) -> Real:
     """(u,) the fit's numbers, those of hits at drive points it has not seen as these records show them."""
     seen = {d.piece.drive_x_m for d in fit.problem.data.impacts if not d.piece.by_shaker}
     u = fit.u.copy()
@@ -46,11 +44,11 @@ def with_own_hits(fit: Fit, data: Reduced) -> Array:
     return u
 
 
-def _settled(problem: Problem, u: Array, own: list[int]) -> Array:
+def _settled(problem: Problem, u: Real, own: list[int]) -> Real:
     u = u.copy()
     for _ in range(STEPS):
         r = problem.residual(u)
-        columns: list[Array] = []
+        columns: list[Real] = []
         for k in own:
             moved = u.copy()
             moved[k] += STEP

@@ -1,8 +1,8 @@
 """Records of a campaign and what the twin says they read."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import force_amplitude, on_line, rise_of, wide_hit
@@ -11,10 +11,8 @@ from modallab.signals.signals import to_signals
 from modallab.twin.bench import Twin
 from modallab.twin.predict import predict_hit, predict_sine
 
-Array = NDArray[np.float64]
 
-
-def predict_record(twin: Twin, rig: Rig, block: Block, last_order: float, ratio: float = 1.0) -> Array:
+def predict_record(twin: Twin, rig: Rig, block: Block, last_order: float, ratio: float = 1.0) -> Real:
     """(channels, n) in SI units along the drive: one record from its measured force.
 
     Args:

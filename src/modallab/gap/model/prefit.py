@@ -8,19 +8,15 @@ J. 7 (1965), 308.
 
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.model.nuisances import Nuisances
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import apply
 from modallab.twin.modes import solve
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 SPREAD = 0.004
 """Relative deviation of a frequency that is called a match."""
@@ -30,12 +26,12 @@ SPREAD = 0.004
 class Start:
     """A place to begin: the free numbers, and how badly the frequencies fit there."""
 
-    u: Array
+    u: Real
     cost: float
 
 
 def starts(
-    candidates: tuple[Candidate, ...], free: Nuisances, poles: Complex, best: int = 2, former: Array | None = None
+    candidates: tuple[Candidate, ...], free: Nuisances, poles: Complex, best: int = 2, former: Real | None = None
 ) -> list[Start]:
     """The best places to begin: the last candidate on its grid, those before it where they are.
 
@@ -68,7 +64,7 @@ def refined(begin: Start, candidates: tuple[Candidate, ...], free: Nuisances, po
         return begin
     held = begin.u[free.size : len(begin.u) - count]
 
-    def cost(own: Array) -> float:
+    def cost(own: Real) -> float:
         return start(candidates, np.concatenate([held, own]), free, poles).cost
 
     own = begin.u[-count:]
@@ -80,7 +76,7 @@ def refined(begin: Start, candidates: tuple[Candidate, ...], free: Nuisances, po
     return moved if moved.cost < begin.cost else begin
 
 
-def start(candidates: tuple[Candidate, ...], effect_u: Array, free: Nuisances, poles: Complex) -> Start:
+def start(candidates: tuple[Candidate, ...], effect_u: Real, free: Nuisances, poles: Complex) -> Start:
     """A start with these effect coordinates; Young's modulus and damping follow from the poles."""
     u = np.concatenate([np.zeros(free.size), effect_u])
     twin, at = free.build(u[: free.size]), free.size
@@ -96,7 +92,7 @@ def start(candidates: tuple[Candidate, ...], effect_u: Array, free: Nuisances, p
     return Start(u, cost)
 
 
-def _match(seen: Array, model: Array, free: Nuisances) -> tuple[float, float, list[tuple[int, int]]]:
+def _match(seen: Real, model: Real, free: Nuisances) -> tuple[float, float, list[tuple[int, int]]]:
     """Young's modulus (in deviations) that brings the model's frequencies to those seen, robustly."""
     if not len(seen):
         return 0.0, 0.0, []
@@ -118,7 +114,7 @@ def _match(seen: Array, model: Array, free: Nuisances) -> tuple[float, float, li
     return float(np.clip(2 * shift / max(tolerance.youngs_modulus, 1e-4), -4, 4)), least, kept
 
 
-def _damping(poles: Complex, model: Complex, pairs: list[tuple[int, int]], free: Nuisances, coupled: bool) -> Array:
+def _damping(poles: Complex, model: Complex, pairs: list[tuple[int, int]], free: Nuisances, coupled: bool) -> Real:
     u = np.zeros(free.modes)
     if coupled:
         return u

@@ -3,8 +3,8 @@
 from math import log
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.diagnosis import Calibrated, CandidateSet
 from modallab.core.effects import Effect, kind_of
 from modallab.core.errors import DataError
@@ -17,13 +17,11 @@ from modallab.gap.model.tolerances import FREE, MOST
 from modallab.twin.candidate import Candidate, Slot
 from modallab.twin.structure import ROOT, believed_root
 
-Array = NDArray[np.float64]
-
 EDGE = 1e-6
 """How near to its bounds a share may be."""
 
 
-def coordinates_of(twin: Calibrated, free: Nuisances) -> Array:
+def coordinates_of(twin: Calibrated, free: Nuisances) -> Real:
     """(size,) the nuisances at which a fit left the twin: what `calibrated` wrote down, the other way round.
 
     Args:
@@ -61,7 +59,7 @@ def _free(value: float, free: float = FREE, most: float = MOST) -> float:
     return float(np.sign(value) * (free + room * np.arctanh(min((abs(value) - free) / room, 1 - 1e-9))))
 
 
-def begin_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool = False) -> tuple[Problem, Array]:
+def begin_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool = False) -> tuple[Problem, Real]:
     """An explanation's problem on records, and (u,) its numbers, from which a fit begins.
 
     Args:
@@ -80,7 +78,7 @@ def begin_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool 
     return Problem(data, free, tuple(f for f, _ in found), drift_curve=tuple(said.twin.drift_curve)), u
 
 
-def _free_again(effect: Effect, data: Reduced) -> tuple[Candidate, Array]:
+def _free_again(effect: Effect, data: Reduced) -> tuple[Candidate, Real]:
     """An effect with its numbers free, and the coordinates at which it is this one."""
     for c in _like(effect, data):
         values = effect.parameters | ({"x": effect.place.x} if isinstance(effect.place, AlongBeam) else {})
@@ -94,7 +92,7 @@ def _free_again(effect: Effect, data: Reduced) -> tuple[Candidate, Array]:
     )
 
 
-def _held_in_place(candidate: Candidate, own: Array) -> tuple[Candidate, Array]:
+def _held_in_place(candidate: Candidate, own: Real) -> tuple[Candidate, Real]:
     names = [s.name for s in candidate.slots]
     if "x" not in names:
         return candidate, own

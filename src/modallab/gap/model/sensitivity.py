@@ -10,11 +10,10 @@ form, here they are differences of two small eigenvalue problems.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.units import Test
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.gap.model.forward import hit_ratios, on_clock, sine_drift, with_shaker
@@ -24,8 +23,6 @@ from modallab.twin.modes import Modes, have_same_modes, solve
 from modallab.twin.neighbours import Neighbours
 from modallab.twin.structure import Structure
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 Kernel = Callable[[Complex], Complex]
 """From (p,) poles to (channels or 1, p, rows), the answers per unit residue at gain 1."""
 Follow = Callable[[Sequence[Twin], ManyModes], Numbers]
@@ -85,7 +82,7 @@ def next_to(modes: Modes, here: Structure, there: Sequence[Structure], first: in
     return [*found, *(near.get(k, modes) for k in range(first, len(there)))]
 
 
-def _gains(chain: Chain, data: Reduced) -> Array:
+def _gains(chain: Chain, data: Reduced) -> Real:
     return np.array([chain.gain.get(c, 1.0) for c in data.channels]) / chain.force_gain
 
 
@@ -106,11 +103,11 @@ class _Part:
 
     test: Test
     numbers: Follow
-    kernels: Array
+    kernels: Real
     poles: Complex
     residue: Complex
-    residual: Array
-    gains: Array
+    residual: Real
+    gains: Real
 
     def changes(self, twins: Sequence[Twin], modes: ManyModes, data: Reduced) -> Complex:
         """(twins, channels, rows) what the twins with these modes add."""
@@ -123,11 +120,11 @@ class _Part:
         weights = np.concatenate([moved.real, moved.imag, turned.real, turned.imag, static], axis=2)
         return self._summed(weights * self.gains[:, None])
 
-    def _summed(self, weights: Array) -> Complex:
+    def _summed(self, weights: Real) -> Complex:
         if len(self.kernels) == 1:
             flat = weights.reshape(-1, weights.shape[2]) @ self.kernels[0]
             return flat.view(np.complex128).reshape(*weights.shape[:2], -1)
-        summed: Array = np.matmul(weights.transpose(1, 0, 2), self.kernels)
+        summed: Real = np.matmul(weights.transpose(1, 0, 2), self.kernels)
         return summed.view(np.complex128).transpose(1, 0, 2)
 
 

@@ -6,16 +6,12 @@ the record's own (the relative error of a vector; Golub and Van Loan, Matrix Com
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.fit import all_rows
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 NODE = 0.03
 """Share of a record's mean squares below which a channel counts as at a node: its own response is no measure there."""
@@ -46,9 +42,9 @@ class Record:
     test: str
     at: int
     lines: slice
-    hz: Array
+    hz: Real
     y: Complex
-    noise: Array
+    noise: Real
 
 
 def records(data: Reduced) -> Iterator[Record]:
@@ -66,12 +62,12 @@ def records(data: Reduced) -> Iterator[Record]:
         yield Record(piece.name, "sine", at, own, hz[j], s.rows.y[:, own], noise[:, own])
 
 
-def _noise(rows: Rows) -> Array:
+def _noise(rows: Rows) -> Real:
     """Of each channel, and of the force along the response."""
     return 2 * rows.sigma**2 * (1 + rows.common * np.abs(rows.direction) ** 2)
 
 
-def left(data: Reduced, answers: Sequence[Complex], resonances_hz: Array) -> tuple[float | None, float | None]:
+def left(data: Reduced, answers: Sequence[Complex], resonances_hz: Real) -> tuple[float | None, float | None]:
     """Median over records of measured less predicted over the response, at resonance and away from it; noise taken off.
 
     Args:
@@ -126,7 +122,7 @@ def unexplained(data: Reduced, answers: Sequence[Complex]) -> float:
 
 
 def _most(data: Reduced, one: Sequence[Complex], other: Sequence[Complex], noisy: bool) -> float:
-    by_test: dict[str, list[Array]] = {}
+    by_test: dict[str, list[Real]] = {}
     for r in records(data):
         used = np.isfinite(r.noise)
         noise = np.where(used, r.noise, 0.0)
@@ -139,7 +135,7 @@ def _most(data: Reduced, one: Sequence[Complex], other: Sequence[Complex], noisy
     return float(np.sqrt(max(*squares, 0.0))) if squares else 0.0
 
 
-def relative(data: Reduced) -> tuple[Array, Reduced]:
+def relative(data: Reduced) -> tuple[Real, Reduced]:
     """The data weighed so that each record's squares are 1, and the squares that noise alone leaves then.
 
     The squares of noise are one for each entry of a residual, real parts first.

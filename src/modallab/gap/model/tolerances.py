@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
+from modallab.core.arrays import Real
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.twin.bench import Twin
 from modallab.twin.elements import FIELD_TERMS
 from modallab.twin.structure import believed_root
-
-Array = NDArray[np.float64]
 
 FREE = 3.0
 """Deviations of a tolerance up to which they are free."""
@@ -74,7 +73,7 @@ class Scales:
     """
 
     of: tuple[Deviation, ...]
-    sigma: Array
+    sigma: Real
     sign: NDArray[np.int64]
     roots: tuple[int, ...]
     named: tuple[tuple[str, slice, tuple[float, ...]], ...]
@@ -91,7 +90,7 @@ class Scales:
             named.append((name, slice(begin, begin + len(at)), at))
         return cls(of, np.array([d.sigma for d in of]), signs, roots, tuple(named))
 
-    def values(self, u: Array) -> Array:
+    def values(self, u: Real) -> Real:
         """(..., deviations) the numbers at coordinates u, as `Deviation.value` has each."""
         h = u if np.all(np.abs(u) < FREE) else held(u)
         values = _number(self.sigma, self.sign, h)
@@ -112,12 +111,12 @@ def by_tolerance(numbers: Iterable[tuple[Deviation, float]]) -> Departed:
     return values
 
 
-def _root(sigma: Any, deviations: Any) -> Array:
+def _root(sigma: Any, deviations: Any) -> Real:
     """The compliance of a root so many deviations off: of a half-normal number the quantile."""
     return np.asarray(sigma * -ndtri(ndtr(-np.maximum(deviations, LEAST)) / 2))
 
 
-def _number(sigma: Any, sign: Any, deviations: Any) -> Array:
+def _number(sigma: Any, sign: Any, deviations: Any) -> Real:
     """The number so many deviations off, half-normal where it has one sign only."""
     return np.asarray(sigma * np.where(sign, sign * (MEAN + SPREAD * deviations), deviations))
 
@@ -127,7 +126,7 @@ def held_one(u: float) -> float:
     return u if abs(u) < FREE else float(held(u))
 
 
-def held(u: Any, free: float = FREE, most: float = MOST) -> Array:
+def held(u: Any, free: float = FREE, most: float = MOST) -> Real:
     """As it is up to `free` deviations, and ever slower towards `most`: a fit that strayed can find its way back."""
     room = most - free
     return np.where(np.abs(u) < free, u, np.sign(u) * (free + room * np.tanh((np.abs(u) - free) / room)))
@@ -216,7 +215,7 @@ def applied(twin: Twin, rig: Rig, values: Departed, x_of: Mapping[float, float] 
     )
 
 
-def _added(field: Array, terms: dict[float, float]) -> Array:
+def _added(field: Real, terms: dict[float, float]) -> Real:
     total = field.copy()
     for k, a in terms.items():
         total[int(k)] += a

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.budget import Budget, BudgetRow, Division
 from modallab.core.digits import percent
 from modallab.core.quadrature import gauss_legendre
@@ -23,8 +23,6 @@ from modallab.gap.model.share import relative
 from modallab.gap.report.measure import divisions
 from modallab.gap.report.moved import moved
 from modallab.twin.effects import model_of
-
-Array = NDArray[np.float64]
 
 NODES = 8
 """Points of Gauss's rule on the way."""
@@ -80,24 +78,24 @@ class _Split:
     """
 
     columns: list[tuple[Division, str]]
-    belongs: Array
-    seen: Array
+    belongs: Real
+    seen: Real
 
     @classmethod
-    def of(cls, data: Reduced, resonances_hz: Sequence[float], seen: Array) -> Self:
+    def of(cls, data: Reduced, resonances_hz: Sequence[float], seen: Real) -> Self:
         columns, belongs = divisions(data, resonances_hz)
         return cls(columns, np.concatenate([np.ones((len(seen), 1)), belongs], axis=1), seen)
 
-    def shares(self, part: Array) -> Array:
+    def shares(self, part: Real) -> Real:
         """(..., 1 + columns) of a part (..., entries) of the residual: its product with the whole."""
         return (part * self.seen) @ self.belongs / float(self.seen @ self.seen)
 
-    def squares(self, values: Array) -> Array:
+    def squares(self, values: Real) -> Real:
         """(1 + columns,) of squares (entries,)."""
         return values @ self.belongs / float(self.seen @ self.seen)
 
     def row(
-        self, kind: Any, name: str, said: str, shares: Array, place: str = "", sigmas: float | None = None
+        self, kind: Any, name: str, said: str, shares: Real, place: str = "", sigmas: float | None = None
     ) -> BudgetRow:
         """A row of the budget."""
         by: dict[Division, dict[str, float]] = {}
@@ -106,7 +104,7 @@ class _Split:
         return BudgetRow(kind=kind, name=name, place=place, said=said, sigmas=sigmas, share=float(shares[0]), by=by)
 
 
-def _residual(problem: Problem, u: Array) -> Array:
+def _residual(problem: Problem, u: Real) -> Real:
     r = problem.residual(u)
     # The clock's own entry is no share of a response.
     return r[:-1] if problem.data.sines is not None else r
@@ -120,7 +118,7 @@ def _slots_before(fit: Fit, count: int) -> int:
     return fit.problem.free.size + sum(len(c.slots) for c in fit.problem.candidates[:count])
 
 
-def _numbers(fit: Fit, problem: Problem, u: Array, explained: Array, split: _Split) -> list[BudgetRow]:
+def _numbers(fit: Fit, problem: Problem, u: Real, explained: Real, split: _Split) -> list[BudgetRow]:
     """A row for each free number; together they are what the beam and the chain explain without any effect."""
     nodes, weights = gauss_legendre(NODES)
     parts = np.zeros((len(u), len(split.seen)))
@@ -145,7 +143,7 @@ def _numbers(fit: Fit, problem: Problem, u: Array, explained: Array, split: _Spl
     ]
 
 
-def cancelled(shares: Array, products: Array) -> list[list[int]]:
+def cancelled(shares: Real, products: Real) -> list[list[int]]:
     """Parts in groups, such that none works against the sum: what is left of a group is what stays once they cancel.
 
     Args:
@@ -170,7 +168,7 @@ def _together(said: list[str]) -> str:
     return said[0] if len(said) == 1 else f"{', '.join(said[:-1])} and {said[-1]} together"
 
 
-def _effect_row(fit: Fit, i: int, shares: Array, split: _Split) -> BudgetRow:
+def _effect_row(fit: Fit, i: int, shares: Real, split: _Split) -> BudgetRow:
     effect = fit.effects[i]
     return split.row("effect", effect.effect, model_of(effect.effect).spoken, shares)
 
@@ -204,7 +202,7 @@ def _within(row: BudgetRow) -> str:
     )
 
 
-def narrowing(fit: Fit) -> Array:
+def narrowing(fit: Fit) -> Real:
     """(nuisances,) share by which the deviation of an effect's number would shrink, at most, were each one known.
 
     Of a Gaussian conditioned on one of its numbers (Anderson, An Introduction to Multivariate Statistical Analysis,

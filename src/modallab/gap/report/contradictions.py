@@ -5,14 +5,12 @@ Statistics, 1986).
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.digits import change, percent
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.search.choose import Choice
 from modallab.twin.modes import solve
-
-Array = NDArray[np.float64]
 
 PULLED = 2.5
 """Deviations from which a sensitivity is worth a word, though within what the rig file allows."""
@@ -45,7 +43,7 @@ def _beam(choice: Choice, prepared: Prepared) -> list[str]:
     ]
 
 
-def common_shift(seen: Array, model: Array) -> tuple[float, float]:
+def common_shift(seen: Real, model: Real) -> tuple[float, float]:
     """The factor, as a logarithm, that brings the model's frequencies to those seen, and the share that then agree.
 
     Args:

@@ -3,11 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.conditioning.overtones import of_record
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.twin.effect_model import Overtones
-
-Array = NDArray[np.float64]
 
 OFTEN = 0.06
 """Share of sine responses with overtones that is no chance."""
@@ -55,7 +54,7 @@ def harmonic_shares(prepared: Prepared) -> tuple[float, float]:
     return float(np.mean(responses)) if responses.size else 0.0, float(np.mean(clear[:, force])) if len(clear) else 0.0
 
 
-def _by_row(clear: NDArray[np.bool_], usable: NDArray[np.bool_]) -> Array:
+def _by_row(clear: NDArray[np.bool_], usable: NDArray[np.bool_]) -> Real:
     return np.sum(clear & usable, axis=0) / np.maximum(np.sum(usable, axis=0), 1)
 
 

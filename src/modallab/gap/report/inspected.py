@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.diagnosis import Found
 from modallab.core.effects import kind_of, row_of
 from modallab.core.places import AllChannels, FixedPlace, OneChannel, Place, rows_of
@@ -20,8 +20,6 @@ from modallab.gap.model.predicted_records import predict_record
 from modallab.signals.conversion import volts_per_si
 from modallab.twin.base_motion import base_transmission
 from modallab.twin.bench import Twin
-
-Array = NDArray[np.float64]
 
 SURE = 0.98
 """Probability of an effect that the records show as such."""
@@ -186,7 +184,7 @@ def _base_motion(prepared: Prepared, twin: Twin) -> float:
     return float(np.sqrt(2 / block_s * np.sum(whole)))
 
 
-def _as_acceleration(density: Array, rig: Rig, length_s: float) -> Array:
+def _as_acceleration(density: Real, rig: Rig, length_s: float) -> Real:
     """(channels, lines) densities of velocities and displacements as those of the accelerations."""
     omega = 2 * np.pi * np.arange(density.shape[1]) / length_s
     missing = np.array([2 - DERIVATIVE[c.quantity] for c in rig.responses])

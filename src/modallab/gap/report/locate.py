@@ -6,11 +6,10 @@ a phase in proportion to frequency.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.digits import change, part_of, percent, rounded
 from modallab.core.effects import Stage
 from modallab.gap.conditioning.prepare import Prepared
@@ -23,9 +22,6 @@ from modallab.gap.report.levels import levels_differ
 from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.fitting import COARSE, Bench, excess
 from modallab.twin.modes import solve
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 CURES = 0.08
 """Leaving a channel out must bring the excess below this share for the gap to be that channel's."""
@@ -140,7 +136,7 @@ def delay_share(base: Fit) -> float:
     return float(np.sum(weight * phase * f)) ** 2 / max(whole * float(np.sum(weight * f**2)), 1e-300)
 
 
-def _in_noise(base: Fit) -> tuple[Complex, Complex, Array]:
+def _in_noise(base: Fit) -> tuple[Complex, Complex, Real]:
     """(channels, lines) measured and predicted in noise units, and (lines,) Hz, all parts of the data side by side."""
     data = base.problem.data
     rows, answers = all_rows(data), forward(base.problem.twin(base.u), data)

@@ -12,14 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.budget import Division
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import all_hz, all_rows
 from modallab.gap.model.forward import forward
 from modallab.twin.bench import Twin
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 BANDS_HZ = (0.0, 10.0, 20.0, 50.0, 120.0, 200.0, 400.0, 1000.0)
 
@@ -38,13 +36,13 @@ class Squares:
         order: (entries,) place in time, 0 to 1.
     """
 
-    total: Array
-    count: Array
+    total: Real
+    count: Real
     records: tuple[str, ...]
     tests: tuple[str, ...]
     levels: tuple[str, ...]
     channels: tuple[int, ...]
-    order: Array
+    order: Real
 
     @property
     def gap(self) -> float:
@@ -118,7 +116,7 @@ def share_within(
     return float(np.clip(inside / whole, 0.0, 1.0)) if whole > 0 else 0.0
 
 
-def divisions(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple[Division, str]], Array]:
+def divisions(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple[Division, str]], Real]:
     """What the entries of a residual belong to, real parts first, then imaginary ones.
 
     Args:
@@ -145,7 +143,7 @@ def divisions(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple
     return columns, np.concatenate([belongs, belongs])
 
 
-def _kinds(data: Reduced) -> list[tuple[str, Array, NDArray[np.bool_]]]:
+def _kinds(data: Reduced) -> list[tuple[str, Real, NDArray[np.bool_]]]:
     """Test, (rows,) Hz and (channels, rows) use of each part of the data."""
     tests = [d.piece.test for d in data.impacts] + ["sine"] * (data.sines is not None)
     used = (np.isfinite(rows.sigma) for rows in all_rows(data))

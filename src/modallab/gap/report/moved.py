@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.digits import change, percent
 from modallab.core.rig import Rig
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.tolerances import Deviation, held
 from modallab.twin.structure import ROOT
-
-Array = NDArray[np.float64]
 
 SPOKEN = {"youngs_modulus": "Young's modulus", "thickness": "thickness", "density": "density"}
 
@@ -34,7 +32,7 @@ class Moved:
 TIMES = {1: "once", 2: "twice"}
 
 
-def moved(problem: Problem, u: Array) -> list[Moved]:
+def moved(problem: Problem, u: Real) -> list[Moved]:
     """One for each free number at u, in their order."""
     free, rig = problem.free, problem.data.rig
     t = rig.tolerance

@@ -8,14 +8,12 @@ fit stays in the one where it began.
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import WORKERS, jacobian
 from modallab.twin.effects import search_of
 from modallab.twin.modes import solve
-
-Array = NDArray[np.float64]
 
 PLACES = tuple(np.linspace(0.3, 1.0, 15).tolist())
 """Places over L that are tried."""
@@ -74,7 +72,7 @@ def _slowest(fit: Fit, x: float) -> float:
     return float(abs(modes.at(np.array([x * structure.length_m]))[0, np.argmin(abs(modes.poles))]))
 
 
-def _followed(problem: Problem, u: Array, J: Array, place: int) -> Fit:
+def _followed(problem: Problem, u: Real, J: Real, place: int) -> Fit:
     """A few steps of all numbers but the place, with slopes that are known."""
     moving = np.delete(np.arange(len(u)), place)
     n, here, damping = problem.free.size, seen(problem, u), FIRST

@@ -8,8 +8,8 @@ part in turn, as in Picard's iteration).
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.progress import part
 from modallab.gap.conditioning.reduce import thinned
 from modallab.gap.conditioning.rows import Reduced
@@ -24,8 +24,6 @@ from modallab.gap.search.fitting import Bench, on_all
 from modallab.gap.search.nonlinear import on_all_records
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Candidate
-
-Array = NDArray[np.float64]
 
 SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
 """Effects that leave the root soft even where their element does nothing, and the stiffness that stays."""
@@ -81,7 +79,7 @@ def bare(bench: Bench, fit: Fit) -> Fit:
     return Fit(problem, u, float(np.sum(fit.residual**2)), fit.residual, np.eye(len(u)))
 
 
-def _with_root(own: Array, stepped: Candidate, found: Fit, at: int) -> Array:
+def _with_root(own: Real, stepped: Candidate, found: Fit, at: int) -> Real:
     if stepped.effect not in SOFT:
         return own
     own, names = own.copy(), [s.name for s in stepped.slots]

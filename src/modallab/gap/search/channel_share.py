@@ -1,16 +1,14 @@
 """How much of a misfit stands in each channel."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.model.fit import Fit, all_rows, softened
 from modallab.gap.model.forward import forward
 from modallab.gap.search.fitting import misfit
 
-Array = NDArray[np.float64]
 
-
-def channel_share(fit: Fit) -> Array:
+def channel_share(fit: Fit) -> Real:
     """(channels,) share of the relative misfit that stands in each channel, big responses no more than small ones."""
     twin, floor = fit.problem.twin(fit.u), misfit(fit.problem, fit.u)
     total = np.zeros(len(fit.problem.data.channels))

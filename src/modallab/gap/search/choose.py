@@ -6,8 +6,8 @@ Effects are dropped one by one as in backward elimination (Draper and Smith, App
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.effects import kind_of
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level
@@ -20,8 +20,6 @@ from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.consequence import Dismissed, of_consequence
 from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, temperature_of, without
 from modallab.twin.effects import search_of
-
-Array = NDArray[np.float64]
 
 CLOSED = 0.998
 """Share of the excess an explanation must close to count as one, where it does not reach the floor."""
@@ -243,7 +241,7 @@ def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
     return sorted(zip(ordered, shares.tolist(), strict=True), key=lambda pair: -pair[1])
 
 
-def shares_of(costs: Array, effects: Array, n: float, temperature: float | Array) -> Array:
+def shares_of(costs: Real, effects: Real, n: float, temperature: float | Real) -> Real:
     """(..., explanations) probabilities of explanations, see `probabilities`.
 
     Args:

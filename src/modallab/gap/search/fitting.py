@@ -6,11 +6,10 @@ Fits begin with a large model error forgiven and end with none, so that they pas
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.overtones import Overtone
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import PointModes
@@ -22,9 +21,6 @@ from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start
 from modallab.gap.model.tolerances import MOST
 from modallab.twin.candidate import Candidate
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 COARSE = 0.3
 """Largest relative model error that is forgiven while a fit finds its way."""
@@ -70,7 +66,7 @@ class Bench:
     flat: float = FLAT
     watched: float = WATCHED
     overtones: tuple[Overtone, ...] = ()
-    known: tuple[tuple[Problem, Array], ...] = ()
+    known: tuple[tuple[Problem, Real], ...] = ()
     points: tuple[PointModes, ...] = ()
     row: int | None = None
 
@@ -120,7 +116,7 @@ def plausible(fit: Fit) -> bool:
     return bool(np.all(np.abs(_strained(fit.problem.free, fit.u)) <= MOST))
 
 
-def _strained(free: Nuisances, u: Array) -> Array:
+def _strained(free: Nuisances, u: Real) -> Real:
     return np.concatenate([u[:3], u[3 + free.modes : free.size]])
 
 
@@ -141,7 +137,7 @@ def fitted_from_rest(bench: Bench, fit: Fit) -> Fit:
     return on_all(bench, minimise(problem, at_rest(bench.free, fit.u), 6, 1e-2))
 
 
-def at_rest(free: Nuisances, u: Array) -> Array:
+def at_rest(free: Nuisances, u: Real) -> Real:
     """The same numbers with the assembly as the rig file has it and the beam within its tolerances."""
     u = u.copy()
     u[3 + free.modes : free.size] = 0.0
@@ -149,12 +145,12 @@ def at_rest(free: Nuisances, u: Array) -> Array:
     return u
 
 
-def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
+def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Real) -> Fit:
     """A fit brought to its end from these coordinates of the effects and the beam that the poles show."""
     return finish(bench, at_poles(bench, candidates, own), COARSE / 6)
 
 
-def at_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
+def at_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Real) -> Fit:
     """A short fit from there."""
     return short(bench, candidates, start(candidates, own, bench.free, bench.poles).u, COARSE)
 
@@ -164,7 +160,7 @@ def on_all(bench: Bench, fit: Fit) -> Fit:
     return seen(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, fit.normal)
 
 
-def misfit(problem: Problem, u: Array) -> float:
+def misfit(problem: Problem, u: Real) -> float:
     """Relative model error at which these numbers would be excused: where a look for more must begin."""
     twin = problem.twin(u)
     answers = forward(twin, problem.data)
@@ -176,7 +172,7 @@ def misfit(problem: Problem, u: Array) -> float:
     return 0.001
 
 
-def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float, steps: int = 3) -> Fit:
+def short(bench: Bench, candidates: tuple[Candidate, ...], u: Real, floor: float, steps: int = 3) -> Fit:
     """A few steps on thinned data, while a relative error of `floor` is forgiven; its cost is to be compared."""
     # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
     problem = Problem(bench.thin, bench.free, candidates)
@@ -186,7 +182,7 @@ def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: floa
     return seen(replace(problem, floor=floor, held=_beam(fit.u)), fit.u, fit.normal)
 
 
-def _beam(u: Array) -> tuple[float, float, float]:
+def _beam(u: Real) -> tuple[float, float, float]:
     """Where a beam is held: where it is, unless a wrong model has strained it there."""
     return (float(u[0]), float(u[1]), float(u[2])) if np.all(np.abs(u[:3]) < STRAIGHT) else (0.0, 0.0, 0.0)
 
@@ -196,7 +192,7 @@ def without(fit: Fit, which: int) -> Fit:
     return minimise(*left_out(fit.problem, fit.u, which), 4, 1e-2)
 
 
-def left_out(problem: Problem, u: Array, which: int) -> tuple[Problem, Array]:
+def left_out(problem: Problem, u: Real, which: int) -> tuple[Problem, Real]:
     """A problem without one of its effects, and all other numbers as they are."""
     candidates = problem.candidates
     at = problem.free.size + sum(len(c.slots) for c in candidates[:which])

@@ -7,11 +7,10 @@ there: the answer of the linear beam to a force, or to a couple, at its place. N
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.overtones import Overtone
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit
@@ -24,9 +23,6 @@ from modallab.twin.effects import search_of
 from modallab.twin.elements import curvature_rows, shape_rows
 from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 PLACES = 99
 """Places along the beam at which it is tried at first, and about the best of them again."""
@@ -107,7 +103,7 @@ def place(found: Sequence[Overtone], twins: Sequence[Twin], data: Reduced, acts:
     return min(tried, key=lambda p: p.left)
 
 
-def _rows(at: Array, twin: Twin, acts: Acts) -> Array:
+def _rows(at: Real, twin: Twin, acts: Acts) -> Real:
     """(places, n) over the elements' degrees of freedom."""
     length = twin.structure.length_m
     if acts != "couple":
@@ -119,7 +115,7 @@ def _rows(at: Array, twin: Twin, acts: Acts) -> Array:
     return np.einsum("w,pwn->pn", weights, rows)
 
 
-def _left(overtone: Overtone, twin: Twin, modes: Modes, data: Reduced, rows: Array) -> Array:
+def _left(overtone: Overtone, twin: Twin, modes: Modes, data: Reduced, rows: Real) -> Real:
     """(places,) share of one overtone's squares that no force there makes."""
     y, shapes = overtone.y, _answer(2j * np.pi * overtone.hz, twin, modes, data, rows)
     weight = 1 / np.hypot(overtone.beside, INEXACT * np.max(np.abs(y)))
@@ -128,7 +124,7 @@ def _left(overtone: Overtone, twin: Twin, modes: Modes, data: Reduced, rows: Arr
     return np.minimum(1 - made / np.sum(np.abs(y) ** 2), MOST)
 
 
-def _answer(s: complex, twin: Twin, modes: Modes, data: Reduced, rows: Array) -> Complex:
+def _answer(s: complex, twin: Twin, modes: Modes, data: Reduced, rows: Real) -> Complex:
     """(places, channels) acceleration as recorded for a unit of each force."""
     x_m = sensor_positions(twin.chain, modes, data.channels, data.x_m)
     psi, own = modes.at(x_m), rows @ modes.columns

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.model.fit import Fit, all_hz, all_rows, seen
@@ -20,8 +21,6 @@ from modallab.gap.search.series_stiffness import HIDDEN, interval_in_series
 from modallab.twin.candidate import Slot
 from modallab.twin.effects import search_of
 from modallab.twin.modes import solve
-
-Array = NDArray[np.float64]
 
 MODEL_SHARE = 0.7
 """Relative error of a parameter per relative residual its effect leaves."""
@@ -171,7 +170,7 @@ def relative_tolerance(effect: Effect, rig: Rig) -> float:
     return 1 / max(search.deviations(effect, rig), 1e-9)
 
 
-def deviations(fit: Fit) -> Array:
+def deviations(fit: Fit) -> Real:
     """(u,) standard deviation of each free number; UNFELT where no data move.
 
     The curvature is that at the fit: a fit's own is that of its last slopes, from where it has moved on since.
@@ -193,7 +192,7 @@ def deviations(fit: Fit) -> Array:
     return found
 
 
-def _pulls(fit: Fit, J: Array) -> Array:
+def _pulls(fit: Fit, J: Real) -> Real:
     """(clusters, u) by how much each cluster of residuals pulls at the free numbers: its part of J^T r."""
     n = sum(rows.y.size for rows in all_rows(fit.problem.data))
     # What the clock says is one number, and its noise is its own.

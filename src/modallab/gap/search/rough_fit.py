@@ -8,8 +8,8 @@ before (Holland and Welsch, Commun. Stat. A 6, 1977, 813, with Cauchy's weights,
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
@@ -17,8 +17,6 @@ from modallab.gap.search.few_blocks import looked_at
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.overtone_lines import LINES, with_overtones
 from modallab.gap.search.rough_starts import COUNTS, FREQUENCIES, exact, is_overtone, relative, score, sizes
-
-Array = NDArray[np.float64]
 
 FORGIVEN = 0.1
 """Relative error that is forgiven of hits, which run through every state of a law."""
@@ -30,7 +28,7 @@ WORSE = 10.0
 """By how much the sines' score may rise for what the hits say of the high modes' damping."""
 
 
-def followed(problem: Problem, u: Array, rounds: int) -> Array:
+def followed(problem: Problem, u: Real, rounds: int) -> Real:
     """The numbers that follow the sines best, from u on."""
     best, least = u, score(problem, u)
     for _ in range(rounds):
@@ -53,7 +51,7 @@ def followed_on_all(bench: Bench, fit: Fit) -> Fit:
     return seen(whole, _with_hits(sines, bench.data, u))
 
 
-def _with_hits(sines: Problem, data: Reduced, u: Array) -> Array:
+def _with_hits(sines: Problem, data: Reduced, u: Real) -> Real:
     """The beam's numbers from hits as well, if the sines stay followed; overtones and sines hold the law."""
     after = minimise(_both(sines, data, u, FORGIVEN), u, 2, 3e-2).u
     return after if score(sines, after) < score(sines, u) + WORSE else u
@@ -73,7 +71,7 @@ def beam_of_hits(bench: Bench, fit: Fit) -> Fit:
     return seen(whole, minimise(_both(held, bench.data, fit.u, NEARLY), fit.u, 2, 3e-2).u)
 
 
-def _both(sines: Problem, data: Reduced, u: Array, floor: float) -> Problem:
+def _both(sines: Problem, data: Reduced, u: Real, floor: float) -> Problem:
     """Hits of which some is forgiven beside sines that are weighed by how they are followed."""
     both = replace(_weighed(sines.data, relative(sines, u)), impacts=data.impacts)
     return replace(sines, data=both, floor=floor, held=(float(u[0]), float(u[1]), float(u[2])))
@@ -93,7 +91,7 @@ def follows(bench: Bench, fit: Fit, base: Fit, share: float) -> bool:
     return float(np.median(left[:, ~above])) <= share * float(np.median(before[:, ~above]))
 
 
-def _weighed(data: Reduced, off: Array) -> Reduced:
+def _weighed(data: Reduced, off: Real) -> Reduced:
     assert data.sines is not None
     rows = data.sines.rows
     sigma = sizes(data) * np.hypot(off, exact(data)) / np.sqrt(COUNTS / 2)

@@ -7,21 +7,18 @@ valley, and one wrong channel does not decide.
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import WORKERS
 from modallab.gap.search.overtone_lines import LINES
 from modallab.twin.candidate import Slot
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 FREQUENCIES = 12
 """Sines that are looked at."""
@@ -41,7 +38,7 @@ APART = 1.5
 """Spacings of the starts within which two are the same."""
 
 
-def likeliest(problem: Problem, begins: list[Array]) -> Array:
+def likeliest(problem: Problem, begins: list[Real]) -> Real:
     """The best of the best starts, polished without slopes (Nelder and Mead, Comput. J. 7, 1965, 308).
 
     Args:
@@ -49,7 +46,7 @@ def likeliest(problem: Problem, begins: list[Array]) -> Array:
         begins: coordinates to begin from.
     """
 
-    def polished(u: Array) -> Array:
+    def polished(u: Real) -> Real:
         return _polished(problem, u)
 
     chosen = apart(problem, begins)
@@ -57,24 +54,24 @@ def likeliest(problem: Problem, begins: list[Array]) -> Array:
         return min(workers.map(polished, chosen), key=partial(score, problem))
 
 
-def apart(problem: Problem, begins: list[Array]) -> list[Array]:
+def apart(problem: Problem, begins: list[Real]) -> list[Real]:
     """The best of the starts that are not the same, best first."""
     with ThreadPoolExecutor(WORKERS) as workers:
         scores = list(workers.map(partial(score, problem), begins))
-    chosen: list[Array] = []
+    chosen: list[Real] = []
     for i in np.argsort(scores):
         if not any(_same(problem, begins[i], u) for u in chosen):
             chosen.append(begins[i])
     return chosen[:BEGUN]
 
 
-def score(problem: Problem, u: Array) -> float:
+def score(problem: Problem, u: Real) -> float:
     """How far the sines are off, each as a share of its own size, and the numbers from their priors."""
     off = relative(problem, u)
     return COUNTS / 2 * float(np.sum(np.log1p((off / exact(problem.data)) ** 2))) + problem.priors(u)[0]
 
 
-def exact(data: Reduced) -> Array:
+def exact(data: Reduced) -> Real:
     """(channels, groups) share of its own size that any law, or the noise, leaves of each sine and overtone."""
     assert data.sines is not None
     noise = np.where(np.isfinite(data.sines.rows.sigma), data.sines.rows.sigma, 0.0)
@@ -89,35 +86,35 @@ def is_overtone(data: Reduced) -> NDArray[np.bool_]:
     return np.tile(np.arange(groups) > 0, len(data.sines.source.lines))
 
 
-def relative(problem: Problem, u: Array) -> Array:
+def relative(problem: Problem, u: Real) -> Real:
     """(channels, groups) what is left of each sine, and overtone, on each accelerometer over its size; 0 if unused."""
     assert problem.data.sines is not None
     left = problem.data.sines.rows.y - forward(problem.twin(u), problem.data)[-1]
     return _by_block(problem.data, left) / sizes(problem.data)
 
 
-def sizes(data: Reduced) -> Array:
+def sizes(data: Reduced) -> Real:
     """(channels, groups) length of each sine's numbers on each accelerometer, no less than a share of what all have."""
     assert data.sines is not None
     own = _by_block(data, data.sines.rows.y)
     return np.maximum(own, np.maximum(LEAST * np.sqrt(np.mean(own**2, axis=0)), 1e-300))
 
 
-def _by_block(data: Reduced, values: Complex) -> Array:
+def _by_block(data: Reduced, values: Complex) -> Real:
     assert data.sines is not None
     used = np.isfinite(data.sines.rows.sigma)
     squares = np.where(used, np.abs(values) ** 2, 0.0).reshape(len(values), -1, LINES)
     return np.sqrt(np.sum(squares, axis=2))
 
 
-def _same(problem: Problem, u: Array, other: Array) -> bool:
+def _same(problem: Problem, u: Real, other: Real) -> bool:
     slots = problem.candidates[-1].slots
     steps = np.array([APART * 2 * _step(s) for s in slots])
     first = len(u) - len(slots)
     return bool(np.all(np.abs(u - other)[first:] <= steps)) and abs(u[0] - other[0]) < 1.0
 
 
-def _polished(problem: Problem, u: Array) -> Array:
+def _polished(problem: Problem, u: Real) -> Real:
     """The beam's stiffness and the effect's own numbers moved to where they leave less nearby."""
     slots = problem.candidates[-1].slots
     moving = [i for i, s in enumerate(slots) if len(s.starts) > 1 or s.name == "x"]
@@ -125,7 +122,7 @@ def _polished(problem: Problem, u: Array) -> Array:
     steps = np.array([_step(slots[i]) for i in moving])
     steps = np.array([np.min(steps), *steps])
 
-    def moved(v: Array) -> Array:
+    def moved(v: Real) -> Real:
         there = u.copy()
         there[at] += v * steps
         return there

@@ -6,8 +6,8 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem, seen
@@ -20,8 +20,6 @@ from modallab.gap.search.rough_fit import followed
 from modallab.gap.search.rough_starts import FREQUENCIES, apart, likeliest, score
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import search_of
-
-Array = NDArray[np.float64]
 
 LOOKED = 0.1
 """Relative error that is forgiven in a first look."""
@@ -54,14 +52,14 @@ def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Can
         return [seen(problem, u)]
     chosen = _one_a_place(replace(problem, data=some[1]), begins)
 
-    def first(u: Array) -> Fit:
+    def first(u: Real) -> Fit:
         return minimise(replace(problem, held=beam_at(u)), u, 2, 3e-2)
 
     with ThreadPoolExecutor(WORKERS) as workers:
         return sorted(workers.map(first, chosen), key=lambda f: f.cost)
 
 
-def _by_sine(even: Problem, begins: list[Array], rough: bool) -> Array:
+def _by_sine(even: Problem, begins: list[Real], rough: bool) -> Real:
     """Where the sines are followed best; slopes lead there from the likeliest starts, or after these were polished."""
     assert even.data.sines is not None
     coarse = replace(even.data.sines.source, coarse=True)
@@ -71,29 +69,29 @@ def _by_sine(even: Problem, begins: list[Array], rough: bool) -> Array:
     return min((followed(even, u, 2) for u in apart(starts, begins)), key=lambda u: score(even, u))
 
 
-def _one_a_place(problem: Problem, begins: list[tuple[float, Array]]) -> list[Array]:
+def _one_a_place(problem: Problem, begins: list[tuple[float, Real]]) -> list[Real]:
     """The likeliest start at each of the likeliest places: a place is seldom left again.
 
     Of a law that is everywhere the likeliest with each beam: one that stops all resonances leaves little of any.
     """
 
-    def cost(u: Array) -> float:
+    def cost(u: Real) -> float:
         return float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)) + problem.priors(u)[0])
 
     with ThreadPoolExecutor(WORKERS) as workers:
         costs = list(workers.map(cost, (u for _, u in begins)))
-    best: dict[float, Array] = {}
+    best: dict[float, Real] = {}
     for i in np.argsort(costs):
         best.setdefault(begins[i][0], begins[i][1])
     return list(best.values())[:PLACES]
 
 
-def beam_at(u: Array) -> tuple[float, float, float]:
+def beam_at(u: Real) -> tuple[float, float, float]:
     """Young's modulus, thickness and density of these numbers, in deviations, to hold a beam there."""
     return float(u[0]), float(u[1]), float(u[2])
 
 
-def _begins(bench: Bench, base: Fit, candidate: Candidate, values: tuple[float, ...]) -> Iterator[Array]:
+def _begins(bench: Bench, base: Fit, candidate: Candidate, values: tuple[float, ...]) -> Iterator[Real]:
     """Where a fit may begin: the beam as believed, and those that the poles of small and of large motion show."""
     own = np.array([s.coordinate(v) for s, v in zip(candidate.slots, values, strict=True)])
     beside = base.u[bench.free.size :]
@@ -109,7 +107,7 @@ def _begins(bench: Bench, base: Fit, candidate: Candidate, values: tuple[float, 
         yield np.concatenate([poles.u[: bench.free.size], beside, own])
 
 
-def _linear(bench: Bench, candidate: Candidate, own: Array) -> Iterator[tuple[Candidate, Array]]:
+def _linear(bench: Bench, candidate: Candidate, own: Real) -> Iterator[tuple[Candidate, Real]]:
     """Linear effects with nearly the same poles."""
     names = [s.name for s in candidate.slots]
     if "EI_loss_open" not in names:

@@ -9,8 +9,8 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.digits import change
@@ -25,8 +25,6 @@ from modallab.gap.design.prediction import Records, predict, with_records
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.shrinkage import BARE, closed
 from modallab.gap.simulations.simulation_residual import simulation_residual
-
-Array = NDArray[np.float64]
 
 SEED = 20240502
 APART = 0.05
@@ -159,7 +157,7 @@ def _names_held(campaign: Campaign, bench: Diagnosis) -> set[str]:
     return there & set(bench.shrink.held_out) or there
 
 
-def _corrected(campaign: Campaign, records: Records, bench: Diagnosis, simulation: Diagnosis) -> dict[str, Array]:
+def _corrected(campaign: Campaign, records: Records, bench: Diagnosis, simulation: Diagnosis) -> dict[str, Real]:
     of_bench, of_simulation = predict(bench, campaign), predict(simulation, campaign)
     return {name: records[name] + of_bench[name] - of_simulation[name] for name in of_bench}
 

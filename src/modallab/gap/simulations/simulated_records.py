@@ -7,9 +7,9 @@ than it was sampled, by band-limited interpolation (Shannon, Proc. IRE 37, 1949,
 from collections.abc import Callable, Collection
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import resample
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
@@ -21,8 +21,7 @@ from modallab.signals.conversion import unit_per_si
 from modallab.signals.hit import windowed_force
 from modallab.signals.signals import Signals, to_signals
 
-Array = NDArray[np.float64]
-Simulate = Callable[[Array, float], Array]
+Simulate = Callable[[Real, float], Real]
 """From (points, n) force in N at the rig's points, along the drive, and the time step in s to (channels, n) what the
 response channels sense, along the drive: m/s^2, m/s or m. It begins from rest."""
 
@@ -34,7 +33,7 @@ FINER_SINE = 8
 
 def simulated_records(
     simulate: Simulate, campaign: Campaign, records: Collection[str] | None = None, finer: int | None = None
-) -> dict[str, Array]:
+) -> dict[str, Real]:
     """Record -> (channels, n): what a simulation says each response channel reads, in the channel's own unit.
 
     Args:
@@ -60,7 +59,7 @@ def simulated_records(
     return {b.name: units * _record(simulate, rig, b, ratio, finer) for b in blocks}
 
 
-def _record(simulate: Simulate, rig: Rig, block: Block, ratio: float, finer: int | None) -> Array:
+def _record(simulate: Simulate, rig: Rig, block: Block, ratio: float, finer: int | None) -> Real:
     signals = to_signals(block, rig)
     hit = block.test == "impact"
     times = finer or (FINER if hit else FINER_SINE)
@@ -79,12 +78,12 @@ def _record(simulate: Simulate, rig: Rig, block: Block, ratio: float, finer: int
     return answer[:, ::times][:, -block.n_samples :]
 
 
-def _hit_force(signals: Signals, times: int) -> Array:
+def _hit_force(signals: Signals, times: int) -> Real:
     force = windowed_force(signals.force, wide_hit(signals))
     return np.asarray(resample(force, len(force) * times), dtype=np.float64)
 
 
-def _sine_force(signals: Signals, block: Block, ratio: float, times: int) -> Array:
+def _sine_force(signals: Signals, block: Block, ratio: float, times: int) -> Real:
     """The sine from where it began to rise to the end of the block."""
     dt = 1 / block.rate_hz
     f0 = on_line(block.frequency_hz or 0.0, block.n_samples, dt) * ratio

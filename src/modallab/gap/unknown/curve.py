@@ -10,13 +10,11 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from modallab.core.arrays import Real
 from modallab.gap.unknown.volts import Channel
 from modallab.twin.learned.row_curve import apply_curve
-
-Array = NDArray[np.float64]
 
 FAMILIES = (
     ("tanh_v",),
@@ -61,12 +59,12 @@ class Curve:
             for n, x in zip(self.family, self.q, strict=True)
         }
 
-    def made(self, channel: Channel) -> dict[str, Array]:
+    def made(self, channel: Channel) -> dict[str, Real]:
         """Record -> (n,) V that it makes of what the twin predicts."""
         law = self.law
         return {name: apply_curve(u, law) for name, u in channel.expected.items()}
 
-    def moved(self, q: Array) -> "Curve":
+    def moved(self, q: Real) -> "Curve":
         """The same with other numbers."""
         return Curve(self.family, tuple(q.tolist()), self.peak)
 
@@ -80,7 +78,7 @@ def curve_of(channel: Channel, names: Collection[str]) -> Curve:
     def fitted(family: tuple[str, ...]) -> tuple[float, Curve]:
         begin = Curve(family, tuple(_begin(n, peak) for n in family), peak)
 
-        def off(q: Array) -> Array:
+        def off(q: Real) -> Real:
             law = begin.moved(q).law
             return np.concatenate([apply_curve(u, law)[::EVERY] for u, _ in pairs]) - v
 
@@ -108,14 +106,14 @@ def _range(name: str, peak: float) -> tuple[float, float]:
     return float(np.log(least)), float(np.log(most))
 
 
-def refined(curve: Curve, residual: Callable[[Curve], Array]) -> tuple[Curve, dict[str, tuple[float, float]]]:
+def refined(curve: Curve, residual: Callable[[Curve], Real]) -> tuple[Curve, dict[str, tuple[float, float]]]:
     """The curve whose residual on the lines is least, and 95 % intervals of its numbers.
 
     Args:
         curve: where to begin.
         residual: of a curve, in noise units.
     """
-    q: Array = np.array(curve.q)
+    q: Real = np.array(curve.q)
     r = residual(curve)
     J = np.zeros((len(r), len(q)))
     for _ in range(STEPS):
@@ -128,7 +126,7 @@ def refined(curve: Curve, residual: Callable[[Curve], Array]) -> tuple[Curve, di
         if there @ there >= r @ r:
             break
         q, r = (q + step).astype(np.float64), there
-    spread: Array = 1.96 * np.sqrt(
+    spread: Real = 1.96 * np.sqrt(
         np.diag(np.linalg.pinv(J.T @ J)) * max(float(r @ r) / max(np.count_nonzero(r), 1), 1.0)
     )
     low, high = curve.moved(q - spread).law, curve.moved(q + spread).law

@@ -7,15 +7,11 @@ PNAS 113, 2016, 3932), here with complex data and their noise.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.unknown.missing_force import Missing
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 SUBSETS = (("k",), ("m",), ("c",), ("k", "c"), ("k", "m"), ("hung",), ("k", "hung"), ("c", "hung"))
 """Terms that are tried together."""
@@ -63,14 +59,14 @@ def laws(missing: Missing) -> list[Law]:
 
 
 def _best(
-    columns: list[Complex], hung: bool, motion: tuple[Complex, Complex], hz: Array, target: Complex
-) -> tuple[float, Array, float]:
+    columns: list[Complex], hung: bool, motion: tuple[Complex, Complex], hz: Real, target: Complex
+) -> tuple[float, Real, float]:
     """What stays, the terms' numbers, and the resonance of the mass that hangs, if there is one."""
     if not hung:
         return (*_solved(columns, target), 0.0)
     s, w = motion
 
-    def tried(at: Array) -> list[tuple[float, Array, float]]:
+    def tried(at: Real) -> list[tuple[float, Real, float]]:
         return [(*_solved([*columns, _hung(s, float(f)) * w], target), float(f)) for f in at]
 
     coarse = min(tried(hz), key=_left)
@@ -79,7 +75,7 @@ def _best(
     return min([coarse, *tried(np.geomspace(coarse[2] / step, coarse[2] * step, FINER))], key=_left)
 
 
-def _left(solved: tuple[float, Array, float]) -> float:
+def _left(solved: tuple[float, Real, float]) -> float:
     return solved[0]
 
 
@@ -90,7 +86,7 @@ def _hung(s: Complex, hz: float) -> Complex:
     return s**2 * pull / (s**2 + pull)
 
 
-def _solved(columns: list[Complex], target: Complex) -> tuple[float, Array]:
+def _solved(columns: list[Complex], target: Complex) -> tuple[float, Real]:
     A = np.stack(columns, axis=1)
     real, y = np.concatenate([A.real, A.imag]), np.concatenate([target.real, target.imag])
     size = np.maximum(np.linalg.norm(real, axis=0), 1e-300)
@@ -98,7 +94,7 @@ def _solved(columns: list[Complex], target: Complex) -> tuple[float, Array]:
     return float(np.sum((y - real / size @ values) ** 2)), values / size
 
 
-def _law(missing: Missing, terms: tuple[str, ...], best: tuple[float, Array, float], lines: int) -> Law | None:
+def _law(missing: Missing, terms: tuple[str, ...], best: tuple[float, Real, float], lines: int) -> Law | None:
     cost, values, hz = best
     numbers = {"hung_m" if t == "hung" else t: float(v) for t, v in zip(terms, values, strict=True)}
     if numbers.get("c", 1.0) <= 0 or numbers.get("hung_m", 1.0) <= 0:

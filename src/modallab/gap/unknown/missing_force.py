@@ -9,11 +9,10 @@ SIAM J. Numer. Anal. 10, 1973, 413).
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.rows import ImpactData, Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward, hit_ratios, on_clock
@@ -21,9 +20,6 @@ from modallab.gap.model.minimise import jacobian
 from modallab.twin.bench import Twin, transfer
 from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 PLACES = tuple(float(x) for x in np.linspace(0.04, 1.0, 25))
 """Shares of the length at which a force is tried."""
@@ -49,7 +45,7 @@ class Missing:
     s: Complex
     force: Complex
     motion: Complex
-    sigma: Array
+    sigma: Real
 
 
 class MissingForce:
@@ -102,24 +98,24 @@ class MissingForce:
             stacks.append(columns)
             first += len(ends)
         normal[range(free, size), range(free, size)] += 1e-9 * np.trace(normal) / size
-        step: Array = -np.linalg.solve(normal, gradient).astype(np.float64)
+        step: Real = -np.linalg.solve(normal, gradient).astype(np.float64)
         return self._solved(x, place, own, step, bare, stacks)
 
     def _solved(
-        self, x: float, place: float, own: list[Complex], step: Array, bare: list[Complex], stacks: list[Complex]
+        self, x: float, place: float, own: list[Complex], step: Real, bare: list[Complex], stacks: list[Complex]
     ) -> Missing:
         free, first, left, count = self._parts[0].shape[0], self._parts[0].shape[0], 0.0, 0
         lines: list[Complex] = []
         forces: list[Complex] = []
         motions: list[Complex] = []
-        sigmas: list[Array] = []
+        sigmas: list[Real] = []
         zipped = zip(self._data.impacts, self._residual, self._parts, self._ends, own, bare, stacks, strict=True)
         for d, r, J, ends, h, rest, columns in zipped:
             moved = np.concatenate([step[:free], step[first : first + len(ends)]])
             first += len(ends)
             left += float(np.sum(np.abs(rest + np.tensordot(moved, columns, 1)) ** 2))
             count += 2 * int(np.count_nonzero(r))
-            size: Array = np.maximum(np.sum(np.abs(h) ** 2, axis=0), 1e-300).astype(np.float64)
+            size: Real = np.maximum(np.sum(np.abs(h) ** 2, axis=0), 1e-300).astype(np.float64)
             whole = r + np.tensordot(moved, np.concatenate([J, ends]), 1)
             force = np.sum(h.conj() * whole, axis=0) / size
             lines.append(on_clock(d.source, self._twin).s)
@@ -143,18 +139,18 @@ class MissingForce:
         own, x = twin.hit_gain(d.piece.drive_x_m), np.array([place])
         return own * self._compliance(x, struck, s)[0] + force * self._compliance(x, place, s)[0]
 
-    def _compliance(self, x_m: Array, place: float, s: Complex) -> Complex:
+    def _compliance(self, x_m: Real, place: float, s: Complex) -> Complex:
         """(points, lines) displacement per N at a place."""
         modes = self._modes
         residue = modes.at(x_m) * modes.at(place)[0]
         total = residue @ (1 / (s - modes.poles[:, None])) + residue.conj() @ (1 / (s - modes.poles.conj()[:, None]))
         return total + self._twin.residual_compliance * modes.remainder(x_m, place)[:, None]
 
-    def _sensors(self) -> Array:
+    def _sensors(self) -> Real:
         return sensor_positions(self._twin.chain, self._modes, self._data.channels, self._data.x_m)
 
 
-def _cut(data: Reduced, J: Array) -> list[Complex]:
+def _cut(data: Reduced, J: Real) -> list[Complex]:
     """For each part of the data its (free, channels, lines) slopes."""
     sizes = [d.rows.y.size for d in data.impacts]
     half, found, at = sum(sizes), list[Complex](), 0

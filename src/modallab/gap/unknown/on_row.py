@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.described import Learned
 from modallab.core.places import OneChannel
@@ -22,8 +22,6 @@ from modallab.gap.unknown.description import Description
 from modallab.gap.unknown.fitted import Trial, element
 from modallab.gap.unknown.sample_hold import hold_of
 from modallab.gap.unknown.volts import Channel, channel_of, freed
-
-Array = NDArray[np.float64]
 
 LINEAR = (("gain",), ("low_pass_hz",), ("high_pass_hz",), ("gain", "delay"), ("mount_hz", "mount_zeta"))
 """Terms of an operator on one channel that are tried together."""
@@ -98,7 +96,7 @@ def _curve(
     answers = forward(alone.problem.twin(alone.u), data)
     at = data.channels.index(channel.row)
 
-    def residual(curve: Curve) -> Array:
+    def residual(curve: Curve) -> Real:
         clean = reduce(prepared.campaign, freed(fitted, channel, curve.made(channel)), weights_of(prepared))
         parts = [(r.y - y)[at] / r.sigma[at] for r, y in zip(all_rows(clean), answers, strict=True)]
         return np.concatenate([*(p.real for p in parts), *(p.imag for p in parts)])
@@ -111,7 +109,7 @@ def _again(
     prepared: Prepared,
     alone: Fit,
     channel: Channel,
-    made: Mapping[str, Array],
+    made: Mapping[str, Real],
     learned: Learned,
     held: set[str],
 ) -> Description:

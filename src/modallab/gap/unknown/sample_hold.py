@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.unknown.volts import Channel
-
-Array = NDArray[np.float64]
 
 EXCEEDING = 6.0
 """Times the noise by which a sample must have been expected elsewhere to count as lost."""
@@ -29,7 +27,7 @@ class Hold:
     kept: float
     share: float
     spread: float
-    made: dict[str, Array]
+    made: dict[str, Real]
 
 
 def hold_of(channel: Channel, noise_v: float) -> Hold | None:
@@ -41,7 +39,7 @@ def hold_of(channel: Channel, noise_v: float) -> Hold | None:
 
 def _hold(channel: Channel, noise_v: float, kept: float) -> Hold:
     lost = seen = 0
-    made: dict[str, Array] = {}
+    made: dict[str, Real] = {}
     for name, counts in channel.counts.items():
         u = channel.expected[name]
         same = np.zeros(len(u), dtype=np.bool_)

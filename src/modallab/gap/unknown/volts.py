@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.design.prediction import clock_of
@@ -13,8 +13,6 @@ from modallab.gap.model.predicted_records import predict_record
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import volts_per_si
 from modallab.twin.bench import Twin
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -29,9 +27,9 @@ class Channel:
     """
 
     row: int
-    read: Mapping[str, Array]
-    counts: Mapping[str, Array]
-    expected: Mapping[str, Array]
+    read: Mapping[str, Real]
+    counts: Mapping[str, Real]
+    expected: Mapping[str, Real]
 
 
 def channel_of(prepared: Prepared, twin: Twin, row: int) -> Channel:
@@ -50,7 +48,7 @@ def channel_of(prepared: Prepared, twin: Twin, row: int) -> Channel:
     return Channel(row, read, counts, expected)
 
 
-def freed(blocks: Sequence[Block], channel: Channel, made: Mapping[str, Array]) -> tuple[Block, ...]:
+def freed(blocks: Sequence[Block], channel: Channel, made: Mapping[str, Real]) -> tuple[Block, ...]:
     """Records with one channel as it would read without an operator, to first order in what the twin does not know.
 
     Args:
@@ -62,7 +60,7 @@ def freed(blocks: Sequence[Block], channel: Channel, made: Mapping[str, Array]) 
     return tuple(_freed(b, channel.row, channel.expected[b.name] - made[b.name]) for b in blocks)
 
 
-def _freed(block: Block, row: int, more: Array) -> Block:
+def _freed(block: Block, row: int, more: Real) -> Block:
     volts = (block.samples * block.scale[:, None]).astype(np.float64)
     volts[row] += more
     return replace(block, samples=volts, scale=np.ones(len(volts)))

@@ -1,5 +1,7 @@
 """The paper's estimator: peaks of the mobility, half-power damping, shapes from the mobility at the peaks."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +13,7 @@ from modallab.core.units import Test
 from modallab.frf.estimate import convert
 from modallab.identification.estimator import Estimator
 from modallab.identification.model.modal_mass import unit_mass_shapes
-from modallab.identification.start.half_power import find_peaks, summed_amplitude
+from modallab.identification.start.half_power import Peak, find_peaks, summed_amplitude
 from modallab.identification.start.peak_poles import half_power_pole, poles_of_peaks
 
 
@@ -34,14 +36,9 @@ def identify_peaks(frf: Frf, test: Test | None, floor_lines: float = 0.886) -> M
     mobility = convert(frf, "mobility")
     f = mobility.frequency_hz
     peaks = find_peaks(f, summed_amplitude(mobility))
-    if not peaks:
-        raise IdentificationError(
-            f"no peak stands out by 6 dB between {f[0]:.4g} and {f[-1]:.4g} Hz",
-            remedy="widen the band, or use more lines: a peak needs some on either side",
-        )
+    _require(peaks, f)
     index = np.array([p.line for p in peaks])
-    zeta = np.array([p.damping_ratio for p in peaks])
-    read = zeta
+    read = np.array([p.damping_ratio for p in peaks])
     # Part of the width is that of an exponential window, if there was one.
     zeta = read - frf.damping_shift / (2 * np.pi * f[index])
     at = np.moveaxis(mobility.values[..., index], -1, 0)
@@ -71,6 +68,14 @@ def identify_peaks(frf: Frf, test: Test | None, floor_lines: float = 0.886) -> M
         half_power_floor=floor,
         notes=("Half-power reads the resolution of the block wherever its reading is near the floor beside it.",),
     )
+
+
+def _require(peaks: Sequence[Peak], f: NDArray[np.float64]) -> None:
+    if not peaks:
+        raise IdentificationError(
+            f"no peak stands out by 6 dB between {f[0]:.4g} and {f[-1]:.4g} Hz",
+            remedy="widen the band, or use more lines: a peak needs some on either side",
+        )
 
 
 ESTIMATOR = Estimator(

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.identification.likelihood.derivatives import (
     Half,
     Vectors,
@@ -20,8 +21,6 @@ from modallab.identification.likelihood.derivatives import (
 from modallab.identification.likelihood.excitation import Excitation, Grid, HitExcitation, Kernel, Lines, kernel
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.rows import stack
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

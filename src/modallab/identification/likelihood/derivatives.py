@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.identification.likelihood.excitation import Excitation, Lines
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.rows import stack
 
-Real = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 

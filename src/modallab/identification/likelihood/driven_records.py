@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, ndimage, optimize
 
+from modallab.core.arrays import Complex128, Real
 from modallab.frf.joined import RecordSpectra
 from modallab.identification.likelihood.basis import BlockColumns, columns
 from modallab.identification.likelihood.derivatives import Vectors
@@ -26,9 +27,6 @@ from modallab.identification.likelihood.equations import covariance_of
 from modallab.identification.likelihood.excitation import Grid, RandomExcitation
 from modallab.identification.likelihood.rows import unstack
 from modallab.identification.likelihood.search import MIN_ZETA
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 STEPS, TRIALS, LEAST_DAMPING = 40, 8, 1e-8
 SETTLED = 0.01  # A step that lowers the cost by less, a sum of squares in noise units, ends the search.
@@ -54,7 +52,7 @@ class Driven:
     omega: Real
     zeta: Real
     coefficients: Real
-    state: Complex
+    state: Complex128
     noise: Real
     force_noise: float
     covariance: Real
@@ -73,8 +71,8 @@ class _Look:
     """
 
     columns: BlockColumns
-    left: Complex
-    frf: Complex
+    left: Complex128
+    frf: Complex128
     beta: Real
     common: Real
 
@@ -260,7 +258,7 @@ def _of_lines(look: _Look, at: Driven, lines: slice) -> tuple[Real, Real, Real]:
     return 2 * _gram(slopes, phi, weight, at.noise), 2 * gradient, 2 * spread
 
 
-def _gram(slopes: Complex, phi: Complex, weight: Real, noise: Real) -> Real:
+def _gram(slopes: Complex128, phi: Complex128, weight: Real, noise: Real) -> Real:
     """Products of the slopes by poles and states (parameters, outputs, lines) and of the columns phi / noise."""
     searched, outputs, n = len(slopes), len(noise), len(phi)
     weighted = slopes * weight
@@ -274,7 +272,7 @@ def _gram(slopes: Complex, phi: Complex, weight: Real, noise: Real) -> Real:
     return matrix
 
 
-def _slopes(vectors: Vectors, at: Driven, lines: slice) -> Complex:
+def _slopes(vectors: Vectors, at: Driven, lines: slice) -> Complex128:
     """(parameters, outputs, lines) of the responses, in noise units."""
     values = unstack(vectors.values)[:, lines]
     each = (at.coefficients / at.noise)[vectors.column][:, :, None] * values[:, None]

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from scipy import linalg
 from scipy.linalg import lapack
 
-Real = NDArray[np.float64]
+from modallab.core.arrays import Real
+
 LEAST_KNOWN = 1e-200
 
 

@@ -6,13 +6,11 @@ Source: Bartlett, "Properties of sufficiency and statistical tests", Proc. Royal
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtrc
 
+from modallab.core.arrays import Real
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.projection import GroupSolution, energy
-
-Real = NDArray[np.float64]
 
 ROWS = 40
 """Of a piece: real and imaginary parts of twenty lines."""

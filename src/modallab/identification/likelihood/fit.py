@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.identification.likelihood.basis import columns
 from modallab.identification.likelihood.derivatives import Vectors
 from modallab.identification.likelihood.excitation import Excitation
@@ -16,8 +17,6 @@ from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.projection import GroupSolution, Point, Problem, true_excitation
 from modallab.identification.likelihood.rows import unstack
 from modallab.identification.likelihood.search import Refined
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,12 +17,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.identification.likelihood.excitation import Excitation, Grid, HitExcitation
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.projection import GroupSolution, Point, Problem
 from modallab.identification.likelihood.rows import stack_lines, unstack
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -21,11 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtri, ndtri, stdtrit
 
+from modallab.core.arrays import Real
 from modallab.identification.likelihood.even_residual import is_even
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.projection import GroupSolution
-
-Real = NDArray[np.float64]
 
 LEAST_FREEDOM = 2.5
 """Degrees of freedom below which hits say nothing of their scatter: four that are alike have three."""

@@ -1,13 +1,11 @@
 """How much each line of measured FRFs counts: by its variance, as coherence and averages say it."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from modallab.core.arrays import Real
 from modallab.core.frf import Frf
 from modallab.frf.line_noise import variance_by_coherence
-
-Real = NDArray[np.float64]
 
 NEIGHBOURS = 5
 """Lines over whose median a variance is at least taken: by chance a coherence of few averages is near 1."""

@@ -10,12 +10,11 @@ Source: Kaufman, "A variable projection method for solving separable nonlinear l
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.identification.likelihood.derivatives import Vectors
 from modallab.identification.likelihood.equations import Equations, Own
 from modallab.identification.likelihood.force_noise import force_equations
 from modallab.identification.likelihood.projection import GroupSolution, Point, Problem
-
-Real = NDArray[np.float64]
 
 
 def normal_equations(problem: Problem, point: Point) -> Equations:

@@ -1,11 +1,9 @@
 """Orthonormal columns of a tall matrix."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
-
-Real = NDArray[np.float64]
 
 FAR = 0.1
 """After one pass of Cholesky's the columns must be this near to orthonormal; then the second leaves rounding alone."""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 
 def poles_of(omega: Real, zeta: Real) -> NDArray[np.complex128]:

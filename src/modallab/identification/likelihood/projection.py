@@ -12,15 +12,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import IdentificationError
 from modallab.identification.likelihood.basis import BlockColumns, LineBlock, Shared, columns
 from modallab.identification.likelihood.excitation import Excitation, HitExcitation
 from modallab.identification.likelihood.orthonormal import orthonormal
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.rows import stack
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -37,8 +35,8 @@ class Parameters:
 
     omega: Real
     zeta: Real
-    state: Complex
-    drive: Complex
+    state: Complex128
+    drive: Complex128
     force: Real = field(default_factory=lambda: np.zeros((0, 0)))
 
 

@@ -7,13 +7,11 @@ rule.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.identification.likelihood.excitation import Grid
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.poles import poles_of
-
-Real = NDArray[np.float64]
 
 LEAST = 1e-9
 """Share of the impulse; a prior of zero would divide by zero."""

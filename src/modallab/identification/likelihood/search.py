@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
 from modallab.core.progress import report
 from modallab.identification.likelihood.equations import Covariance, Equations
 from modallab.identification.likelihood.normal_matrix import normal_equations
 from modallab.identification.likelihood.projection import Parameters, Point, Problem, solve_at, with_own_noise
 
-Real = NDArray[np.float64]
 MAX_ITERATIONS = 40
 FIRST_LOOK = 12
 """Steps enough to distinguish a mode from a pole that fits noise, which need not settle at all."""

@@ -13,10 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from modallab.core.arrays import Complex128, Real
 from modallab.identification.model.modal_mass import check_constants
-
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 
 SIGMAS = 5.0
 """A second rank stands above what noise alone gives by this many sigmas."""
@@ -46,12 +44,12 @@ class Split:
     """
 
     pole: NDArray[np.int64]
-    constants: Complex
+    constants: Complex128
     sigma: Real
 
 
 def split_repeated(
-    constants: Complex,
+    constants: Complex128,
     sigma: Real,
     output_points: Sequence[int | None],
     input_points: Sequence[int | None],
@@ -78,7 +76,7 @@ def split_repeated(
     """
     check_constants(constants, sigma, output_points, input_points)
     pole: list[int] = []
-    parts: list[Complex] = []
+    parts: list[Complex128] = []
     for r, (a, s) in enumerate(zip(constants, sigma, strict=True)):
         driven = _driven(output_points, input_points)
         share = SHARE if apparent is None else max(SHARE, MORE * float(apparent[r]))
@@ -90,7 +88,7 @@ def split_repeated(
     return Split(index, np.array(parts).reshape(-1, *constants.shape[1:]), sigma[index])
 
 
-def _rank(a: Complex, sigma: Real, share: float) -> int:
+def _rank(a: Complex128, sigma: Real, share: float) -> int:
     """How many singular values stand above noise, whose largest is about sigma (sqrt(rows) + sqrt(columns))."""
     if min(a.shape) < 2 or not np.isfinite(sigma).all():
         return 1
@@ -107,7 +105,7 @@ def _rank(a: Complex, sigma: Real, share: float) -> int:
     return 1 + min(_in_phase(parts, by_noise), _on_many(parts))
 
 
-def _on_many(parts: Complex) -> int:
+def _on_many(parts: Complex128) -> int:
     """How many of the parts after the first live on several points, up to the first that does not."""
     # The side on which there are more points; participation is 1 for a single one and their number for all alike.
     longer = 2 if parts.shape[1] >= parts.shape[2] else 1
@@ -117,7 +115,7 @@ def _on_many(parts: Complex) -> int:
     return int(kept.size if kept.all() else np.argmin(kept))
 
 
-def _in_phase(parts: Complex, by_noise: float) -> int:
+def _in_phase(parts: Complex128, by_noise: float) -> int:
     """How many of the parts after the first are modes by their phases, up to the first that is not."""
     first = parts[0]
     turned = parts * np.exp(-0.5j * np.angle(np.sum(first**2)))
@@ -129,7 +127,7 @@ def _in_phase(parts: Complex, by_noise: float) -> int:
     return int(kept.size if kept.all() else np.argmin(kept))
 
 
-def _reciprocal_rank(a: Complex, rank: int, driven: list[tuple[int, int]]) -> int:
+def _reciprocal_rank(a: Complex128, rank: int, driven: list[tuple[int, int]]) -> int:
     """As many of them as positive eigenvalues stand clear of what is not reciprocal among the driven points."""
     if rank == 1 or len(driven) < 2:
         return rank
@@ -147,7 +145,7 @@ def _driven(output_points: Sequence[int | None], input_points: Sequence[int | No
     return [(outputs.index(p), k) for k, p in enumerate(input_points) if p is not None and p in outputs]
 
 
-def _parts(a: Complex, rank: int, driven: list[tuple[int, int]]) -> list[Complex]:
+def _parts(a: Complex128, rank: int, driven: list[tuple[int, int]]) -> list[Complex128]:
     u, values, vh = np.linalg.svd(a, full_matrices=False)
     u, right = u[:, :rank], values[:rank, None] * vh[:rank]
     mix = _reciprocal(u, right, driven)
@@ -156,7 +154,7 @@ def _parts(a: Complex, rank: int, driven: list[tuple[int, int]]) -> list[Complex
     return [np.asarray(np.outer(left[:, k], forces[k]), np.complex128) for k in range(rank)]
 
 
-def _reciprocal(u: Complex, right: Complex, driven: list[tuple[int, int]]) -> Complex | None:
+def _reciprocal(u: Complex128, right: Complex128, driven: list[tuple[int, int]]) -> Complex128 | None:
     """X with (U X) and (X^-1 right)^T the same at the driven points: X X^T = G, G from U_d G = right_d^T."""
     if len(driven) < u.shape[1]:
         return None

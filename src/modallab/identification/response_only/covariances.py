@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
-
-Real = NDArray[np.float64]
 
 DECIMATION = 4
 """From one band to the next lower one."""

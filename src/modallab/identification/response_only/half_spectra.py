@@ -12,12 +12,10 @@ analysis", Vrije Universiteit Brussel (2004), ch. 4; Peeters et al., Shock and V
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.frf import Frf
 from modallab.identification.estimators.plscf import plscf
 from modallab.identification.response_only.subspace import Poles, unit_at_largest
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 LAGS = 96
 """The lines are half as many."""
@@ -63,8 +61,8 @@ class HalfSpectra:
         return Poles(poles, shapes, moved, shapes_moved)
 
     def _solved(
-        self, covariances: Real, order: int, largest: NDArray[np.int64] | None = None, like: Complex | None = None
-    ) -> tuple[Complex, Complex]:
+        self, covariances: Real, order: int, largest: NDArray[np.int64] | None = None, like: Complex128 | None = None
+    ) -> tuple[Complex128, Complex128]:
         """Poles in rad/s and shapes, those nearest to `like` in its order."""
         (found,) = plscf(self._spectra(covariances), order, order)
         poles = found.poles
@@ -77,7 +75,7 @@ class HalfSpectra:
         chosen = shapes[rows] if decaying.size else np.ones((poles.size, covariances.shape[1]), np.complex128)
         return poles, unit_at_largest(chosen, largest)
 
-    def _shapes(self, covariances: Real, poles: Complex) -> Complex:
+    def _shapes(self, covariances: Real, poles: Complex128) -> Complex128:
         """(poles, outputs) by least squares on the decays."""
         lags, outputs, references = covariances.shape
         decays = np.exp(poles / self._rate_hz * np.arange(lags)[:, None])

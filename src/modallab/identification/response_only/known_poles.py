@@ -7,18 +7,15 @@ the segments scatter by says how well each component is known.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.identification.response_only.covariances import bands, segment_covariances
 from modallab.identification.response_only.looks import SSI_COV
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 def shapes_at(
     records: Sequence[Real], rate_hz: float, band_hz: tuple[float, float], frequency_hz: Real, damping_ratio: Real
-) -> tuple[Complex, Real]:
+) -> tuple[Complex128, Real]:
     """Shapes (modes, outputs) of any scale, and their sigmas.
 
     Args:
@@ -46,7 +43,7 @@ def shapes_at(
     return shapes, sigma
 
 
-def _residues(covariances: Real, exponents: Complex) -> Complex:
+def _residues(covariances: Real, exponents: Complex128) -> Complex128:
     """(segments, modes, outputs, outputs) of decays exp(exponent lag) in (segments, lags, outputs, outputs)."""
     segments, lags, outputs, _ = covariances.shape
     decays = np.exp(exponents * np.arange(lags)[:, None])
@@ -56,7 +53,7 @@ def _residues(covariances: Real, exponents: Complex) -> Complex:
     return (both[0] + 1j * both[1]).transpose(1, 0, 2, 3)
 
 
-def _shape(residues: Complex) -> tuple[Complex, Real]:
+def _shape(residues: Complex128) -> tuple[Complex128, Real]:
     """(outputs,) by which the mean of (segments, outputs, outputs) is best repeated, and its sigma."""
     count = len(residues)
     _, s, vh = np.linalg.svd(residues.mean(axis=0))

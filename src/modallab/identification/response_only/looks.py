@@ -5,15 +5,12 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
+from modallab.core.arrays import Complex128, Real
 from modallab.identification.response_only.covariances import Band, TooShortError, segment_covariances
 from modallab.identification.response_only.half_spectra import LAGS, HalfSpectra
 from modallab.identification.response_only.subspace import Poles, Subspace
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 ROWS = 320
 """Of the block Hankel matrix, about."""
@@ -56,7 +53,7 @@ class SeenMode:
 
     value: Real
     sigma: Real
-    shape: Complex
+    shape: Complex128
     shape_sigma: Real
     order: int = 0
     confidence: float = 0.0

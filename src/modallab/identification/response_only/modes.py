@@ -4,16 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.progress import report
 from modallab.identification.response_only.covariances import bands
 from modallab.identification.response_only.looks import SSI_COV, Method, SeenMode, alike, modes_of_band
 from modallab.identification.response_only.periodic import LOBE, STRETCHES, line_at, steady_lines, without, words
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 TWICE = 0.01
 """Relative distance of poles of two bands that are one."""
@@ -41,7 +38,7 @@ class ResponseModes:
     damping_ratio: Real
     frequency_sigma_hz: Real
     damping_sigma: Real
-    shapes: Complex
+    shapes: Complex128
     shape_sigma: Real
     confidence: Real
     harmonics_hz: Real

@@ -13,11 +13,9 @@ import cmath
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtr
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from modallab.core.arrays import Complex128, Real
 
 STRETCHES = 16
 """Of a record, at whose lines a steady phase is looked for."""
@@ -119,14 +117,14 @@ def _peak(record: Real, rate_hz: float, frequency_hz: float, reach_hz: float) ->
     return float(line[near][np.argmax(power[near])])
 
 
-def _stretches(record: Real, count: int) -> Complex:
+def _stretches(record: Real, count: int) -> Complex128:
     """(count, outputs, lines) spectra of stretches that follow each other."""
     length = record.shape[1] // count
     parts = record[:, : count * length].reshape(len(record), count, length).transpose(1, 0, 2)
     return np.fft.rfft(parts * np.kaiser(length, TAPER), axis=-1)
 
 
-def _demodulated(record: Real, rate_hz: float, frequency_hz: float, count: int) -> Complex:
+def _demodulated(record: Real, rate_hz: float, frequency_hz: float, count: int) -> Complex128:
     """(count, outputs) of stretches that follow each other, at one frequency, phases against its own course."""
     length = record.shape[1] // count
     turn = np.exp(-2j * np.pi * frequency_hz / rate_hz * np.arange(count * length))
@@ -134,7 +132,7 @@ def _demodulated(record: Real, rate_hz: float, frequency_hz: float, count: int) 
                      turn.reshape(count, length) * np.hanning(length + 1)[:-1])  # fmt: skip
 
 
-def _coherent(parts: Complex) -> tuple[Real, Real]:
+def _coherent(parts: Complex128) -> tuple[Real, Real]:
     """(lines,) share of the power of (stretches, outputs, lines) that goes on steadily, and at which part of a line."""
     count = len(parts)
     power = count * np.sum(np.abs(parts) ** 2, axis=(0, 1))
@@ -145,13 +143,13 @@ def _coherent(parts: Complex) -> tuple[Real, Real]:
     return np.minimum(share, 1.0), np.where(cycles > 0.5, cycles - 1, cycles)
 
 
-def _refined(parts: Complex, line: int, offset: float) -> float:
+def _refined(parts: Complex128, line: int, offset: float) -> float:
     """The line (with its decimals) by what is left of the phase's course over (stretches, outputs)."""
     turned = parts * np.exp(-2j * np.pi * offset * np.arange(len(parts)))[:, None]
     return line + offset + cmath.phase(complex(np.vdot(turned[:-1], turned[1:]))) / (2 * np.pi)
 
 
-def _even(parts: Complex) -> float:
+def _even(parts: Complex128) -> float:
     """How likely amplitudes of (stretches, outputs) are as even as that by chance."""
     along = np.linalg.svd(parts, full_matrices=False)[2][0]
     power = np.abs(parts @ along.conj()) ** 2

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from modallab.core.arrays import Complex128, Real
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -30,10 +29,10 @@ class Poles:
         shapes_moved: (segments, poles, outputs) of the shapes.
     """
 
-    poles: Complex
-    shapes: Complex
-    moved: Complex
-    shapes_moved: Complex
+    poles: Complex128
+    shapes: Complex128
+    moved: Complex128
+    shapes_moved: Complex128
 
 
 class Subspace:
@@ -99,7 +98,7 @@ def _hankel(covariances: Real) -> Real:
     return covariances[index].transpose(0, 2, 1, 3).reshape(rows * outputs, columns * outputs)
 
 
-def _upper(a: Real, rate_hz: float, values: Complex | None = None) -> tuple[NDArray[np.int64], Complex]:
+def _upper(a: Real, rate_hz: float, values: Complex128 | None = None) -> tuple[NDArray[np.int64], Complex128]:
     """Places of the eigenvalues in the upper half-plane by rising frequency, and their poles in rad/s."""
     z = np.linalg.eigvals(a).astype(np.complex128) if values is None else values.astype(np.complex128)
     keep = np.flatnonzero((z.imag > 0) & (np.abs(z) > 1e-6))
@@ -108,7 +107,7 @@ def _upper(a: Real, rate_hz: float, values: Complex | None = None) -> tuple[NDAr
     return keep[order], poles[order]
 
 
-def _mixed(by_mode: Complex, values: Complex, keep: NDArray[np.int64]) -> Complex:
+def _mixed(by_mode: Complex128, values: Complex128, keep: NDArray[np.int64]) -> Complex128:
     """(segments, eigenvectors, kept) how much of the other eigenvectors each one takes up."""
     apart = values[keep] - values[:, None]
     own = np.abs(apart) < 1e-12
@@ -117,13 +116,15 @@ def _mixed(by_mode: Complex, values: Complex, keep: NDArray[np.int64]) -> Comple
     return mixed
 
 
-def unit_at_largest(shapes: Complex, largest: NDArray[np.int64] | None = None) -> Complex:
+def unit_at_largest(shapes: Complex128, largest: NDArray[np.int64] | None = None) -> Complex128:
     """Shapes (modes, outputs) turned and scaled until one component is 1: the largest, or the one that is named."""
     at = np.argmax(np.abs(shapes), axis=1) if largest is None else largest
     return shapes / shapes[np.arange(len(shapes)), at][:, None]
 
 
-def _scaled(shapes: Complex, moved: Complex, shapes_moved: Complex) -> tuple[Complex, Complex, Complex]:
+def _scaled(
+    shapes: Complex128, moved: Complex128, shapes_moved: Complex128
+) -> tuple[Complex128, Complex128, Complex128]:
     largest = np.argmax(np.abs(shapes), axis=1)
     rows = np.arange(len(shapes))
     scale = shapes[rows, largest][:, None]

@@ -1,12 +1,10 @@
 """How clearly each mode stands above what else could look like one: noise, and what the model leaves unexplained."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.selection.prune import MIN_SIGNIFICANCE
-
-Real = NDArray[np.float64]
 
 MODEL_ERROR_FROM = 1.1
 """Up to this ratio of misfit to pre-trigger noise there is no model error to speak of."""

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
-
-Real = NDArray[np.float64]
 
 
 def mac(one: NDArray[Any], other: NDArray[Any]) -> Real:

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.frf.estimate import convert
 from modallab.identification.estimator import USUAL
 from modallab.identification.start.mode_indicators import cmif, mmif
 from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
-
-Real = NDArray[np.float64]
 
 NEW, IN_FREQUENCY, STABLE = 0, 1, 2
 """A pole that the order below did not have; had at this frequency with another damping; had."""

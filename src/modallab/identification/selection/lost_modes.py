@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.likelihood.fit import Fit
@@ -17,9 +18,6 @@ from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.out_of_band import stand_ins_after
 from modallab.identification.selection.prune import MAX_ZETA, MIN_SIGNIFICANCE, is_mode
 from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 SHARE = 0.9
 """Of the power within its width, which a lost mode explains and no other pole does."""
@@ -103,7 +101,7 @@ def with_lost(
 
 def overlooked(
     frf: Frf, fit: Fit, keep: NDArray[np.bool_], orders: Sequence[OrderPoles], band_hz: tuple[float, float]
-) -> Complex:
+) -> Complex128:
     """Poles (poles,) in rad/s that some orders of the estimator show, and that explain what no mode of a fit does.
 
     Args:
@@ -135,7 +133,7 @@ def _alone(
     return (again, keep, ()) if keep.sum() >= known.sum() else (fit, known, ())
 
 
-def _standing(frf: Frf, kept: Complex, lost: Complex, least: float) -> Complex:
+def _standing(frf: Frf, kept: Complex128, lost: Complex128, least: float) -> Complex128:
     """Those of the lost poles that explain what no other does: the least one goes until all do."""
     while lost.size:
         fit = fit_frf(frf, np.concatenate([kept, lost]), 0)
@@ -149,7 +147,7 @@ def _standing(frf: Frf, kept: Complex, lost: Complex, least: float) -> Complex:
     return lost
 
 
-def _candidates(orders: Sequence[OrderPoles], kept: Complex, band_hz: tuple[float, float]) -> Complex:
+def _candidates(orders: Sequence[OrderPoles], kept: Complex128, band_hz: tuple[float, float]) -> Complex128:
     found = sorted(stable_poles(orders, replace(SOME, max_zeta=MAX_ZETA)), key=lambda p: p.run, reverse=True)
     poles = np.array([p.pole for p in found], np.complex128)
     size = np.abs(poles)
@@ -160,5 +158,5 @@ def _candidates(orders: Sequence[OrderPoles], kept: Complex, band_hz: tuple[floa
     return poles[inside][:MOST]
 
 
-def _poles(omega: Real, zeta: Real) -> Complex:
+def _poles(omega: Real, zeta: Real) -> Complex128:
     return np.asarray(-zeta * omega + 1j * omega * np.sqrt(1 - zeta**2), np.complex128)

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.likelihood.equations import Covariance
@@ -18,8 +18,6 @@ from modallab.identification.options import Options
 from modallab.identification.setups.merge import Merged, merged
 from modallab.identification.setups.roving import PointPoles, point_name, poles_at_points, roved_axis, seen_alone
 from modallab.identification.setups.scatter import Common, common_poles, off
-
-Real = NDArray[np.float64]
 
 LEAST_POINTS = 6
 MISFIT = 1.3

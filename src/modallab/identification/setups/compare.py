@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.identification.setups.found import SetUpModel
 
-Real = NDArray[np.float64]
 Entry = tuple[int, int]
 
 OFF_SIGMAS = 4.0

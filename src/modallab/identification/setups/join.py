@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.setups.compare import Compared
 from modallab.identification.setups.found import SetUpModel, joined_name
 
-Real = NDArray[np.float64]
 Places = NDArray[np.int64]
 
 

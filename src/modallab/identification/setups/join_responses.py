@@ -13,16 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.selection.pairing import SAME_MODE
 from modallab.identification.setups.join import averaged
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Freedom = tuple[int, str]
 """Point and axis of a sensor."""
 
-Look = Callable[[int, Real, Real], tuple[Complex, Real]]
+Look = Callable[[int, Real, Real], tuple[Complex128, Real]]
 """What the records of a set-up hold at all modes' frequencies in Hz and damping ratios: shapes (modes, outputs) of any
 scale, and their sigmas."""
 
@@ -53,7 +52,7 @@ class ResponseSetUp:
     frequency_sigma_hz: Real
     damping_ratio: Real
     damping_sigma: Real
-    shapes: Complex
+    shapes: Complex128
     shape_sigma: Real
 
 
@@ -75,7 +74,7 @@ class JoinedResponses:
     freedoms: tuple[Freedom, ...]
     frequency: Real
     damping: Real
-    shapes: Complex
+    shapes: Complex128
     shape_sigma: Real
 
 
@@ -84,10 +83,10 @@ class _Shapes:
     """Shapes (modes, outputs) of which some components are not known: their sigma is infinite."""
 
     freedoms: tuple[Freedom, ...]
-    values: Complex
+    values: Complex128
     sigma: Real
 
-    def of(self, freedoms: Sequence[Freedom]) -> tuple[Complex, Real]:
+    def of(self, freedoms: Sequence[Freedom]) -> tuple[Complex128, Real]:
         at = [self.freedoms.index(f) for f in freedoms]
         return self.values[:, at], self.sigma[:, at]
 
@@ -210,7 +209,7 @@ def _partners(frequency_hz: Real, joined: _Shapes, item: ResponseSetUp) -> list[
     return sorted(found)
 
 
-def _power(shapes: Complex) -> Real:
+def _power(shapes: Complex128) -> Real:
     return np.asarray(np.sum(np.abs(shapes) ** 2, axis=1), dtype=np.float64)
 
 
@@ -240,7 +239,7 @@ def _merged(joined: _Shapes, own: _Shapes) -> _Shapes:
     )
 
 
-def _factor(here: Complex, there: Complex, sigma: Real) -> tuple[Complex, Real]:
+def _factor(here: Complex128, there: Complex128, sigma: Real) -> tuple[Complex128, Real]:
     """(modes,) by which the one is the other, by least squares, and its sigma: 0 and infinite if unknown."""
     weight = 1 / sigma**2
     power = np.sum(weight * np.abs(there) ** 2, axis=1)
@@ -249,19 +248,19 @@ def _factor(here: Complex, there: Complex, sigma: Real) -> tuple[Complex, Real]:
     return factor, np.where(power > 0, 1 / np.sqrt(safe), np.inf)
 
 
-def _times(sigma: Real, factor: Complex | Real) -> Real:
+def _times(sigma: Real, factor: Complex128 | Real) -> Real:
     """Sigmas (modes, outputs) times a factor of each mode; what is not known stays so."""
     known, times = np.isfinite(sigma), np.where(np.isfinite(factor), np.abs(factor), 0.0)
     return np.where(known, np.where(known, sigma, 0.0) * times[:, None], np.inf)
 
 
-def _known(values: Complex, sigma: Real) -> Real:
+def _known(values: Complex128, sigma: Real) -> Real:
     """The sigma; a hundredth of the shape's rms where it is not known, or 0 as at the largest, 1 by agreement."""
     least = 0.01 * np.sqrt(np.mean(np.abs(values) ** 2, axis=-1, keepdims=True)) + np.finfo(float).tiny
     return np.where(np.isfinite(sigma) & (sigma > 0), sigma, least)
 
 
-def _largest_one(joined: _Shapes) -> tuple[Complex, Real]:
+def _largest_one(joined: _Shapes) -> tuple[Complex128, Real]:
     most = np.argmax(np.abs(joined.values), axis=1)[:, None]
     scale = np.take_along_axis(joined.values, most, axis=1)
     return joined.values / scale, joined.sigma / np.abs(scale)

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.identification.setups.roving import Seen
-
-Real = NDArray[np.float64]
 
 WIDEST = 8e-3
 """Relative distance of two points' frequencies of one mode at most: four times the largest scatter of set-ups."""

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.identification.setups.compare import Compared
 from modallab.identification.setups.found import SetUpModel
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

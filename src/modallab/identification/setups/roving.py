@@ -11,14 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.estimate import estimate_poles
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 STEPS = 8
 """Of a point's search, which begins close to its end."""
@@ -64,8 +62,8 @@ class Seen:
     """
 
     point: NDArray[np.int64]
-    pole: Complex
-    signature: Complex
+    pole: Complex128
+    signature: Complex128
 
 
 def seen_alone(frf: Frf, points: Sequence[int], method: str, order: int, significance: float) -> Seen:
@@ -80,7 +78,7 @@ def seen_alone(frf: Frf, points: Sequence[int], method: str, order: int, signifi
     """
     which: list[int] = []
     poles: list[complex] = []
-    signatures: list[Complex] = []
+    signatures: list[Complex128] = []
     for k in points:
         here = at_point(frf, k)
         try:

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
+from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
-
-Real = NDArray[np.float64]
 
 ALIKE = 4.0
 """Sigmas of the sum of squares by which two points of one set-up may differ."""

@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.axis_checks import check_frequencies
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.frf.estimate import convert
 from modallab.signals.peaks import prominent_peaks
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

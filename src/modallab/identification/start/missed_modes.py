@@ -3,10 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.identification.likelihood.poles import poles_of
-
-Real = NDArray[np.float64]
 
 GRID = 400
 ZETAS = (0.003, 0.006, 0.012)

@@ -6,12 +6,10 @@ spatial domain parameter estimation", MSSP 2 (1988).
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.frf import Frf
 from modallab.frf.estimate import convert
-
-Real = NDArray[np.float64]
 
 
 def mmif(frf: Frf) -> Real:

@@ -5,14 +5,11 @@ end in a valley of its own: the pole low by a percent, and what stands in for th
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.frf import Frf
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.start.missed_modes import GAIN, misfit
-
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 
 STEPS = (0.01, 0.5)
 """First steps, relative in frequency and logarithmic in damping."""
@@ -21,7 +18,7 @@ ZETA_RANGE = (1e-4, 0.1)
 AROUND = np.array([(f, z) for f in (-1, 0, 1) for z in (-1, 0, 1) if f or z], dtype=np.float64)
 
 
-def polished(frf: Frf, poles: Complex, band_hz: tuple[float, float]) -> Complex:
+def polished(frf: Frf, poles: Complex128, band_hz: tuple[float, float]) -> Complex128:
     """The poles at the least misfit near them, if it is much less than theirs; else the poles as they are.
 
     Misfit is that of `with_missing`. What still decays in the blocks is in the FRF as well: a small gain says nothing.
@@ -61,5 +58,5 @@ def _stepped(
     return (trials[best], float(found[best])) if found[best] < left else (at, left)
 
 
-def _poles(at: Real) -> Complex:
+def _poles(at: Real) -> Complex128:
     return poles_of(*np.exp(at))

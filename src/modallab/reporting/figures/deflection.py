@@ -7,17 +7,14 @@ import numpy as np
 from matplotlib.animation import PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
 from modallab.modification.deflection import turned
 from modallab.modification.skeleton import Skeleton
 from modallab.reporting.figures import style
 from modallab.reporting.figures.wireframe import is_spatial, projection
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 FRAMES, FPS = 24, 12
 REACH = 0.15
@@ -29,7 +26,7 @@ FROM_THE_SIDE = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 class Drawing:
     """Lines and points of a structure in parallel projection, to be drawn at any phase of its motion."""
 
-    def __init__(self, rig: Rig, motion: Complex, title: str) -> None:
+    def __init__(self, rig: Rig, motion: Complex128, title: str) -> None:
         """Make the figure at phase 0.
 
         Args:
@@ -82,7 +79,7 @@ class Drawing:
                 draft.write_bytes(written.read_bytes())
 
 
-def project_shape(rig: Rig, motion: Complex, reach: float) -> tuple[Real, Complex, list[tuple[int, int]]]:
+def project_shape(rig: Rig, motion: Complex128, reach: float) -> tuple[Real, Complex128, list[tuple[int, int]]]:
     """(points, 2) places at rest and (points, 2) motion in projection, and the pairs of points that are joined.
 
     Args:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.rig import Channel
@@ -20,9 +21,6 @@ from modallab.reporting.figures import style
 from modallab.signals.hit import windowed_force
 from modallab.signals.signals import Signals, to_signals
 from modallab.twin.bench import Twin
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 PERIODS = 4
 """Periods of a sine that are shown."""
@@ -46,8 +44,8 @@ class _Seen:
 
     responses: tuple[Channel, ...]
     signals: Signals
-    before: Array
-    after: Array
+    before: Real
+    after: Real
 
 
 def gap_curves(diagnosis: Diagnosis, campaign: Campaign) -> Figure | None:
@@ -132,7 +130,7 @@ def _frf(axes: Axes, seen: Sequence[_Seen], row: int, title: str) -> None:
     shown = (hz > 0) & (hz < BAND * rate)
     power = np.sum(np.abs(forces) ** 2, axis=0)
 
-    def estimate(rows: Sequence[Array]) -> Complex:
+    def estimate(rows: Sequence[Real]) -> Complex:
         spectra = np.fft.rfft(np.array(rows), axis=1)
         return (np.sum(forces.conj() * spectra, axis=0) / power)[shown]
 
@@ -175,8 +173,8 @@ def _per_force(seen: _Seen, row: int) -> str:
     return f"({unit})/N" if "/" in unit else f"{unit}/N"
 
 
-def _ms(seen: _Seen, shown: slice) -> Array:
-    times_ms: Array = np.arange(seen.signals.force.size, dtype=np.float64) * (1e3 / seen.signals.rate_hz)
+def _ms(seen: _Seen, shown: slice) -> Real:
+    times_ms: Real = np.arange(seen.signals.force.size, dtype=np.float64) * (1e3 / seen.signals.rate_hz)
     return times_ms[shown]
 
 

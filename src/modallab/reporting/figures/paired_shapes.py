@@ -5,10 +5,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from modallab.core.arrays import Complex128
 from modallab.core.rig import Rig
 from modallab.modification.deflection import at_points
 from modallab.reporting.figures import style
-from modallab.reporting.figures.deflection import Complex, project_shape
+from modallab.reporting.figures.deflection import project_shape
 from modallab.updating.correlation import Correlation
 
 COLUMNS = 3
@@ -32,7 +33,7 @@ def paired_shapes(found: Correlation, rig: Rig) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, rig: Rig, motions: list[Complex]) -> None:
+def _draw(axes: Axes, rig: Rig, motions: list[Complex128]) -> None:
     axes.set_axis_off()
     axes.set_aspect("equal")
     for (_, colour, dash), motion in zip(LOOKS, motions, strict=True):

@@ -2,14 +2,12 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.frf import Frf
 from modallab.core.units import SI_UNIT, Quantity
 from modallab.reporting.figures import style
 from modallab.reporting.figures.overview import positive, spread
-
-Real = NDArray[np.float64]
 
 
 def before_after(before: Frf, after: Frf) -> Figure:

@@ -1,22 +1,18 @@
 """FRFs of a structure where it misses its model most: measured, of the reference, and of the reference corrected."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.frf import Frf
 from modallab.gap.modal.diagnosis import Explained
 from modallab.gap.modal.free import Free
 from modallab.modification.synthesis import outside, synthesised
 from modallab.reporting.figures import style
 from modallab.reporting.figures.overview import positive
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 MOST, LINES = 4, 600
 """Panels, and lines of a curve besides those about the modes."""

@@ -4,13 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.rig import Rig
 from modallab.reporting.figures.wireframe import projection
 from modallab.reporting.markup import Markup, tag
-
-Real = NDArray[np.float64]
 
 WIDTH, HEIGHT, EDGE = 420.0, 280.0, 40.0
 """Of the drawing's own units: about a phone's, so that its text is legible there."""

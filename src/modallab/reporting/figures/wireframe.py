@@ -5,17 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.digits import glued, plain
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.deflection import at_points, turned
 from modallab.reporting.figures.moving import moving
 from modallab.reporting.markup import Markup, tag, trusted
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 _WIDTH, _HEIGHT, _EDGE = 300.0, 200.0, 34.0
 _PERIOD_S = 2.0
@@ -38,7 +35,7 @@ class MovingShape:
 
     name: str
     frequency_hz: float
-    motion: Complex
+    motion: Complex128
 
 
 def is_spatial(rig: Rig) -> bool:

@@ -1,12 +1,10 @@
 """Drop-outs: a channel that stands still for a while, at zero or at its last value, while it should move."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.signals.faults.fault import Fault
 from modallab.signals.faults.runs import Runs, equal_runs
-
-Real = NDArray[np.float64]
 
 LEAST_RUN = 3
 BESIDE = 16

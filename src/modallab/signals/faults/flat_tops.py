@@ -5,12 +5,10 @@ The top of a smooth signal is a parabola: over L samples that differ by a step a
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.signals.faults.fault import Fault
 from modallab.signals.faults.runs import Runs, runs_where
-
-Real = NDArray[np.float64]
 
 LEAST_RUN = 3
 """Equal samples in a row: two may stand astride any top."""

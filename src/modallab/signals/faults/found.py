@@ -1,8 +1,8 @@
 """All faults that the samples of a block show."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.signals.faults.drop_outs import drop_outs
@@ -11,8 +11,6 @@ from modallab.signals.faults.flat_tops import flat_tops
 from modallab.signals.faults.repeats import repeats
 from modallab.signals.faults.runs import steps_of
 from modallab.signals.faults.spikes import spikes
-
-Real = NDArray[np.float64]
 
 LEAST_SAMPLES = 64
 """Fewer show too little of how a channel moves."""

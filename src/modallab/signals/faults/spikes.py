@@ -1,11 +1,9 @@
 """Single samples that no motion explains: a damaged digit or exponent, a bad contact, a mark for a missing value."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.signals.faults.fault import Fault
-
-Real = NDArray[np.float64]
 
 ALONE = 50.0
 """How many times further than anything near it a sample stands off the middle of its neighbours."""

@@ -3,15 +3,13 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.effects import EffectKind, Parameter
 from modallab.twin.effect_model import EffectModel, NoChange
 
-Array = NDArray[np.float64]
 
-
-def apply_curve(volts: Array, law: Mapping[str, float]) -> Array:
+def apply_curve(volts: Real, law: Mapping[str, float]) -> Real:
     """(n,) V that a channel reads of what it would read in one record, by its law.
 
     tanh_v: v tanh(u / v). knee_v, power: u / (1 + |u / v|^power)^(1 / power). With tanh_share or knee_share v is that

@@ -6,18 +6,14 @@ to the root that slips, a contact its moment to a root that turns freely.
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.quadrature import gauss_legendre
 from modallab.twin.elements import ELEMENTS, curvature_rows, flexibility, shape_rows, slope_rows, weakened_stiffness
 from modallab.twin.modes import Modes
 from modallab.twin.structure import Structure
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 PATTERNS = 6
 """Ways in which the beam bends about a crack that are followed where only its low modes do."""
@@ -77,7 +73,7 @@ class Coupling:
     numbers: tuple[float, ...]
     shapes: Complex
     switch: Complex
-    rows: Array
+    rows: Real
 
 
 def coupling(element: Element, structure: Structure, modes: Modes) -> Coupling:
@@ -101,7 +97,7 @@ def coupling(element: Element, structure: Structure, modes: Modes) -> Coupling:
     )
 
 
-def _dragged(stations: int) -> tuple[Array, Array]:
+def _dragged(stations: int) -> tuple[Real, Real]:
     """(m,) places over L of a drag, and (m,) the share of each; the last station stands for half a bay."""
     if not stations:
         at, weights = gauss_legendre(PLACES)
@@ -111,7 +107,7 @@ def _dragged(stations: int) -> tuple[Array, Array]:
     return np.arange(1, stations + 1) / stations, share / np.sum(share)
 
 
-def _opening(element: Element, structure: Structure, modes: Modes) -> tuple[Array, Array]:
+def _opening(element: Element, structure: Structure, modes: Modes) -> tuple[Real, Real]:
     """(m, n) what bends about a crack, so that its stiffness is the sum of squares of these, and (n,) what opens it.
 
     What a crack takes off the stiffness is of many patterns; those count that the beam bends.
@@ -129,7 +125,7 @@ def _opening(element: Element, structure: Structure, modes: Modes) -> tuple[Arra
     return turned.T[:PATTERNS] @ rows, curvature_rows(element.x_m, structure.length_m)[0]
 
 
-def _by_moments(rows: Array, x_m: float, structure: Structure) -> tuple[Array, Array]:
+def _by_moments(rows: Real, x_m: float, structure: Structure) -> tuple[Real, Real]:
     """The ways in which an open crack bends under a constant moment over it, and under one that falls, and the moment.
 
     A deep crack bends far more sharply in its middle than any mode of the intact beam.
@@ -143,7 +139,7 @@ def _by_moments(rows: Array, x_m: float, structure: Structure) -> tuple[Array, A
     return channels, np.linalg.solve(turned.T @ closed, channels)[0]
 
 
-def _static_deflection(x_m: float, length_m: float) -> Array:
+def _static_deflection(x_m: float, length_m: float) -> Real:
     """(n, MOMENTS) deflection of unit EI under moments (s - x)^j / L^j, s along the beam."""
     arm = np.linspace(0, length_m, ELEMENTS + 1) - x_m
     curvatures = np.empty((2 * ELEMENTS + 2, MOMENTS))

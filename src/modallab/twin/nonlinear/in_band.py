@@ -2,15 +2,11 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.twin.nonlinear.pushed import Pushed
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 REACH = 12
 """Samples to either side of the filter that keeps what rings above the band from folding back into it."""
@@ -34,7 +30,7 @@ class Fine:
     n: int
     still: int = 0
 
-    def sampled(self) -> tuple[Complex, Array]:
+    def sampled(self) -> tuple[Complex, Real]:
         """(kept, n) complex motion of the first modes and (n, m) force, at the samples."""
         force = self.pushed.forces[: self.pushed.channels]
         motion, force = self._samples(self.pushed.motion()), self._samples(force)
@@ -44,7 +40,7 @@ class Fine:
         modes.imag = motion[kept:]
         return modes, np.ascontiguousarray(force.T)
 
-    def on_lines(self, lines: Array) -> tuple[Complex, Complex]:
+    def on_lines(self, lines: Real) -> tuple[Complex, Complex]:
         """(2 kept, lines) and (m, lines) DFT of the record's samples, on lines that may be below zero.
 
         Not a number where the motion grows without bound. The filter is linear: what it leaves of the modes is what
@@ -77,7 +73,7 @@ class Fine:
         left = p.decay ** np.arange(self.every)[::-1, None]
         return p.decay**self.every, (p.acts[:, None] * left).reshape(-1, len(p.decay))
 
-    def _in_band(self) -> Array:
+    def _in_band(self) -> Real:
         """(f, (n - 1) every + 1) the forces at each step from the first sample to the last, filtered."""
         from modallab.twin.nonlinear.sampling import filtered
 
@@ -86,14 +82,14 @@ class Fine:
         filtered(self._about_samples(self.pushed.forces), _taps(self.every), out)
         return out
 
-    def _first_state(self, force: Array) -> Complex:
+    def _first_state(self, force: Real) -> Complex:
         """(kept,) filtered state of the modes at the first sample, where the filtered forces are `force` (f,)."""
         reach = _reach(self.every)
         motion = self.pushed.motion(self.before + reach + 1)[:, max(self.before - reach, 0) :]
         found, kept = motion @ _taps(self.every)[-motion.shape[1] :], len(motion) // 2
         return found[:kept] + 1j * found[kept:] - force @ self.pushed.at_once
 
-    def _samples(self, fine: Array) -> Array:
+    def _samples(self, fine: Real) -> Real:
         """(rows, n) of (rows, steps), without what would fold back."""
         from modallab.twin.nonlinear.sampling import decimate
 
@@ -103,7 +99,7 @@ class Fine:
         found[:, self.still :] = own
         return found
 
-    def _about_samples(self, fine: Array) -> Array:
+    def _about_samples(self, fine: Real) -> Real:
         """(rows, ...) the steps that the filter reaches from the first sample and from the last, zeros before."""
         reach, n = _reach(self.every), self.n - self.still
         first, needed = reach - self.before, (n - 1) * self.every + 2 * reach + 1
@@ -127,7 +123,7 @@ def _summed(turn: Complex, n: int, ends: tuple[Complex, ...], driven: Complex) -
     return (first - step * last * turn**n + turn * driven) / (1 - step * turn)
 
 
-def _dft(phases: Array, lines: Array, n: int) -> Complex:
+def _dft(phases: Real, lines: Real, n: int) -> Complex:
     """(f, every, lines) DFT, as of n samples, of each phase of (f, samples, every)."""
     rows = np.moveaxis(phases, 1, 2)
     if len(lines) > n // 16:
@@ -139,7 +135,7 @@ def _dft(phases: Array, lines: Array, n: int) -> Complex:
 
 # Up to 0.3 MB each: as many as a campaign has sines.
 @lru_cache(maxsize=160)
-def _turns(samples: int, n: int, lines: bytes) -> Array:
+def _turns(samples: int, n: int, lines: bytes) -> Real:
     """(samples, 2 lines) by which samples add up to their DFT: real parts, then imaginary ones."""
     turns: Complex = np.exp(-2j * np.pi / n * np.outer(np.arange(samples), np.frombuffer(lines)))
     return np.concatenate([turns.real, turns.imag], axis=1).astype(np.float64, copy=False)
@@ -151,7 +147,7 @@ def _reach(every: int) -> int:
 
 
 @lru_cache(maxsize=16)
-def _taps(every: int) -> Array:
+def _taps(every: int) -> Real:
     if every == 1:
         return np.ones(1)
     at = np.arange(-REACH * every, REACH * every + 1) / every

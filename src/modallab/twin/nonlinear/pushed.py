@@ -2,13 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
+from modallab.core.arrays import Complex, Real
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -32,11 +29,11 @@ class Pushed:
     acts: Complex
     at_once: Complex
     begun: Complex
-    forces: Array
+    forces: Real
     channels: int
-    left: Callable[[Array], Complex]
+    left: Callable[[Real], Complex]
 
-    def motion(self, steps: int | None = None) -> Array:
+    def motion(self, steps: int | None = None) -> Real:
         """(2 kept, steps) of the modes that the element adds, real parts and then imaginary ones; all, or the first."""
         # Loaded where it is needed: what is linear needs no compiled loop.
         from modallab.twin.nonlinear.stepping import follow
@@ -48,7 +45,7 @@ class Pushed:
         return out[:, :, :kept].reshape(len(out), -1).T
 
 
-def padded(values: Complex) -> Array:
+def padded(values: Complex) -> Real:
     """(..., 2, p) real and imaginary parts of (..., kept), p a multiple of LANES."""
     from modallab.twin.nonlinear.stepping import LANES
 

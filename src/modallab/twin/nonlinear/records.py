@@ -2,18 +2,14 @@
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.twin.modes import Modes
 from modallab.twin.nonlinear.element import Coupling, Law
 from modallab.twin.nonlinear.in_band import REACH, Fine
 from modallab.twin.nonlinear.steps import Steps
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 PER_PERIOD = 36
 """Steps a period of a sine, where there may be as many."""
@@ -35,7 +31,7 @@ def ready(modes: Modes, own: Coupling, dt: float, x_m: float) -> Callable[[int],
     return steps
 
 
-def in_hit(steps: Callable[[int], Steps], pulse: Array, first: int, n: int) -> Fine:
+def in_hit(steps: Callable[[int], Steps], pulse: Real, first: int, n: int) -> Fine:
     """What the element adds to a hit.
 
     Args:
@@ -87,7 +83,7 @@ def in_sine(
     return Fine(steps(every).run(force, skip - before), every, before, n)
 
 
-def acceleration(modes: Modes, own: Coupling, psi: Complex, added: Fine, dt: float) -> Array:
+def acceleration(modes: Modes, own: Coupling, psi: Complex, added: Fine, dt: float) -> Real:
     """(points, n) m/s^2 that it adds where the modes' shapes are `psi` (points, p)."""
     motion, force = added.sampled()
     p = len(motion)

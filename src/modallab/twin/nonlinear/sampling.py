@@ -2,12 +2,8 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from modallab.core.arrays import Real
 from modallab.twin.nonlinear.compiled import compiled
-
-Array = NDArray[np.float64]
 
 BLOCK = 512
 """Samples that are filtered at once."""
@@ -15,7 +11,7 @@ BLOCK = 512
 
 @compiled
 def rising_sine(
-    amplitude: complex, step: float, ahead: float, since: float, ramp: float, cosine: bool, out: Array
+    amplitude: complex, step: float, ahead: float, since: float, ramp: float, cosine: bool, out: Real
 ) -> None:
     """A sine that rises from rest, into `out`.
 
@@ -38,7 +34,7 @@ def rising_sine(
 
 
 @compiled
-def decimate(fine: Array, taps: Array, every: int, out: Array) -> None:
+def decimate(fine: Real, taps: Real, every: int, out: Real) -> None:
     """One in `every` samples of rows (r, steps), each the sum of the steps from there on by `taps`, into (r, n)."""
     for row in range(out.shape[0]):
         for k in range(out.shape[1]):
@@ -49,7 +45,7 @@ def decimate(fine: Array, taps: Array, every: int, out: Array) -> None:
 
 
 @compiled
-def filtered(fine: Array, taps: Array, out: Array) -> None:
+def filtered(fine: Real, taps: Real, out: Real) -> None:
     """Every sample of rows (r, steps), each the sum of the steps from there on by `taps`, into (r, n)."""
     count, odd = out.shape[1], taps.shape[0] % 4
     for row in range(out.shape[0]):

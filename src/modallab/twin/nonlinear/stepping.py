@@ -16,11 +16,9 @@ and would not notice that a law in another one has changed.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.twin.nonlinear.compiled import compiled
-
-Array = NDArray[np.float64]
 
 CUBIC, PLAY, CRACK = 0, 2, 3
 CURVED = 12.0
@@ -126,19 +124,19 @@ def answer(
 @compiled
 def step_one(
     law: int,
-    numbers: Array,
-    decay: Array,
-    push: Array,
-    drive: Array,
-    ahead: Array,
-    kick: Array,
-    own: Array,
-    known: Array,
-    force: Array,
+    numbers: Real,
+    decay: Real,
+    push: Real,
+    drive: Real,
+    ahead: Real,
+    kick: Real,
+    own: Real,
+    known: Real,
+    force: Real,
     skip: int,
-    begun: Array,
-    pushed: Array,
-    excess: Array,
+    begun: Real,
+    pushed: Real,
+    excess: Real,
 ) -> None:
     """Step a law of one motion.
 
@@ -193,7 +191,7 @@ def step_one(
 
 
 @compiled
-def motion(felt: Array, real: Array, imag: Array) -> float:
+def motion(felt: Real, real: Real, imag: Real) -> float:
     """What an element feels of the modes by one of its motions."""
     felt_r, felt_i = felt[0], felt[1]
     total = 0.0
@@ -203,9 +201,7 @@ def motion(felt: Array, real: Array, imag: Array) -> float:
 
 
 @compiled
-def opened_by(
-    opened: Array, felt: Array, real: Array, imag: Array, now: Array, f: float, found: Array, g: Array
-) -> bool:
+def opened_by(opened: Real, felt: Real, real: Real, imag: Real, now: Real, f: float, found: Real, g: Real) -> bool:
     """Whether a crack is open, which it is where the first motion is positive; its forces into `g`, zero if closed."""
     open_now = motion(felt[0], real, imag) + now[0] * f > 0
     if open_now:
@@ -221,7 +217,7 @@ def opened_by(
 
 @compiled
 def dragged(
-    numbers: Array, stays: Array, felt: Array, real: Array, imag: Array, now: Array, f: float, found: Array, g: Array
+    numbers: Real, stays: Real, felt: Real, real: Real, imag: Real, now: Real, f: float, found: Real, g: Real
 ) -> None:
     """Forces of a drag, which change so little in a step that it feels those before, into `g`."""
     for j in range(len(found)):
@@ -233,7 +229,7 @@ def dragged(
 
 
 @compiled
-def add(shapes: Array, weights: Array, real: Array, imag: Array) -> None:
+def add(shapes: Real, weights: Real, real: Real, imag: Real) -> None:
     """Add shapes (m, 2, p), each by its weight (m,), to real and imaginary parts (p,)."""
     for j in range(len(weights)):
         shape_r, shape_i, own = shapes[j, 0], shapes[j, 1], weights[j]
@@ -244,7 +240,7 @@ def add(shapes: Array, weights: Array, real: Array, imag: Array) -> None:
 
 
 @compiled
-def carry(decay: Array, push: Array, g: Array, real: Array, imag: Array) -> None:
+def carry(decay: Real, push: Real, g: Real, real: Real, imag: Real) -> None:
     """Take a state of the modes one step on, under the forces of that step."""
     decay_r, decay_i = decay[0], decay[1]
     for k in range(len(real)):
@@ -257,18 +253,18 @@ def carry(decay: Array, push: Array, g: Array, real: Array, imag: Array) -> None
 @compiled
 def step_many(
     law: int,
-    numbers: Array,
-    opened: Array,
-    decay: Array,
-    push: Array,
-    felt: Array,
-    now: Array,
-    stays: Array,
-    force: Array,
+    numbers: Real,
+    opened: Real,
+    decay: Real,
+    push: Real,
+    felt: Real,
+    now: Real,
+    stays: Real,
+    force: Real,
     skip: int,
-    begun: Array,
-    pushed: Array,
-    excess: Array,
+    begun: Real,
+    pushed: Real,
+    excess: Real,
 ) -> None:
     """Step a law of several motions: a crack, or a drag.
 
@@ -311,7 +307,7 @@ def step_many(
 
 
 @compiled
-def follow(decay: Array, push: Array, late: Array, begun: Array, forces: Array, out: Array) -> None:
+def follow(decay: Real, push: Real, late: Real, begun: Real, forces: Real, out: Real) -> None:
     """The modes under known forces.
 
     Args:

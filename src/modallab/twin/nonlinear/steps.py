@@ -1,18 +1,15 @@
 """A beam and an element made ready to be stepped in time, with steps of one length."""
 
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.twin.elements import shape_rows
 from modallab.twin.modes import Modes
 from modallab.twin.nonlinear.element import Coupling, Law
 from modallab.twin.nonlinear.pushed import Pushed, padded
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 SWIFT = 1.7
 """Radians in a step from which a mode follows the forces at once: an element that is stiff beside it would not settle
@@ -50,11 +47,11 @@ class Steps:
     late: Complex
     drive: Complex
     drive_late: Complex
-    static: Array
-    direct: Array
+    static: Real
+    direct: Real
     kick: Complex
     poles: Complex
-    chunk: Array
+    chunk: Real
 
     @classmethod
     def of(cls, modes: Modes, own: Coupling, h: float, x_m: float) -> Self:
@@ -78,11 +75,11 @@ class Steps:
         kick = h / 2 * (1 + decay) * shapes
         return cls(own, kept, decay, *pushes, static, direct, kick, poles, chunk)
 
-    def state_after(self, force: Array) -> Complex:
+    def state_after(self, force: Real) -> Complex:
         """(kept,) state in which a known force (steps,) from rest leaves the modes by itself."""
         return self.drive * self.left(force[None])[0]
 
-    def left(self, forces: Array) -> Complex:
+    def left(self, forces: Real) -> Complex:
         """(f, kept) sum of the steps of forces (f, steps), each by what is left of it after the last."""
         short = -forces.shape[1] % CHUNK
         chunks = np.concatenate([np.zeros((len(forces), short)), forces], axis=1).reshape(len(forces), -1, CHUNK)
@@ -90,7 +87,7 @@ class Steps:
         later = np.exp(CHUNK * np.log(self.decay) * np.arange(chunks.shape[1])[::-1, None])
         return np.sum((parts[..., : self.kept] + 1j * parts[..., self.kept :]) * later, axis=1)
 
-    def run(self, force: Array, skip: int) -> Pushed:
+    def run(self, force: Real, skip: int) -> Pushed:
         """Step the element under a known force.
 
         Args:
@@ -109,13 +106,13 @@ class Steps:
         acts, at_once = (np.concatenate(rows) for rows in ((self.push, self.decay * self.kick), (self.late, self.kick)))
         return Pushed(self.decay, acts, at_once, state, np.concatenate([pushed, excess], axis=1).T, count, self.left)
 
-    def _run_one(self, force: Array, skip: int, begun: Array, pushed: Array, excess: Array) -> None:
+    def _run_one(self, force: Real, skip: int, begun: Real, pushed: Real, excess: Real) -> None:
         from modallab.twin.nonlinear.stepping import step_one
 
         seen, push, later = 2 * self.own.shapes[0, : self.kept], self.push[0], self.decay * self.kick[0]
-        own: Array = np.real(np.array([self.late[0], push, later]) @ seen).astype(np.float64)
+        own: Real = np.real(np.array([self.late[0], push, later]) @ seen).astype(np.float64)
         own[0] += self.static[0, 0]
-        known: Array = np.real(np.array([self.drive_late, self.drive]) @ seen).astype(np.float64)
+        known: Real = np.real(np.array([self.drive_late, self.drive]) @ seen).astype(np.float64)
         known[0] += self.direct[1]
         step_one(
             int(self.own.law),
@@ -134,7 +131,7 @@ class Steps:
             excess.reshape(-1),
         )
 
-    def _run_many(self, force: Array, skip: int, begun: Array, pushed: Array, excess: Array) -> None:
+    def _run_many(self, force: Real, skip: int, begun: Real, pushed: Real, excess: Real) -> None:
         from modallab.twin.nonlinear.stepping import step_many
 
         cracked, shapes = self.own.law is Law.CRACK, self.own.shapes[:, : self.kept]

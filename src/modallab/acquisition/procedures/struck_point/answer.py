@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.signals.conversion import Conversion
 from modallab.signals.hit import find_hit, windowed_force
 from modallab.signals.transform import previous_quick_length, spectrum
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Samples = NDArray[Any]
 
 EXCITED = 0.1
@@ -36,16 +35,16 @@ class Answer:
     """
 
     force_n: Real
-    force: Complex
-    motion: dict[int, Complex]
+    force: Complex128
+    motion: dict[int, Complex128]
     rate_hz: float
     band_hz: float
 
-    def of(self, channels: Iterable[int]) -> Complex:
+    def of(self, channels: Iterable[int]) -> Complex128:
         """(channels, lines) spectra."""
         return np.stack([self.motion[channel] for channel in channels])
 
-    def frf(self, channels: Iterable[int], up_to_hz: float) -> Complex:
+    def frf(self, channels: Iterable[int], up_to_hz: float) -> Complex128:
         """(channels, lines) of the block's lines above 0 up to a frequency; the block's end is in it."""
         count = int(up_to_hz * self.force_n.size / self.rate_hz) + 1
         force = self.force[1:count]
@@ -80,7 +79,7 @@ def answer_of(
     force, line_hz = spectrum(force_n), rate_hz / force_n.size
     band_hz = _band_hz(np.abs(force), line_hz, rate_hz)
     count = min(force.size, int(1.1 * max(up_to_hz, band_hz) / line_hz) + 8)
-    motion: dict[int, Complex] = {}
+    motion: dict[int, Complex128] = {}
     for channel in channels:
         row = samples[channel]
         moves = (row - row[: max(1, before - 1)].mean(dtype=np.float64)).astype(np.float32)

@@ -10,10 +10,9 @@ from modallab.acquisition.procedures.struck_point.answer import Answer
 from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.procedures.struck_point.frfs_so_far import FrfsSoFar
 from modallab.acquisition.procedures.struck_point.participation import participation
+from modallab.core.arrays import Real
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
-
-Real = NDArray[np.float64]
 
 NEARER = 0.6
 """Another point must be nearer than the requested one by this factor before a hit is said to be there."""

@@ -7,10 +7,8 @@ hits at another point is what a sensor at that point would read of hits here.
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from modallab.core.arrays import Complex128, Real
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -26,10 +24,10 @@ class FrfsSoFar:
 
     sensed_at: tuple[int, ...]
     alike: tuple[int, ...]
-    of_hit: dict[str, Complex] = field(default_factory=dict[str, Complex])
+    of_hit: dict[str, Complex128] = field(default_factory=dict[str, Complex128])
     point_of: dict[str, int] = field(default_factory=dict[str, int])
 
-    def keep(self, name: str, point: int, frf: Complex) -> None:
+    def keep(self, name: str, point: int, frf: Complex128) -> None:
         """A hit counts."""
         self.of_hit[name], self.point_of[name] = frf, point
 
@@ -42,7 +40,7 @@ class FrfsSoFar:
         """How many count at a point."""
         return sum(p == point for p in self.point_of.values())
 
-    def distances(self, frf: Complex) -> dict[int, float]:
+    def distances(self, frf: Complex128) -> dict[int, float]:
         """How far an FRF (sensors, lines) is from that of each known point: 0 is the same, 1 has nothing in common.
 
         Lines count alike, so that no resonance alone decides.
@@ -59,7 +57,7 @@ class FrfsSoFar:
                 found[point] = _apart(frf[rows], np.array(list(partial.values())), weight)
         return found
 
-    def scale(self, frf: Complex, point: int) -> float:
+    def scale(self, frf: Complex128, point: int) -> float:
         """How many times as much as after the hits at a point the structure moved a newton; NaN if there are none."""
         if not self.hits_at(point):
             return float("nan")
@@ -67,10 +65,10 @@ class FrfsSoFar:
         weight = _weight([known])
         return float(np.sum(weight * np.real(frf * known.conj())) / np.sum(weight * np.abs(known) ** 2))
 
-    def _mean(self, point: int) -> Complex:
+    def _mean(self, point: int) -> Complex128:
         return np.mean([self.of_hit[name] for name, at in self.point_of.items() if at == point], axis=0)
 
-    def _by_reciprocity(self, point: int, struck: dict[int, Complex]) -> dict[int, Complex]:
+    def _by_reciprocity(self, point: int, struck: dict[int, Complex128]) -> dict[int, Complex128]:
         """Rows of a hit at `point`, which has a sensor, that hits elsewhere have shown."""
         here = self.sensed_at.index(point)
         return {
@@ -80,12 +78,12 @@ class FrfsSoFar:
         }
 
 
-def _weight(known: list[Complex]) -> Real:
+def _weight(known: list[Complex128]) -> Real:
     power = np.mean([np.sum(np.abs(one) ** 2, axis=0) for one in known], axis=0)
     return 1 / np.maximum(power, 1e-12 * power.max())
 
 
-def _apart(one: Complex, other: Complex, weight: Real) -> float:
+def _apart(one: Complex128, other: Complex128, weight: Real) -> float:
     difference = np.sum(weight * np.abs(one - other) ** 2)
     total = np.sum(weight * (np.abs(one) ** 2 + np.abs(other) ** 2))
     return float(np.sqrt(difference / total)) if total else 0.0

@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.procedures.struck_point.answer import Answer
 from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from modallab.core.arrays import Complex128, Real
 
 REACH = 0.07
 """Lines within this part of a mode's frequency are fitted, and at least `LEAST_LINES` on either side."""
@@ -64,8 +62,8 @@ def participation(answer: Answer, expected: ExpectedModes) -> Participation:
 @dataclass(frozen=True, eq=False, slots=True)
 class _Fit:
     pulse: Real
-    force: Complex
-    answer: Complex
+    force: Complex128
+    answer: Complex128
     lines: NDArray[np.int64]
     rate_hz: float
     derivative: NDArray[np.int64]
@@ -109,10 +107,10 @@ class _Fit:
         return error, found
 
     @property
-    def _s(self) -> Complex:
+    def _s(self) -> Complex128:
         return np.asarray(2j * np.pi * self.lines * self.rate_hz / self.pulse.size, dtype=np.complex128)
 
-    def _mode(self, hz: Real, zeta: Real) -> Complex:
+    def _mode(self, hz: Real, zeta: Real) -> Complex128:
         """(poles, lines) acceleration of a unit mode in the block, what rings on after its end cut off."""
         omega, n, dt = 2 * np.pi * hz, self.pulse.size, 1 / self.rate_hz
         damped = omega * np.sqrt(1 - zeta**2)
