@@ -177,3 +177,9 @@ def test_a_motion_over_the_force_is_taken_whatever_the_sensor_measures(tmp_path:
     frf = read(tmp_path, table("f,Re a01 [(mm/s)/N],Im a01,Re a02 [m/s/N],Im a02,Re a03 [m/s/N],Im a03", two))
     assert frf.quantity == "mobility"
     np.testing.assert_allclose(frf.values[:, 0], inertances() * np.array([1e-3, 1, 1])[:, None], rtol=1e-9)
+
+
+@pytest.mark.parametrize("above", ["# FRF unit: g/N", "Unit;(g)/N", "Magnitude (g/N)"])
+def test_one_unit_above_a_table_is_that_of_its_frfs(tmp_path: Path, above: str) -> None:
+    frf = read(tmp_path, f"{above}\n" + table("f,Re a01,Im a01,Re a02,Im a02,Re a03,Im a03", two))
+    np.testing.assert_allclose(frf.values[:, 0], 9.80665 * inertances(), rtol=1e-9)

@@ -1,7 +1,7 @@
 """FRFs in tables that others wrote: complex numbers, or two columns for each FRF."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from modallab.formats.csv.frf_heading import FrfHeading, Part, frf_heading, is_l
 from modallab.formats.frf_factor import assumed_factor, turned
 from modallab.formats.frf_lines import rising, share_of_one
 from modallab.formats.options import ImportOptions
-from modallab.formats.unit_text import frf_unit
+from modallab.formats.unit_text import frf_unit, normal_unit
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -61,14 +61,35 @@ def columns_of(table: Table, rig: Rig | None, where: str) -> list[Column]:
                 where=where,
                 remedy='name its columns with --columns "frequency:Hz,Re a1:m/s^2/N,Im a1", or add such a header line',
             )
+    common = _common_unit(table, where)
     found: list[Column] = []
     for k, (name, unit) in enumerate(zip(names, units, strict=True), start=1):
         if not name:
             continue
         imaginary = None if table.imaginary is None else table.imaginary[:, k]
         is_complex = imaginary is not None and imaginary.any()
-        found.append(Column(frf_heading(name, unit), table.values[:, k], imaginary if is_complex else None))
+        heading = frf_heading(name, unit)
+        if not heading.unit and heading.part not in ("phase", "coherence"):
+            heading = replace(heading, unit=common)
+        found.append(Column(heading, table.values[:, k], imaginary if is_complex else None))
     return found
+
+
+def _common_unit(table: Table, where: str) -> str:
+    """The one unit of FRFs that stands above a table without units; "" if there is none.
+
+    Raises:
+        DataError: there are several.
+    """
+    known = {unit: frf_unit(unit, "") for unit in map(normal_unit, table.elsewhere)}
+    meant = {value: unit for unit, value in known.items() if value}
+    if len(meant) > 1:
+        raise DataError(
+            f"has several units of FRFs above its columns, {' and '.join(sorted(meant.values()))}",
+            where=where,
+            remedy="write the unit of each FRF behind its name",
+        )
+    return next(iter(meant.values()), "")
 
 
 def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> Frf:

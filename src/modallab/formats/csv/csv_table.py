@@ -119,13 +119,8 @@ def _table(text: TextTable, where: str, said: str = "") -> Table:
         others,
         titles[-1] if titles else "",
         _note(text.below),
-        () if any(column.unit for column in columns[1:]) else _cells_above(text),
+        () if any(column.unit for column in columns[1:]) else text.cells_above(),
     )
-
-
-def _cells_above(text: TextTable) -> tuple[str, ...]:
-    lines = [*_texts(text.above), *_texts(text.commented)]
-    return tuple(cell for line in lines for cell in re.split(r"[,;:=\t\[\]()]", line))
 
 
 def _note(below: Sequence[Line]) -> str:

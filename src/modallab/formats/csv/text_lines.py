@@ -62,6 +62,11 @@ class TextTable:
     ended: bool
     below: tuple[Line, ...]
 
+    def cells_above(self) -> tuple[str, ...]:
+        """What stands above it, between any marks; brackets are around a unit, or within one, as in (m/s^2)/N."""
+        lines = [line.text for line in (*self.above, *self.commented)]
+        return tuple(c for line in lines for mark in (r"[,;:=\t]", r"[,;:=\t\[\]()]") for c in re.split(mark, line))
+
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
