@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 
-Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _ROUNDING = 1e-6

@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.io import savemat
 
+from modallab.core.arrays import Real
 from modallab.core.errors import StorageError
 from modallab.core.units import SI_UNIT, Quantity
 from modallab.formats.atomic import replacing
-
-Real = NDArray[np.float64]
 
 
 def read_columns(path: Path) -> Real:

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from modallab.core.arrays import Real
 from modallab.core.model import Backbone, ModalModel
-
-Real = NDArray[np.float64]
 
 OFF = 0.05
 """By how much of its largest change a law is off, one deviation: no element follows it exactly."""

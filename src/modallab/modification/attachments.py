@@ -12,11 +12,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.modification.structure import At, Structure
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 class Matrices(NamedTuple):

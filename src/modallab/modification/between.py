@@ -6,13 +6,10 @@ Few points show little of it, and what lies between them is then as uncertain as
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
+from modallab.core.arrays import Complex, Real
 
 LENGTHS = np.geomspace(0.05, 2.0, 12)
 """Lengths of the covariance over the extent of the points, each as likely as the other before values are known."""

@@ -2,19 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import UNIT, Frf
 from modallab.core.rig import Rig
 from modallab.modification.freedoms import Freedom
 from modallab.modification.structure import Structure
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

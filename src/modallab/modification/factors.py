@@ -2,12 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Complex = NDArray[np.complexfloating[Any, Any]]
+from modallab.core.arrays import Complex
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -4,11 +4,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.documents.forces import ForceKind, ImpulseForce, RandomForce, SineForce, SweepForce
-
-Real = NDArray[np.float64]
 
 
 def force_samples(force: ForceKind, step_s: float, count: int) -> Real:

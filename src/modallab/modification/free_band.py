@@ -9,15 +9,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.modification.inverse import AT_MOST, ONLY_THE_LIGHT, TRIED, By, changed_hz, modal_size, sigma_of_size
 from modallab.modification.known import Known
 from modallab.modification.structure import At
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,13 +1,12 @@
 """Points and axes of a model's outputs and inputs."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Rig
 
-Real = NDArray[np.float64]
 Freedom = tuple[int, str]
 """A point and the axis of motion there: x, y or z; positive along the axis, or along the drive where it is its axis."""
 

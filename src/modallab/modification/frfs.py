@@ -1,17 +1,14 @@
 """FRFs of a model at pairs of points, measured ones or not, with their uncertainty."""
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.modification.structure import At, Structure
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 CHUNK = 64
 """Lines of all samples that are computed at once."""

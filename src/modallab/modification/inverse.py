@@ -5,16 +5,15 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.modification.attachments import Addition, Element, TunedAbsorber
 from modallab.modification.known import Known
 from modallab.modification.poles import Attached, poles_of
 from modallab.modification.structure import At, Structure
 
-Real = NDArray[np.float64]
 By = Literal["mass", "spring"]
 
 TRIED = 60

@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.model import ModalModel
@@ -23,9 +22,6 @@ from modallab.modification.response import Between, Modes, modal_states, respond
 from modallab.modification.samples import places_of, samples_of
 from modallab.modification.state_space import ModalStateSpace, state_space_of
 from modallab.modification.structure import At, Structure, structure_of
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 FRF_SAMPLES = 50
 """Of FRFs and motions, which have many numbers: enough to know a standard deviation to 10 %."""

@@ -1,17 +1,13 @@
 """FRFs of a model as they were measured where they were, and by the products of its shapes elsewhere."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.modification.samples import places_of
 from modallab.modification.structure import Structure, terms_of
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

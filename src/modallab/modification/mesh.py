@@ -4,9 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 MOST = 400
 """Nodes that shapes are taken along from: n of them cost n^3, and modes of a band are smooth."""

@@ -2,17 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.modification.attachments import Addition
 from modallab.modification.poles import Attached, poles_of, refined
 from modallab.modification.structure import Structure
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 CIRCLE = 8
 """Points about a pole, over which its residue is the mean: exact but for the eighth power of radius over distance."""

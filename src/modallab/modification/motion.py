@@ -6,15 +6,14 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.units import Quantity
 from modallab.modification.known import Known
 from modallab.modification.response import Between
 from modallab.modification.structure import At
-
-Real = NDArray[np.float64]
 
 OCTAVE = 10**0.3
 """Ratio of the centres of two octave bands (IEC 61260-1, base ten)."""

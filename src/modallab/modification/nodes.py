@@ -5,19 +5,15 @@ there (the non-optimum driving point parameter: Imamovic, PhD thesis, Imperial C
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.freedoms import Freedom
 from modallab.modification.shapes import shapes_of
 from modallab.modification.structure import Structure
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 NEAR_NODE = 0.1
 """Of a mode's largest motion: a point with less is near a node."""

@@ -8,9 +8,8 @@ there. So the driven columns tell the others: R_jk = R_jd (R_dd)^-1 R_dk, the Ny
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from modallab.core.arrays import Real
 
 SIGNIFICANT = 0.1
 """Of the largest eigenvalue among the driven points: smaller ones are noise, and their inverse would be as well."""

@@ -6,17 +6,13 @@ vibroacoustics). `alone` is the effective value of a part by itself over that of
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.units import DERIVATIVE, Quantity
 from modallab.modification.structure import At, Structure
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 EVEN = 400
 """Lines spread evenly over a band; each mode has its own besides, as a peak is narrower than any even grid."""

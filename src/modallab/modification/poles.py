@@ -7,18 +7,14 @@ iteration of Aberth (Math. Comp. 27 (1973), 339), in which each root keeps away 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.modification.attachments import Addition, Coupled, RigidLink, together
 from modallab.modification.structure import Structure
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 STEPS = (0.25, 0.5, 0.75, 1.0)
 """Shares of what lies outside the band."""

@@ -10,20 +10,16 @@ of a sensitivity are common to all poles: samples of both models give their cova
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.optimize import least_squares
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.modification.outside_band import completed
 from modallab.modification.settings import DEFAULT
 from modallab.modification.structure import Structure
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 ROUNDING = float(np.sqrt(np.finfo(float).eps))
 """Of a value: what its deviation at least is, where models are given without any."""

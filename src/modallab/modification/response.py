@@ -9,18 +9,16 @@ invariant method: Ahlin, Magnevall, Josefsson, Proc. ISMA 2006, 1127). What lies
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft, signal
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.units import DERIVATIVE, Quantity
 from modallab.modification.frfs import Receptances
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 Between = Literal["band-limited", "linear"]
 
 RETURN = 0.05

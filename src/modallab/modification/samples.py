@@ -9,16 +9,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.modification.shapes import shapes_of
 from modallab.modification.structure import Structure, modes_of, structure_of
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 COUNT = 200
 """Enough to know a standard deviation to 5 %."""

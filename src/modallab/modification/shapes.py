@@ -7,21 +7,16 @@ what a sensor shows of a freedom, and what a force there does, stay two numbers 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.between import Between
 from modallab.modification.factors import Factors, factored
 from modallab.modification.freedoms import Freedom, freedoms_of
 from modallab.modification.mesh import Mesh, apart, on_surface
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
-
 
 NEIGHBOURS = 8
 FLAT = 0.2

@@ -2,19 +2,15 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.deflection import at_points, turned
 from modallab.modification.freedoms import freedoms_of, senses_of
 from modallab.modification.structure import Structure
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

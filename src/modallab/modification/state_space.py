@@ -6,18 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 from scipy.io import savemat
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import StorageError
 from modallab.core.extras import optional_package
 from modallab.core.units import DERIVATIVE, SI_UNIT, Quantity
 from modallab.formats.atomic import replacing
 from modallab.modification.response import ramp_weights
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

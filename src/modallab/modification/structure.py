@@ -8,11 +8,11 @@ All arrays may have leading axes: samples of a model that is known with uncertai
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.digits import numbers
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
@@ -21,8 +21,6 @@ from modallab.modification.factors import factored
 from modallab.modification.freedoms import Freedom, freedoms_of
 from modallab.modification.outside_band import completed
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 At = int | Freedom
 """A point, or a point and an axis where several sensors stand there."""
 

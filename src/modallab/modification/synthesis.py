@@ -1,13 +1,9 @@
 """FRFs of a modal model at complex frequencies (eq. 13)."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex
 from modallab.core.model import ModalModel
-
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 def kernels(model: ModalModel, s: Complex) -> Complex:

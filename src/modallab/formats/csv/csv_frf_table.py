@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_frf
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
@@ -19,7 +20,6 @@ from modallab.formats.frf_lines import rising, share_of_one
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, normal_unit
 
-Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _TO_RAD = {"deg": np.pi / 180, "°": np.pi / 180, "rad": 1.0}

@@ -10,14 +10,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError, FormatError
 from modallab.formats.csv.clock_times import is_date, is_time, seconds_of
 from modallab.formats.csv.csv_cells import complex_number, is_number, split
 from modallab.formats.csv.csv_heads import BY_OPTION, abscissa, headings, said_headings
 from modallab.formats.csv.digits import half_last_digits
 from modallab.formats.csv.text_lines import Line, TextRow, TextTable, read_text
-
-Real = NDArray[np.float64]
 
 _TITLE = re.compile(r"^(?:(?:FRF|transfer function|frequency response(?: function)?|H[12v])\b[\s:(]*)+", re.IGNORECASE)
 """What stands before the response in the title of a table of FRFs."""

@@ -8,10 +8,10 @@ from scipy import sparse
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.formats.fem.node_modes import NodeModes
 
-Real = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 MOST = 60

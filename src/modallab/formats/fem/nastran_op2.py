@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError, FormatError, ModallabError
 from modallab.core.extras import require_package
 from modallab.formats.fem.nastran_grids import read_grids
@@ -28,7 +28,6 @@ MODAL_MASS = 5
 _DO = "write eigenvectors into it: DISPLACEMENT(PLOT) = ALL with PARAM,POST,-1 in SOL 103, or print them (.f06)"
 
 Places = dict[int, tuple[float, float, float]]
-Real = NDArray[np.float64]
 
 
 def read_op2(path: Path) -> NodeModes:

@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from modallab.core.arrays import Real
+
 Units = Literal["m", "mm"]
 """Of length; with mm the mass is in tonnes, as those who compute in N and mm have it."""
 

@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.rig import Direction
 from modallab.formats.uff.uff_functions import read_datasets
-
-Real = NDArray[np.float64]
 
 CARTESIAN, CYLINDRICAL = 0, 1
 _NAMES = {CYLINDRICAL: "cylindrical", 2: "spherical"}

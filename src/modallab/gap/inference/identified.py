@@ -6,18 +6,17 @@ poles refined by Gauss-Newton steps (variable projection: Golub and Pereyra, SIA
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.gap.conditioning.rows import ImpactData, Reduced
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 UNIT = 1e-2
 """Step of a pole's logarithm and angle that is one in the search: the usual size of a first error."""

@@ -6,11 +6,11 @@ a fit to them has a local minimum for every half width; these rows have none.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex
 from modallab.gap.conditioning.rows import Reduced, SineData
 from modallab.gap.inference.discrepancy import ObjectiveRows, ScaledObjective
 from modallab.gap.inference.identified import PointModes
@@ -22,7 +22,6 @@ from modallab.twin.bench import Twin, exchange_plugs, transfer
 from modallab.twin.modes import Modes, solve
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 Match = tuple[NDArray[np.intp], ...]
 """For each drive point, (p,) which mode of the twin each identified pole is."""
 

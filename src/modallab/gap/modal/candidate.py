@@ -4,13 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.free import Change
 from modallab.modification.freedoms import Freedom
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -5,15 +5,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.free import Change
 from modallab.gap.modal.hanging import HANGS, hanging, spacing
 from modallab.modification.freedoms import freedoms_of
-
-Real = NDArray[np.float64]
 
 EVERY = ("trigger_delay", "channel_skew")
 """Effects in the time of all channels."""

@@ -6,11 +6,10 @@ be held against one another there while their frequencies still differ, and no n
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
@@ -26,9 +25,6 @@ from modallab.modification.mesh import Mesh
 from modallab.modification.shapes import Shapes, shapes_of
 from modallab.modification.synthesis import kernels, synthesised
 from modallab.updating.elements import COMPUTED
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 SMOOTH = 0.01
 """Sigma over omega: the damping ratio that every mode seems to have more."""

@@ -1,14 +1,10 @@
 """By how much each free number moves the predicted FRFs."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.state import State
-
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 SMALL = 1e-6
 """Relative step of a difference."""

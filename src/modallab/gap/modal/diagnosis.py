@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.diagnosis import CandidateSet
 from modallab.core.effects import kind_of
 from modallab.core.frf import Frf
@@ -30,8 +30,6 @@ from modallab.identification.backbone_laws import law_note, likely_law
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
 from modallab.updating.elements import COMPUTED
-
-Real = NDArray[np.float64]
 
 TWO_SIDED = 1.96
 TRUNCATED = 0.08

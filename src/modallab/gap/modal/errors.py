@@ -5,17 +5,12 @@ is off by itself. They are also what the residual terms stand for, short waves t
 little moves by much. Both go along whole FRFs; what is left goes from line to line.
 """
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.gap.modal.weights import Weights
 from modallab.modification.synthesis import kernels
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 ERROR = 0.007
 """By how much of its size a line of an FRF is off for reasons that no free number stands for, one deviation."""

@@ -7,14 +7,11 @@ the noise of its records besides.
 from math import log
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.updating.elements import COMPUTED
-
-Real = NDArray[np.float64]
-
 
 GUESSED = 0.1
 """Deviation of the stiffness of a computed reference as a whole."""

@@ -5,20 +5,15 @@ sensitivities, the force of each driven point, where sensors and hits really are
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.rig import FORCE_SHARE
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.derivatives import derivatives
 from modallab.gap.modal.floor import of_structure
 from modallab.gap.modal.state import Hung, State, Structure, filtered
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
-
 
 UNKNOWN_FORCE = 10.0
 """Deviation of what a force that nobody measured does to a mode, over what it seems to do."""

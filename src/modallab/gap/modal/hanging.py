@@ -1,20 +1,16 @@
 """What may hang on the structure: a mass, a spring or a damper at, or about, a point; and what stiffness it lost."""
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.free import Change
 from modallab.gap.modal.state import Hung
 from modallab.modification.freedoms import Freedom, freedoms_of
 from modallab.modification.mesh import apart
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 MASSES = np.geomspace(0.004, 1.5, 8)
 """Masses to begin with, over the modal mass seen from there."""

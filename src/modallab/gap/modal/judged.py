@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Verdict
 from modallab.gap.modal.candidates import force_channel
@@ -18,8 +17,6 @@ from modallab.gap.modal.fitting import Fitted, fit
 from modallab.gap.modal.scales import Rung, estimated, nameless, settled, usual
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import beside
-
-Real = NDArray[np.float64]
 
 PRIOR = {"no_gap": 0.5, "known": 0.4, "unknown": 0.1}
 """Probabilities before the comparison."""

@@ -5,17 +5,13 @@ the shapes and what lies outside the band along whole FRFs, and the structure. E
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.gap.modal.fitting import Fitted, inverse, own_slopes
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.weights import Weights
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.fitting import FIRST_STEPS, Fitted, inverse, minimised, own_slopes
 from modallab.gap.modal.free import Free
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
@@ -13,8 +13,6 @@ from modallab.core.units import BROADBAND
 from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.modification.freedoms import Freedom, freedoms_of, senses_of, with_points
 from modallab.modification.shapes import shapes_of
-
-Real = NDArray[np.float64]
 
 REACH = 3.0
 """Deviations of a sensor's place within which two points are the same."""

@@ -10,20 +10,16 @@ moves the resonances by more than their width, that has to be a model of each po
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.frf.line_noise import variance_of
 from modallab.gap.modal.point_models import PointModels
 from modallab.identification.frf_model import in_band
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 REACH = 4.0
 """c over sigma."""

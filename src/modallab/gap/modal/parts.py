@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.modal_diagnosis import PartOfGap
 from modallab.gap.modal.fitting import Fitted
 from modallab.gap.modal.free import Free
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

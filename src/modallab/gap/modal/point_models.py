@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Complex, Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
@@ -14,9 +13,6 @@ from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.out_of_band import RESIDUAL_POWERS
 from modallab.identification.model.modal_model import seen_by
 from modallab.identification.setups.roving import STEPS, at_point, roved_axis
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 SPREAD = (1e-3, 0.5)
 """Relative deviation of a point's own frequencies and damping ratios from those of all points."""

@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.candidates import candidates
 from modallab.gap.modal.fitting import FIRST_STEPS, Fitted, fit
@@ -13,8 +13,6 @@ from modallab.gap.modal.free import Free
 from modallab.gap.modal.hanging import nearby
 from modallab.gap.modal.marginal import Marginal
 from modallab.gap.modal.scales import estimated, usual
-
-Real = NDArray[np.float64]
 
 THIN = slice(None, None, 2)
 """Lines on which the search begins."""

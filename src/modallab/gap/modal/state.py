@@ -9,13 +9,10 @@ Ewins, Modal Testing, 2nd ed. 2000, section 6.3). Where f was driven and a senso
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
+from modallab.core.arrays import Complex, Real
 
 
 def filtered(s: Complex, filters: Real) -> Complex:

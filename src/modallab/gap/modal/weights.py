@@ -1,13 +1,10 @@
 """How a misfit is weighed: each FRF by the covariance of its lines."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
+from modallab.core.arrays import Complex, Real
 
 
 @dataclass(frozen=True, eq=False, slots=True)
