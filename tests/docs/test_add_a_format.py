@@ -13,6 +13,7 @@ from modallab.cli import main
 from modallab.core.errors import ConfigurationError, DataError, FormatError
 from modallab.formats import all_formats, import_sources, known, read_campaign, read_rig, readers, write_export, writers
 from modallab.formats.options import ImportOptions
+from modallab.formats.rig.rig_file import write_rig
 
 DATA = ROOT / "tests/data"
 RIG = DATA / "hammer_rig.yaml"
@@ -43,12 +44,16 @@ def test_it_is_offered_everywhere_and_gone_without_its_file(folder: Path, capsys
 
 
 def test_what_it_writes_comes_back_and_no_other_format_takes_it(folder: Path, tmp_path: Path) -> None:
-    source = read_campaign(DATA / "hammer_5hits.h5", read_rig(RIG))
+    # Records in volts need the sensitivity of each channel, which this rig file does not state.
+    bare, rig = read_rig(RIG), tmp_path / "rig.yaml"
+    stated = tuple(c.model_copy(update={"sensitivity_v_per_unit": 1.0}) for c in bare.channels)
+    write_rig(bare.model_copy(update={"channels": stated}), rig)
+    source = read_campaign(DATA / "hammer_5hits.h5", bare)
     one = replace(source, blocks=source.blocks[:1])
     out, back = tmp_path / "hit.data", tmp_path / "back.h5"
     with added(known, folder):
         assert write_export(one, out, "columns") == ()
-        assert main(["import", str(out), "--rig", str(RIG), "--out", str(back), "--volts"]) == 0
+        assert main(["import", str(out), "--rig", str(rig), "--out", str(back), "--volts"]) == 0
         (found,) = read_campaign(back).blocks
         np.testing.assert_array_equal(found.samples, one.blocks[0].samples * one.blocks[0].scale[:, None])
         assert found.rate_hz == one.blocks[0].rate_hz
