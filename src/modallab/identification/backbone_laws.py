@@ -14,6 +14,7 @@ from scipy.optimize import nnls
 
 from modallab.core.arrays import Real
 from modallab.core.model import Backbone, ModalModel
+from modallab.identification.backbone import backbone_notes
 
 OFF = 0.05
 """By how much of its largest change a law is off, one deviation: no element follows it exactly."""
@@ -104,6 +105,11 @@ def likely_law(found: Backbone, model: ModalModel) -> LikelyLaw | None:
     first = next(iter(ordered))
     (_, point), share = max(((k, p) for k, p in each.items() if k[0] == first), key=lambda pair: pair[1])
     return LikelyLaw(ordered, point, share / max(ordered[first], 1e-300))
+
+
+def level_notes(found: Backbone, model: ModalModel) -> tuple[str, ...]:
+    """How each mode goes with its amplitude, and by which law; as `likely_law` takes them."""
+    return (*backbone_notes(found), *law_note(likely_law(found, model)))
 
 
 def law_note(likely: LikelyLaw | None) -> tuple[str, ...]:

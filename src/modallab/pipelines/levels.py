@@ -10,8 +10,8 @@ from modallab.core.errors import ModallabError
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
 from modallab.core.verification import Verification
-from modallab.identification.backbone import DriveLevel, backbone_notes, backbone_of, is_nonlinear
-from modallab.identification.backbone_laws import law_note, likely_law
+from modallab.identification.backbone import DriveLevel, backbone_of, is_nonlinear
+from modallab.identification.backbone_laws import level_notes
 from modallab.identification.options import Options
 from modallab.signals.signals import Signals
 from modallab.verification.assessment import Assessment
@@ -104,8 +104,7 @@ def of_weakest(
     if not is_nonlinear(found.backbone).any():
         return pooled
     weakest = f"Frequencies go with the level: the model is of the weakest, {levels[0].name}."
-    law = law_note(likely_law(found.backbone, weak.model))
-    notes = (*weak.model.notes, *backbone_notes(found.backbone), *law, weakest)
+    notes = (*weak.model.notes, *level_notes(found.backbone, weak.model), weakest)
     model = weak.model.model_copy(update={"backbone": found.backbone, "notes": notes})
     assessment = weak.assessment if pooled is None else _with_linearity(weak.assessment, pooled.assessment)
     return replace(weak, model=model, assessment=assessment)

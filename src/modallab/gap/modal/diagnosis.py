@@ -25,8 +25,7 @@ from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.gap.modal.parts import Misses, by_channel, by_mode
 from modallab.gap.modal.search import ModalSearch
 from modallab.gap.model.tolerances import with_tolerances
-from modallab.identification.backbone import backbone_notes
-from modallab.identification.backbone_laws import law_note, likely_law
+from modallab.identification.backbone_laws import level_notes
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
 from modallab.updating.elements import COMPUTED
@@ -34,7 +33,8 @@ from modallab.updating.elements import COMPUTED
 TWO_SIDED = 1.96
 TRUNCATED = 0.08
 """Deviation of the logarithm of a mass or a spring: modes outside the band are one compliance at its place alone."""
-GAINS = ("gain_error", "force_gain")
+FACTORS = ("gain_error", "force_gain")
+"""Effects whose number is a factor, looked for by its logarithm."""
 LOOSE = 5.0
 """How much looser a search begins than it ends."""
 
@@ -133,7 +133,7 @@ def _of_levels(bench: ModalModel) -> list[str]:
     if bench.backbone is None:
         return []
     weakest = f"The bench is compared at its weakest level, {bench.backbone.levels[0]}."
-    return [*backbone_notes(bench.backbone), *law_note(likely_law(bench.backbone, bench)), weakest]
+    return [*level_notes(bench.backbone, bench), weakest]
 
 
 def _of_the_whole(best: Fitted) -> list[str]:
@@ -188,7 +188,7 @@ def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float]
         return dict(zip(names, (v[:2] @ tangents).tolist(), strict=True)), np.sqrt(
             sigma[:2] ** 2 @ tangents**2
         ).tolist()
-    if candidate.effect in GAINS:
+    if candidate.effect in FACTORS:
         gain = next((g for _, g in fitted.change.gains), fitted.change.force_gain)
         return {number: gain}, [abs(gain) * float(sigma[0])]
     return {number: float(v[0])}, [float(sigma[0])]

@@ -47,7 +47,13 @@ def spacing(c: Compared) -> float:
 
 
 def hanging(c: Compared, effect: str) -> Iterator[Candidate]:
-    """A mass, a spring or a damper at each point where one can be felt."""
+    """One kind at each point where it can be felt, and between points next to each other where it may act there."""
+    yield from _on_points(c, effect)
+    if effect in BETWEEN:
+        yield from (_between(c, effect, pair) for pair in _pairs(c) if _seen(c, effect, pair) > 0)
+
+
+def _on_points(c: Compared, effect: str) -> Iterator[Candidate]:
     points = list(dict.fromkeys(f[0] for f in c.shapes.freedoms))
     there = [tuple(f for f in c.shapes.freedoms if f[0] == p) for p in points]
     # A mass is moved along every axis, a spring pulls along one.
@@ -58,8 +64,6 @@ def hanging(c: Compared, effect: str) -> Iterator[Candidate]:
         if len(group) == 1 and None not in sum(_numbers(c, group), ()):
             yield _at_point(c, effect, group)
         yield _about_point(c, effect, group)
-    if effect in BETWEEN:
-        yield from (_between(c, effect, pair) for pair in _pairs(c) if _seen(c, effect, pair) > 0)
 
 
 def _pairs(c: Compared) -> list[tuple[Freedom, Freedom]]:
@@ -174,8 +178,7 @@ def nearby(c: Compared, found: Candidate, v: Real, count: int) -> list[tuple[Can
         return []
     offset = found.offset(v) @ c.shapes.tangents(first)
     here = c.shapes.at_m[c.shapes.index(first)] + offset
-    others = [o for o in hanging(c, found.effect) if o.freedoms != found.freedoms and o.freedoms[0][1] == first[1]]
-    others = [o for o in others if not two_points(o.freedoms)]
+    others = [o for o in _on_points(c, found.effect) if o.freedoms != found.freedoms and o.freedoms[0][1] == first[1]]
     others.sort(key=lambda o: float(np.linalg.norm(c.shapes.at_m[c.shapes.index(o.freedoms[0])] - here)))
     psi = np.concatenate([c.shapes.moved(f, offset[None]) for f in found.freedoms])
     felt = _felt(c, found.effect, psi.T)

@@ -9,10 +9,9 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
-from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.out_of_band import RESIDUAL_POWERS
+from modallab.identification.likelihood.out_of_band import RESIDUAL_POWERS, STAND_INS
 from modallab.identification.model.modal_model import seen_by
-from modallab.identification.setups.roving import STEPS, at_point, roved_axis
+from modallab.identification.setups.roving import poles_at_points, roved_axis
 
 SPREAD = (1e-3, 0.5)
 """Relative deviation of a point's own frequencies and damping ratios from those of all points."""
@@ -55,9 +54,7 @@ class PointModels:
     @classmethod
     def _fitted(cls, frf: Frf, model: ModalModel) -> "PointModels":
         centre = np.stack([2 * np.pi * model.frequency_hz, model.damping_ratio], axis=1)
-        start = np.asarray(-centre[:, 1] * centre[:, 0] + 1j * centre[:, 0], np.complex128)
-        priors, axis = np.stack([centre, centre * np.array(SPREAD)], axis=-1), roved_axis(frf)
-        fits = [fit_frf(at_point(frf, k), start, STEPS, priors) for k in range(frf.values.shape[axis])]
+        fits, axis = poles_at_points(frf, centre, centre * np.array(SPREAD), STAND_INS).fits, roved_axis(frf)
         seen = [seen_by(fit) for fit in fits]
         constants = np.concatenate([one.constants for one in seen], axis=1 + axis)
         at = np.array([(fit.point.parameters.omega, fit.point.parameters.zeta) for fit in fits])

@@ -12,6 +12,7 @@ from modallab.modification.freedoms import freedoms_of
 LOWEST = 0.01
 """Frequency of that mode over the band's lower edge: so far below it no line distinguishes it from 0 Hz."""
 DAMPED = 0.01
+"""Damping ratio of that mode: any will do, as no line is near it."""
 FARTHEST = 10.0
 """A point that moves by so many times more than a driven one is none of a body that moves as a whole."""
 
