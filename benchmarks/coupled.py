@@ -19,10 +19,12 @@ from by_seed import measure
 from modallab.modification.attachments import Addition, Coupled, Element
 from modallab.modification.known import Known
 from modallab.verification.verify import frac
-from modified_structures import FAR, HITS, TOLERANCE, Bench
+from modified_structures import HITS, TOLERANCE, Bench
 
 FIRST_SEED, THICKER = 9702, 1.3
 SENSOR_KG, STINGER_KG, STINGER_N_PER_M = 0.01, 0.02, 500.0
+FAR = 0.05
+"""Relative distance from which a predicted mode was not identified again."""
 COLUMNS = (
     "seed", "case", "mode", "predicted_hz", "sigma_hz", "measured_hz", "measured_sigma_hz", "predicted_zeta",
     "measured_zeta", "frac_median", "frac_least",

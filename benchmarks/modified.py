@@ -7,6 +7,7 @@ Each bench is as built in an ordinary lab, and no other one. A row is a mode bel
 
 import sys
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -55,8 +56,16 @@ def rows_of(seed: int) -> list[list[object]]:
     return beside(kind, seed, size, point, bare.modal, after, changed.modal)
 
 
+class Modes(Protocol):
+    """What a prediction is set beside."""
+
+    frequency_hz: np.ndarray
+    frequency_sigma_hz: np.ndarray
+    damping_ratio: np.ndarray
+
+
 def beside(
-    kind: str, seed: int, size: float, point: int, before: ModalModel, after: ModesAfter, measured: ModalModel
+    kind: str, seed: int, size: float, point: int, before: ModalModel, after: ModesAfter, measured: Modes
 ) -> list[list[object]]:
     """A row for each predicted mode below half the band, with the nearest one that was measured."""
     found = []

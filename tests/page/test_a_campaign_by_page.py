@@ -117,7 +117,7 @@ def test_poles_are_chosen_on_the_diagram(recorded: Watched, campaign: str, serve
     rows.first.wait_for()
     modes = rows.count()
     recorded.page.click("canvas.diagram", position=recorded.page.evaluate(POLE, [campaign, 2]))
-    listed = "Poles that hold are listed as the estimator found them, not refined."
+    listed = "Those of the model are listed as refined, other poles that hold as the estimator found them."
     recorded.page.wait_for_selector(f"text='{modes - 1} chosen. {listed}'")
     recorded.page.click("text=Identify with these poles only")
     recorded.page.wait_for_function(

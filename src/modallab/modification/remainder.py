@@ -19,7 +19,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.modification.outside_band import completed
 from modallab.modification.settings import DEFAULT
-from modallab.modification.structure import Structure
+from modallab.modification.structure import Structure, moved_by
 
 ROUNDING = float(np.sqrt(np.finfo(float).eps))
 """Of a value: what its deviation at least is, where models are given without any."""
@@ -250,8 +250,12 @@ def _structure(both: Structure, at: Real, poles: Complex, found: Real, highest: 
     residue = (found[..., :n] + 1j * found[..., n : 2 * n]).swapaxes(-1, -2)
     psi = residue / np.sqrt(residue[..., joint])[..., None]
     terms = found[..., 2 * n :].swapaxes(-1, -2) / highest ** np.array(DEFAULT.powers, np.float64)[:, None]
-    freedoms = len(both.freedoms)
-    whole = [completed(t[..., None], range(freedoms), [joint], freedoms) for t in terms]
+    every, high_hz = range(len(both.freedoms)), both.band_hz[1]
+    whole = [
+        completed(t[..., None], DEFAULT.powers, every, [joint], moved_by(p, q), high_hz)
+        for t, p, q in zip(terms, poles, psi, strict=True)
+    ]
+    residual, alone = np.array([w.terms for w in whole]), np.mean([w.alone for w in whole], axis=0)
     known = np.zeros_like(both.known)
     known[joint] = known[:, joint] = True
-    return replace(both, poles=poles, psi=psi, powers=DEFAULT.powers, residual=np.array(whole), known=known)
+    return replace(both, poles=poles, psi=psi, powers=DEFAULT.powers, residual=residual, alone=alone, known=known)

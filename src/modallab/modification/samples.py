@@ -14,6 +14,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
+from modallab.modification.outside_band import SQUARES, drawn
 from modallab.modification.shapes import shapes_of
 from modallab.modification.structure import Structure, modes_of, structure_of
 
@@ -22,7 +23,7 @@ COUNT = 200
 OUTSIDE_MEASURED = 0.1
 """By how much, one deviation, residual terms of measured pairs may be off: they also take up what else a fit leaves."""
 OUTSIDE_ESTIMATED = 0.5
-"""The same of pairs that were not measured."""
+"""The same of pairs that were not measured, in what driven columns tell of them."""
 
 RESOLVED_HZ = 1e-5
 """Frequencies that differ by less are of the same model, computed on another machine."""
@@ -59,7 +60,8 @@ def samples_of(
         for h, z, a in zip(hz, zeta, constants, strict=True)
     ]
     off = np.where(nominal.known, OUTSIDE_MEASURED, OUTSIDE_ESTIMATED) * noise((count, 1, 1, 1))
-    residual = nominal.residual * (1 + off)
+    told = nominal.residual - nominal.alone[:, :, None] * np.eye(len(nominal.freedoms))
+    residual = told * (1 + off) + drawn(nominal.alone, noise((count, len(nominal.freedoms), SQUARES)))
     return replace(
         nominal, poles=np.array([p for p, _ in sampled]), psi=np.array([q for _, q in sampled]), residual=residual
     )

@@ -38,6 +38,7 @@ class Structure:
         psi: (..., modes, freedoms) such that psi psi^T is the residue; m^(1/2) N^(-1/2) s^(-1/2).
         powers: (terms,) of s in the residual terms.
         residual: (..., terms, freedoms, freedoms) symmetric, real.
+        alone: (terms, freedoms) what of the residual terms of a point's own pair is expected, not measured.
         known: (freedoms, freedoms) whether a pair, or the one exchanged, was measured.
         band_hz: of the model.
         drive_axis: along which forces acted.
@@ -50,6 +51,7 @@ class Structure:
     psi: Complex
     powers: tuple[int, ...]
     residual: Real
+    alone: Real
     known: NDArray[np.bool_]
     band_hz: tuple[float, float]
     drive_axis: str
@@ -164,9 +166,15 @@ def structure_of(model: ModalModel, rig: Rig | None = None) -> Structure:
     known = np.zeros((len(listed), len(listed)), bool)
     known[np.ix_(rows, columns)] = known[np.ix_(columns, rows)] = True
     poles, psi = modes_of(model.frequency_hz, model.damping_ratio, model.modal_constants, rows, columns, len(listed))
-    residual = completed(terms_of(model), rows, columns, len(listed))
+    band, powers = model.band_hz, model.residual_powers
+    outside = completed(terms_of(model), powers, rows, columns, moved_by(poles, psi), band[1])
     axis, driven, scaled = inputs[0][1], tuple(f[0] for f in inputs), bool(set(rows) & set(columns))
-    return Structure(listed, poles, psi, model.residual_powers, residual, known, model.band_hz, axis, driven, scaled)
+    return Structure(listed, poles, psi, powers, *outside, known, band, axis, driven, scaled)
+
+
+def moved_by(poles: Complex, psi: Complex) -> Real:
+    """(freedoms,) sum over modes of the squared shapes at unit modal mass."""
+    return np.asarray(np.sum(2 * poles.imag[:, None] * np.abs(psi) ** 2, axis=0), np.float64)
 
 
 def terms_of(model: ModalModel) -> Real:

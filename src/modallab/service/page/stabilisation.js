@@ -25,7 +25,9 @@ export class Stabilisation {
         if (!this.chosen.size) throw new Error("Choose at least one pole.");
         await identify({ pick_hz: [...this.chosen].sort((a, b) => a - b), ...(model.test && { test: model.test }) });
       }), button("Identify automatically", () => identify())));
-    for (const hz of model.frequency_hz) this.chosen.add(this.nearestHeld(hz));
+    // A pole of the model is named as the table above names it.
+    this.refined = new Map(model.frequency_hz.map((hz) => [this.nearestHeld(hz), hz]));
+    for (const hz of this.refined.keys()) this.chosen.add(hz);
     this.width = 0;
     fitted(this.canvas, HEIGHT, (width) => { this.width = width; this.draw(); }, signal);
     this.drawList();
@@ -94,8 +96,8 @@ export class Stabilisation {
   drawList() {
     const all = [...new Set([...this.held, ...this.chosen])].sort((a, b) => a - b);
     const focused = [...this.list.children].indexOf(document.activeElement);
-    put(this.list, all.map((hz) => h("button", { type: "button", "aria-pressed": String(this.chosen.has(hz)), onclick: () => this.toggle(hz) }, `${number(hz, 5)} Hz`)));
+    put(this.list, all.map((hz) => h("button", { type: "button", "aria-pressed": String(this.chosen.has(hz)), onclick: () => this.toggle(hz) }, `${number(this.refined.get(hz) ?? hz, 5)} Hz`)));
     this.list.children[focused]?.focus();
-    put(this.picked, `${this.chosen.size} chosen. Poles that hold are listed as the estimator found them, not refined.`);
+    put(this.picked, `${this.chosen.size} chosen. Those of the model are listed as refined, other poles that hold as the estimator found them.`);
   }
 }
