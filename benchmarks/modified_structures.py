@@ -1,4 +1,4 @@
-"""A mass, spring, damper or absorber on a plate or a tube: predicted from measured FRFs, beside its exact modes with it.
+"""A mass, spring, damper or absorber on a plate or a tube: predicted from measured FRFs, beside its exact modes.
 
     python benchmarks/modified_structures.py 40 benchmarks/results/modified_structures.csv
 

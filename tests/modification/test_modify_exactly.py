@@ -13,6 +13,7 @@ from modallab.modification.free_band import kept_free
 from modallab.modification.inverse import By, best_absorber, tuned
 from modallab.modification.known import Known
 from modallab.modification.structure import structure_of
+from modallab.reporting.modified_table import modified_rows
 
 HZ = np.linspace(5.0, 60.0, 40)
 S = 2j * np.pi * HZ
@@ -135,6 +136,42 @@ def test_a_measured_part_taken_away_leaves_the_rest_and_no_pole_of_its_antireson
     if gain == 1:
         frf = rest.frf(HZ, [2], [4], quantity="receptance").values[0, 0]
         np.testing.assert_allclose(frf, BARE.receptance(S)[:, 1, 3], rtol=1e-4)
+
+
+def test_errors_at_a_joint_grow_by_what_the_two_receptances_cancel() -> None:
+    bare, other, low_high = Known(BARE.model()), structure_of(OTHER.model()), BARE.model().band_hz
+    s = 2j * np.pi * np.linspace(*low_high, 201)[1:]
+    h, y = BARE.receptance(s)[:, 3, 3], OTHER.receptance(s)[:, 0, 0]
+    assert bare.with_changes([Element(3, mass=0.1)]).conditioning is None
+    for sign in (1, -1):
+        grown = np.median((np.abs(h) + np.abs(y)) / np.abs(h + sign * y))
+        found = bare.with_changes([Coupled(other, [(4, 1)], sign=sign)])
+        np.testing.assert_allclose(found.conditioning, grown, rtol=1e-6)
+
+
+def test_two_joints_that_move_apart_grow_errors_as_the_worse_of_them() -> None:
+    """Whatever the units of one of them are."""
+    springs = Chain(np.eye(4), np.zeros((4, 4)), np.diag([1e4, 1e8, 1e4, 1e4]))
+    part = structure_of(Chain(np.eye(2), np.zeros((2, 2)), np.diag([2e4, 2e8])).model())
+    alone = [Known(springs.model()).with_changes([Coupled(part, [(n, n)])]).conditioning for n in (1, 2)]
+    both = Known(springs.model()).with_changes([Coupled(part, [(1, 1), (2, 2)])]).conditioning
+    assert None not in alone
+    assert both is not None
+    assert max(alone) <= both * (1 + 1e-9)
+
+
+def test_a_table_says_that_what_nearly_makes_the_whole_is_not_to_be_taken_away() -> None:
+    heavy = Chain(50 * OTHER.mass, 50 * OTHER.damping, 50 * OTHER.stiffness)
+    said = []
+    for part in (OTHER, heavy):
+        whole = [np.zeros((5, 5)) for _ in range(3)]
+        for both, a, b in zip(whole, _matrices(BARE), _matrices(part), strict=True):
+            both[:4, :4] += a
+            both[3:, 3:] += b
+        joined = Known(Chain(*whole).model())
+        rest = joined.with_changes([Coupled(structure_of(part.model()), [(4, 1)], sign=-1)])
+        said.append(modified_rows(rest, []).caption)
+    assert ["Do not use" in caption for caption in said] == [False, True]
 
 
 def test_what_is_coupled_brings_its_own_uncertainty() -> None:

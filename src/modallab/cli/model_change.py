@@ -40,14 +40,15 @@ def couple(known: Known, arguments: argparse.Namespace) -> None:
 def _show_changed(known: Known, changes: Sequence[Addition], arguments: argparse.Namespace) -> None:
     changed = known.with_changes(changes)
     m, words = changed.modes, [c.words for c in changes]
-    show_rows(arguments, modified_rows(known.model, m, words))
+    show_rows(arguments, modified_rows(changed, words))
     if arguments.check is not None:
         for one in checked(m, read_reference(arguments.check, known.stated_rig, known.model).model):
             console_of(arguments).print(one.words, markup=False, highlight=False, soft_wrap=True)
     if arguments.json is not None:
         arrays = ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma", "outside", "mac")
         document = {name: np.asarray(getattr(m, name)).tolist() for name in arrays}
-        write_json(arguments.json, {"changes": words, "like": (m.like + 1).tolist(), **document})
+        document |= {"like": (m.like + 1).tolist(), "conditioning": changed.conditioning}
+        write_json(arguments.json, {"changes": words, **document})
 
 
 def _changes(arguments: argparse.Namespace) -> Iterator[Addition]:

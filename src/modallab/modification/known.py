@@ -12,6 +12,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.modification.attachments import Addition, Coupled
+from modallab.modification.conditioning import conditioning_of
 from modallab.modification.freedoms import Freedom
 from modallab.modification.frfs import Receptances, frf_between
 from modallab.modification.measured import MeasuredPairs
@@ -109,6 +110,12 @@ class Known:
     def modes(self) -> ModesAfter:
         """The modes with what hangs on it."""
         return modify(self.structure, self.changes, self.samples, self.alone.structure if self.taken else None)
+
+    @cached_property
+    def conditioning(self) -> float | None:
+        """By which factor errors at the worst joint to another structure grow; None without one."""
+        parts = [change for change in (*self.taken, *self.changes) if isinstance(change, Coupled)]
+        return max((conditioning_of(self.alone.structure, part) for part in parts), default=None)
 
     @property
     def words(self) -> tuple[str, ...]:

@@ -57,16 +57,16 @@ def completed(
     driven = [i for i in dict.fromkeys(columns) if i in rows]
     column, at = np.nan_to_num(whole[:, :, driven]), 2j * np.pi * high_hz * WITHIN[:, None]
     weights = np.mean(np.real(at ** np.array(powers, np.float64)), axis=0)
-    told = _told(np.tensordot(weights, column, 1), driven)
+    shares = _shares(np.tensordot(weights, column, 1), driven)
     inner, among = column[:, driven], np.sum(moved[driven])
     own = np.trace(inner, axis1=1, axis2=2)[:, None] * (moved / among if among else 0 * moved)
     unknown = np.isnan(whole)
     alone = np.where(np.diagonal(unknown, axis1=1, axis2=2), own, 0.0)
-    estimated = told @ inner @ told.T + alone[:, :, None] * np.eye(moved.size)
+    estimated = shares @ inner @ shares.T + alone[:, :, None] * np.eye(moved.size)
     return OutsideBand(np.where(unknown, estimated, whole), alone)
 
 
-def _told(column: Real, driven: Sequence[int]) -> Real:
+def _shares(column: Real, driven: Sequence[int]) -> Real:
     """(freedoms, driven) shares of the driven points in the shapes of all."""
     return np.asarray(column @ np.linalg.pinv(column[driven], rcond=SIGNIFICANT, hermitian=True))
 

@@ -60,8 +60,8 @@ def samples_of(
         for h, z, a in zip(hz, zeta, constants, strict=True)
     ]
     off = np.where(nominal.known, OUTSIDE_MEASURED, OUTSIDE_ESTIMATED) * noise((count, 1, 1, 1))
-    told = nominal.residual - nominal.alone[:, :, None] * np.eye(len(nominal.freedoms))
-    residual = told * (1 + off) + drawn(nominal.alone, noise((count, len(nominal.freedoms), SQUARES)))
+    followed = nominal.residual - nominal.alone[:, :, None] * np.eye(len(nominal.freedoms))
+    residual = followed * (1 + off) + drawn(nominal.alone, noise((count, len(nominal.freedoms), SQUARES)))
     return replace(
         nominal, poles=np.array([p for p, _ in sampled]), psi=np.array([q for _, q in sampled]), residual=residual
     )

@@ -247,10 +247,15 @@ class ChangedModel(PutToUse):
         """(modes,) one standard deviation."""
         return self._known.modes.damping_sigma
 
+    @property
+    def conditioning(self) -> float | None:
+        """By which factor errors of receptances grow in the forces of the joint, from 1 on; None where none is."""
+        return self._known.conditioning
+
     def table(self) -> Shown:
         """Frequency and damping of each mode before and after, with one standard deviation."""
         words = list(self._known.words)
-        return Shown(*modified_rows(self._known.model, self._known.modes, words))
+        return Shown(*modified_rows(self._known, words))
 
     def check(self, measured: PutToUse) -> Shown:
         """Each predicted mode beside that of a model that was measured with the changes.
@@ -281,7 +286,7 @@ class ChangedModel(PutToUse):
         Raises:
             StorageError: the name ends otherwise, or the file cannot be written.
         """
-        return write_rows(Path(path), modified_rows(self._known.model, self._known.modes, []))
+        return write_rows(Path(path), modified_rows(self._known, []))
 
     def __repr__(self) -> str:
         hz = ", ".join(f"{f:.4g}" for f in self.frequency_hz)

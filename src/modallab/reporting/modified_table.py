@@ -11,7 +11,9 @@ from scipy.optimize import linear_sum_assignment
 from modallab.core.digits import alike, concise
 from modallab.core.errors import StorageError
 from modallab.core.model import ModalModel
+from modallab.core.rig import Tolerance
 from modallab.formats.atomic import replacing
+from modallab.modification.known import Known
 from modallab.modification.modified import ModesAfter
 
 SAME = 0.5
@@ -20,7 +22,7 @@ FARTHEST = 1.2
 """Ratio of two frequencies from which they are of different modes."""
 TWO_SIDED = 1.96
 TRUSTED = 0.1
-"""Of a shift: a larger part of it by what lies outside the band is said beneath the table."""
+"""A larger part of a shift by what lies outside the band is said beneath the table, and more of a joint's forces."""
 
 
 class TableRows(NamedTuple):
@@ -34,10 +36,11 @@ class TableRows(NamedTuple):
 HEADINGS = ("mode", "before [Hz]", "after [Hz]", "shift [%]", "damping before [%]", "damping after [%]")
 
 
-def modified_rows(before: ModalModel, after: ModesAfter, changes: Sequence[str]) -> TableRows:
+def modified_rows(known: Known, changes: Sequence[str]) -> TableRows:
     """Each mode after the change, with one standard deviation, beside the one before whose shape is most like it."""
+    before, after = known.model, known.modes
     rows = tuple(_row(before, after, r) for r in range(len(after.frequency_hz)))
-    return TableRows(HEADINGS, rows, " ".join([f"{'; '.join(changes)}.", *notes_of(before, after)]))
+    return TableRows(HEADINGS, rows, " ".join([f"{'; '.join(changes)}.", *notes_of(known)]))
 
 
 def _row(before: ModalModel, after: ModesAfter, r: int) -> tuple[str, ...]:
@@ -58,9 +61,10 @@ def _row(before: ModalModel, after: ModesAfter, r: int) -> tuple[str, ...]:
     )
 
 
-def notes_of(before: ModalModel, after: ModesAfter) -> list[str]:
+def notes_of(known: Known) -> list[str]:
     """What the table cannot be trusted for, and why."""
-    sentences = ["One sigma of the model, of sensitivities and of places."]
+    before, after = known.model, known.modes
+    sentences = ["One sigma of the model, of sensitivities and of places.", *_of_joint(known)]
     shift = np.abs(after.frequency_hz / before.frequency_hz[after.like] - 1)
     doubtful = [str(r + 1) for r in np.flatnonzero(after.outside > TRUSTED * np.maximum(shift, 1e-4))]
     if doubtful:
@@ -72,6 +76,17 @@ def notes_of(before: ModalModel, after: ModesAfter) -> list[str]:
     if after.hidden:
         sentences.append("What moved beyond the band is left out.")
     return sentences
+
+
+def _of_joint(known: Known) -> list[str]:
+    if known.conditioning is None:
+        return []
+    tolerance = Tolerance.usual() if known.rig is None else known.rig.tolerance
+    one, grown = 100 * tolerance.sensitivity, 100 * tolerance.sensitivity * known.conditioning
+    said = f"An error of {one:.2g} % of the receptances at the joint is one of {grown:.2g} % of its forces."
+    if grown <= 100 * TRUSTED:
+        return [said]
+    return [said, "Do not use the result: there, one structure alone says nearly all of how both move."]
 
 
 class Prediction(NamedTuple):

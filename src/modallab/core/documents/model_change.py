@@ -158,6 +158,7 @@ class ModifiedView(Frozen):
         like: (modes,) the mode before whose shape is most like it, from 1.
         mac: (modes,) of the two shapes.
         outside: (modes,) part of the frequency that what lies outside the band moves it by.
+        conditioning: by which factor errors at the joint to another structure grow, from 1 on; null without one.
         notes: how far it can be trusted.
         before_hz: (modes before,) of the model without the changes.
         motion: (modes, places, 3) complex, after, as `ShapesView` has it; null where no places are known.
@@ -174,6 +175,7 @@ class ModifiedView(Frozen):
     like: tuple[int, ...]
     mac: RealArray
     outside: RealArray
+    conditioning: float | None
     notes: tuple[str, ...]
     before_hz: RealArray
     motion: ComplexArray | None

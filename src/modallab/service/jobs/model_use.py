@@ -101,7 +101,8 @@ def modified(service: Service, campaign: str, new: ModificationNew) -> ModifiedV
         like=tuple(int(n) + 1 for n in after.like),
         mac=after.mac,
         outside=after.outside,
-        notes=tuple(notes_of(known.model, after)),
+        conditioning=changed.conditioning,
+        notes=tuple(notes_of(changed)),
         before_hz=known.model.frequency_hz,
         frf=None if new.frf is None else _mobility(known, changed, new.frf),
         checked=()
