@@ -85,6 +85,8 @@ def _at_point(known: Known, mode: int, to_hz: float, by: By, at: At) -> Answer:
     sizes = np.geomspace(ONLY_THE_LIGHT * modal, AT_MOST * modal, TRIED)
     hz = np.array([changed_hz(known, by, at, size)[mode] for size in sizes])
     start = float(np.abs(pole)) / (2 * np.pi)
+    # No mass raises a mode and no spring to ground lowers one (Rayleigh, Theory of Sound (1877), section 88).
+    hz = np.minimum(hz, start) if by == "mass" else np.maximum(hz, start)
     reached = float(min(start, hz.min())), float(max(start, hz.max()))
     between = np.flatnonzero((hz[:-1] - to_hz) * (hz[1:] - to_hz) <= 0)
     first = (start - to_hz) * (hz[0] - to_hz) <= 0

@@ -30,7 +30,7 @@ class ModesAfter:
         like: (modes,) the mode before whose shape it resembles most, from 0.
         mac: (modes,) of the two shapes.
         outside: (modes,) by which share of the frequency what lies outside the band moves it.
-        hidden: poles beyond the band, which the model cannot tell.
+        hidden: modes that left the band, which the model cannot tell.
     """
 
     frequency_hz: Real
@@ -81,7 +81,7 @@ def modify(
         like=like,
         mac=mac,
         outside=np.abs(np.abs(modes_only) / np.abs(poles) - 1),
-        hidden=int(np.sum(~inside)),
+        hidden=max(len(structure.poles) - poles.size, 0),
     )
 
 

@@ -1,8 +1,9 @@
 """Poles of a structure with attachments.
 
 They are the roots of det D(s) det(Y(s) + B^T H(s) B), with D of the structure's own modes. Starting values are those of
-the modes alone, without what lies outside the band; that is then added in steps, and all roots are found at once by the
-iteration of Aberth (Math. Comp. 27 (1973), 339), in which each root keeps away from the others.
+the modes with what lies outside the band as a spring at each link (MacNeal, Computers & Structures 1 (1971), 581): a
+heavy mass on it is a mode more. Where it is no spring, it is added in steps. All roots are found at once by Aberth's
+iteration (Math. Comp. 27 (1973), 339), in which each root keeps away from the others.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,6 +26,8 @@ LONGEST_STEP = 0.1
 """Of a root."""
 DIFFERENCE = 1e-6
 """Of a frequency: over it slopes are taken."""
+ROUNDING = 1e-9
+"""Of the softest link: a smaller compliance is none."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -105,25 +108,34 @@ def poles_of(attached: Attached) -> Complex:
     """(poles,) rad/s with a positive imaginary part, by rising frequency."""
     if not attached.attachments:
         return attached.structure.poles[np.argsort(attached.structure.poles.imag)]
-    found = _of_modes(attached)
-    whole = attached.structure
-    for share in STEPS if whole.powers else (1.0,):
+    whole, springs = attached.structure, _springs(attached)
+    found = _of_modes(attached, springs)
+    for share in STEPS if whole.powers and springs is None else (1.0,):
         part = attached.with_structure(replace(whole, residual=share * whole.residual))
         found = refined(part, found)
     return found[np.argsort(found.imag)]
 
 
-def _of_modes(attached: Attached) -> Complex:
-    """Poles of the modes alone with their attachments, a quadratic eigenproblem with constraints."""
-    own, constraints = _of_structure(attached), [np.zeros((0, _size(attached)))]
-    link, at = 0, len(attached.structure.poles)
+def _springs(attached: Attached) -> Real | None:
+    """(links, links) N/m of what lies outside the band, at the middle of the band; None where it is no spring."""
+    whole = attached.structure
+    s = 1j * np.pi * whole.band_hz[1]
+    terms = np.real(s ** np.array(whole.powers, np.float64))
+    soft = attached.b.T @ np.tensordot(terms, whole.residual, 1) @ attached.b
+    least, most = np.linalg.eigvalsh(soft)[[0, -1]]
+    return np.linalg.inv(soft) if least > ROUNDING * most else None
+
+
+def _of_modes(attached: Attached, springs: Real | None) -> Complex:
+    """Poles of the modes with their attachments, a quadratic eigenproblem with constraints."""
+    size = _size(attached, springs)
+    held, own = _held(attached, springs, size), _of_structure(attached, springs, size)
+    constraints, link, at = [np.zeros((0, size))], 0, size - _own_motions(attached)
     for attachment in attached.attachments:
         matrices = attachment.matrices
         links = attachment.links(attached.structure).shape[1]
         more = len(matrices.mass) - links
-        motions = np.zeros((links + more, _size(attached)))
-        motions[:links, : len(attached.structure.poles)] = _real_shapes(attached)[:, link : link + links].T
-        motions[range(links, links + more), range(at, at + more)] = 1.0
+        motions = np.concatenate([held[link : link + links], np.eye(more, size, at)])
         for whole, part in zip(own, matrices[:3], strict=True):
             whole += motions.T @ part @ motions
         constraints.append(np.asarray(matrices.constraint @ motions, np.float64))
@@ -132,24 +144,40 @@ def _of_modes(attached: Attached) -> Complex:
     return _quadratic(*(free.T @ whole @ free for whole in own))
 
 
-def _size(attached: Attached) -> int:
-    """Number of modes and of what the attachments have besides their links."""
-    motions = sum(len(a.matrices.mass) for a in attached.attachments)
-    return len(attached.structure.poles) + motions - attached.b.shape[1]
+def _own_motions(attached: Attached) -> int:
+    """Number of what the attachments have besides their links."""
+    return sum(len(a.matrices.mass) for a in attached.attachments) - attached.b.shape[1]
 
 
-def _real_shapes(attached: Attached) -> Real:
-    """(modes, links) at unit modal mass, without their phases."""
-    structure = attached.structure
-    return np.real(structure.psi * np.sqrt(2j * structure.poles.imag)[:, None]) @ attached.b
+def _size(attached: Attached, springs: Real | None) -> int:
+    """Number of modes, of links behind springs, and of what the attachments have besides."""
+    return len(attached.structure.poles) + (0 if springs is None else len(springs)) + _own_motions(attached)
 
 
-def _of_structure(attached: Attached) -> list[Real]:
-    """Mass, damping and stiffness of the structure's modes, with room for the attachments."""
+def _shapes(attached: Attached, size: int) -> Real:
+    """(links, size) shapes at unit modal mass, without their phases."""
+    structure, found = attached.structure, np.zeros((attached.b.shape[1], size))
+    real = np.real(structure.psi * np.sqrt(2j * structure.poles.imag)[:, None])
+    found[:, : len(structure.poles)] = (real @ attached.b).T
+    return found
+
+
+def _held(attached: Attached, springs: Real | None, size: int) -> Real:
+    """(links, size) what moves as the attachments do at their links."""
+    modes = len(attached.structure.poles)
+    return _shapes(attached, size) if springs is None else np.eye(len(springs), size, modes)
+
+
+def _of_structure(attached: Attached, springs: Real | None, size: int) -> list[Real]:
+    """Mass, damping and stiffness of the structure's modes and its springs, with room for the attachments."""
     poles = attached.structure.poles
     modal = np.ones(len(poles)), -2 * poles.real, np.abs(poles) ** 2
-    room = np.zeros(_size(attached) - len(poles))
-    return [np.asarray(np.diag(np.concatenate([one, room])), np.float64) for one in modal]
+    room = np.zeros(size - len(poles))
+    own = [np.asarray(np.diag(np.concatenate([one, room])), np.float64) for one in modal]
+    if springs is not None:
+        apart = _shapes(attached, size) - _held(attached, springs, size)
+        own[2] += apart.T @ springs @ apart
+    return own
 
 
 def _null_space(constraints: Real) -> Real:
