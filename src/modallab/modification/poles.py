@@ -123,7 +123,7 @@ def _springs(attached: Attached) -> Real | None:
     terms = np.real(s ** np.array(whole.powers, np.float64))
     soft = attached.b.T @ np.tensordot(terms, whole.residual, 1) @ attached.b
     least, most = np.linalg.eigvalsh(soft)[[0, -1]]
-    return np.linalg.inv(soft) if least > ROUNDING * most else None
+    return np.asarray(np.linalg.inv(soft), np.float64) if least > ROUNDING * most else None
 
 
 def _of_modes(attached: Attached, springs: Real | None) -> Complex:
