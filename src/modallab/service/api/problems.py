@@ -180,7 +180,8 @@ async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     code = {404: "no-page", 405: "not-allowed", 413: "too-large"}.get(error.status_code, "not-valid")
     headers = {"Allow": _allowed(request)} if error.status_code == 405 else error.headers
-    return problem(kinds()[code], str(error.detail), headers)
+    kind = kinds()[code]
+    return problem(kind, str(error.detail), headers, remedy=kind.meaning)
 
 
 def _allowed(request: Request) -> str:
