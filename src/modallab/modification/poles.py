@@ -26,8 +26,8 @@ LONGEST_STEP = 0.1
 """Of a root."""
 DIFFERENCE = 1e-6
 """Of a frequency: over it slopes are taken."""
-ROUNDING = 1e-9
-"""Of the softest link: a smaller compliance is none."""
+NO_SPRING = 1e-6
+"""Of what the modes give way: a smaller compliance moves no root within the band, and rounding would be all of it."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -122,8 +122,9 @@ def _springs(attached: Attached) -> Real | None:
     s = 1j * np.pi * whole.band_hz[1]
     terms = np.real(s ** np.array(whole.powers, np.float64))
     soft = attached.b.T @ np.tensordot(terms, whole.residual, 1) @ attached.b
-    least, most = np.linalg.eigvalsh(soft)[[0, -1]]
-    return np.asarray(np.linalg.inv(soft), np.float64) if least > ROUNDING * most else None
+    modes = 2 * np.sum(np.abs(whole.psi @ attached.b) ** 2 / np.abs(whole.poles)[:, None], axis=0)
+    given = np.linalg.eigvalsh(soft)[0] > NO_SPRING * np.max(modes)
+    return np.asarray(np.linalg.inv(soft), np.float64) if given else None
 
 
 def _of_modes(attached: Attached, springs: Real | None) -> Complex:
