@@ -225,5 +225,7 @@ def test_volts_need_a_sensitivity(tmp_path: Path) -> None:
     channels = [{k: v for k, v in c.items() if k != "sensitivity_v_per_unit"} for c in content["channels"]]
     rig = type(RIG).model_validate(content | {"channels": channels})
     (tmp_path / "x.csv").write_text(rows_of("time [s],force [N],a01 [V],a02 [m/s^2],a03 [m/s^2]\n"))
-    with pytest.raises(DataError, match="channel a01 is in V, and the rig has no sensitivity of it"):
-        import_sources([tmp_path / "x.csv"], rig)
+    stored = type(RIG).model_validate_json(rig.model_dump_json())
+    for one in (rig, stored):
+        with pytest.raises(DataError, match="channel a01 is in V, and the rig has no sensitivity of it"):
+            import_sources([tmp_path / "x.csv"], one)
