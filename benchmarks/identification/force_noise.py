@@ -2,11 +2,12 @@
 
     python benchmarks/identification/force_noise.py --seeds 200 [--first 0] --out FILE.csv
 
-Modes at 60 Hz, 1 % and 140 Hz, 0.8 %, three points, driven at the first. A seed draws the noise, 0 to 20 % of the force,
-1 to 20 blocks of 1.024 s, whether they follow each other without a gap, and what the noise is: of the force channel, or a
-force that was not measured. Records are cut out of a longer one, so that they begin and end while the structure rings.
-All FRFs are of the local polynomial method, taken as H1, H2 and Hv. A row of FILE has the draw, the errors in sigmas of
-frequencies, damping ratios and modal constants, the constants' mean error, and the bias that the note states for it.
+Modes at 60 Hz, 1 % and 140 Hz, 0.8 %, three points, driven at the first. A seed draws the noise, 0 to 20 % of the
+force, 1 to 20 blocks of 1.024 s, whether they follow each other without a gap, and what the noise is: of the force
+channel, or a force that was not measured. Records are cut out of a longer one, so that they begin and end while the
+structure rings. All FRFs are of the local polynomial method, taken as H1, H2 and Hv. A row of FILE has the draw, the
+errors in sigmas of frequencies, damping ratios and modal constants, the constants' mean error, and the bias that the
+note states for it.
 """
 
 import argparse
