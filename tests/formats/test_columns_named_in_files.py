@@ -123,6 +123,21 @@ def test_frfs_of_testlab_are_read_with_axis_unit_and_names(tmp_path: Path) -> No
     np.testing.assert_allclose(frf.frequency_hz, LINES)
 
 
+def test_records_of_testlab_are_a_structure_for_each_quantity(tmp_path: Path) -> None:
+    force, *responses = hit(4)
+    axis = {"start_value": 0.0, "increment": 1 / RATE_HZ, "number_of_values": float(force.size)}
+
+    def block(names: list[str], rows: list[np.ndarray], unit: str) -> dict[str, object]:
+        values = {"values": np.array(rows).T, "quantity": {"label": unit}}
+        return {"x_values": axis, "y_values": values, "function_record": {"name": np.array(names, object)}}
+
+    signals = {"Signal_0": block(["force"], [force], "N"), "Signal_1": block(list(NAMES[1:]), responses, "g")}
+    io.savemat(tmp_path / "x.mat", signals)
+    (one,) = import_sources([tmp_path / "x.mat"], RIG).blocks
+    np.testing.assert_array_equal(one.samples, hit(4))
+    assert (one.rate_hz, one.units) == (RATE_HZ, ("N", "g", "g", "g"))
+
+
 def stacked(titles: list[str]) -> str:
     tables: list[str] = []
     for title, values in zip(titles, frfs(), strict=True):
