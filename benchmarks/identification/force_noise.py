@@ -96,7 +96,7 @@ def errors(model: ModalModel) -> dict[str, float]:
 
 
 def stated(model: ModalModel, source: str) -> float:
-    """Bias of the constants that the note gives for this source; 0 where it is silent."""
+    """Bias of the constants that the note gives for this source; 0 where it says nothing."""
     said = " ".join(model.notes)
     found = re.search(r"constants are ([\d.e-]+) % low" if source == "channel" else r"they are ([\d.e-]+) % high", said)
     return (-0.01 if source == "channel" else 0.01) * float(found[1]) if found else 0.0
