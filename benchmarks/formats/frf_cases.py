@@ -80,11 +80,11 @@ def receptance_complex(folder: Path) -> Known:
 
 @case("frf table")
 def inertance_of_displacements(folder: Path) -> Known:
-    """The header says µm/N, the rig has accelerometers: converted or rejected, never taken as m/s^2/N."""
-    h = receptance(LINES)[:, 0] * 1e6
-    columns = [LINES, *(part for row in h for part in (row.real, row.imag))]
+    """The header says µm/N, the rig has accelerometers: receptances, never taken as m/s^2/N."""
+    h = receptance(LINES)[:, 0]
+    columns = [LINES, *(1e6 * part for row in h for part in (row.real, row.imag))]
     head = "Frequency [Hz],Re a1 [µm/N],Im a1 [µm/N],Re a2 [µm/N],Im a2 [µm/N]"
-    return Known(save(folder, [head], columns), frf=plain(), rejected="(?i).m/N")
+    return Known(save(folder, [head], columns), frf=KnownFrf(LINES, h, "receptance"))
 
 
 @case("frf table")

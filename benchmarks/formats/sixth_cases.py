@@ -236,9 +236,9 @@ def lvm_two_rows_of_special(folder: Path) -> Known:
 
 @case("sixth")
 def lvm_without_rate(folder: Path) -> Known:
-    """LabVIEW without X columns and with Delta_X of 1: samples were counted, not timed."""
+    """LabVIEW without X columns and with Delta_X of 1: samples were counted, and the rate is given."""
     text = lvm_head(columns="No") + segment(list(hit().rows), "No", delta=(1.0, 1.0, 1.0))
-    return Known(save_lvm(folder, text), rejected="1 Hz|Delta_X", options=(*DRIVEN, "--rate", "2000"))
+    return Known(save_lvm(folder, text), (hit(),), options=(*DRIVEN, "--rate", "2000"))
 
 
 @case("sixth")

@@ -123,6 +123,21 @@ def test_frfs_of_testlab_are_read_with_axis_unit_and_names(tmp_path: Path) -> No
     np.testing.assert_allclose(frf.frequency_hz, LINES)
 
 
+def test_records_of_testlab_are_a_structure_for_each_quantity(tmp_path: Path) -> None:
+    force, *responses = hit(4)
+    axis = {"start_value": 0.0, "increment": 1 / RATE_HZ, "number_of_values": float(force.size)}
+
+    def block(names: list[str], rows: list[np.ndarray], unit: str) -> dict[str, object]:
+        values = {"values": np.array(rows).T, "quantity": {"label": unit}}
+        return {"x_values": axis, "y_values": values, "function_record": {"name": np.array(names, object)}}
+
+    signals = {"Signal_0": block(["force"], [force], "N"), "Signal_1": block(list(NAMES[1:]), responses, "g")}
+    io.savemat(tmp_path / "x.mat", signals)
+    (one,) = import_sources([tmp_path / "x.mat"], RIG).blocks
+    np.testing.assert_array_equal(one.samples, hit(4))
+    assert (one.rate_hz, one.units) == (RATE_HZ, ("N", "g", "g", "g"))
+
+
 def stacked(titles: list[str]) -> str:
     tables: list[str] = []
     for title, values in zip(titles, frfs(), strict=True):
@@ -225,5 +240,7 @@ def test_volts_need_a_sensitivity(tmp_path: Path) -> None:
     channels = [{k: v for k, v in c.items() if k != "sensitivity_v_per_unit"} for c in content["channels"]]
     rig = type(RIG).model_validate(content | {"channels": channels})
     (tmp_path / "x.csv").write_text(rows_of("time [s],force [N],a01 [V],a02 [m/s^2],a03 [m/s^2]\n"))
-    with pytest.raises(DataError, match="channel a01 is in V, and the rig has no sensitivity of it"):
-        import_sources([tmp_path / "x.csv"], rig)
+    stored = type(RIG).model_validate_json(rig.model_dump_json())
+    for one in (rig, stored):
+        with pytest.raises(DataError, match="channel a01 is in V, and the rig has no sensitivity of it"):
+            import_sources([tmp_path / "x.csv"], one)

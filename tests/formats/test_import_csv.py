@@ -153,3 +153,11 @@ def test_bytes_that_are_no_text_are_reported(tmp_path: Path) -> None:
     path = tmp_path / "hit_1.csv"
     path.write_bytes(b"time,force\n\x00\x01\x02")
     assert "is no text" in rejected(FormatError, path)
+
+
+def test_lost_samples_are_named_where_times_have_no_more_digits_than_their_step(tmp_path: Path) -> None:
+    lost = np.delete(np.arange(256), slice(100, 130))
+    body = "".join(f"{k / 1000:.3f},{k % 7}.5,{k % 5}.5,{k % 3}.5,{k % 11}.5\n" for k in lost)
+    (tmp_path / "x.csv").write_text(f"{HEADER}\n{body}")
+    with pytest.raises(DataError, match=r"uneven: place \d+ stands .* steps"):
+        import_sources([tmp_path / "x.csv"], RIG)

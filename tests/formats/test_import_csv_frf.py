@@ -183,3 +183,16 @@ def test_a_motion_over_the_force_is_taken_whatever_the_sensor_measures(tmp_path:
 def test_one_unit_above_a_table_is_that_of_its_frfs(tmp_path: Path, above: str) -> None:
     frf = read(tmp_path, f"{above}\n" + table("f,Re a01,Im a01,Re a02,Im a02,Re a03,Im a03", two))
     np.testing.assert_allclose(frf.values[:, 0], 9.80665 * inertances(), rtol=1e-9)
+
+
+def test_a_row_of_units_longer_than_the_table_gives_the_one_unit_of_its_phases(tmp_path: Path) -> None:
+    head = "f,Mag a01,Phase a01,Mag a02,Phase a02,Mag a03,Phase a03\nHz,,deg,,deg,,deg,deg"
+    np.testing.assert_allclose(read(tmp_path, table(head, polar)).values[:, 0], inertances(), rtol=1e-9)
+
+
+def test_of_two_quantities_one_is_left_out(tmp_path: Path) -> None:
+    text = table("f,Re a01 [m/s^2/N],Im a01,Re a02 [m/s^2/N],Im a02,Re a03 [m/N],Im a03", two)
+    with pytest.raises(DataError, match="holds FRFs of inertance and receptance"):
+        read(tmp_path, text)
+    frf = read(tmp_path, text, ignore=("a03",))
+    assert (frf.quantity, frf.outputs) == ("inertance", ("a01", "a02"))

@@ -121,3 +121,11 @@ def test_a_file_that_was_never_finished_says_so(tmp_path: Path) -> None:
     path.write_bytes(content)
     with pytest.raises(FormatError, match="never finished"):
         import_sources([path], RIG)
+
+
+def test_the_user_says_which_channel_is_which(tmp_path: Path) -> None:
+    (tmp_path / "x.tdms").write_bytes(plain())
+    turned = {"force": "a01", "a01": "force"}
+    options = ImportOptions(variables=tuple(turned.items()))
+    (as_named,), (as_said,) = (import_sources([tmp_path / "x.tdms"], RIG, o).blocks for o in (ImportOptions(), options))
+    np.testing.assert_array_equal(as_said.samples[[1, 0]], as_named.samples[[0, 1]])

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Rig
-from modallab.identification.frf_model import identify_frf
+from modallab.identification.frf_model import identify_frf, identify_given_frf
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.line_weights import line_weights
 from modallab.identification.options import Options
@@ -139,3 +140,10 @@ def test_a_weak_mode_is_found_whatever_the_order(order):
     frf, _ = noisy(replace(frf, values=frf.values + weak * np.array([1.0, -0.6, 0.8])[:, None, None]), 1e-4)
     model, _ = identify_frf(frf, rig_of(frf), Options(max_order=order))
     np.testing.assert_allclose(model.frequency_hz, [49.0, 85.0, 120.0], rtol=1e-3)
+
+
+def test_conjugates_are_named_as_such():
+    frf, _ = noisy(viscous([49.0, 120.0], [0.01, 0.01]), 1e-3)
+    assert identify_given_frf(frf, rig_of(frf), Options())[0].n_modes == 2
+    with pytest.raises(IdentificationError, match="complex conjugates"):
+        identify_given_frf(replace(frf, values=frf.values.conj()), rig_of(frf), Options())

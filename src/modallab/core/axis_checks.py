@@ -116,7 +116,6 @@ def _check_even(values: NDArray[np.float64], what: str, unit: str, where: str, r
     away = np.abs(values - (values[0] + step * np.arange(len(values))))
     if float(away.max()) <= _EVEN * step:
         return
-    _check_digits(float(step), what, unit, where, resolution)
     # The ends are rounded as well, so the grid through them may deviate by as much again.
     exceed = away - resolution - max(resolution[0], resolution[-1])
     worst = int(exceed.argmax())
@@ -127,6 +126,7 @@ def _check_even(values: NDArray[np.float64], what: str, unit: str, where: str, r
             where=where,
             remedy=f"record or resample at an even {what} step; look for lost samples there",
         )
+    _check_digits(float(step), what, unit, where, resolution)
 
 
 def _check_digits(step: float, what: str, unit: str, where: str, resolution: Real) -> None:

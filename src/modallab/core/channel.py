@@ -48,7 +48,7 @@ class Channel(Frozen):
         point: number of the point where it stands.
         direction: of positive readings; the force channel's is the drive's unless it says otherwise.
         mass_kg: of the sensor.
-        sensitivity_v_per_unit: one, or one per test.
+        sensitivity_v_per_unit: one, or one per test; None where nobody has measured it, and 1 V per unit is assumed.
         coupling: of the input; IEPE and bridge also feed the sensor.
         range_v: of the input, if it is not the converter's.
         serial: of the sensor.
@@ -69,7 +69,7 @@ class Channel(Frozen):
     point: PositiveInt | None = None
     direction: Direction = "+z"
     mass_kg: NonNegative = 0.0
-    sensitivity_v_per_unit: Finite | dict[Test, Finite] = 1.0
+    sensitivity_v_per_unit: Finite | dict[Test, Finite] | None = Field(default=None, exclude_if=unstated)
     coupling: Literal["DC", "AC", "IEPE", "bridge"] = "DC"
     range_v: Positive | None = None
     serial: str = ""
@@ -85,6 +85,8 @@ class Channel(Frozen):
     def sensitivity(self, test: Test) -> float:
         """Volts per unit in a test; the preamplifier may stand differently in each."""
         value = self.sensitivity_v_per_unit
+        if value is None:
+            return 1.0
         if isinstance(value, float | int):
             return float(value)
         if test not in value and test in BROADBAND and "sine" in value:

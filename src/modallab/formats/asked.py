@@ -42,7 +42,7 @@ ASKED: dict[str, Asked] = {
         "time constant of the exponential window that FRFs were made with", "number", "window", "S", frfs=True
     ),
     "variables": Asked(
-        "what a MATLAB file or a table calls a channel (NAME:2 its second column), or time, rate, frequency, frf, "
+        "what the file calls a channel (NAME:2 the second column of an array), or time, rate, frequency, frf, "
         "coherence, all",
         called="variable",
         metavar="CHANNEL=NAME",

@@ -156,8 +156,7 @@ def _checked(campaign: Campaign) -> Campaign:
 
 
 def _require_sensitivities(campaign: Campaign) -> None:
-    # The default of 1 V per unit is none that anybody has measured.
-    bare = {c.name: c for c in campaign.rig.channels if "sensitivity_v_per_unit" not in c.model_fields_set}
+    bare = {c.name: c for c in campaign.rig.channels if c.sensitivity_v_per_unit is None}
     for block in campaign.blocks:
         for name, unit in zip(block.channels, block.units, strict=True):
             if name in bare and unit in _VOLTS and bare[name].unit not in _VOLTS:

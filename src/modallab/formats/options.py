@@ -52,6 +52,10 @@ class ImportOptions:
         low = name.lower()
         return low not in map(str.lower, self.ignore) and (not self.channels or low in map(str.lower, self.channels))
 
+    def channel_of(self, name: str) -> str:
+        """The channel that the user says this name of the file is of; else the name itself."""
+        return next((channel for channel, said in self.variables if said.lower() == name.lower()), name)
+
     def unit(self, channel: Channel) -> str:
         """The unit of a channel's numbers where the file names none."""
         return "V" if self.volts else channel.unit

@@ -63,8 +63,29 @@ def identify_given_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel
     Where nothing says how well each line is known, noise is taken as even in the quantity in which what is left is.
 
     Raises:
-        DataError, IdentificationError: as `identify_frf`.
+        DataError, IdentificationError: as `identify_frf`; or they are complex conjugates.
     """
+    try:
+        return _in_evenest(frf, rig, options)
+    except IdentificationError:
+        if not _turns_back(frf, rig, options):
+            raise
+    raise IdentificationError(
+        "the FRFs are complex conjugates: their phase rises through the resonances, as of exp(-j omega t)",
+        remedy="turn the sign of their imaginary parts or phases",
+    )
+
+
+def _turns_back(frf: Frf, rig: Rig, options: Options) -> bool:
+    """Whether the conjugates of FRFs without modes have modes."""
+    try:
+        identify_frf(replace(frf, values=frf.values.conj()), rig, options)
+    except IdentificationError:
+        return False
+    return True
+
+
+def _in_evenest(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
     used = in_band(frf, options.band_hz)
     if not options.refined or line_weights(used) is not None:
         return identify_frf(frf, rig, options)

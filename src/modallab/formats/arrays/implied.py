@@ -34,6 +34,7 @@ def implied(arrays: Arrays, texts: Texts, rig: Rig | None, where: str) -> tuple[
     if functions:
         found, array_map = _of_testlab(functions, arrays, texts, rig, where)
         return found, texts, array_map
+    arrays, texts = _signals_of_testlab(arrays, texts)
     frf, frequency = usual_name(arrays, FRF), usual_name(arrays, FREQUENCY)
     for key, names in texts.items():
         held = [
@@ -82,6 +83,31 @@ def _of_elements(arrays: Arrays, texts: Texts) -> tuple[Arrays, Texts]:
         return called[part] + key.removeprefix(part) if part else key
 
     return {renamed(key): a for key, a in arrays.items()}, {renamed(key): t for key, t in texts.items()}
+
+
+def _signals_of_testlab(arrays: Arrays, texts: Texts) -> tuple[Arrays, Texts]:
+    """With a structure for each channel instead of one for each quantity, which holds a column for each of several."""
+    found, said = dict(arrays), dict(texts)
+    for key in [key for key in arrays if key.endswith(_TESTLAB)]:
+        part, values = key.removesuffix(_TESTLAB), arrays[key]
+        names, columns = texts.get(f"{part}.function_record.name", ()), values.reshape(len(values), -1).T
+        if (
+            len(names) != len(columns)
+            or len(set(names)) < len(names)
+            or set(names) & {k.partition(".")[0] for k in found}
+        ):
+            continue
+        beside = {k: found.pop(k) for k in arrays if k.startswith(f"{part}.")}
+        words = {k: said.pop(k) for k in texts if k.startswith(f"{part}.")}
+        for k, (name, column) in enumerate(zip(names, columns, strict=True)):
+            found |= {name + own.removeprefix(part): a for own, a in beside.items()} | {name + _TESTLAB: column}
+            said |= {name + own.removeprefix(part): _of_column(rows, k, len(names)) for own, rows in words.items()}
+    return found, said
+
+
+def _of_column(rows: tuple[str, ...], k: int, columns: int) -> tuple[str, ...]:
+    """Of a text for each column that of one, else all of it."""
+    return rows[k : k + 1] if len(rows) == columns else rows
 
 
 def _of_testlab(

@@ -14,7 +14,15 @@ from modallab.core.rig import Channel, Rig
 from modallab.formats.axis_units import to_hertz
 from modallab.formats.csv.csv_heads import is_frequency
 from modallab.formats.csv.csv_table import Table
-from modallab.formats.csv.frf_heading import FrfHeading, Part, frf_heading, is_level, reference_of, response_of
+from modallab.formats.csv.frf_heading import (
+    FrfHeading,
+    Part,
+    frf_heading,
+    is_left_out,
+    is_level,
+    reference_of,
+    response_of,
+)
 from modallab.formats.frf_factor import assumed_factor, turned
 from modallab.formats.frf_lines import rising, share_of_one
 from modallab.formats.options import ImportOptions
@@ -61,7 +69,8 @@ def columns_of(table: Table, rig: Rig | None, where: str) -> list[Column]:
                 where=where,
                 remedy='name its columns with --columns "frequency:Hz,Re a1:m/s^2/N,Im a1", or add such a header line',
             )
-    common = _common_unit(table, where)
+    angles = set(map(normal_unit, table.elsewhere)) & set(_TO_RAD)
+    common, angle = _common_unit(table, where), angles.pop() if len(angles) == 1 else ""
     found: list[Column] = []
     for k, (name, unit) in enumerate(zip(names, units, strict=True), start=1):
         if not name:
@@ -69,8 +78,8 @@ def columns_of(table: Table, rig: Rig | None, where: str) -> list[Column]:
         imaginary = None if table.imaginary is None else table.imaginary[:, k]
         is_complex = imaginary is not None and imaginary.any()
         heading = frf_heading(name, unit)
-        if not heading.unit and heading.part not in ("phase", "coherence"):
-            heading = replace(heading, unit=common)
+        if not heading.unit and heading.part != "coherence":
+            heading = replace(heading, unit=angle if heading.part == "phase" else common)
         found.append(Column(heading, table.values[:, k], imaginary if is_complex else None))
     return found
 
@@ -105,6 +114,8 @@ def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> 
     groups: dict[tuple[str, int | None], dict[Part, Column]] = {}
     channels = {c.name: c for c in rig.responses}
     for column in columns_of(table, rig, where):
+        if is_left_out(column.heading, rig, options):
+            continue
         channel, point = response_of(column.heading, rig, where)
         parts = groups.setdefault((channel.name, options.drive_point if point is None else point), {})
         part: Part = "complex" if column.imaginary is not None else column.heading.part
@@ -128,7 +139,7 @@ def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> 
         raise DataError(
             f"holds FRFs of {' and '.join(sorted(quantities))}",
             where=where,
-            remedy="give those of one quantity, and leave the other channels out of the rig",
+            remedy="give those of one quantity, and leave the channels of the other out with --ignore",
         )
     frequency_hz, values, coherence = rising(frequency_hz, values, _coherence(groups, outputs, points, where))
     check_frf(frequency_hz, values, outputs, where, even=False, resolution_hz=table.resolution)

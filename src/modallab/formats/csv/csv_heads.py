@@ -50,10 +50,19 @@ def headings(above: Sequence[str], commented: Sequence[str], delimiter: str, col
     place = max(words, key=lambda k: _evidence(rows, k), default=None)
     if place is None:
         return (), ()
-    parts = [_split(cell) for cell in rows[place]]
+    parts = [_split(cell) for cell in _with_abscissa(rows, place)]
     beside = _units_beside(rows, place, alone=len(above) == 2) or _of_facts(above, delimiter, columns)
     units = tuple(unit or normal_unit(cell.strip("[]")) for (_, unit), cell in zip(parts, beside, strict=True))
     return tuple(name for name, _ in parts), units
+
+
+def _with_abscissa(rows: Sequence[Sequence[str]], place: int) -> Sequence[str]:
+    """The line of the names; with what a line above it says, where only that one names the abscissa."""
+    row = rows[place]
+    above = next((one for one in reversed(rows[:place]) if _are_words(one) and _names_abscissa(one[:1])), None)
+    if row[0] or above is None:
+        return row
+    return [f"{over} {cell}".strip() for over, cell in zip(above, row, strict=True)]
 
 
 def _fitting(lines: Sequence[str], delimiter: str, columns: int, filled: int) -> list[list[str]]:

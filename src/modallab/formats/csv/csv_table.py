@@ -260,7 +260,7 @@ def _numbers(column: _Column, rows: Sequence[TextRow], where: str) -> Real | NDA
 
 def _no_names(text: TextTable, columns: int, where: str) -> FormatError:
     last, first = text.above[-1], text.rows[0].number
-    if text.delimiter == "," and any(2 * len(split(line.text, ",")) == columns for line in text.above):
+    if text.delimiter == "," and columns > 2 and any(2 * len(split(line.text, ",")) == columns for line in text.above):
         return FormatError(
             f"line {first} has {columns} cells for {columns // 2} columns: commas stand between the columns and as "
             "decimal marks",

@@ -7,6 +7,7 @@ from typing import Literal
 from modallab.core.errors import DataError
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import TO_SI
+from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, normal_unit
 
 Part = Literal["re", "im", "magnitude", "phase", "coherence", "complex"]
@@ -98,6 +99,12 @@ def pair_of(of: str) -> Pair:
     if to := _TO.match(of):
         return Pair(to["output"].strip(), input=None if to["input"] is None else int(to["input"]))
     return Pair(of)
+
+
+def is_left_out(heading: FrfHeading, rig: Rig, options: ImportOptions) -> bool:
+    """Whether a column is of a channel that the user leaves out, which the rig may then have no more."""
+    names, known = (heading.of, pair_of(heading.of).name), {channel.name.lower() for channel in rig.responses}
+    return not all(map(options.takes, [name for name in names if name.lower() in known] or names))
 
 
 def response_of(heading: FrfHeading, rig: Rig, where: str) -> tuple[Channel, int | None]:

@@ -53,7 +53,8 @@ def read_sep005(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     blocks: list[Block] = []
     notes: list[str] = []
     for order, (name, group) in enumerate(groups.items()):
-        block, note = _block(name, group, order, rig, options, where)
+        called = {options.channel_of(own): series for own, series in group.items()}
+        block, note = _block(name, called, order, rig, options, where)
         blocks.append(block)
         notes += [f"{path.name}, group {name}: {note}"] if note else []
     return Campaign(rig, tuple(blocks), provenance={"notes": "\n".join(notes)} if notes else {}, source=where)
@@ -156,7 +157,7 @@ def _block(
         raise DataError(
             f"group {name} lacks {', '.join(missing) or 'nothing'} and has {', '.join(unknown) or 'nothing'} besides",
             where=where,
-            remedy="make rig and recording name the same channels",
+            remedy="say which is which with --variable CHANNEL=NAME, or correct the rig",
         )
     parts = [group[n] for n in names]
     rates = {part["name"]: _rate(part, where) for part in parts}

@@ -10,7 +10,7 @@ from modallab.formats.axis_units import to_seconds
 from modallab.formats.csv.csv_heads import is_time_name
 from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup
 
-_SAME_NAMES = "make rig and recording name the same channels, or choose a group with --group"
+_SAME_NAMES = "say which is which with --variable CHANNEL=NAME, or choose a group with --group"
 
 
 def chosen(groups: tuple[TdmsGroup, ...], name: str, where: str) -> tuple[TdmsGroup, ...]:

@@ -1,5 +1,6 @@
 """Groups of a TDMS file as records of a campaign."""
 
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,7 @@ def read_tdms(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         DataError: channels of the rig that are missing, of unequal rate, or that were not recorded together.
     """
     where = str(path)
-    groups = chosen(read_tdms_groups(path), options.group, where)
+    groups = tuple(_called(group, options) for group in chosen(read_tdms_groups(path), options.group, where))
     records = records_of(groups, rig, where)
     notes = _left_out(groups, records, rig, path.name)
     blocks: list[Block] = []
@@ -42,6 +43,12 @@ def read_tdms(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         blocks.append(block)
         notes += [f"{path.name}, group {group.name}: {note}"] if note else []
     return Campaign(rig, tuple(blocks), provenance={"notes": "\n".join(notes)} if notes else {}, source=where)
+
+
+def _called(group: TdmsGroup, options: ImportOptions) -> TdmsGroup:
+    """The group with its channels called as the user says."""
+    channels = [replace(c, name=options.channel_of(c.name)) for c in group.channels.values()]
+    return replace(group, channels={channel.name: channel for channel in channels})
 
 
 def unit_said(channel: TdmsChannel) -> str:

@@ -14,8 +14,6 @@ from modallab.identification.response_only.periodic import LOBE, STRETCHES, line
 
 TWICE = 0.01
 """Relative distance of poles of two bands that are one."""
-ROUNDS = 3
-"""Times that lines are looked for: behind a strong one a weaker one may stand."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -62,14 +60,15 @@ def response_modes(
     _check(records, rate_hz, band_hz)
     still = [r - r.mean(axis=1, keepdims=True) for r in records]
     modes, lines = _found(still, rate_hz, band_hz, method), np.zeros(0)
-    for _ in range(ROUNDS):
-        new = _lines(max(still, key=lambda r: r.shape[1]), rate_hz, band_hz, modes)
-        if not new.size:
+    near = _width(records, rate_hz)
+    # Beside a line others are not known yet: it is looked again until none is found in a place of its own.
+    while (new := _lines(max(still, key=lambda r: r.shape[1]), rate_hz, band_hz, modes)).size:
+        if not any(_far(line, lines, near) for line in new):
             break
         for line in new:
             still = [without(r, rate_hz, line) for r in still]
         modes, lines = _found(still, rate_hz, band_hz, method), _each_line(np.append(lines, new), records, rate_hz)
-    modes = [m for m in modes if not _is_line(m, lines, _width(records, rate_hz))]
+    modes = [m for m in modes if not _is_line(m, lines, near)]
     if not modes:
         said = f"; {words(lines)}" if lines.size else ""
         raise IdentificationError(

@@ -1,25 +1,27 @@
 """Periodic excitation in responses alone: a machine's speed and its orders, mains.
 
-What a mode answers to a random force is Gaussian: over stretches longer than its decay its phase jumps at
-will, and its squared amplitude is distributed exponentially. A line's phase goes on, or, where the speed
-wanders, its amplitude stays.
+What a mode answers to a random force is a complex Gaussian process. Its phase jumps at will over stretches longer than
+its decay. From one stretch to the next its amplitude moves as far along its phase as across it. A line's phase goes
+on; where the speed wanders, the amplitude moves across only.
 Both are tested at the line, stretch by stretch. A mode that rings as long as the whole record
 cannot be distinguished from a line.
-Sources: for the phase, the coherent share of N complex Gaussian numbers exceeds c by chance (1 - c)^(N - 1); for the
-amplitude, Moran, "The random division of an interval", J. R. Stat. Soc. B 9 (1947), with Bartlett's correction.
+For the phase, the coherent share of N complex Gaussian numbers exceeds c by chance (1 - c)^(N - 1). For the amplitude,
+given that of the stretch before, both parts of it have one variance: their ratio is distributed as F.
 """
 
 import cmath
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import chdtr
+from scipy.special import fdtr
 
 from modallab.core.arrays import Complex128, Real
 
 STRETCHES = 16
 """Of a record, at whose lines a steady phase is looked for."""
 LEAST_STRETCHES, MOST_STRETCHES = 6, 256
+FINE_STRETCHES, IN_A_DECAY = 64, 4.0
+"""So short is a stretch, in a record and in a decay, that a wandering phase hardly turns within it."""
 DECAYS = 2.0
 """Time constants of a mode's decay in a stretch, after which it has forgotten its phase."""
 UNDAMPED = 1e-4
@@ -68,15 +70,22 @@ def line_at(record: Real, rate_hz: float, frequency_hz: float, damping_ratio: fl
         frequency_hz: of the pole.
         damping_ratio: of the pole: stretches are so long that a mode of it would forget its phase.
     """
-    seconds = record.shape[1] / rate_hz
-    count = int(seconds * 2 * np.pi * frequency_hz * damping_ratio / DECAYS)
-    if count < LEAST_STRETCHES:
-        return frequency_hz if damping_ratio < UNDAMPED else None
-    count = min(count, MOST_STRETCHES)
-    at = _demodulated(record, rate_hz, frequency_hz, count)
-    share, _ = _coherent(at[..., None])
-    steady = count * (1 - share[0]) ** (count - 1) < CHANCE
-    return _peak(record, rate_hz, frequency_hz, count / seconds) if steady or _even(at) < CHANCE else None
+    seconds, decay = record.shape[1] / rate_hz, 2 * np.pi * frequency_hz * damping_ratio
+    count = min(int(seconds * decay / DECAYS), MOST_STRETCHES)
+    steady = damping_ratio < UNDAMPED
+    if count >= LEAST_STRETCHES:
+        share, _ = _coherent(_demodulated(record, rate_hz, frequency_hz, count)[..., None])
+        steady = count * (1 - share[0]) ** (count - 1) < CHANCE
+    if steady or _wanders(record, rate_hz, frequency_hz, seconds * decay):
+        return _peak(record, rate_hz, frequency_hz, count / seconds)
+    return None
+
+
+def _wanders(record: Real, rate_hz: float, frequency_hz: float, decays: float) -> bool:
+    """Whether the amplitude at a pole moves across its phase only, in a record of so many time constants."""
+    cycles = record.shape[1] / rate_hz * frequency_hz
+    count = int(min(np.clip(IN_A_DECAY * decays, FINE_STRETCHES, MOST_STRETCHES), cycles / LOBE))
+    return count >= LEAST_STRETCHES and _along(_demodulated(record, rate_hz, frequency_hz, count)) < CHANCE
 
 
 def without(record: Real, rate_hz: float, frequency_hz: float) -> Real:
@@ -149,10 +158,13 @@ def _refined(parts: Complex128, line: int, offset: float) -> float:
     return line + offset + cmath.phase(complex(np.vdot(turned[:-1], turned[1:]))) / (2 * np.pi)
 
 
-def _even(parts: Complex128) -> float:
-    """How likely amplitudes of (stretches, outputs) are as even as that by chance."""
-    along = np.linalg.svd(parts, full_matrices=False)[2][0]
-    power = np.abs(parts @ along.conj()) ** 2
-    count = len(power)
-    spread = float(np.log(power.mean()) - np.log(np.maximum(power, 1e-300)).mean())
-    return float(chdtr(count - 1, 2 * count * spread / (1 + (count + 1) / (6 * count))))
+def _along(parts: Complex128) -> float:
+    """How likely amplitudes of (stretches, outputs) move by chance so little along their phase, against across it."""
+    amplitude = parts @ np.linalg.svd(parts, full_matrices=False)[2][0].conj()
+    before, size = amplitude[:-1], np.abs(amplitude[:-1])
+    moved = amplitude[1:] * before.conj() / np.maximum(size, 1e-300)
+    # What the frequency is off turns all alike.
+    moved *= np.exp(-1j * np.angle(np.vdot(before, amplitude[1:])))
+    along = moved.real - (moved.real @ size) / (size @ size) * size
+    free = len(size) - 1
+    return float(fdtr(free, free, (along @ along) / (moved.imag @ moved.imag)))

@@ -123,19 +123,20 @@ def _excitation(test: Test, blocks: tuple[Block, ...]) -> str:
     return text + (f", {counted(len(levels), 'level')} ({listed(levels)})" if levels else "")
 
 
-def _channel(channel: Channel) -> tuple[str, ...]:
+def _sensitivity(channel: Channel) -> str:
     value = channel.sensitivity_v_per_unit
-    sensitivity = (
-        listed([f"{short(v)} ({test})" for test, v in value.items()])
-        if isinstance(value, dict)
-        else short(float(value))
-    )
+    if isinstance(value, dict):
+        return listed([f"{short(v)} ({test})" for test, v in value.items()])
+    return "not given" if value is None else short(float(value))
+
+
+def _channel(channel: Channel) -> tuple[str, ...]:
     return (
         channel.name,
         f"{channel.quantity} [{channel.unit.replace('^2', '²')}]",
         "not given" if channel.point is None else str(channel.point),
         channel.direction,
-        sensitivity,
+        _sensitivity(channel),
         channel.serial or "not given",
         day(channel.calibrated_on),
     )

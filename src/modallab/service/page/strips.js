@@ -12,7 +12,7 @@ const FADE_MS = 1500;
 /** By what a live value is divided to be in the channel's unit: live values of a device are volts. */
 export function sensitivity(channel, test, symbol) {
   if (symbol !== undefined && symbol !== "V") return 1;
-  const stated = channel.sensitivity_v_per_unit;
+  const stated = channel.sensitivity_v_per_unit ?? 1;
   return Math.abs(typeof stated === "number" ? stated : stated[test] ?? stated.sine ?? Object.values(stated)[0]);
 }
 
