@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from compiled_once import compiled_once
 from files_together import pytest_xdist_make_scheduler
+from hypothesis import settings
 from made_once import made_once, record_demo, write_small
 from postgresql_server import Server, postgresql_server
 from slowest_tests import pytest_addoption, pytest_configure
@@ -23,6 +24,10 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
 # Each of the many processes that tests start would else compile all sources again.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+# How long an example takes says nothing where other programs compute.
+settings.register_profile("any machine", deadline=None)
+settings.load_profile("any machine")
 
 SLOW_FILES = (
     "service/campaigns/test_session.py",

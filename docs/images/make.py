@@ -23,8 +23,8 @@ from modallab.reporting.content import Outcome
 from modallab.reporting.figures import style
 from modallab.reporting.figures.all_points import all_points
 from modallab.reporting.figures.damping import damping
+from modallab.reporting.figures.half_power_reading import half_power_reading
 from modallab.reporting.figures.mode_shapes import mode_shapes
-from modallab.reporting.figures.resolution import resolution
 
 PAPER_BAND = (3.0, 110.0)
 SHOWN = (3, 6, 10)
@@ -54,7 +54,9 @@ def pictures(campaign: Campaign) -> dict[str, Figure]:
         "mobility": all_points(at_points(impact.verification, SHOWN)),
         "mode-shapes": shapes,
         "damping": damping(found),
-        "half-power": resolution(found[0], found[0].readings[0], campaign.of("impact")[0].duration_s, hit_s(impact)),
+        "half-power": half_power_reading(
+            found[0], found[0].readings[0], campaign.of("impact")[0].duration_s, hit_s(impact)
+        ),
     }
 
 

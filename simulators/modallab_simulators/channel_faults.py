@@ -93,11 +93,7 @@ class FaultyBench:
 
     def play(self, burst: Burst) -> int:
         """As the bench does; the fault's moment is now known."""
-        self._bursts += 1
-        start = self._bench.play(burst)
-        if self._bursts == self._fault.burst:
-            self.at = start + round(self._fault.part * burst.duration_s * self._rate_hz)
-        return start
+        return self._begun(self._bench.play(burst), burst)
 
     def play_wave(self, wave: Waveform) -> int:
         """As the bench does; a wave counts as a burst."""
@@ -125,7 +121,7 @@ class FaultyBench:
         """As the bench does."""
         self._bench.close()
 
-    def _begun(self, start: int, wave: Waveform) -> int:
+    def _begun(self, start: int, wave: Burst | Waveform) -> int:
         self._bursts += 1
         if self._bursts == self._fault.burst:
             self.at = start + round(self._fault.part * wave.duration_s * self._rate_hz)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from modallab.client import Client, HeldLease, ServiceProblemError
-from modallab.client.stream import read_events
+from modallab.client.client import read_events
 from modallab.core.documents.rigs import Lease
 
 Step = Callable[[BaseHTTPRequestHandler], None]

@@ -9,7 +9,7 @@ from pages import ROOT, prose
 
 PAGE = ROOT / "docs" / "explanation" / "architecture.md"
 SOURCE = ROOT / "src" / "modallab"
-NAMES = sorted(set(re.findall(r"`(modallab(?:\.\w+)+)`", prose(PAGE))))
+NAMES = sorted({f"modallab.{name}" for name in re.findall(r"`(\w+(?:\.\w+)+)`", prose(PAGE))})
 
 
 def exists(name: str) -> bool:

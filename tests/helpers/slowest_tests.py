@@ -1,7 +1,8 @@
-"""How long the tests of a run take together, and whether a few of them take most of it.
+"""How long the tests of `make test` take together, and whether a few of them take most of it.
 
 Given `--slowest-share 1/3`, a run fails whose slowest 20 tests take more than a third of the time of all. Times are
-those of a test with the fixtures that it was the first to ask for, summed over pytest's worker processes.
+those of a test with the fixtures that it was the first to ask for, summed over pytest's worker processes. Tests that
+are marked `thorough` do not count.
 """
 
 from collections import Counter
@@ -51,7 +52,8 @@ class SlowestTests:
         return self.slowest_s > self.share * self.total_s
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        self.seconds[report.nodeid] += report.duration
+        if "thorough" not in report.keywords:
+            self.seconds[report.nodeid] += report.duration
 
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         if self.uneven and session.exitstatus == pytest.ExitCode.OK:

@@ -16,11 +16,11 @@ from modallab.reporting.content import Truth
 from modallab.reporting.figures.all_points import all_points
 from modallab.reporting.figures.blocks import impact_block, sine_block
 from modallab.reporting.figures.damping import damping, paper_value
+from modallab.reporting.figures.half_power_reading import half_power_reading, readings
 from modallab.reporting.figures.hits import cut, hits
 from modallab.reporting.figures.mode_shapes import mode_shapes
 from modallab.reporting.figures.one_point import one_point
 from modallab.reporting.figures.overview import frf_overview
-from modallab.reporting.figures.resolution import readings, resolution
 from modallab.reporting.figures.selection import example_block, farthest
 
 BOTH = ("impact", "sine")
@@ -45,7 +45,7 @@ def figures(content, found):
         "overview": frf_overview(impact.frf, 0, impact.model.frequency_hz),
         "hits": hits(impact.hits, (3.0, 110.0)),
         "damping": damping(found),
-        "resolution": resolution(found[0], found[0].readings[0], 1.024, 0.05),
+        "resolution": half_power_reading(found[0], found[0].readings[0], 1.024, 0.05),
     }
 
 

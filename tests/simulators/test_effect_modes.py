@@ -13,7 +13,7 @@ from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.cracked import HALF_WIDTH, CrackedBeam, Loss
 from modallab_simulators.cantilever.damped import DampedBasis, Damper
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.preloaded import PreloadedModes
+from modallab_simulators.cantilever.ritz import PreloadedModes
 from modallab_simulators.cantilever.torsion import TorsionBar
 
 BEAM = CantileverBeam(0.887, 205e9 * 0.05 * 0.004**3 / 12, 7850 * 0.05 * 0.004, inf)

@@ -16,7 +16,7 @@ from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.chain import Chain
 from modallab_simulators.cantilever.few import FewModes
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.rotary import RotaryModes
+from modallab_simulators.cantilever.ritz import RotaryModes
 from modallab_simulators.cantilever.shaker import Emission
 
 BEAM = CantileverBeam(0.8, 60.0, 1.6, np.inf)

@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.errors import DataError
 from modallab.formats.fem.matrix_model import MatrixModel
-from modallab.updating.data import ModeData
+from modallab.updating.mode_data import ModeData
 from modallab.updating.posterior import update
 from modallab.updating.prior import Prior
 

@@ -47,36 +47,29 @@ def parse(url: str, *, whole_system: bool = False) -> Address:
     parts = urlsplit(url)
     remote = parts.scheme == "nidaqmx+grpc"
     device, *others = (parts.path.strip("/") if remote else parts.netloc).split(",")
-    example = "nidaqmx+grpc://host:31763/cDAQ1" if remote else "nidaqmx://cDAQ1"
-    if (
-        not all((device or whole_system, *others))
-        or (remote and not parts.netloc)
-        or (not remote and parts.path.strip("/"))
-    ):
+    placed = bool(parts.netloc) if remote else not parts.path.strip("/")
+    if not placed or not all((device or whole_system, *others)):
+        example = "nidaqmx+grpc://host:31763/cDAQ1" if remote else "nidaqmx://cDAQ1"
         raise ConfigurationError(f"no device is named by {url!r}", remedy=f"write {example}")
-    given = dict(parse_qsl(parts.query, keep_blank_values=True))
-    unknown = sorted(set(given) - set(_KNOWN))
-    if unknown or any(given.get(switch, "0") not in ("0", "1") for switch in _SWITCHES):
-        raise ConfigurationError(
-            f"unknown parameter in {parts.query!r}",
-            where=url,
-            remedy="allowed: tls=ca.crt, cert=own.crt with key=own.key, virtual_time=1, local=1",
-        )
+    given = _parameters(parts.query, url)
     files = {name: Path(given[name]) for name in _FILES if name in given}
     _require_files(files, url)
     own = (files["cert"], files["key"]) if "cert" in files else None
     server = parts.netloc if remote else ""
     virtual_time, local = (given.get(switch) == "1" for switch in _SWITCHES)
-    return Address(
-        url,
-        device,
-        server,
-        files.get("tls"),
-        own,
-        virtual_time,
-        tuple(others),
-        streams=local or not remote,
-    )
+    streams = local or not remote
+    return Address(url, device, server, files.get("tls"), own, virtual_time, tuple(others), streams=streams)
+
+
+def _parameters(query: str, url: str) -> dict[str, str]:
+    given = dict(parse_qsl(query, keep_blank_values=True))
+    if set(given) - set(_KNOWN) or any(given.get(switch, "0") not in ("0", "1") for switch in _SWITCHES):
+        raise ConfigurationError(
+            f"unknown parameter in {query!r}",
+            where=url,
+            remedy="allowed: tls=ca.crt, cert=own.crt with key=own.key, virtual_time=1, local=1",
+        )
+    return given
 
 
 def _require_files(files: Mapping[str, Path], url: str) -> None:

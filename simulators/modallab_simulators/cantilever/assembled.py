@@ -7,14 +7,12 @@ import numpy as np
 from modallab.core.units import Test
 from modallab_simulators.cantilever.altered import Element, StructureChanges
 from modallab_simulators.cantilever.attached import AttachedModes
-from modallab_simulators.cantilever.basis import Basis, ModalBasis
+from modallab_simulators.cantilever.basis import Basis, JoinedBasis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.cracked import CrackedBeam
 from modallab_simulators.cantilever.draw import TrueBeam
-from modallab_simulators.cantilever.joined import JoinedBasis
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.preloaded import PreloadedModes
-from modallab_simulators.cantilever.rotary import RotaryModes
+from modallab_simulators.cantilever.ritz import PreloadedModes, RotaryModes
 
 
 def modes_of(beam: CantileverBeam, changes: StructureChanges, test: Test, rotary_inertia_kg_m: float = 0.0) -> Modes:

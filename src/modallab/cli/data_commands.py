@@ -24,7 +24,7 @@ def _add_export(commands: Commands) -> None:
     command.add_argument("--format", required=True, choices=tuple(f.name for f in writers()), help="what to write")
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help="for csv a folder")
     command.add_argument("--run", action="append", metavar="RUN", help="of a data folder; may be repeated")
-    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="instead of that inside or beside the campaign")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside the campaign")
     command.add_argument(
         "--frf", nargs="?", const="H1", choices=FRF_ESTIMATORS, help="add the FRFs of the impact test (H1)"
     )

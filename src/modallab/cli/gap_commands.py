@@ -32,7 +32,7 @@ def add_gap_commands(commands: Commands) -> None:
 def _add_diagnose(actions: Commands) -> None:
     command = actions.add_parser("diagnose", help="diagnose a campaign")
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="a campaign, or its folder")
-    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="instead of that inside or beside the campaign")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside the campaign")
     command.add_argument(
         "--hold-out",
         default="mixed",
@@ -104,7 +104,7 @@ def _add_blind(actions: Commands) -> None:
     command.add_argument(
         "--on", type=Path, metavar="CAMPAIGN", help="put known effects into these measured FRFs, of any structure"
     )
-    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="of --on, instead of that inside or beside it")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file of --on, if not in or beside it")
     command.add_argument("--folder", type=Path, metavar="CAMPAIGNS", help="diagnose these instead of making trials")
     command.add_argument(
         "--truth", type=Path, metavar="TRUTHS", help="true effects of --folder, read after all diagnoses are written"
@@ -137,7 +137,7 @@ def _add_next(actions: Commands) -> None:
     command = actions.add_parser("next", help="plan the experiment that decides between the explanations that are left")
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the one that was diagnosed")
     command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json", help="its diagnosis")
-    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="instead of that inside or beside the campaign")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside the campaign")
     command.add_argument("--run", dest="run_it", action="store_true", help="run it on the bench, and diagnose again")
     command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
     command.add_argument("--data", type=Path, default=Path("data"), metavar="FOLDER", help="where the recordings go")

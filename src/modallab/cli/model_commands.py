@@ -19,7 +19,7 @@ def add_model_commands(commands: Commands) -> None:
         command.add_argument(
             "model", type=Path, metavar="MODELS.json|FOLDER|CAMPAIGN.h5", help="models, or a campaign to identify"
         )
-        command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="instead of that inside or beside it")
+        command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside it")
         command.add_argument("--test", choices=TESTS, help="whose model (default: the first)")
         command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("answer"))
         add_saying(command)

@@ -87,7 +87,7 @@ def _add_identify(commands: Commands) -> None:
     command.add_argument(
         "campaign", type=Path, nargs="+", metavar="FOLDER|CAMPAIGN.h5", help="several: the set-ups of one test"
     )
-    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="instead of that inside or beside the campaign")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside the campaign")
     _add_estimation(command)
     command.add_argument(
         "--pick", type=positive, nargs="+", metavar="HZ", help="keep only the modes within 2 %% of these"

@@ -2,7 +2,7 @@
 
 import time
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import httpx
@@ -15,7 +15,6 @@ from modallab.client.connection import AGAIN_S
 from modallab.client.held_lease import HeldLease
 from modallab.client.problem import require_good
 from modallab.client.queue_calls import QueueCalls
-from modallab.client.stream import read_events
 from modallab.client.user_calls import UserCalls
 from modallab.core.documents.campaigns import CampaignNew, CampaignView
 from modallab.core.documents.models import ComparisonView, DiagnosisView, ModelsView
@@ -219,3 +218,15 @@ class Client(ArchiveCalls, QueueCalls, UserCalls):
 
     def _release(self, lease: Lease) -> None:
         self._send("DELETE", f"/rigs/{lease.rig}/lease", None, lease)
+
+
+def read_events(lines: Iterable[str]) -> Iterator[EventView]:
+    """The events in a stream of lines (WHATWG HTML, 9.2.6)."""
+    data: list[str] = []
+    for line in lines:
+        if not line:
+            if data:
+                yield EventView.model_validate_json("\n".join(data))
+            data = []
+        elif line.startswith("data:"):
+            data.append(line[5:].removeprefix(" "))

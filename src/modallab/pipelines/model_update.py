@@ -14,7 +14,7 @@ from modallab.formats.fem.fem_file import FemParameter, read_matrix_model
 from modallab.formats.fem.matrix_model import MASS, STIFFNESS, MatrixModel
 from modallab.modification.known import Known
 from modallab.updating.beam_model import BeamModel
-from modallab.updating.data import data_of
+from modallab.updating.mode_data import measured_modes
 from modallab.updating.posterior import update
 from modallab.updating.predictor import Predictor, of_matrices
 from modallab.updating.prior import Prior
@@ -48,7 +48,7 @@ def update_model(
     """
     predict, stated = _model(known, of)
     given = {n: p if p.unit else replace(p, unit=_unit_of(n, of, stated)) for n, p in (priors or {}).items()}
-    return update(predict, stated | given, data_of(known), held_out)
+    return update(predict, stated | given, measured_modes(known), held_out)
 
 
 def _unit_of(name: str, of: object, stated: Mapping[str, Prior]) -> str:

@@ -14,7 +14,7 @@ from modallab.core.digits import percent
 from modallab.core.frozen import Frozen
 from modallab.core.plan import BLOCK_S
 from modallab.core.rig import Beam
-from modallab.reporting.figures.resolution import readings
+from modallab.reporting.figures.half_power_reading import readings
 from modallab.twin.modes import solve
 from modallab.twin.structure import Structure
 

@@ -16,7 +16,7 @@ from scipy.optimize import least_squares, linear_sum_assignment
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.identification.selection.criteria import mac
-from modallab.updating.data import ModeData
+from modallab.updating.mode_data import ModeData
 from modallab.updating.predictor import Predictor, checked
 from modallab.updating.prior import Prior
 from modallab.updating.result import ModeCheck, UpdatedParameters

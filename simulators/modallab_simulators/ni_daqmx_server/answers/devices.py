@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import Any
 
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.answers.lists import comma_list
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.kinds import MEASURES
 from modallab_simulators.ni_daqmx_server.catalogue import C_SERIES, X_SERIES
@@ -23,10 +22,10 @@ _SYSTEM: dict[str, Callable[[SimulatedSystem], Any]] = {
     "NIDAQ_MAJOR_VERSION": lambda s: 25,
     "NIDAQ_MINOR_VERSION": lambda s: 0,
     "NIDAQ_UPDATE_VERSION": lambda s: 0,
-    "DEV_NAMES": lambda s: comma_list([*s.chassis, *s.modules]),
-    "GLOBAL_CHANS": lambda s: comma_list([name for name in s.saved.channels if "/" not in name]),
-    "SCALES": lambda s: comma_list(s.saved.scales),
-    "TASKS": lambda s: comma_list(s.saved.tasks),
+    "DEV_NAMES": lambda s: ", ".join([*s.chassis, *s.modules]),
+    "GLOBAL_CHANS": lambda s: ", ".join([name for name in s.saved.channels if "/" not in name]),
+    "SCALES": lambda s: ", ".join(s.saved.scales),
+    "TASKS": lambda s: ", ".join(s.saved.tasks),
 }
 
 
@@ -51,14 +50,14 @@ _DEVICE: dict[str, Callable[[Module], Any]] = {
     "SERIAL_NUM": lambda m: m.serial,
     "BUS_TYPE": lambda m: m.bus,
     "IS_SIMULATED": lambda m: m.simulated,
-    "AI_PHYSICAL_CHANS": lambda m: comma_list(m.input_names()),
-    "AO_PHYSICAL_CHANS": lambda m: comma_list(m.output_names()),
-    "DI_LINES": lambda m: comma_list(m.line_names()),
-    "DO_LINES": lambda m: comma_list(m.line_names()),
-    "DI_PORTS": lambda m: comma_list(m.port_names()),
-    "DO_PORTS": lambda m: comma_list(m.port_names()),
-    "CI_PHYSICAL_CHANS": lambda m: comma_list(m.counter_names()),
-    "CO_PHYSICAL_CHANS": lambda m: comma_list(m.counter_names()),
+    "AI_PHYSICAL_CHANS": lambda m: ", ".join(m.input_names()),
+    "AO_PHYSICAL_CHANS": lambda m: ", ".join(m.output_names()),
+    "DI_LINES": lambda m: ", ".join(m.line_names()),
+    "DO_LINES": lambda m: ", ".join(m.line_names()),
+    "DI_PORTS": lambda m: ", ".join(m.port_names()),
+    "DO_PORTS": lambda m: ", ".join(m.port_names()),
+    "CI_PHYSICAL_CHANS": lambda m: ", ".join(m.counter_names()),
+    "CO_PHYSICAL_CHANS": lambda m: ", ".join(m.counter_names()),
     "AI_SUPPORTED_MEAS_TYPES": _measured,
     "AI_VOLTAGE_RNGS": lambda m: _both(m.ranges_v()) if m.inputs and not m.bridge else [],
     "AI_BRIDGE_RNGS": lambda m: _both(m.bridge_ranges),
@@ -85,7 +84,7 @@ _DEVICE: dict[str, Callable[[Module], Any]] = {
     "PXI_CHASSIS_NUM": lambda m: int(m.name[3 : m.name.index("Slot")]) if m.name.startswith("PXI") else 1,
     "CI_MAX_SIZE": lambda m: 32,
     "CO_MAX_SIZE": lambda m: 32,
-    "TERMINALS": lambda m: comma_list(terminals(m)),
+    "TERMINALS": lambda m: ", ".join(terminals(m)),
     "ACCESSORY_SERIAL_NUMS": lambda m: [0],
 }
 
@@ -104,8 +103,8 @@ _CHASSIS: dict[str, Callable[[Chassis, SimulatedSystem], Any]] = {
     "SERIAL_NUM": lambda c, s: c.serial,
     "BUS_TYPE": lambda c, s: c.bus,
     "IS_SIMULATED": lambda c, s: c.simulated,
-    "CHASSIS_MODULE_DEV_NAMES": lambda c, s: comma_list([m.name for m in s.modules.values() if m.chassis == c.name]),
-    "TERMINALS": lambda c, s: comma_list([f"/{c.name}/PFI{n}" for n in range(2)]),
+    "CHASSIS_MODULE_DEV_NAMES": lambda c, s: ", ".join([m.name for m in s.modules.values() if m.chassis == c.name]),
+    "TERMINALS": lambda c, s: ", ".join([f"/{c.name}/PFI{n}" for n in range(2)]),
 }
 
 

@@ -5,7 +5,6 @@ from typing import Any
 
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
-from modallab_simulators.ni_daqmx_server.answers.lists import comma_list
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.sessions import devices_of
 from modallab_simulators.ni_daqmx_server.calls.timing import rate_of
@@ -31,7 +30,7 @@ def _overload(server: SimulatedSystem, task: Task, channel: Channel | None) -> b
         return False
     names = [c.name for c in task.channels]
     over = [n for n, flag in zip(names, task.overload, strict=False) if flag]
-    task.attributes["", "OVERLOADED_CHANS"] = comma_list(over)
+    task.attributes["", "OVERLOADED_CHANS"] = ", ".join(over)
     task.overload[:] = False
     return bool(over)
 
@@ -100,7 +99,7 @@ def _width(server: SimulatedSystem, task: Task, channel: Channel | None) -> int:
 
 
 def _dead(server: SimulatedSystem, task: Task, channel: Channel | None) -> str:
-    return comma_list(task.channels[n].name for n in sorted(task.dead)) if isinstance(task, InputTask) else ""
+    return ", ".join(task.channels[n].name for n in sorted(task.dead)) if isinstance(task, InputTask) else ""
 
 
 def _count(server: SimulatedSystem, task: Task, channel: Channel | None) -> int:
@@ -114,7 +113,7 @@ def _buffer(server: SimulatedSystem, task: Task, channel: Channel | None) -> int
 
 
 def _channels_to_read(server: SimulatedSystem, task: Task, channel: Channel | None) -> str:
-    return task.get("CHANNELS_TO_READ") or comma_list(c.name for c in task.all_channels())
+    return task.get("CHANNELS_TO_READ") or ", ".join(c.name for c in task.all_channels())
 
 
 def _start_term(server: SimulatedSystem, task: Task, channel: Channel | None) -> str:
@@ -152,8 +151,8 @@ def _default_count(server: SimulatedSystem, task: Task, channel: Channel | None)
 
 COMPUTED: dict[tuple[str, str], Computed] = {
     ("Task", "NAME"): lambda s, t, c: t.name,
-    ("Task", "CHANNELS"): lambda s, t, c: comma_list(x.name for x in t.all_channels()),
-    ("Task", "DEVICES"): lambda s, t, c: comma_list(devices_of(t)),
+    ("Task", "CHANNELS"): lambda s, t, c: ", ".join(x.name for x in t.all_channels()),
+    ("Task", "DEVICES"): lambda s, t, c: ", ".join(devices_of(t)),
     ("Task", "NUM_CHANS"): lambda s, t, c: len(t.all_channels()),
     ("Task", "NUM_DEVICES"): lambda s, t, c: len(devices_of(t)),
     ("Channel", "CHAN_TYPE"): lambda s, t, c: _TYPES[type(t)],

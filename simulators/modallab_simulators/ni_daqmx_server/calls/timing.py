@@ -6,7 +6,6 @@ import numpy as np
 
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
-from modallab_simulators.ni_daqmx_server.answers.lists import comma_list
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.channel_names import split
 from modallab_simulators.ni_daqmx_server.catalogue import DIGITAL, PXI, PXIE
@@ -182,8 +181,8 @@ def set_change_detection(system: SimulatedSystem, request: Any) -> Answer:
     """A sample whenever one of these lines changes."""
     task = system.task(request.task.name, Task)
     _pace(task, CHANGE_DETECTION, request.sample_mode_raw or request.sample_mode, int(request.samps_per_chan))
-    task.attributes["", "CHANGE_DETECT_DI_RISING_EDGE_PHYSICAL_CHANS"] = comma_list(split(request.rising_edge_chan))
-    task.attributes["", "CHANGE_DETECT_DI_FALLING_EDGE_PHYSICAL_CHANS"] = comma_list(split(request.falling_edge_chan))
+    task.attributes["", "CHANGE_DETECT_DI_RISING_EDGE_PHYSICAL_CHANS"] = ", ".join(split(request.rising_edge_chan))
+    task.attributes["", "CHANGE_DETECT_DI_FALLING_EDGE_PHYSICAL_CHANS"] = ", ".join(split(request.falling_edge_chan))
     return {}
 
 

@@ -12,7 +12,7 @@ Sources: Pintelon and Schoukens, "System Identification", 2nd ed. (2012), sectio
 "Longitudinal data analysis using generalized linear models", Biometrika 73 (1986).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -189,7 +189,7 @@ class DrivenFit:
     def _descended(self, at: Driven, damping: float) -> tuple[Driven | None, float, float]:
         """A step that lowers the cost at the variances there are, None without one; the next damping, and the gain."""
         looks = self._looks(at)
-        matrix, gradient, _ = self._equations(at, looks)
+        matrix, gradient = self._equations(at, looks)
         weights = [one.weight for one in looks]
         before = _cost(looks, weights)
         for _ in range(TRIALS):
@@ -202,24 +202,34 @@ class DrivenFit:
         return None, damping, 0.0
 
     def _covariance(self, at: Driven) -> Real:
-        matrix, _, spread = self._equations(at, self._looks(at))
-        inverse = covariance_of(matrix)
+        looks = self._looks(at)
+        inverse, spread = covariance_of(self._equations(at, looks)[0]), np.zeros((_size(at),) * 2)
+        for index, look, lines in _parts(at, looks):
+            spread[np.ix_(index, index)] += _spread_of(look, at, lines)
         return inverse @ spread @ inverse
 
-    def _equations(self, at: Driven, looks: Sequence[_Look]) -> tuple[Real, Real, Real]:
-        """Normal equations of all parameters in noise units, and the covariance of their right-hand side."""
-        modes, linear = at.omega.size, at.coefficients.size
-        size = 2 * modes * (1 + len(at.state)) + linear
-        matrix, gradient, spread = np.zeros((size, size)), np.zeros(size), np.zeros((size, size))
-        for k, look in enumerate(looks):
-            state = 2 * modes * (1 + k) + linear + np.arange(2 * modes)
-            index = np.concatenate([np.arange(2 * modes), state, 2 * modes + np.arange(linear)])
-            for first in range(0, look.beta.size, AT_ONCE):
-                part, slope, noise = _of_lines(look, at, slice(first, first + AT_ONCE))
-                matrix[np.ix_(index, index)] += part
-                spread[np.ix_(index, index)] += noise
-                gradient[index] += slope
-        return matrix, gradient, spread
+    def _equations(self, at: Driven, looks: Sequence[_Look]) -> tuple[Real, Real]:
+        """Normal equations of all parameters in noise units."""
+        matrix, gradient = np.zeros((_size(at),) * 2), np.zeros(_size(at))
+        for index, look, lines in _parts(at, looks):
+            part, slope = _equations_of(look, at, lines)
+            matrix[np.ix_(index, index)] += part
+            gradient[index] += slope
+        return matrix, gradient
+
+
+def _size(at: Driven) -> int:
+    return 2 * at.omega.size * (1 + len(at.state)) + at.coefficients.size
+
+
+def _parts(at: Driven, looks: Sequence[_Look]) -> Iterator[tuple[NDArray[np.int64], _Look, slice]]:
+    """Some lines of a record at once, and the places of its poles, states and coefficients among all parameters."""
+    modes, linear = at.omega.size, at.coefficients.size
+    for k, look in enumerate(looks):
+        state = 2 * modes * (1 + k) + linear + np.arange(2 * modes)
+        index = np.concatenate([np.arange(2 * modes), state, 2 * modes + np.arange(linear)])
+        for first in range(0, look.beta.size, AT_ONCE):
+            yield index, look, slice(first, first + AT_ONCE)
 
 
 def _standing_out(found: Driven) -> Real:
@@ -239,23 +249,28 @@ def _cost(looks: Sequence[_Look], weights: Sequence[Real]) -> float:
     return 2 * float(sum(np.sum(w * np.abs(one.left) ** 2) for one, w in zip(looks, weights, strict=True)))
 
 
-def _of_lines(look: _Look, at: Driven, lines: slice) -> tuple[Real, Real, Real]:
+def _equations_of(look: _Look, at: Driven, lines: slice) -> tuple[Real, Real]:
     """Of some lines of a record: poles, states, then coefficients output by output."""
-    weight = look.weight[:, lines]
-    slopes = np.concatenate([_slopes(v, at, lines) for v in (look.columns.poles, look.columns.local)])
-    phi = unstack(look.columns.phi)[:, lines]
+    weight, slopes, phi = look.weight[:, lines], _all_slopes(look, at, lines), unstack(look.columns.phi)[:, lines]
     weighted = weight * look.left[:, lines]
     linear = ((weighted @ phi.conj().T).real / at.noise[:, None]).ravel()
     gradient = np.concatenate([np.einsum("sol,ol->s", slopes.conj(), weighted).real, linear])
+    return 2 * _gram(slopes, phi, weight, at.noise), 2 * gradient
+
+
+def _spread_of(look: _Look, at: Driven, lines: slice) -> Real:
+    """Covariance of the right-hand side of the equations of some lines."""
+    weight, slopes, phi = look.weight[:, lines], _all_slopes(look, at, lines), unstack(look.columns.phi)[:, lines]
     along = weight * look.frf[:, lines].conj()
-    shared = np.concatenate(
-        [
-            np.einsum("ol,sol->sl", along, slopes),
-            (along[:, None] * phi / at.noise[:, None, None]).reshape(-1, phi.shape[1]),
-        ]
-    )
+    of_linear = (along[:, None] * phi / at.noise[:, None, None]).reshape(-1, phi.shape[1])
+    shared = np.concatenate([np.einsum("ol,sol->sl", along, slopes), of_linear])
     spread = _gram(slopes, phi, weight**2, at.noise) + ((shared * look.beta[lines]) @ shared.conj().T).real
-    return 2 * _gram(slopes, phi, weight, at.noise), 2 * gradient, 2 * spread
+    return 2 * spread
+
+
+def _all_slopes(look: _Look, at: Driven, lines: slice) -> Complex128:
+    """Those of `_slopes` by poles, then by states."""
+    return np.concatenate([_slopes(v, at, lines) for v in (look.columns.poles, look.columns.local)])
 
 
 def _gram(slopes: Complex128, phi: Complex128, weight: Real, noise: Real) -> Real:

@@ -8,7 +8,7 @@ from modallab.core.digits import plain, short
 from modallab.reporting.compare import Mode, Reading
 from modallab.reporting.content import ReportContent
 from modallab.reporting.figures.damping import damping, is_bench_of_paper, paper_value
-from modallab.reporting.figures.resolution import resolution
+from modallab.reporting.figures.half_power_reading import half_power_reading
 from modallab.reporting.markup import Markup, join, tag
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
 
@@ -64,7 +64,7 @@ def _curve(content: ReportContent, mode: Mode) -> Markup | None:
     papers = is_bench_of_paper(content.rig) and paper_value(mode) is not None
     dotted = "; the dotted lines are the paper's Table 1, taken for Δf/f (lower) and for ζ (upper)" if papers else ""
     return captioned_figure(
-        resolution(mode, reading, length, _before_s(content), is_bench_of_paper(content.rig)),
+        half_power_reading(mode, reading, length, _before_s(content), is_bench_of_paper(content.rig)),
         "resolution",
         f"Half-power reading of mode {mode.number} over the damping of the beam, with no window and with a Hann "
         "window; each curve is flat up to the resolution of the block and rises only then",

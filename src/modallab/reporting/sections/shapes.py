@@ -1,15 +1,18 @@
-"""The mode shapes, moving and with their uncertainty."""
+"""The mode shapes, moving and with their uncertainty; how alike those of two tests are."""
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 
-from modallab.reporting.content import ReportContent
+from modallab.core.digits import share
+from modallab.core.errors import DataError
+from modallab.core.model import ModalModel
+from modallab.reporting.content import Outcome, ReportContent
 from modallab.reporting.figures.animation import animated_shapes
 from modallab.reporting.figures.mode_shapes import mode_shapes
 from modallab.reporting.figures.shape_data import shape
 from modallab.reporting.figures.wireframe import is_spatial, shapes_of_model, wireframes
-from modallab.reporting.markup import Markup, join
+from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
-from modallab.reporting.sections.shapes_compared import comparison_tables
+from modallab.verification.comparison import Comparison, compare
 
 OUT_OF_STEP_DEG = 5.0
 UNPLACED = "The places of the sensors are not known, so the mode shapes can't be drawn; they stand in the model below."
@@ -78,3 +81,39 @@ def _skew(content: ReportContent) -> str | None:
 
 def _called(test: str | None) -> str:
     return f"The {test} test" if test else "The FRFs"
+
+
+COMPARED = (
+    "MAC says how alike the shapes of a mode are, 1 being the same up to a factor. CoMAC says it of a point over all "
+    "modes: a point far below the others has a sensor that is loose, turned or swapped in one of the tests."
+)
+
+
+def comparison_tables(content: ReportContent) -> Markup | None:
+    """Tables for every two tests that share modes and points."""
+    there = [(o, o.model) for o in content.outcomes if o.model is not None and o.model.n_modes]
+    parts: list[Markup] = []
+    for (one, first), (other, second) in combinations(there, 2):
+        try:
+            parts += _tables(f"{_named(one)} and {_named(other)}", first, compare(first, second))
+        except DataError:
+            # One test of one sensor, or bands apart: there is nothing to compare.
+            continue
+    return join([*parts, paragraph(COMPARED)]) if parts else None
+
+
+def _tables(names: str, first: ModalModel, found: Comparison) -> list[Markup]:
+    modes = [
+        (f"{first.frequency_hz[i]:.4g} Hz", share(float(value)))
+        for (i, _), value in zip(found.pairs, found.mac, strict=True)
+    ]
+    points = [(f"Point {p}", share(float(value))) for p, value in zip(found.points, found.comac, strict=True)]
+    by_point = table(f"CoMAC of {names} over {len(found.pairs)} modes", ("point", "CoMAC"), points, (1,))
+    return [
+        table(f"Do the shapes of {names} agree?", ("mode", "MAC"), modes, (1,)),
+        tag("details", tag("summary", f"CoMAC at every point, {names}"), by_point),
+    ]
+
+
+def _named(outcome: Outcome) -> str:
+    return f"the {outcome.test} test" if outcome.test else "the FRFs"

@@ -17,7 +17,7 @@ LIGHTEST, HEAVIEST = 5e-4, 0.3
 _SAMPLES_A_PERIOD = 16
 
 
-def resolution(mode: Mode, reading: Reading, block_s: float, before_s: float, paper: bool = True) -> Figure:
+def half_power_reading(mode: Mode, reading: Reading, block_s: float, before_s: float, paper: bool = True) -> Figure:
     """The half-power reading against the damping the beam has; a flat curve is a rule that does not see the beam.
 
     Args:

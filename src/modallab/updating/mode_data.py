@@ -57,7 +57,7 @@ class ModeData:
         return np.concatenate([np.log(frequency_hz / self.frequency_hz), off.ravel()])
 
 
-def data_of(known: Known) -> ModeData:
+def measured_modes(known: Known) -> ModeData:
     """The modes of a measured model, with the covariance that its noise and its rig's tolerances give."""
     structure = known.structure
     hz, shapes = _real(structure.poles[None], structure.psi[None])
