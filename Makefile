@@ -12,7 +12,7 @@ export OMP_NUM_THREADS ?= 1
 
 # What a terminal has set for another checkout, or for a service it asks, is none of this one's.
 unexport PYTHONPATH PYTHONHOME PYTEST_ADDOPTS MODALLAB_TOKEN MODALLAB_TOKEN_FILE MODALLAB_DATA MODALLAB_DATABASE \
-  MODALLAB_HOSTS MODALLAB_PORT PYTHONDONTWRITEBYTECODE
+  MODALLAB_HOSTS MODALLAB_PORT
 
 # A file to a worker, so that what its tests share is made once.
 TESTS = $(BIN)/pytest -n auto --dist loadscope --no-loadscope-reorder
@@ -25,14 +25,12 @@ demo: $(VENV)/.ready
 test: $(VENV)/.tools
 	@$(MAKE) --no-print-directory -j 2 tests check
 
-# And what takes longer, in the same run, which makes once what both share: each test says why it is `thorough`,
-# `pytest --markers` what that means.
-test-all: $(VENV)/.tools
-	@$(MAKE) --no-print-directory -j 2 tests check WHICH=
+# And what takes longer: each test says why, `pytest --markers` what a mark means.
+test-all: test
+	$(TESTS) -m thorough
 
-WHICH = -m "not thorough"
 tests: $(VENV)/.tools
-	$(TESTS) $(WHICH) --slowest-share 1/3
+	$(TESTS) -m "not thorough" --slowest-share 1/3
 
 check: $(VENV)/.tools
 	$(BIN)/ruff check .

@@ -1,8 +1,7 @@
-"""How long the tests of `make test` take together, and whether a few of them take most of it.
+"""How long the tests of a run take together, and whether a few of them take most of it.
 
 Given `--slowest-share 1/3`, a run fails whose slowest 20 tests take more than a third of the time of all. Times are
-those of a test with the fixtures that it was the first to ask for, summed over pytest's worker processes. Tests that
-are marked `thorough` do not count.
+those of a test with the fixtures that it was the first to ask for, summed over pytest's worker processes.
 """
 
 from collections import Counter
@@ -52,8 +51,7 @@ class SlowestTests:
         return self.slowest_s > self.share * self.total_s
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        if "thorough" not in report.keywords:
-            self.seconds[report.nodeid] += report.duration
+        self.seconds[report.nodeid] += report.duration
 
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         if self.uneven and session.exitstatus == pytest.ExitCode.OK:

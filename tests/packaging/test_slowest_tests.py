@@ -10,12 +10,11 @@ from slowest_tests import SlowestTests
 When = Literal["setup", "call", "teardown"]
 
 
-def timed(seconds: Mapping[str, Mapping[When, float]], thorough: str = "") -> SlowestTests:
+def timed(seconds: Mapping[str, Mapping[When, float]]) -> SlowestTests:
     found = SlowestTests(Fraction(1, 3))
     for name, parts in seconds.items():
-        marks = {"thorough": 1} if name == thorough else {}
         for when, duration in parts.items():
-            report = pytest.TestReport(name, ("", 0, name), marks, "passed", None, when, duration=duration)
+            report = pytest.TestReport(name, ("", 0, name), {}, "passed", None, when, duration=duration)
             found.pytest_runtest_logreport(report)
     return found
 
@@ -33,11 +32,6 @@ def test_one_that_takes_most_is_too_much_whatever_part_of_it_does(when: When) ->
     found = timed({**EVEN, "test_0": {"call": 1.0} | {when: 60.0}})
     assert found.uneven
     assert found.total_s == pytest.approx(sum(found.seconds.values()))
-
-
-def test_one_that_is_thorough_does_not_count() -> None:
-    found = timed({**EVEN, "test_0": {"call": 60.0}}, thorough="test_0")
-    assert (found.total_s, found.slowest_s, found.uneven) == (99.0, 20.0, False)
 
 
 def test_up_to_the_share_is_even() -> None:
