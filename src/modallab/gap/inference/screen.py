@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from modallab.gap.inference.discrepancy import Levels
 from modallab.gap.inference.view import View
 from modallab.gap.model.fit import Problem
 from modallab.twin.bench import Twin
@@ -22,13 +23,31 @@ ROUNDS = 2
 """Steps of the nuisances, each with the scales of the discrepancy set anew."""
 
 
+def best_share(slope: float, curvature: float) -> float:
+    """Share, 0 to 1, of a change by which a cost falls most.
+
+    Args:
+        slope: half the slope of the cost at no change, per unit of the share.
+        curvature: half its second derivative.
+    """
+    return float(np.clip(-slope / curvature, 0.0, 1.0)) if curvature > 0 else 1.0
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Start:
-    """Where a fit may begin, and -2 log of the marginal likelihood there."""
+    """Where a fit may begin.
+
+    Attributes:
+        problem: what to fit.
+        u: (u,) the free numbers.
+        score: -2 log of the marginal likelihood there.
+        slopes: (rows, nuisances and effects already there) of the rows a screen was made on.
+    """
 
     problem: Problem
     u: Array
     score: float
+    slopes: Array
 
 
 class Screen:
@@ -44,6 +63,10 @@ class Screen:
         # The numbers of effects already there have wide priors: a hundredth of a coordinate's curvature.
         self.prior: Array = np.where(np.arange(len(u)) < n, 1.0, 1e-2)
         self.normal: Array = self._normals()
+        self.residual: Array = view.residual(twin)
+        _, self.rest, levels = self._fitted(self.residual)
+        self.weights: Array = view.objective.weights(self.rest, levels)
+        self.inverse: Array = np.linalg.inv((self.J.T * self.weights) @ self.J + np.diag(self.prior))
 
     def _normals(self) -> Array:
         """(scales, groups, u, u) curvature of each group of rows at each value of its scale."""
@@ -63,29 +86,45 @@ class Screen:
         cells = np.array(list(product(*(range(len(a)) for a in axes))))
         grid = np.array(list(product(*axes)))
         U = np.array([np.concatenate([self.u, own]) for own in grid])
-        scores = np.array([self._score(twin) for twin in problem.twins(U)])
+        scores = np.full(len(U), np.inf)
+        for at, twin in enumerate(problem.twins(U)):
+            U[at], scores[at] = self._best_size(candidate, U[at], twin)
         chosen: list[int] = []
         for k in np.argsort(scores):
             if len(chosen) < most and all(np.max(np.abs(cells[k] - cells[j])) > 1 for j in chosen):
                 chosen.append(int(k))
-        return [Start(problem, U[k], float(scores[k])) for k in chosen if np.isfinite(scores[k])]
+        return [Start(problem, U[k], float(scores[k]), self.J) for k in chosen if np.isfinite(scores[k])]
 
-    def _score(self, twin: Twin) -> float:
+    def _best_size(self, candidate: Candidate, u: Array, twin: Twin) -> tuple[Array, float]:
+        """Numbers and score of a grid point, or of the smaller effect on the line to none that is more probable."""
         try:
             residual = self.view.residual(twin)
         except np.linalg.LinAlgError:
             # Two losses of stiffness at one place may leave none.
-            return np.inf
-        return self._marginal(residual)
+            return u, np.inf
+        score = self._marginal(residual)
+        share = self._share(residual - self.residual) if candidate.has_one_size else 1.0
+        if share == 1:
+            return u, score
+        smaller = self._marginal(self.residual + share * (residual - self.residual))
+        own = candidate.with_signature(u[len(self.u) :], share)
+        return (np.append(self.u, own), smaller) if smaller < score else (u, score)
+
+    def _share(self, change: Array) -> float:
+        """Share of a change of the rows at which they are most probable, the nuisances projected out."""
+        along = change - self.J @ (self.inverse @ (self.J.T @ (self.weights * change)))
+        return best_share(float(along @ (self.weights * self.rest)), float(along @ (self.weights * change)))
 
     def _marginal(self, residual: Array) -> float:
         """-2 log of the marginal likelihood, the scales at their most probable values."""
+        return self._fitted(residual)[0]
+
+    def _fitted(self, residual: Array) -> tuple[float, Array, Levels]:
+        """The same, with what the most probable nuisances leave of the rows and the scales there."""
         objective, moved, rest, best = self.view.objective, np.zeros(len(self.u)), residual, np.inf
-        groups = np.arange(self.normal.shape[1])
         for turn in range(ROUNDS + 1):
             levels = objective.levels(rest)
-            curvature: Array = self.normal[levels, groups].sum(axis=0) + np.diag(self.prior)
-            factor = cho_factor(curvature, check_finite=False)
+            factor = cho_factor(self._curvature(levels), check_finite=False)
             u = self.u + moved
             volume = 2 * float(np.sum(np.log(np.diag(factor[0]))))
             best = min(best, objective.cost(rest, levels) + float(u @ (self.prior * u)) + volume)
@@ -94,4 +133,10 @@ class Screen:
                 downhill: Array = self.J.T @ (weights * rest) - self.prior * u
                 moved = moved + cho_solve(factor, downhill, check_finite=False)
                 rest = residual - self.J @ moved
-        return best
+        return best, rest, levels
+
+    def _curvature(self, levels: Levels) -> Array:
+        """(u, u) curvature of the nuisances, and of the effects already there, at these scales."""
+        groups = np.arange(self.normal.shape[1])
+        curvature: Array = self.normal[levels, groups].sum(axis=0) + np.diag(self.prior)
+        return curvature

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.progress import report
 from modallab.gap.inference.posterior import Key, Posterior, descended, key_of
 from modallab.gap.inference.score_test import ScoreTest
-from modallab.gap.inference.screen import Screen
+from modallab.gap.inference.screen import Screen, Start
 from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
@@ -143,19 +143,26 @@ class StepwiseSelection:
 
     def _added(self, here: Posterior) -> list[Posterior]:
         """The best explanations with one effect more, best first."""
-        screen = Screen(self._coarse, here.problem, self._rested(here.u))
-        listed = [
-            s for c in candidates(self.bench, here.problem.candidates) for s in screen.starts(c, self.settings.starts)
-        ]
-        listed.sort(key=lambda s: s.score)
+        listed = self._screened(here)
         self._progress(0.3, "explanations compared")
         (steps, keep), *stages = HALVING
-        first = (descended(self._coarse, s.problem, s.u, steps, screen.J) for s in listed[: self.settings.first])
+        first = (descended(self._coarse, s.problem, s.u, steps, s.slopes) for s in listed[: self.settings.first])
         found = _distinct(first)[:keep]
         for stage, (steps, keep) in enumerate(stages):
             self._progress(0.5 + 0.15 * stage, "explanations compared")
             found = _distinct(descended(self._view, f.problem, f.u, steps) for f in found)[:keep]
         return found
+
+    def _screened(self, here: Posterior) -> list[Start]:
+        """Where explanations with one effect more may begin, most probable first.
+
+        The rows are linear in the nuisances near those that were fitted, unless these have replaced a large effect:
+        then they are near the nuisances at rest. The larger of both marginal likelihoods counts.
+        """
+        screens = [Screen(self._coarse, here.problem, u) for u in (here.u, self._rested(here.u))]
+        present = candidates(self.bench, here.problem.candidates)
+        found = [s for screen in screens for c in present for s in screen.starts(c, self.settings.starts)]
+        return sorted(found, key=lambda s: s.score)
 
     def _rested(self, u: Array) -> Array:
         """The numbers of the effects, the nuisances at rest: what they took over of another effect is forgotten."""
