@@ -64,6 +64,15 @@ class Slot:
         origin = self.none if self.power > 0 else 0.0
         return origin + (value - origin) * max(share, SMALLEST) ** (1 / self.power)
 
+    @property
+    def weakest(self) -> list[int]:
+        """Which starts have the smallest signature: of a number of either sign one of each."""
+        if self.power < 0:
+            return [int(np.argmax(self.starts))]
+        away = np.array(self.starts) - self.none
+        sides = (np.flatnonzero(away < 0), np.flatnonzero(away > 0))
+        return [int(side[np.argmin(np.abs(away[side]))]) for side in sides if side.size]
+
     def coordinate(self, value: float) -> float:
         """The coordinate of a number; of a logarithm's zero, that of the smallest number there is."""
         if self.transform == "log":
@@ -126,16 +135,17 @@ class Candidate:
     def with_signature(self, u: Real, share: float) -> Real:
         """Coordinates (numbers,) of the effect whose signature is this share of that at u, to first order.
 
-        Only an effect of one size has such numbers, see `has_one_size`.
+        Only an effect of one size has such numbers, see `size`.
         """
         return np.array(
             [s.coordinate(s.with_signature(s.value(float(v)), share)) for s, v in zip(self.slots, u, strict=True)]
         )
 
     @property
-    def has_one_size(self) -> bool:
-        """Whether exactly one number says how large it is."""
-        return sum(s.power != 0 for s in self.slots) == 1
+    def size(self) -> int | None:
+        """Which number says how large it is; None where there is none, or where there are several."""
+        sizes = [k for k, s in enumerate(self.slots) if s.power]
+        return sizes[0] if len(sizes) == 1 else None
 
     def held_at(self, x: float) -> "Candidate":
         """The same, but that its place along the beam, as a share of the length, is not free."""

@@ -53,11 +53,11 @@ class ScoreTest:
             change = problem.residual(u) - self.r
         except np.linalg.LinAlgError:
             # Two losses of stiffness at one place may leave none.
-            return Start(problem, u, np.inf, self.J)
+            return Start(problem, u, np.inf)
         along = change - self.J @ (self.inverse @ (self.J.T @ change))
         share = best_share(float(change @ self.rest), float(change @ along))
         candidate, n = problem.candidates[-1], len(self.u)
-        if share < 1 and candidate.has_one_size:
+        if share < 1 and candidate.size is not None:
             u = np.append(self.u, candidate.with_signature(u[n:], share))
             change, along = share * change, share * along
-        return Start(problem, u, float(2 * change @ self.rest + change @ along), self.J)
+        return Start(problem, u, float(2 * change @ self.rest + change @ along))

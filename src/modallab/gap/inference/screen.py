@@ -41,13 +41,22 @@ class Start:
         problem: what to fit.
         u: (u,) the free numbers.
         score: -2 log of the marginal likelihood there.
-        slopes: (rows, nuisances and effects already there) of the rows a screen was made on.
     """
 
     problem: Problem
     u: Array
     score: float
-    slopes: Array
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ScreenedStart(Start):
+    """A start from the grid of a candidate.
+
+    Attributes:
+        cell: (numbers,) which value of each number's grid it has.
+    """
+
+    cell: tuple[int, ...]
 
 
 class Screen:
@@ -79,23 +88,30 @@ class Screen:
             ]
         )
 
-    def starts(self, candidate: Candidate, most: int) -> list[Start]:
+    def starts(self, candidate: Candidate, most: int) -> list[ScreenedStart]:
         """The best places for a candidate to begin, each a local minimum of its grid, best first."""
-        problem = replace(self.problem, candidates=(*self.problem.candidates, candidate))
-        axes = [[slot.coordinate(v) for v in slot.starts] for slot in candidate.slots]
-        cells = np.array(list(product(*(range(len(a)) for a in axes))))
-        grid = np.array(list(product(*axes)))
-        U = np.array([np.concatenate([self.u, own]) for own in grid])
-        scores = np.full(len(U), np.inf)
-        for at, twin in enumerate(problem.twins(U)):
-            U[at], scores[at] = self._best_size(candidate, U[at], twin)
-        chosen: list[int] = []
-        for k in np.argsort(scores):
-            if len(chosen) < most and all(np.max(np.abs(cells[k] - cells[j])) > 1 for j in chosen):
-                chosen.append(int(k))
-        return [Start(problem, U[k], float(scores[k]), self.J) for k in chosen if np.isfinite(scores[k])]
+        chosen: list[ScreenedStart] = []
+        for start in sorted(self._grid(candidate), key=lambda s: s.score):
+            apart = (max((abs(k - j) for k, j in zip(start.cell, c.cell, strict=True)), default=0) for c in chosen)
+            if len(chosen) < most and all(steps > 1 for steps in apart) and np.isfinite(start.score):
+                chosen.append(start)
+        return chosen
 
-    def _best_size(self, candidate: Candidate, u: Array, twin: Twin) -> tuple[Array, float]:
+    def _grid(self, candidate: Candidate) -> list[ScreenedStart]:
+        """The whole grid of a candidate; its smallest sizes are the most probable ones from there down to none."""
+        problem = replace(self.problem, candidates=(*self.problem.candidates, candidate))
+        cells = list(product(*(range(len(slot.starts)) for slot in candidate.slots)))
+        own = [[slot.coordinate(slot.starts[k]) for slot, k in zip(candidate.slots, c, strict=True)] for c in cells]
+        U = np.array([np.concatenate([self.u, numbers]) for numbers in own])
+        weakest = [] if candidate.size is None else candidate.slots[candidate.size].weakest
+        found = []
+        for cell, u, twin in zip(cells, U, problem.twins(U), strict=True):
+            smallest = candidate.size is not None and cell[candidate.size] in weakest
+            u, score = self._scored(candidate, u, twin, smallest)
+            found.append(ScreenedStart(problem, u, score, cell))
+        return found
+
+    def _scored(self, candidate: Candidate, u: Array, twin: Twin, smallest: bool) -> tuple[Array, float]:
         """Numbers and score of a grid point, or of the smaller effect on the line to none that is more probable."""
         try:
             residual = self.view.residual(twin)
@@ -103,7 +119,7 @@ class Screen:
             # Two losses of stiffness at one place may leave none.
             return u, np.inf
         score = self._marginal(residual)
-        share = self._share(residual - self.residual) if candidate.has_one_size else 1.0
+        share = self._share(residual - self.residual) if smallest else 1.0
         if share == 1:
             return u, score
         smaller = self._marginal(self.residual + share * (residual - self.residual))
