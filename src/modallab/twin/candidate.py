@@ -16,6 +16,8 @@ Transform = Literal["log", "plain", "share"]
 
 NEAR_AN_END = 0.28
 """Natural logarithm from an end of a number's range where it goes on more slowly."""
+SMALLEST = 1e-6
+"""Smallest share of a signature that a number is asked for: none at all may have no number."""
 FARTHEST = 1000.0
 """Times that room which an end is away, as a coordinate."""
 
@@ -54,6 +56,22 @@ class Slot:
         else:
             free = u * self.scale
         return min(max(free, self.low), self.high)
+
+    def with_signature(self, value: float, share: float) -> float:
+        """The number whose signature is this share, 0 to 1, of that of `value`, to first order in a small effect."""
+        if not self.power:
+            return value
+        origin = self.none if self.power > 0 else 0.0
+        return origin + (value - origin) * max(share, SMALLEST) ** (1 / self.power)
+
+    @property
+    def weakest(self) -> list[int]:
+        """Which starts have the smallest signature: of a number of either sign one of each."""
+        if self.power < 0:
+            return [int(np.argmax(self.starts))]
+        away = np.array(self.starts) - self.none
+        sides = (np.flatnonzero(away < 0), np.flatnonzero(away > 0))
+        return [int(side[np.argmin(np.abs(away[side]))]) for side in sides if side.size]
 
     def coordinate(self, value: float) -> float:
         """The coordinate of a number; of a logarithm's zero, that of the smallest number there is."""
@@ -113,6 +131,21 @@ class Candidate:
         values = {s.name: s.value(float(v)) for s, v in zip(self.slots, u, strict=True)}
         place = AlongBeam(x=min(max(values.pop("x"), 0.5 / ELEMENTS), 1.0)) if "x" in values else self.place
         return Effect(effect=self.effect, parameters={**dict(self.fixed), **values}, place=place)
+
+    def with_signature(self, u: Real, share: float) -> Real:
+        """Coordinates (numbers,) of the effect whose signature is this share of that at u, to first order.
+
+        Only an effect of one size has such numbers, see `size`.
+        """
+        return np.array(
+            [s.coordinate(s.with_signature(s.value(float(v)), share)) for s, v in zip(self.slots, u, strict=True)]
+        )
+
+    @property
+    def size(self) -> int | None:
+        """Which number says how large it is; None where there is none, or where there are several."""
+        sizes = [k for k, s in enumerate(self.slots) if s.power]
+        return sizes[0] if len(sizes) == 1 else None
 
     def held_at(self, x: float) -> "Candidate":
         """The same, but that its place along the beam, as a share of the length, is not free."""

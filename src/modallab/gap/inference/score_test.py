@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.inference.screen import Start
+from modallab.gap.inference.screen import Start, best_share
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.fitting import Bench
@@ -55,4 +55,9 @@ class ScoreTest:
             # Two losses of stiffness at one place may leave none.
             return Start(problem, u, np.inf)
         along = change - self.J @ (self.inverse @ (self.J.T @ change))
+        share = best_share(float(change @ self.rest), float(change @ along))
+        candidate, n = problem.candidates[-1], len(self.u)
+        if share < 1 and candidate.size is not None:
+            u = np.append(self.u, candidate.with_signature(u[n:], share))
+            change, along = share * change, share * along
         return Start(problem, u, float(2 * change @ self.rest + change @ along))

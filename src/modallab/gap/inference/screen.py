@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from modallab.gap.inference.discrepancy import Levels
 from modallab.gap.inference.view import View
 from modallab.gap.model.fit import Problem
 from modallab.twin.bench import Twin
@@ -22,13 +23,40 @@ ROUNDS = 2
 """Steps of the nuisances, each with the scales of the discrepancy set anew."""
 
 
+def best_share(slope: float, curvature: float) -> float:
+    """Share, 0 to 1, of a change by which a cost falls most.
+
+    Args:
+        slope: half the slope of the cost at no change, per unit of the share.
+        curvature: half its second derivative.
+    """
+    return float(np.clip(-slope / curvature, 0.0, 1.0)) if curvature > 0 else 1.0
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Start:
-    """Where a fit may begin, and -2 log of the marginal likelihood there."""
+    """Where a fit may begin.
+
+    Attributes:
+        problem: what to fit.
+        u: (u,) the free numbers.
+        score: -2 log of the marginal likelihood there.
+    """
 
     problem: Problem
     u: Array
     score: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ScreenedStart(Start):
+    """A start from the grid of a candidate.
+
+    Attributes:
+        cell: (numbers,) which value of each number's grid it has.
+    """
+
+    cell: tuple[int, ...]
 
 
 class Screen:
@@ -44,6 +72,10 @@ class Screen:
         # The numbers of effects already there have wide priors: a hundredth of a coordinate's curvature.
         self.prior: Array = np.where(np.arange(len(u)) < n, 1.0, 1e-2)
         self.normal: Array = self._normals()
+        self.residual: Array = view.residual(twin)
+        _, self.rest, levels = self._fitted(self.residual)
+        self.weights: Array = view.objective.weights(self.rest, levels)
+        self.inverse: Array = np.linalg.inv((self.J.T * self.weights) @ self.J + np.diag(self.prior))
 
     def _normals(self) -> Array:
         """(scales, groups, u, u) curvature of each group of rows at each value of its scale."""
@@ -56,36 +88,59 @@ class Screen:
             ]
         )
 
-    def starts(self, candidate: Candidate, most: int) -> list[Start]:
+    def starts(self, candidate: Candidate, most: int) -> list[ScreenedStart]:
         """The best places for a candidate to begin, each a local minimum of its grid, best first."""
-        problem = replace(self.problem, candidates=(*self.problem.candidates, candidate))
-        axes = [[slot.coordinate(v) for v in slot.starts] for slot in candidate.slots]
-        cells = np.array(list(product(*(range(len(a)) for a in axes))))
-        grid = np.array(list(product(*axes)))
-        U = np.array([np.concatenate([self.u, own]) for own in grid])
-        scores = np.array([self._score(twin) for twin in problem.twins(U)])
-        chosen: list[int] = []
-        for k in np.argsort(scores):
-            if len(chosen) < most and all(np.max(np.abs(cells[k] - cells[j])) > 1 for j in chosen):
-                chosen.append(int(k))
-        return [Start(problem, U[k], float(scores[k])) for k in chosen if np.isfinite(scores[k])]
+        chosen: list[ScreenedStart] = []
+        for start in sorted(self._grid(candidate), key=lambda s: s.score):
+            apart = (max((abs(k - j) for k, j in zip(start.cell, c.cell, strict=True)), default=0) for c in chosen)
+            if len(chosen) < most and all(steps > 1 for steps in apart) and np.isfinite(start.score):
+                chosen.append(start)
+        return chosen
 
-    def _score(self, twin: Twin) -> float:
+    def _grid(self, candidate: Candidate) -> list[ScreenedStart]:
+        """The whole grid of a candidate; its smallest sizes are the most probable ones from there down to none."""
+        problem = replace(self.problem, candidates=(*self.problem.candidates, candidate))
+        cells = list(product(*(range(len(slot.starts)) for slot in candidate.slots)))
+        own = [[slot.coordinate(slot.starts[k]) for slot, k in zip(candidate.slots, c, strict=True)] for c in cells]
+        U = np.array([np.concatenate([self.u, numbers]) for numbers in own])
+        weakest = [] if candidate.size is None else candidate.slots[candidate.size].weakest
+        found = []
+        for cell, u, twin in zip(cells, U, problem.twins(U), strict=True):
+            smallest = candidate.size is not None and cell[candidate.size] in weakest
+            u, score = self._scored(candidate, u, twin, smallest)
+            found.append(ScreenedStart(problem, u, score, cell))
+        return found
+
+    def _scored(self, candidate: Candidate, u: Array, twin: Twin, smallest: bool) -> tuple[Array, float]:
+        """Numbers and score of a grid point, or of the smaller effect on the line to none that is more probable."""
         try:
             residual = self.view.residual(twin)
         except np.linalg.LinAlgError:
             # Two losses of stiffness at one place may leave none.
-            return np.inf
-        return self._marginal(residual)
+            return u, np.inf
+        score = self._marginal(residual)
+        share = self._share(residual - self.residual) if smallest else 1.0
+        if share == 1:
+            return u, score
+        smaller = self._marginal(self.residual + share * (residual - self.residual))
+        own = candidate.with_signature(u[len(self.u) :], share)
+        return (np.append(self.u, own), smaller) if smaller < score else (u, score)
+
+    def _share(self, change: Array) -> float:
+        """Share of a change of the rows at which they are most probable, the nuisances projected out."""
+        along = change - self.J @ (self.inverse @ (self.J.T @ (self.weights * change)))
+        return best_share(float(along @ (self.weights * self.rest)), float(along @ (self.weights * change)))
 
     def _marginal(self, residual: Array) -> float:
         """-2 log of the marginal likelihood, the scales at their most probable values."""
+        return self._fitted(residual)[0]
+
+    def _fitted(self, residual: Array) -> tuple[float, Array, Levels]:
+        """The same, with what the most probable nuisances leave of the rows and the scales there."""
         objective, moved, rest, best = self.view.objective, np.zeros(len(self.u)), residual, np.inf
-        groups = np.arange(self.normal.shape[1])
         for turn in range(ROUNDS + 1):
             levels = objective.levels(rest)
-            curvature: Array = self.normal[levels, groups].sum(axis=0) + np.diag(self.prior)
-            factor = cho_factor(curvature, check_finite=False)
+            factor = cho_factor(self._curvature(levels), check_finite=False)
             u = self.u + moved
             volume = 2 * float(np.sum(np.log(np.diag(factor[0]))))
             best = min(best, objective.cost(rest, levels) + float(u @ (self.prior * u)) + volume)
@@ -94,4 +149,10 @@ class Screen:
                 downhill: Array = self.J.T @ (weights * rest) - self.prior * u
                 moved = moved + cho_solve(factor, downhill, check_finite=False)
                 rest = residual - self.J @ moved
-        return best
+        return best, rest, levels
+
+    def _curvature(self, levels: Levels) -> Array:
+        """(u, u) curvature of the nuisances, and of the effects already there, at these scales."""
+        groups = np.arange(self.normal.shape[1])
+        curvature: Array = self.normal[levels, groups].sum(axis=0) + np.diag(self.prior)
+        return curvature

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.progress import report
 from modallab.gap.inference.posterior import Key, Posterior, descended, key_of
 from modallab.gap.inference.score_test import ScoreTest
-from modallab.gap.inference.screen import Screen
+from modallab.gap.inference.screen import Screen, ScreenedStart
 from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
@@ -26,7 +26,7 @@ from modallab.twin.effects import model_of, search_of
 
 Array = NDArray[np.float64]
 
-HALVING = ((3, 6), (2, 3), (10, 3))
+HALVING = ((3, 4), (2, 2), (10, 2))
 """Evaluations of the slopes in each stage, and how many go on; the first stage takes the nuisances' from the screen."""
 
 
@@ -142,16 +142,23 @@ class StepwiseSelection:
         return found
 
     def _added(self, here: Posterior) -> list[Posterior]:
-        """The best explanations with one effect more, best first."""
-        screen = Screen(self._coarse, here.problem, self._rested(here.u))
-        listed = [
-            s for c in candidates(self.bench, here.problem.candidates) for s in screen.starts(c, self.settings.starts)
-        ]
-        listed.sort(key=lambda s: s.score)
+        """The best explanations with one effect more, best first.
+
+        The rows are linear in the nuisances near those that were fitted, unless these have replaced an effect: then
+        they are near the nuisances at rest. What begins at rest has further to go, and is compared with its like.
+        """
+        present, found = candidates(self.bench, here.problem.candidates), list[Posterior]()
+        for u in (here.u, self._rested(here.u)):
+            screen = Screen(self._coarse, here.problem, u)
+            listed = sorted((s for c in present for s in screen.starts(c, self.settings.starts)), key=_likelihood)
+            found += self._halved(listed[: self.settings.first], screen.J)
+        return _distinct(found)
+
+    def _halved(self, starts: list[ScreenedStart], slopes: Array) -> list[Posterior]:
+        """The best of some starts, each stage with more steps for fewer of them."""
         self._progress(0.3, "explanations compared")
         (steps, keep), *stages = HALVING
-        first = (descended(self._coarse, s.problem, s.u, steps, screen.J) for s in listed[: self.settings.first])
-        found = _distinct(first)[:keep]
+        found = _distinct(descended(self._coarse, s.problem, s.u, steps, slopes) for s in starts)[:keep]
         for stage, (steps, keep) in enumerate(stages):
             self._progress(0.5 + 0.15 * stage, "explanations compared")
             found = _distinct(descended(self._view, f.problem, f.u, steps) for f in found)[:keep]
@@ -210,6 +217,11 @@ def _score(fitted: tuple[Posterior, Fit]) -> float:
     """-2 log evidence of an explanation: what the records leave, and what the ranges of its numbers cost."""
     posterior, fit = fitted
     return fit.cost + posterior.evidence - posterior.cost
+
+
+def _likelihood(start: ScreenedStart) -> float:
+    """-2 log of the marginal likelihood of a start."""
+    return start.score
 
 
 def _best_of_each(found: Iterable[Posterior]) -> list[Posterior]:

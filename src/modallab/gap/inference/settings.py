@@ -23,7 +23,7 @@ class Settings:
         node: a modal constant below this share of its mode's rms over the channels is compared with that share.
         effect_price: what one effect more must gain, in -2 log evidence: prior odds of 1 to 400.
         most_effects: effects in one explanation.
-        first: starts that are fitted in a round, over all candidates.
+        first: starts of each screen that are fitted in a round, over all candidates.
         starts: starts of one candidate, at most.
         rivals: explanations of a round that are fitted to the records.
         top_hz: poles are identified up to this frequency, Hz; the hammer's pulse carries little beyond it.
@@ -37,7 +37,7 @@ class Settings:
     node: float = 0.3
     effect_price: float = 12.0
     most_effects: int = 3
-    first: int = 16
+    first: int = 8
     starts: int = 3
     rivals: int = 3
     top_hz: float = 390.0
