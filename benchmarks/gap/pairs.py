@@ -39,7 +39,7 @@ def drawn(seed: int, stepped: bool) -> Iterator[tuple[Draw, Any]]:
 def below_tolerance(effect: Effect, rig: Rig, seed: int) -> str:
     """Why an effect alone would be no gap on this bench; "" where it is one."""
     search = models()[effect.effect].search
-    if search is not None and search.deviations(effect, rig) <= ABOVE:
+    if search is not None and search.tolerance.deviations(effect, rig) <= ABOVE:
         return "within its tolerance"
     moves = Ruler(rig, seed).moves((effect,))
     return "" if moves >= rig.tolerance.response else f"moves the response by {moves:.2%}"

@@ -82,6 +82,6 @@ def test_overtones_are_read_on_a_line_and_between_two(hz: float) -> None:
 
 
 def test_no_friction_is_begun_where_nothing_slips() -> None:
-    slips = search_of("clamp_friction").acting
+    slips = search_of("clamp_friction").law.acting
     assert slips({"k_slip": 2000.0, "k_stick": 9000.0, "moment_limit": 0.05})
     assert not slips({"k_slip": 9000.0, "k_stick": 2000.0, "moment_limit": 0.05})

@@ -95,7 +95,7 @@ def test_a_clock_that_the_generators_lines_show_is_no_matter_of_the_beam(rig, ma
 def test_a_turned_channel_with_an_ordinary_sensitivity_is_a_polarity(rig):
     usual = rig.model_copy(update={"tolerance": USUAL})
     turned = Effect(effect="gain_error", parameters={"gain": -1.017}, place={"channel": 3})
-    distance = search_of("gain_error").deviations_from
+    distance = search_of("gain_error").tolerance.deviations_from
     assert distance(turned, "polarity", usual) == pytest.approx(1.7)
     assert distance(turned.model_copy(update={"parameters": {"gain": -0.3}}), "polarity", usual) > 50
     assert distance(turned, "position_error", usual) == np.inf

@@ -122,7 +122,7 @@ def _rough(bench: TrialBench, rig: Rig, draw: Draw) -> tuple[Effect, Truth]:
 def _exceeds(effect: Effect, rig: Rig) -> bool:
     """Whether it is far beyond its own tolerance: what lies within is no gap, and rightly called none."""
     search = models()[effect.effect].search if effect.effect in models() else None
-    return search is None or search.deviations(effect, rig) > EXCEEDING
+    return search is None or search.tolerance.deviations(effect, rig) > EXCEEDING
 
 
 def _pair(bench: TrialBench, rig: Rig, seed: int) -> tuple[Effect, Effect]:

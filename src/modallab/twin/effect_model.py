@@ -26,6 +26,58 @@ class NoChange(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ReplacedTolerance:
+    """What an effect is among the numbers that a fit has free anyhow.
+
+    Attributes:
+        absorbed_by: which numbers of the beam take its work over in a fit without it.
+        replaces_gain: whether it stands for the sensitivity of its channel, which must then not be free beside it.
+        replaces: tolerance of the rig file that is the same quantity, and must not be free beside it; "" for none.
+        is_clock: whether its one number is the error of the clock that the generator's own lines show.
+        deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
+            file states none for it.
+        deviations_from: how many deviations of the rig file's tolerances it is off the effect of that name at its own
+            place; infinitely many where the two are not alike.
+    """
+
+    absorbed_by: Absorber = "nothing"
+    replaces_gain: bool = False
+    replaces: str = ""
+    is_clock: bool = False
+    deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
+    deviations_from: Callable[[Effect, str, Rig], float] = lambda effect, other, rig: inf
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SteppedLaw:
+    """What is particular of an effect that depends on the size of the motion, so that it is stepped in time.
+
+    Attributes:
+        overtones: those it makes: odd ones alone where it acts alike both ways, even ones too where it does not.
+        acts: what it does at its place: a force on the beam, a couple that bends it, or a couple at the root; None
+            where it acts all along the beam.
+        by_sine: whether each sine counts by its own relative error: beside a resonance such a law is right or wrong,
+            and squares in noise units would follow the one that is furthest off.
+        on_slowest: power of the slowest mode's shape at its place with which its first number acts on that mode, which
+            says little more of where it is; 0 where the number has no place.
+        drowns: whether its force grows faster than the motion: of a small motion its overtones drown in the noise.
+        rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
+        behind: name of its stiffness at the root, which acts in series with the compliance of the modes above the band;
+            the records hardly determine how many such modes there are. "" for none.
+        acting: whether an effect with these numbers does anything that a linear one does not: else none is begun there.
+    """
+
+    overtones: Overtones = "odd"
+    acts: Acts | None = None
+    by_sine: bool = False
+    on_slowest: int = 0
+    drowns: bool = False
+    rough: bool = False
+    behind: str = ""
+    acting: Callable[[Mapping[str, float]], bool] = lambda numbers: True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
     """How a fit looks for an effect: at each place its kind may have, with these numbers free.
 
@@ -35,29 +87,10 @@ class Search:
         fixed: parameters that are not free.
         forms: of its law, each by further parameters that are not free: rivals under one name.
         needs: the test, or the shaker, that distinguishes it from what is free anyhow; None if either will do.
-        absorbed_by: which numbers of the beam take its work over in a fit without it.
-        replaces_gain: whether it stands for the sensitivity of its channel, which must then not be free beside it.
-        replaces: tolerance of the rig file that is the same quantity, and must not be free beside it; "" for none.
-        is_clock: whether its one number is the error of the clock that the generator's own lines show.
         inexact: relative deviation by which its size may be off, however well it fits: what it is on a bench is never
             quite what it is here.
-        overtones: of an effect that depends on the size of the motion, those it makes: odd ones alone where it acts
-            alike both ways, even ones too where it does not.
-        acts: of an effect that depends on the size of the motion, what it does at its place: a force on the beam, a
-            couple that bends it, or a couple at the root; None where it acts all along the beam.
-        by_sine: of an effect that is stepped, whether each sine counts by its own relative error: beside a resonance
-            such a law is right or wrong, and squares in noise units would follow the one that is furthest off.
-        on_slowest: power of the slowest mode's shape at its place with which its first number acts on that mode, which
-            says little more of where it is; 0 where the number has no place.
-        drowns: whether its force grows faster than the motion: of a small motion its overtones drown in the noise.
-        rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
-        behind: name of its stiffness at the root, which acts in series with the compliance of the modes above the band;
-            the records hardly determine how many such modes there are. "" for none.
-        acting: whether an effect with these numbers does anything that a linear one does not: else none is begun there.
-        deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
-            file states none for it.
-        deviations_from: how many deviations of the rig file's tolerances it is off the effect of that name at its own
-            place; infinitely many where the two are not alike.
+        tolerance: what it is among the numbers that are free anyhow.
+        law: of an effect that is stepped in time.
     """
 
     rank: int
@@ -65,21 +98,9 @@ class Search:
     fixed: tuple[tuple[str, float], ...] = ()
     forms: tuple[tuple[tuple[str, float], ...], ...] = ((),)
     needs: Literal["impact", "shaker", "sine"] | None = None
-    absorbed_by: Absorber = "nothing"
-    replaces_gain: bool = False
-    replaces: str = ""
-    is_clock: bool = False
     inexact: float = 0.0
-    overtones: Overtones = "odd"
-    acts: Acts | None = None
-    by_sine: bool = False
-    on_slowest: int = 0
-    drowns: bool = False
-    rough: bool = False
-    behind: str = ""
-    acting: Callable[[Mapping[str, float]], bool] = lambda numbers: True
-    deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
-    deviations_from: Callable[[Effect, str, Rig], float] = lambda effect, other, rig: inf
+    tolerance: ReplacedTolerance = ReplacedTolerance()
+    law: SteppedLaw = SteppedLaw()
 
 
 @dataclass(frozen=True, slots=True)

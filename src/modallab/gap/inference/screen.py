@@ -75,7 +75,8 @@ class Screen:
         self.residual: Array = view.residual(twin)
         _, self.rest, levels = self._fitted(self.residual)
         self.weights: Array = view.objective.weights(self.rest, levels)
-        self.inverse: Array = np.linalg.inv((self.J.T * self.weights) @ self.J + np.diag(self.prior))
+        curvature: Array = (self.J.T * self.weights) @ self.J + np.diag(self.prior)
+        self.inverse: Array = np.asarray(np.linalg.inv(curvature), np.float64)
 
     def _normals(self) -> Array:
         """(scales, groups, u, u) curvature of each group of rows at each value of its scale."""
@@ -138,8 +139,8 @@ class Screen:
     def _fitted(self, residual: Array) -> tuple[float, Array, Levels]:
         """The same, with what the most probable nuisances leave of the rows and the scales there."""
         objective, moved, rest, best = self.view.objective, np.zeros(len(self.u)), residual, np.inf
+        levels = objective.levels(rest)
         for turn in range(ROUNDS + 1):
-            levels = objective.levels(rest)
             factor = cho_factor(self._curvature(levels), check_finite=False)
             u = self.u + moved
             volume = 2 * float(np.sum(np.log(np.diag(factor[0]))))
@@ -149,6 +150,7 @@ class Screen:
                 downhill: Array = self.J.T @ (weights * rest) - self.prior * u
                 moved = moved + cho_solve(factor, downhill, check_finite=False)
                 rest = residual - self.J @ moved
+                levels = objective.levels(rest)
         return best, rest, levels
 
     def _curvature(self, levels: Levels) -> Array:

@@ -109,7 +109,7 @@ class StepwiseSelection:
 
     def _sound(self, fit: Fit) -> bool:
         """Whether beam and assembly are within tolerance, and the generator's lines show no other clock."""
-        clocked = any(search_of(c.effect).is_clock for c in fit.problem.candidates)
+        clocked = any(search_of(c.effect).tolerance.is_clock for c in fit.problem.candidates)
         return ordinary(fit) and (clocked or not clock_shows(self.bench))
 
     def _problem(self, candidates: tuple[Candidate, ...]) -> Problem:

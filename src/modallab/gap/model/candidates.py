@@ -24,7 +24,7 @@ def of_motion(rig: Rig, overtones: Overtones) -> list[Candidate]:
     found = [
         (m.search.rank, m)
         for m in models().values()
-        if m.search is not None and m.search.overtones == overtones and not m.kind.linear
+        if m.search is not None and m.search.law.overtones == overtones and not m.kind.linear
     ]
     return [c for _, m in sorted(found, key=lambda f: f[0]) for c in m.candidates(rig)]
 

@@ -21,7 +21,7 @@ ROUNDS = 3
 
 def with_drift_curve(fit: Fit) -> Fit:
     """The fit with the share of the drift at each piece of the campaign freed; the same fit if it has no drift."""
-    if not any(search_of(c.effect).replaces == "stiffness_drift" for c in fit.problem.candidates):
+    if not any(search_of(c.effect).tolerance.replaces == "stiffness_drift" for c in fit.problem.candidates):
         return fit
     best = fit
     for _ in range(ROUNDS):

@@ -70,7 +70,7 @@ class Problem:
     @property
     def replaced(self) -> set[tuple[str, RowsOfPlace | None]]:
         """(tolerance, channel or None) that effects stand for: one quantity is one number."""
-        own = [(tolerance, c) for c in self.candidates if (tolerance := search_of(c.effect).replaces)]
+        own = [(tolerance, c) for c in self.candidates if (tolerance := search_of(c.effect).tolerance.replaces)]
         return {(tolerance, rows_of(c.place)) for tolerance, c in own}
 
     def effects(self, u: Real) -> list[Effect]:
@@ -88,7 +88,7 @@ class Problem:
     def twins(self, u: Real) -> list[Twin]:
         """The twins at many u (twins, u)."""
         # An effect on the gain of a channel takes the place of its tolerance: two numbers for one gain never settle.
-        held = [rows_of(c.place) for c in self.candidates if search_of(c.effect).replaces_gain]
+        held = [rows_of(c.place) for c in self.candidates if search_of(c.effect).tolerance.replaces_gain]
         bare = self.free.builds(self.free.without_gains(u[:, : self.free.size], held), self.replaced)
         return [self._with_effects(twin, own) for twin, own in zip(bare, u, strict=True)]
 

@@ -29,10 +29,10 @@ def along_the_beam(fit: Fit) -> Fit:
     """The fit, or that at the place where its law does best; other numbers follow by the slopes of the fit.
 
     Args:
-        fit: to all records, its last effect with a place and a number first; see `Search.on_slowest`.
+        fit: to all records, its last effect with a place and a number first; see `SteppedLaw.on_slowest`.
     """
     law = fit.problem.candidates[-1]
-    power, names = search_of(law.effect).on_slowest, [s.name for s in law.slots]
+    power, names = search_of(law.effect).law.on_slowest, [s.name for s in law.slots]
     if not power:
         return fit
     J = jacobian(fit.problem, fit.u, fit.residual, whole=True)

@@ -148,7 +148,7 @@ def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:
     """
     if _share_closed(base, fit, unseen) >= CLOSED_STEPPED:
         return True
-    if any(search_of(c.effect).by_sine for c in fit.problem.candidates) and unseen.sines is not None:
+    if any(search_of(c.effect).law.by_sine for c in fit.problem.candidates) and unseen.sines is not None:
         unseen = replace(unseen, impacts=())
     before, after = (_mean_square(f, unseen) for f in (base, fit))
     return after <= (1 - CLOSED_STEPPED) * before
@@ -181,7 +181,11 @@ def _that_matters(choice: Choice, held: Reduced, shown: bool) -> Choice:
     """The same without what is within tolerance or of no consequence; `shown` says whether lines show a wrong clock."""
     left = unexplained(held, forward(twin_of(choice.base, held), held))
     unnamed = not choice.explained and plausible(choice.base)
-    clocked = shown and choice.explained and any(search_of(c.effect).is_clock for c in choice.fit.problem.candidates)
+    clocked = (
+        shown
+        and choice.explained
+        and any(search_of(c.effect).tolerance.is_clock for c in choice.fit.problem.candidates)
+    )
     if left < held.rig.tolerance.response and (ordinary(choice.base) or unnamed) and not clocked:
         # Nothing has a name, no number alone is beyond its tolerance, and nothing that matters is left to name.
         tolerated = None if choice.explained else left
@@ -207,7 +211,7 @@ def _small_but_plain(levels: list[Level]) -> bool:
 def _clock_alone(bench: Bench, levels: list[Level]) -> bool:
     """Whether the lines show a wrong clock that begins the rounds: a beam within its tolerances follows it unseen."""
     first = levels[0].fits[0].problem.candidates if levels[0].fits else ()
-    return clock_shows(bench) and any(search_of(c.effect).is_clock for c in first)
+    return clock_shows(bench) and any(search_of(c.effect).tolerance.is_clock for c in first)
 
 
 def names(fit: Fit) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ def with_clock(bench: Bench, base: Fit) -> Fit | None:
     From the beam that the poles show, and from the fit without effects: its assembly follows a clock that is a little
     off, all but the lines.
     """
-    clocks = (c for c in of_bench(bench.data.rig) if search_of(c.effect).is_clock and bench.allowed(c.effect))
+    clocks = (c for c in of_bench(bench.data.rig) if search_of(c.effect).tolerance.is_clock and bench.allowed(c.effect))
     candidate = next(clocks, None)
     if candidate is None or bench.data.sines is None or not clock_shows(bench):
         return None

@@ -56,7 +56,7 @@ def of_consequence(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, l
     at = 0
     while at < len(fit.problem.candidates):
         bare = without(fit, at)
-        clock = shown and search_of(fit.problem.candidates[at].effect).is_clock
+        clock = shown and search_of(fit.problem.candidates[at].effect).tolerance.is_clock
         judged = _judged(fit, seen(*left_out(fit.problem, fit.u, at)) if clock else bare, at, held)
         if judged.deviations <= ABOVE or judged.moves < least:
             dismissed.append(judged)
@@ -71,4 +71,4 @@ def _judged(fit: Fit, bare: Fit, at: int, held: Reduced) -> Dismissed:
     answers = (forward(twin_of(f, held), held) for f in (fit, bare))
     # What takes its work over only by leaving its own tolerance is no ordinary bench.
     moves = apart(held, *answers) if ordinary(bare) else float("inf")
-    return Dismissed(effect, search_of(effect.effect).deviations(effect, held.rig), moves)
+    return Dismissed(effect, search_of(effect.effect).tolerance.deviations(effect, held.rig), moves)

@@ -61,7 +61,7 @@ def placed_by_overtones(bench: Bench, base: Fit, candidate: Candidate) -> Candid
 
     It stays as it is where it acts all along the beam, or where no overtone is clear.
     """
-    acts, free = search_of(candidate.effect).acts, bench.free.size
+    acts, free = search_of(candidate.effect).law.acts, bench.free.size
     if acts is None:
         return candidate
     as_believed = np.concatenate([np.zeros(free), base.u[free:]])
@@ -70,7 +70,7 @@ def placed_by_overtones(bench: Bench, base: Fit, candidate: Candidate) -> Candid
         return candidate
     if found.left > NOWHERE or (acts == "force" and found.x < NEXT_TO_ROOT):
         return None
-    if not search_of(candidate.effect).rough:
+    if not search_of(candidate.effect).law.rough:
         # Slopes find the way from any of its starts, together with all other numbers.
         return candidate
     narrow = {"starts": (found.x,), "low": max(found.x - NEARBY, 0.0), "high": min(found.x + NEARBY, 1.0)}

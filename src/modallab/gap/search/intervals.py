@@ -80,7 +80,7 @@ def intervals(choice: Choice) -> list[Believed]:
             why = not_known(slot, u, sigma, model)
             own.within[slot.name] = None if why else interval(slot, u, sigma, model)
             known = own.within[slot.name]
-            if known is not None and slot.name == search_of(candidate.effect).behind:
+            if known is not None and slot.name == search_of(candidate.effect).law.behind:
                 own.within[slot.name] = interval_in_series(fit, known)
                 why = "" if own.within[slot.name] else HIDDEN
             if why:
@@ -163,11 +163,11 @@ def not_known(slot: Slot, u: float, deviation: float, model: float) -> str:
 def relative_tolerance(effect: Effect, rig: Rig) -> float:
     """One deviation of the tolerance that an effect takes the place of, relative to the effect's size; 0 for none."""
     search = search_of(effect.effect)
-    name = "sensitivity" if search.replaces_gain else search.replaces
+    name = "sensitivity" if search.tolerance.replaces_gain else search.tolerance.replaces
     # A sensitivity that the rig file does not mention is exact.
     if name not in rig.tolerance.model_fields_set:
         return 0.0
-    return 1 / max(search.deviations(effect, rig), 1e-9)
+    return 1 / max(search.tolerance.deviations(effect, rig), 1e-9)
 
 
 def deviations(fit: Fit) -> Real:
@@ -177,7 +177,7 @@ def deviations(fit: Fit) -> Real:
     """
     problem, n = fit.problem, fit.problem.free.size
     # Where a smooth law sits shows in little more than what it makes of an ordinary bench's deviations.
-    placed = any(search_of(c.effect).on_slowest for c in problem.candidates)
+    placed = any(search_of(c.effect).law.on_slowest for c in problem.candidates)
     J = jacobian(problem, fit.u, fit.residual, whole=placed)
     normal = J.T @ J
     normal[np.arange(n), np.arange(n)] += problem.priors(fit.u)[2]

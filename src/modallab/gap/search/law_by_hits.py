@@ -22,7 +22,7 @@ def law_by_hits(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
     """
 
     def allowed(effect: str) -> bool:
-        return bench.allowed(effect) and search_of(effect).drowns
+        return bench.allowed(effect) and search_of(effect).law.drowns
 
     clocked = with_clock(bench, base)
     before = [] if clocked is None else [Level(base, (clocked,))]

@@ -67,7 +67,7 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
 
 
 def _by_sine(fit: Fit) -> bool:
-    return search_of(fit.problem.candidates[-1].effect).by_sine
+    return search_of(fit.problem.candidates[-1].effect).law.by_sine
 
 
 def _near_the_best(fits: list[Fit], score_of: Callable[[Fit], float], within: float) -> list[Fit]:
@@ -77,11 +77,11 @@ def _near_the_best(fits: list[Fit], score_of: Callable[[Fit], float], within: fl
 
 
 def _explains(bench: Bench, fit: Fit, base: Fit, score_of: Callable[[Fit], float]) -> bool:
-    law = search_of(fit.problem.candidates[-1].effect)
-    if law.by_sine:
+    search = search_of(fit.problem.candidates[-1].effect)
+    if search.law.by_sine:
         # A linear beam may follow each sine, stretched far beyond its tolerances: a law that is exact needs no more
         # than to stand well within them.
-        stretched = not law.inexact and score_of(fit) <= WRONG * score_of(base)
+        stretched = not search.inexact and score_of(fit) <= WRONG * score_of(base)
         return stretched or follows(bench, fit, base, WRONG)
     linear = seen(replace(fit.problem, candidates=base.problem.candidates, held=beam_at(base.u)), base.u)
     return fit.cost <= WRONG * linear.cost

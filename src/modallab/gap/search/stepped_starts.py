@@ -38,7 +38,7 @@ def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Can
     if located is None:
         return []
     problem = Problem(some[0], bench.free, (*base.problem.candidates, located), LOOKED)
-    law, names = search_of(candidate.effect), [s.name for s in located.slots]
+    law, names = search_of(candidate.effect).law, [s.name for s in located.slots]
     listed = [dict(zip(names, own, strict=True)) for own in product(*(slot.starts for slot in located.slots))]
     begins = [
         (own.get("x", float(beam)), u)

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, along_beam, spread
-from modallab.twin.effect_model import EffectModel, Rival, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Rival, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -35,7 +35,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=40, slots=_slots, deviations=_own_deviations),
+    search=Search(rank=40, slots=_slots, tolerance=ReplacedTolerance(deviations=_own_deviations)),
     experiment="Screw a known mass to the free end and repeat the hits: its own shift gives the scale.",
     rivals=(
         Rival(

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, Search, SteppedLaw
 from modallab.twin.nonlinear.element import Element, Law
 
 STATIONS = 5.0
@@ -37,6 +37,8 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a drag spreads along the beam is a convention: evenly, or lumped at a few stations as simulators do.
-    search=Search(rank=100, slots=_slots, forms=((), (("stations", STATIONS),)), inexact=0.05, drowns=True),
+    search=Search(
+        rank=100, slots=_slots, forms=((), (("stations", STATIONS),)), inexact=0.05, law=SteppedLaw(drowns=True)
+    ),
     experiment="Repeat the sines at a third level: drag damps in proportion to the amplitude, the frequencies stay.",
 )

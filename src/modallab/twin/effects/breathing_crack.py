@@ -8,7 +8,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, along_beam
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, Search, SteppedLaw
 from modallab.twin.nonlinear.element import Element, Law
 
 WIDTH = 0.045
@@ -54,7 +54,11 @@ MODEL = EffectModel(
     moves_poles=True,
     once=False,
     search=Search(
-        rank=90, slots=_slots, forms=FORMS, inexact=0.05, by_sine=True, rough=True, overtones="even", acts="couple"
+        rank=90,
+        slots=_slots,
+        forms=FORMS,
+        inexact=0.05,
+        law=SteppedLaw(by_sine=True, rough=True, overtones="even", acts="couple"),
     ),
     experiment="Look for even overtones in the sine responses: a crack that breathes makes them at every level.",
 )

@@ -7,7 +7,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, Search, SteppedLaw
 from modallab.twin.nonlinear.element import Element, Law
 
 SOFTER = 1.3
@@ -57,6 +57,8 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a joint yields is a convention.
-    search=Search(rank=30, slots=_slots, inexact=0.05, acts="root", by_sine=True, behind="k_stick", acting=_slips),
+    search=Search(
+        rank=30, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", by_sine=True, behind="k_stick", acting=_slips)
+    ),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
 from modallab.twin.structure import ROOT, believed_root
 
 SOFT = 0.01
@@ -47,6 +47,8 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=10, slots=_slots, replaces="clamp_compliance", deviations=_own_deviations),
+    search=Search(
+        rank=10, slots=_slots, tolerance=ReplacedTolerance(replaces="clamp_compliance", deviations=_own_deviations)
+    ),
     experiment="Strike close to the clamp: the slope there shows a soft root, not a crack nor a shift.",
 )

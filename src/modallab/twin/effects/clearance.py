@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, Search, SteppedLaw
 from modallab.twin.nonlinear.element import Element, Law
 
 WITHIN = 1e-2
@@ -46,6 +46,8 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a contact begins is a convention.
-    search=Search(rank=40, slots=_slots, inexact=0.05, acts="root", by_sine=True, rough=True, behind="k_contact"),
+    search=Search(
+        rank=40, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", by_sine=True, rough=True, behind="k_contact")
+    ),
     experiment="Repeat the sines at a third level: a play stiffens the root with the level, friction softens it.",
 )

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
 
 QUARTZ = 5e-5
 """Deviation of one ordinary clock from another: two quartzes are up to 100 millionths apart."""
@@ -37,8 +37,7 @@ MODEL = EffectModel(
         rank=150,
         slots=lambda _: (Slot("relative", "plain", both_signs(1e-4, 0.04, 7), 0.01, low=-0.1, high=0.1),),
         needs="sine",
-        is_clock=True,
-        deviations=_own_deviations,
+        tolerance=ReplacedTolerance(is_clock=True, deviations=_own_deviations),
     ),
     experiment="Record a tone of known frequency: its frequency is off by the error of the clock.",
 )

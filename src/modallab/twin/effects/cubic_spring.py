@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, along_beam, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, Search, SteppedLaw
 from modallab.twin.nonlinear.element import Element, Law
 
 
@@ -33,6 +33,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=False,
-    search=Search(rank=80, slots=_slots, acts="force", by_sine=True, on_slowest=4, drowns=True),
+    search=Search(rank=80, slots=_slots, law=SteppedLaw(acts="force", by_sine=True, on_slowest=4, drowns=True)),
     experiment="Repeat the sines at a third level: the frequencies rise with the square of the amplitude.",
 )

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import FORCE_SHARE, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot
-from modallab.twin.effect_model import EffectModel, Rival, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Rival, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -35,8 +35,7 @@ MODEL = EffectModel(
         slots=lambda _: (
             Slot("gain", "log", (0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6), low=0.1, high=5.0, none=1.0),
         ),
-        deviations=_own_deviations,
-        replaces="sensitivity",
+        tolerance=ReplacedTolerance(deviations=_own_deviations, replaces="sensitivity"),
     ),
     experiment="Calibrate the force transducer with a known mass on a string.",
     rivals=(

@@ -7,7 +7,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot
-from modallab.twin.effect_model import EffectModel, Rival, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Rival, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -51,9 +51,7 @@ MODEL = EffectModel(
                 none=1.0,
             ),
         ),
-        deviations=_own_deviations,
-        deviations_from=_from_polarity,
-        replaces_gain=True,
+        tolerance=ReplacedTolerance(deviations=_own_deviations, deviations_from=_from_polarity, replaces_gain=True),
     ),
     experiment="Exchange the suspect accelerometer with its neighbour and repeat: a wrong gain goes with the sensor.",
     rivals=(Rival("position_error", "Exchange the suspect accelerometer with its neighbour and repeat.", rank=40),),

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -36,6 +36,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=160, slots=_slots, needs="impact", deviations=_own_deviations),
+    search=Search(rank=160, slots=_slots, needs="impact", tolerance=ReplacedTolerance(deviations=_own_deviations)),
     experiment="Mark the points on the beam and repeat the hits there: the sines do not know of it.",
 )

@@ -8,7 +8,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, along_beam, spread
-from modallab.twin.effect_model import EffectModel, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -38,6 +38,8 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=70, slots=_slots, deviations=_own_deviations, absorbed_by="damping ratios"),
+    search=Search(
+        rank=70, slots=_slots, tolerance=ReplacedTolerance(deviations=_own_deviations, absorbed_by="damping ratios")
+    ),
     experiment="Compare the phases along the beam at a resonance: one damper bends them, even damping does not.",
 )

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -36,6 +36,8 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=False,
-    search=Search(rank=230, slots=_slots, replaces="position_m", deviations=_own_deviations),
+    search=Search(
+        rank=230, slots=_slots, tolerance=ReplacedTolerance(replaces="position_m", deviations=_own_deviations)
+    ),
     experiment="Exchange the accelerometer with its neighbour: a wrong place stays there, a wrong gain goes along.",
 )

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -36,6 +36,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=30, slots=_slots, deviations=_own_deviations),
+    search=Search(rank=30, slots=_slots, tolerance=ReplacedTolerance(deviations=_own_deviations)),
     experiment="Take all accelerometers but one off and repeat the hits: the frequencies rise if it is the sensors.",
 )

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Rival, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Rival, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -35,7 +35,12 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=90, slots=_slots, needs="shaker", replaces="shaker_mass_kg", deviations=_own_deviations),
+    search=Search(
+        rank=90,
+        slots=_slots,
+        needs="shaker",
+        tolerance=ReplacedTolerance(replaces="shaker_mass_kg", deviations=_own_deviations),
+    ),
     experiment="Repeat the hits with the shaker fastened: a mass that hangs there then lowers the frequencies.",
     rivals=(
         Rival("stinger_moment", "Repeat the sines with the shaker at another point.", rank=50),

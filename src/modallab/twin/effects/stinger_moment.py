@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -38,6 +38,11 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=100, slots=_slots, needs="shaker", replaces="stinger_rotation", deviations=_own_deviations),
+    search=Search(
+        rank=100,
+        slots=_slots,
+        needs="shaker",
+        tolerance=ReplacedTolerance(replaces="stinger_rotation", deviations=_own_deviations),
+    ),
     experiment="Repeat the sines with the shaker at another point, or with a thinner stinger.",
 )

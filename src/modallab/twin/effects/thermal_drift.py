@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, Rival, Search, over
+from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Rival, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -33,11 +33,11 @@ MODEL = EffectModel(
     search=Search(
         rank=80,
         slots=lambda _: (Slot("EI_drift", "plain", both_signs(1e-3, 0.12, 10), 0.01, low=-0.4, high=0.4),),
-        absorbed_by="Young's modulus",
-        replaces="stiffness_drift",
         # A bench warms neither evenly nor by a curve that its records show between them.
         inexact=0.02,
-        deviations=_own_deviations,
+        tolerance=ReplacedTolerance(
+            absorbed_by="Young's modulus", replaces="stiffness_drift", deviations=_own_deviations
+        ),
     ),
     experiment="Repeat the first hits at the end: only a drift makes them another beam than at the beginning.",
     rivals=(Rival("clamp_rotation", "Repeat the first hits at the end.", rank=90),),
