@@ -8,7 +8,7 @@ from modallab.acquisition.monitor.settled import (
     FLOOR_SCATTER,
     Floor,
     SettledCheck,
-    WindowLook,
+    WindowLevels,
     check_settled,
     fading,
     floor_of,
@@ -37,11 +37,11 @@ def ringing(rng: np.random.Generator, tip: float, hz: float = 4.8) -> np.ndarray
 
 
 def check(samples: np.ndarray, floor: Floor) -> SettledCheck:
-    return check_settled(WindowLook.of(samples, floor.rms), floor)
+    return check_settled(WindowLevels.of(samples, floor.rms), floor)
 
 
 def residual_ratio(before: np.ndarray, block: np.ndarray, floor: Floor) -> tuple[float, int]:
-    moves, lines = ringing_lines(WindowLook.of(before, floor.rms), floor)
+    moves, lines = ringing_lines(WindowLevels.of(before, floor.rms), floor)
     return largest_ratio(moves, lines, own_motion(sensor_motion(block, before.shape[1], floor)))
 
 

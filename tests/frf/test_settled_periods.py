@@ -8,7 +8,7 @@ from modallab.core.block import Block
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.frf.settled_periods import without_decays
-from modallab.identification.parts import with_scatter_of_parts
+from modallab.identification.parts import with_repeatability_sigmas
 from modallab.signals.signals import Signals
 
 RATE_HZ, N, BLOCKS = 256.0, 256, 12
@@ -79,8 +79,8 @@ def test_parts_that_differ_make_the_sigma_larger() -> None:
         half_power=n, half_power_floor=n,
     )  # fmt: skip
     shifts = np.array([1e-4, -2e-4, 3e-4, 0.0])
-    wider = with_scatter_of_parts(model, [part(x) for x in shifts])
+    wider = with_repeatability_sigmas(model, [part(x) for x in shifts])
     expected = 20 * np.std(shifts, ddof=1) / 2 * 1.624
     assert wider.frequency_sigma_hz[0] == pytest.approx(expected, rel=0.02)
     assert wider.damping_sigma[0] == pytest.approx(1e-6, rel=0.1)
-    assert with_scatter_of_parts(model, []) is model
+    assert with_repeatability_sigmas(model, []) is model

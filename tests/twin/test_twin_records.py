@@ -10,7 +10,7 @@ from modallab.core.rig import Beam
 from modallab.twin.bench import Chain, Mount, Twin, transfer
 from modallab.twin.modes import solve
 from modallab.twin.predict import predict_hit, predict_sine
-from modallab.twin.response import Rise
+from modallab.twin.response import SineStartUp
 from modallab.twin.structure import Structure
 
 BEAM = Beam(length_m=1.0, width_m=0.05, thickness_m=0.006, youngs_modulus_pa=2.05e11, density_kg_m3=7850.0)
@@ -61,7 +61,7 @@ def test_a_sine_that_rises_along_a_cosine_leaves_the_decay_its_history_says(f0: 
     expected = integrate(TWIN, force, 1 / rate / fine, 0.4)[:, first : first + 800 * fine : fine]
     amplitude = complex(np.exp(1j * (0.4 + 2 * np.pi * f0 * history)))
     yes = np.ones(1, dtype=np.bool_)
-    rise = Rise(np.array([history]), np.array([ramp]), yes, yes)
+    rise = SineStartUp(np.array([history]), np.array([ramp]), yes, yes)
     predicted = predict_sine(TWIN, amplitude, f0, 800, rate, 0.4, CHANNELS, X, 0.0, rise)
     assert np.abs(predicted - expected).max() < 2e-3 * np.abs(expected).max()
     usual = predict_sine(TWIN, amplitude, f0, 800, rate, 0.4, CHANNELS, X, 0.0)
@@ -73,7 +73,7 @@ def test_a_sine_switched_on_at_once_is_the_limit_of_both_rises() -> None:
     yes, no, history = np.ones(2, dtype=np.bool_), np.zeros(2, dtype=np.bool_), np.full(2, 2.0)
     sudden = -np.exp(-2.0 * a) / a
     for cosine in (yes, no):
-        assert Rise(history, np.zeros(2), cosine, yes).left(a) == pytest.approx(sudden, rel=1e-4)
+        assert SineStartUp(history, np.zeros(2), cosine, yes).left(a) == pytest.approx(sudden, rel=1e-4)
 
 
 def test_the_twin_with_its_rest_bends_statically_as_the_whole_beam_does() -> None:

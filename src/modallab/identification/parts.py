@@ -20,7 +20,7 @@ PARTS = 4
 STEPS = 12
 
 
-def with_scatter_of_parts(model: ModalModel, parts: Sequence[Frf]) -> ModalModel:
+def with_repeatability_sigmas(model: ModalModel, parts: Sequence[Frf]) -> ModalModel:
     """The model, its sigmas of frequency and damping no less than the scatter of the parts says.
 
     Of few parts the scatter is known roughly, which Student's factor allows for.

@@ -147,7 +147,7 @@ def _free(s: Structure, of: int, at: int, order: int, after_s: tuple[float, floa
 
 
 def _grown(rate: Complex, after_s: tuple[float, float]) -> Complex:
-    """Integral of exp(rate t) over a time; its value at an instant."""
+    """Integral of exp(rate t) from begin to end; where both are equal, exp(rate t) at that instant."""
     begin, end = after_s
     if begin == end:
         return np.exp(rate * begin)

@@ -18,7 +18,7 @@ from modallab.identification.frf_model import identify_frf, in_band
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.options import Options
-from modallab.identification.parts import PARTS, with_scatter_of_parts
+from modallab.identification.parts import PARTS, with_repeatability_sigmas
 from modallab.signals.signals import Signals
 
 SETTLED_LOOKS = 2
@@ -71,7 +71,7 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
     parts = _parts(used, rig, found.band_hz, options.frf) if options.refined and records is None else []
     few = (TOO_FEW,) if options.refined and records is None and not parts else ()
     found = found.model_copy(update={"notes": (*found.notes, *few)})
-    model = with_scatter_of_parts(found, parts)
+    model = with_repeatability_sigmas(found, parts)
     unknown = tuple(float(f) for f in model.frequency_hz[model.damping_sigma > UNKNOWN * model.damping_ratio])
     if not unknown or len(unknown) == model.n_modes or options.pick_hz or options.drop_hz:
         return model, fit, frf
@@ -79,7 +79,7 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
     found = again.model_copy(update={"notes": (*again.notes, *few)})
     listed = ", ".join(f"{f:.4g}" for f in unknown)
     note = f"Left out: {listed} Hz, of a damping that stretches of the test do not agree on."
-    kept = with_scatter_of_parts(found, parts)
+    kept = with_repeatability_sigmas(found, parts)
     return kept.model_copy(update={"notes": (*kept.notes, note)}), fit, frf
 
 

@@ -102,7 +102,7 @@ class Signals:
 
 
 def to_signals(block: Block, rig: Rig) -> Signals:
-    """Scale a block to SI units; a sensor against the drive is turned, one that lags is aligned, AC coupling is undone.
+    """Scale a block to SI units; invert sensors mounted against the drive, remove delays, undo AC coupling.
 
     Args:
         block: as delivered, channels in rig order.

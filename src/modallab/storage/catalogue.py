@@ -10,7 +10,7 @@ from sqlalchemy import insert, select, update
 from modallab.core.errors import StorageError
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
-from modallab.storage.engine import database_name, next_number, open_engine, reading, writing
+from modallab.storage.engine import database_address, next_number, open_engine, reading, writing
 from modallab.storage.migrate import migrate
 from modallab.storage.records import ENDED, BlockNote, BlockRecord, Rates, RunRecord
 from modallab.storage.service_tables import VERDICTS
@@ -30,7 +30,7 @@ class Catalogue:
             FormatError: it is of a version this program does not know.
         """
         self.engine = open_engine(url)
-        self.where = database_name(self.engine)
+        self.where = database_address(self.engine)
         with writing(self.engine) as connection:
             migrate(connection, self.where)
 

@@ -127,7 +127,7 @@ def reading(engine: Engine) -> Generator[Connection]:
             yield connection
     except SQLAlchemyError as error:
         raise server_lost(error, engine) or StorageError(
-            f"cannot be read: {_said(error, engine)}", where=database_name(engine), remedy="look at the disk"
+            f"cannot be read: {_said(error, engine)}", where=database_address(engine), remedy="look at the disk"
         ) from error
     except ValueError as error:
         raise _damaged(error, engine) from error
@@ -149,12 +149,12 @@ def server_lost(error: SQLAlchemyError, engine: Engine) -> DatabaseLostError | N
     if engine.dialect.name == "sqlite" or not gone:
         return None
     return DatabaseLostError(
-        "the database cannot be reached", where=database_name(engine), remedy="look at its server, and ask again"
+        "the database cannot be reached", where=database_address(engine), remedy="look at its server, and ask again"
     )
 
 
 def _write_failure(error: SQLAlchemyError, engine: Engine) -> StorageError:
-    where = database_name(engine)
+    where = database_address(engine)
     found = error.orig if isinstance(error, DBAPIError) else None
     full = failure(found, where) if isinstance(found, Exception) else None
     if isinstance(full, DiskFullError):
@@ -170,7 +170,7 @@ def _damaged(error: ValueError, engine: Engine) -> StorageError:
     LOG.warning("a row that cannot be read", exc_info=error)
     return RowDamagedError(
         f"a row of the database cannot be read: {type(error).__name__}",
-        where=database_name(engine),
+        where=database_address(engine),
         remedy="restore the database from a backup; the log has the row",
     )
 
@@ -192,10 +192,10 @@ SAID = (
 
 def _said(error: SQLAlchemyError, engine: Engine) -> str:
     said = str(error.orig if isinstance(error, DBAPIError) else error)
-    LOG.warning("%s: %s", database_name(engine), said)
+    LOG.warning("%s: %s", database_address(engine), said)
     return next((ours for theirs, ours in SAID if theirs in said), "it rejects it")
 
 
-def database_name(engine: Engine) -> str:
+def database_address(engine: Engine) -> str:
     """Its address, without a password."""
     return engine.url.render_as_string(hide_password=True)

@@ -9,7 +9,7 @@ from modallab.twin.bench import Chain, Twin, exchange_plugs, transfer
 from modallab.twin.modes import Modes, solve
 from modallab.twin.nonlinear.element import coupling
 from modallab.twin.nonlinear.records import acceleration, in_hit, in_sine, ready
-from modallab.twin.response import Hits, Rise, Sines
+from modallab.twin.response import Hits, Sines, SineStartUp
 
 
 def predict_hit(
@@ -70,7 +70,7 @@ def predict_sine(
     channels: tuple[int, ...],
     x_m: Real,
     tau: float,
-    rise: Rise | None = None,
+    rise: SineStartUp | None = None,
 ) -> Real:
     """(channels, n) accelerations in m/s^2 of a sine block, with what rings on from its start.
 
@@ -87,7 +87,7 @@ def predict_sine(
         rise: of one block: how the sine came about; None for the usual.
     """
     dt = 1 / rate_hz / (1 + twin.clock)
-    rise = rise or Rise.usual(1)
+    rise = rise or SineStartUp.usual(1)
     world_hz = frequency_hz * (1 + twin.clock)
     modes = drifted_modes(solve(twin.in_sine(drive_x_m)), twin.ei_drift, float(twin.drifted(tau)))
     source = Sines(np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]), rise.on_clock(twin.clock))

@@ -138,7 +138,7 @@ class Averages:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Rise:
+class SineStartUp:
     """How each sine came about, out of rest.
 
     Attributes:
@@ -164,7 +164,9 @@ class Rise:
         return replace(self, history_s=np.where(self.counted, self.history_s / (1 + clock), self.history_s))
 
     def left(self, a: Complex) -> Complex:
-        """(..., blocks) what exp(a t), raised from 0, has left at t = 0 of a decay, beyond its steady state 1 / a.
+        """(..., blocks) transient of a mode with pole a that the start of a sine leaves at the start of the block.
+
+        The steady state 1 / a is not part of it.
 
         It is minus the integral of the rise's slope times exp(a t), over a. The slope is 1 / T on a straight line,
         pi / (2 T) sin(pi t / T) along a cosine.
@@ -195,7 +197,7 @@ class Sines:
     n: int
     dt: float
     force: Complex
-    rise: Rise
+    rise: SineStartUp
     coarse: bool = False
 
     @property

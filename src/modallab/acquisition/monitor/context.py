@@ -10,7 +10,7 @@ from modallab.acquisition.monitor.settled import (
     Floor,
     SettledCheck,
     Window,
-    WindowLook,
+    WindowLevels,
     check_settled,
     fading,
     floor_of,
@@ -109,10 +109,10 @@ class Context:
             return stretch[rows[0] : rows[-1] + 1]
         return stretch[list(rows)]
 
-    def look_now(self, floor: Floor, watch: Watch | None = None) -> WindowLook:
+    def look_now(self, floor: Floor, watch: Watch | None = None) -> WindowLevels:
         """At the last window; after a restart it must first be read."""
         self.stream.advance_to(self.window, watch)
-        return WindowLook.of(self.motion(self.stream.next - self.window, self.window), floor.rms)
+        return WindowLevels.of(self.motion(self.stream.next - self.window, self.window), floor.rms)
 
     def check_settled_now(self, floor: Floor, watch: Watch | None = None) -> SettledCheck:
         """What the last window says."""

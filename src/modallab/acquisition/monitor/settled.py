@@ -95,7 +95,7 @@ def noise_limit(channels: int) -> float:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class WindowLook:
+class WindowLevels:
     """What is seen in one window; made once, since it is the dearest step of many channels at a high rate.
 
     Attributes:
@@ -161,7 +161,7 @@ def floor_of(windows: list[Window], *, counts: bool = True) -> Floor:
     """
     level = np.array([rms_of(window) for window in windows])
     rms = np.maximum(np.median(level, axis=0), 1 / np.sqrt(12) if counts else 1e-12)
-    power = np.mean([WindowLook.of(window, rms).power for window in windows], axis=0)
+    power = np.mean([WindowLevels.of(window, rms).power for window in windows], axis=0)
     # Neighbours know the noise better than one line alone; a steady tone, such as the mains', keeps its own.
     smooth = _neighbours(power)
     return Floor(rms, np.maximum(np.where(power > TONE_FACTOR * smooth, power, smooth), 1e-3))
@@ -176,21 +176,21 @@ def _neighbours(power: Real) -> Real:
 
 def fading(windows: list[Window], floor: Floor) -> bool:
     """Whether the windows a floor was taken from hold a motion that dies away: then it was no rest."""
-    powers = [WindowLook.of(window, floor.rms).power for window in windows]
+    powers = [WindowLevels.of(window, floor.rms).power for window in windows]
     half = len(windows) // 2
     early, late = np.mean(powers[:half], axis=0), np.mean(powers[half:], axis=0)
     strong = early > noise_limit(len(floor.rms)) * np.median(floor.lines)
     return bool((late[strong] < 0.8 * early[strong]).any())
 
 
-def check_settled(look: WindowLook, floor: Floor) -> SettledCheck:
+def check_settled(look: WindowLevels, floor: Floor) -> SettledCheck:
     """What a window, of the floor's length, says about the beam."""
     excess = look.power / (floor.lines * noise_limit(len(floor.rms)))
     line = int(np.argmax(excess))
     return SettledCheck(float((look.rms / floor.rms).max()), line, float(excess[line]))
 
 
-def ringing_lines(look: WindowLook, floor: Floor) -> tuple[Real, NDArray[np.int64]]:
+def ringing_lines(look: WindowLevels, floor: Floor) -> tuple[Real, NDArray[np.int64]]:
     """(peaks,) amplitudes, in noise rms, of what stands well out of the noise in a window, and their lines."""
     power = look.power
     limit = np.maximum(RINGING_EXCESS * floor.lines * noise_limit(len(floor.rms)), PEAK_RANGE * power.max())

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from modallab.acquisition.monitor.context import Context
 from modallab.acquisition.monitor.settled import (
     Floor,
-    WindowLook,
+    WindowLevels,
     largest_ratio,
     motion_at,
     own_motion,
@@ -143,7 +143,7 @@ class Before:
     @classmethod
     def of(cls, context: Context, first: int, floor: Floor) -> Self:
         """In the window that ends at sample `first`."""
-        look = WindowLook.of(context.motion(first - context.window, context.window), floor.rms)
+        look = WindowLevels.of(context.motion(first - context.window, context.window), floor.rms)
         return cls(*ringing_lines(look, floor))
 
     def beside(self, context: Context, first: int, floor: Floor) -> Ringing:

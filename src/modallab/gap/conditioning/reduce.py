@@ -22,7 +22,7 @@ from modallab.gap.conditioning.weights import Weights
 from modallab.signals.hit import Hit
 from modallab.signals.signals import Signals, to_signals
 from modallab.signals.tone_fit import clock_ratio, fit_at
-from modallab.twin.response import HISTORY_S, RAMP_S, Hits, Rise, Sines, pulse_spectra
+from modallab.twin.response import HISTORY_S, RAMP_S, Hits, Sines, SineStartUp, pulse_spectra
 
 IMPACT_BAND = 0.2
 """Share of the rate up to which hits are used."""
@@ -136,9 +136,9 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
     return SineData(tuple(pieces), source, rows, ratio, ratio_sigma)
 
 
-def rise_of(blocks: Sequence[Block]) -> Rise:
+def rise_of(blocks: Sequence[Block]) -> SineStartUp:
     """How the sines of blocks came about, the usual where a block does not say it."""
-    return Rise(
+    return SineStartUp(
         np.array([HISTORY_S if b.history_s is None else b.history_s for b in blocks]),
         np.array([RAMP_S if b.ramp_s is None else b.ramp_s for b in blocks]),
         np.array([b.ramp == "cosine" for b in blocks]),

@@ -20,7 +20,7 @@ from modallab.gap.model.fit import GENERATOR
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import nuisances
 from modallab.twin.bench import Twin
-from modallab.twin.response import Hits, Rise, Sines
+from modallab.twin.response import Hits, Sines, SineStartUp
 
 HIT_N, HIT_S = 80.0, 0.003
 """A plain hit: half a sine of this height and length."""
@@ -129,7 +129,9 @@ def _one_test(sines: Sequence[tuple[SineData, Real]]) -> tuple[SineData, tuple[R
 def with_more_sines(data: SineData, more: SineData) -> SineData:
     """The blocks of two sine tests at one point and at one rate as those of one test."""
     a, b = data.source, more.source
-    rise = Rise(*(np.concatenate([getattr(a.rise, f), getattr(b.rise, f)]) for f in Rise.__dataclass_fields__))
+    rise = SineStartUp(
+        *(np.concatenate([getattr(a.rise, f), getattr(b.rise, f)]) for f in SineStartUp.__dataclass_fields__)
+    )
     source = replace(
         a,
         lines=np.concatenate([a.lines, b.lines]),
@@ -190,7 +192,7 @@ def _sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> tuple[Si
     force = np.array([complex(newtons.get(name, volts * N_PER_V)) for name, volts, _ in pairs])
     count = len(pairs)
     yes = np.ones(count, dtype=np.bool_)
-    rise = Rise(np.full(count, plan.settle_s), np.full(count, plan.ramp_s), yes, yes)
+    rise = SineStartUp(np.full(count, plan.settle_s), np.full(count, plan.ramp_s), yes, yes)
     source = Sines(lines, np.array([hz for _, _, hz in pairs]), n, dt, force, rise)
     sigma = np.concatenate(
         [weights.sigma(rig, "sine", at, n, dt) * np.sqrt(2 / n) / abs(f) for at, f in zip(lines, force, strict=True)],

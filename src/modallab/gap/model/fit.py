@@ -171,7 +171,7 @@ def all_rows(data: Reduced) -> list[Rows]:
     return [*(d.rows for d in data.impacts), *([data.sines.rows] if data.sines is not None else [])]
 
 
-def all_hz(data: Reduced) -> list[Real]:
+def row_frequencies_hz(data: Reduced) -> list[Real]:
     """(rows,) frequency of each row in Hz, in the order of `all_rows`; negative where a line is a conjugate's."""
     found = [d.source.lines / (d.source.n * d.source.dt) for d in data.impacts]
     if data.sines is not None:

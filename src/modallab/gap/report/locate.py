@@ -14,7 +14,7 @@ from modallab.core.digits import change, part_of, percent, rounded
 from modallab.core.effects import Stage
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.rows import Reduced, Rows
-from modallab.gap.model.fit import Fit, Problem, all_hz, all_rows
+from modallab.gap.model.fit import Fit, Problem, all_rows, row_frequencies_hz
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.report.harmonics import OFTEN, harmonic_shares
@@ -142,7 +142,7 @@ def _in_noise(base: Fit) -> tuple[Complex, Complex, Real]:
     rows, answers = all_rows(data), forward(base.problem.twin(base.u), data)
     y = np.concatenate([a / r.sigma for a, r in zip(answers, rows, strict=True)], axis=1)
     seen = np.concatenate([r.y / r.sigma for r in rows], axis=1)
-    return seen, y, np.concatenate(all_hz(data))
+    return seen, y, np.concatenate(row_frequencies_hz(data))
 
 
 def alike(base: Fit) -> tuple[float, float]:

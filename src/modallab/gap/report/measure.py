@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Complex, Real
 from modallab.core.budget import Division
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.model.fit import all_hz, all_rows
+from modallab.gap.model.fit import all_rows, row_frequencies_hz
 from modallab.gap.model.forward import forward
 from modallab.twin.bench import Twin
 
@@ -147,12 +147,12 @@ def _kinds(data: Reduced) -> list[tuple[str, Real, NDArray[np.bool_]]]:
     """Test, (rows,) Hz and (channels, rows) use of each part of the data."""
     tests = [d.piece.test for d in data.impacts] + ["sine"] * (data.sines is not None)
     used = (np.isfinite(rows.sigma) for rows in all_rows(data))
-    return list(zip(tests, (np.abs(hz) for hz in all_hz(data)), used, strict=True))
+    return list(zip(tests, (np.abs(hz) for hz in row_frequencies_hz(data)), used, strict=True))
 
 
 def by_frequency(twin: Twin, data: Reduced, label: Callable[[float], str]) -> dict[str, float]:
     """Share of the squares in each group of frequencies, by rising frequency."""
-    frequency = np.abs(np.concatenate(list(all_hz(data))))
+    frequency = np.abs(np.concatenate(list(row_frequencies_hz(data))))
     power = np.concatenate([np.sum(np.abs(r) ** 2, axis=0) for r in residuals(twin, data)])
     sums: dict[str, float] = {}
     for k in np.argsort(frequency):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Real
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.gap.model.fit import Fit, all_hz, all_rows, seen
+from modallab.gap.model.fit import Fit, all_rows, row_frequencies_hz, seen
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import excess, left_out, ordinary
@@ -208,7 +208,7 @@ def _clusters(fit: Fit) -> NDArray[np.int64]:
     hz = np.abs(solve(fit.problem.twin(fit.u).structure).poles) / (2 * np.pi)
     labels: list[NDArray[np.int64]] = []
     pieces = 0
-    for part, own_hz in enumerate(all_hz(data)):
+    for part, own_hz in enumerate(row_frequencies_hz(data)):
         mode = np.argmin(np.abs(np.log(hz / np.maximum(np.abs(own_hz)[:, None], 0.1))), axis=1)
         blocks = np.zeros(len(own_hz), dtype=np.int64)
         if part == len(data.impacts) and data.sines is not None:

@@ -20,7 +20,7 @@ from modallab.identification.response_only.subspace import Poles, unit_at_larges
 LAGS = 96
 """The lines are half as many."""
 REFERENCES = 3
-"""Combinations of the responses that stand for all of them as references, as many modes may share a pole."""
+"""Reference signals: principal combinations of all responses. Up to so many modes can share one pole."""
 
 
 class HalfSpectra:

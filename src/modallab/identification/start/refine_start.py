@@ -48,7 +48,7 @@ def polished(frf: Frf, poles: Complex128, band_hz: tuple[float, float]) -> Compl
 def _stepped(
     frf: Frf, at: Real, left: float, mode: int, step: Real, band_hz: tuple[float, float]
 ) -> tuple[Real, float]:
-    """The best place of one pole among those around it, and its own."""
+    """Parameters with the least misfit among steps of one pole's frequency and damping, and that misfit."""
     trials = np.repeat(at[None], len(AROUND), axis=0)
     trials[:, :, mode] += AROUND * step
     trials[:, 0, mode] = np.clip(trials[:, 0, mode], *np.log(2 * np.pi * np.array(band_hz)))

@@ -16,7 +16,7 @@ RESERVE = 256
 """Descriptors that are kept for the database, samples, results and whatever a request needs."""
 
 
-class Crowd:
+class ConnectionLimit:
     """All connections. Where there are too many, the oldest of those without a token gives way to a new one."""
 
     def __init__(self, most: int) -> None:
@@ -54,7 +54,7 @@ class Crowd:
 class GuardedHttp(H11Protocol):
     """A connection that does not keep anyone waiting for ever."""
 
-    crowd: Crowd
+    crowd: ConnectionLimit
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """As uvicorn; the first request is due from now on."""
@@ -94,5 +94,5 @@ class GuardedHttp(H11Protocol):
 
 def guarded(descriptors: int) -> type[GuardedHttp]:
     """The protocol for a server of a process that may have so many descriptors."""
-    crowd = Crowd(max(64, min(MOST, descriptors - RESERVE)))
+    crowd = ConnectionLimit(max(64, min(MOST, descriptors - RESERVE)))
     return type("Connection", (GuardedHttp,), {"crowd": crowd})
