@@ -26,7 +26,7 @@ from modallab.twin.effects import model_of, search_of
 
 Array = NDArray[np.float64]
 
-HALVING = ((3, 4), (2, 2), (10, 2))
+HALVING = ((3, 6), (2, 3), (10, 3))
 """Evaluations of the slopes in each stage, and how many go on; the first stage takes the nuisances' from the screen."""
 
 

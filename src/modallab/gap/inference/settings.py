@@ -37,7 +37,7 @@ class Settings:
     node: float = 0.3
     effect_price: float = 12.0
     most_effects: int = 3
-    first: int = 8
+    first: int = 16
     starts: int = 3
     rivals: int = 3
     top_hz: float = 390.0
