@@ -71,9 +71,10 @@ def _at_point(known: Known, band_hz: tuple[float, float], by: By, at: At) -> Fre
     modal = modal_kg * (1.0 if by == "mass" else (2 * np.pi * band_hz[1]) ** 2)
     # The largest holds the point still, as seen by a mode of this band.
     sizes = np.concatenate([[0.0], np.geomspace(ONLY_THE_LIGHT * modal, AT_MOST * modal, TRIED)])
+    each = [changed_hz(known, by, at, size) for size in sizes]
     # A heavy mass may bring in a mode from beyond the band.
-    modes = max(changed_hz(known, by, at, size).size for size in (0.0, sizes[-1]))
-    hz = np.array([_changed_hz(known, by, at, size, modes) for size in sizes])
+    modes = max(found.size for found in each)
+    hz = np.array([_of_modes(known, found, modes) for found in each])
     busy = [_busy(known, band_hz, by, at, sizes, hz[:, r], r) for r in range(hz.shape[1])]
     spans = [span for span in busy if span is not None]
     ends = [0.0, *(end for _, end in spans if np.isfinite(end))]
@@ -87,9 +88,9 @@ def _at_point(known: Known, band_hz: tuple[float, float], by: By, at: At) -> Fre
     return FreeBand(at, size, sigma, min((begin for begin, _ in spans if begin > size), default=np.inf))
 
 
-def _changed_hz(known: Known, by: By, at: At, size: float, modes: int) -> Real:
-    """(modes,) with a change; at the end of the model's band where a mode is not in it."""
-    found = changed_hz(known, by, at, size)[:modes]
+def _of_modes(known: Known, hz: Real, modes: int) -> Real:
+    """(modes,) frequencies; at the end of the model's band where a mode is not in it."""
+    found = hz[:modes]
     return np.pad(found, (0, modes - found.size), constant_values=known.model.band_hz[1])
 
 
@@ -100,7 +101,9 @@ def _busy(
     first, last = band_hz if by == "spring" else band_hz[::-1]
 
     def reached(edge: float) -> float:
-        return _crossing(lambda size: _changed_hz(known, by, at, size, r + 1)[r] - edge, sizes, hz - edge)
+        return _crossing(
+            lambda size: _of_modes(known, changed_hz(known, by, at, size), r + 1)[r] - edge, sizes, hz - edge
+        )
 
     begin = 0.0 if (hz[0] - first) * (last - first) >= 0 else reached(first)
     end = 0.0 if (hz[0] - last) * (last - first) > 0 else reached(last)

@@ -16,10 +16,10 @@ Transform = Literal["log", "plain", "share"]
 
 NEAR_AN_END = 0.28
 """Natural logarithm from an end of a number's range where it goes on more slowly."""
-SMALLEST = 1e-6
-"""Smallest share of a signature that a number is asked for: none at all may have no number."""
 FARTHEST = 1000.0
 """Times that room which an end is away, as a coordinate."""
+SMALLEST = 1e-6
+"""Smallest share of a signature that a number is asked for: none at all may have no number."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -150,7 +150,7 @@ class StepwiseSelection:
         present, found = candidates(self.bench, here.problem.candidates), list[Posterior]()
         for u in (here.u, self._rested(here.u)):
             screen = Screen(self._coarse, here.problem, u)
-            listed = sorted((s for c in present for s in screen.starts(c, self.settings.starts)), key=_likelihood)
+            listed = sorted((s for c in present for s in screen.starts(c, self.settings.starts)), key=lambda s: s.score)
             found += self._halved(listed[: self.settings.first], screen.J)
         return _distinct(found)
 
@@ -217,11 +217,6 @@ def _score(fitted: tuple[Posterior, Fit]) -> float:
     """-2 log evidence of an explanation: what the records leave, and what the ranges of its numbers cost."""
     posterior, fit = fitted
     return fit.cost + posterior.evidence - posterior.cost
-
-
-def _likelihood(start: ScreenedStart) -> float:
-    """-2 log of the marginal likelihood of a start."""
-    return start.score
 
 
 def _best_of_each(found: Iterable[Posterior]) -> list[Posterior]:
