@@ -7,7 +7,7 @@ import pytest
 from twin_campaign import built, link
 
 from modallab.core.rig import Tolerance
-from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.rows import ImpactData, Reduced
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.forward import forward
@@ -16,7 +16,7 @@ from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.along_beam import along_the_beam
 from modallab.twin.bench import Twin
 from modallab.twin.effects import model_of
-from modallab.twin.modes import solve
+from modallab.twin.modes import solve_modes
 
 PLACE, ELSEWHERE, K3 = 0.82, 0.65, 2e6
 
@@ -25,14 +25,14 @@ PLACE, ELSEWHERE, K3 = 0.82, 0.65, 2e6
 def elsewhere() -> Fit:
     """The twin with a cubic spring at another place, as strong on the slowest mode, on hits of one where it is."""
     rig = link().model_copy(update={"tolerance": Tolerance.usual()})
-    prepared = prepare(built(rig, tests=("impact",)))
+    prepared = prepare_campaign(built(rig, tests=("impact",)))
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
     (candidate,) = model_of("cubic_spring").candidates(rig)
     problem = Problem(bench.data, bench.free, (candidate,))
     k3, x = candidate.slots
     u = np.concatenate([np.zeros(bench.free.size), [k3.coordinate(K3), x.coordinate(PLACE)]])
     twin = problem.twin(u)
-    shape = abs(solve(twin.structure).at(np.array([PLACE, ELSEWHERE]) * twin.structure.length_m)[:, 0])
+    shape = abs(solve_modes(twin.structure).at(np.array([PLACE, ELSEWHERE]) * twin.structure.length_m)[:, 0])
     u[-2:] = k3.coordinate(K3 * (shape[0] / shape[1]) ** 4), x.coordinate(ELSEWHERE)
     return seen(replace(problem, data=struck(bench.data, twin)), u)
 

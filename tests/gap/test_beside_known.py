@@ -11,7 +11,7 @@ from made_diagnosis import made_diagnosis
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
@@ -29,7 +29,7 @@ GAIN = Effect(effect="gain_error", parameters={"gain": 1.3}, place={"channel": 4
 @pytest.fixture(scope="module")
 def bench(make: Callable[..., Campaign], rig: Rig) -> Bench:
     revised = with_diagnosis(rig, made_diagnosis(rig, DRAG), date(2026, 5, 4))
-    prepared = prepare(replace(make(DRAG, GAIN, tests=("sine",)), rig=revised))
+    prepared = prepare_campaign(replace(make(DRAG, GAIN, tests=("sine",)), rig=revised))
     return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda name: name == "gain_error")
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
-from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
@@ -30,9 +30,9 @@ CRACK = Effect(effect="breathing_crack", parameters={"EI_loss_open": LOSS}, plac
 
 
 @pytest.fixture(scope="module")
-def cracked(make: Callable[..., Campaign]) -> tuple[Bench, Prepared]:
+def cracked(make: Callable[..., Campaign]) -> tuple[Bench, PreparedCampaign]:
     campaign = make(CRACK, tests=("sine",))
-    prepared = prepare(replace(campaign, blocks=campaign.blocks[::4]))
+    prepared = prepare_campaign(replace(campaign, blocks=campaign.blocks[::4]))
     return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True), prepared
 
 
@@ -47,7 +47,7 @@ def fitted(on: Bench, loss: float, width: float = WIDTH) -> Fit:
 
 
 def test_the_law_makes_what_stands_about_the_overtones_and_a_linear_beam_nothing(
-    cracked: tuple[Bench, Prepared],
+    cracked: tuple[Bench, PreparedCampaign],
 ) -> None:
     on, _ = cracked
     few = looked_at(on.data, on.overtones, 6)
@@ -64,7 +64,7 @@ def test_the_law_makes_what_stands_about_the_overtones_and_a_linear_beam_nothing
 
 
 @pytest.fixture(scope="module")
-def law(cracked: tuple[Bench, Prepared]) -> Fit:
+def law(cracked: tuple[Bench, PreparedCampaign]) -> Fit:
     """The crack of the right size on the beam that sines and overtones show."""
     on, _ = cracked
     fit = fitted(on, LOSS)
@@ -74,7 +74,7 @@ def law(cracked: tuple[Bench, Prepared]) -> Fit:
 
 @pytest.mark.parametrize(("share", "named"), [(1.0, True), (0.3, False)])
 def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
-    cracked: tuple[Bench, Prepared], law: Fit, share: float, named: bool
+    cracked: tuple[Bench, PreparedCampaign], law: Fit, share: float, named: bool
 ) -> None:
     on, prepared = cracked
     base = fitted(on, 0.0)
@@ -86,7 +86,7 @@ def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
     assert [c.effect for c in said.fit.problem.candidates] == (["breathing_crack"] if named else [])
 
 
-def test_how_far_a_crack_weakens_the_beam_is_a_number_of_its_own(cracked: tuple[Bench, Prepared]) -> None:
+def test_how_far_a_crack_weakens_the_beam_is_a_number_of_its_own(cracked: tuple[Bench, PreparedCampaign]) -> None:
     on, _ = cracked
     few = looked_at(on.data, on.overtones, 6)
     assert few.sines is not None

@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.effects import Effect
 from modallab.core.rig import Tolerance
-from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.inference.select import StepwiseSelection
 from modallab.gap.report.initial_gap import bench_of, free_of
@@ -23,7 +23,7 @@ USUAL = Tolerance.usual()
 def assembled(rig, make, *effects, allowed=None, **more) -> Bench:
     """A bench whose rig file states a lab's usual tolerances; its first look at the data is all of the data."""
     names = {e.effect for e in effects} if allowed is None else allowed
-    prepared = prepare(replace(make(*effects, **more), rig=rig.model_copy(update={"tolerance": USUAL})))
+    prepared = prepare_campaign(replace(make(*effects, **more), rig=rig.model_copy(update={"tolerance": USUAL})))
     whole = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda name: name in names)
     return replace(whole, data=whole.thin)
 

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.agreement import agreement_of
 from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit, seen
-from modallab.gap.report.harmonics import out_of_proportion
+from modallab.gap.report.harmonics import channels_out_of_proportion
 from modallab.gap.report.levels import some_levels_differ
 from modallab.gap.search.beside_known import beside_known, knows_element
 from modallab.gap.search.choose import Choice, choose
@@ -22,7 +22,7 @@ from modallab.gap.unknown.rival import Alone, channel_alone, loses_samples, near
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Searched:
+class SearchOutcome:
     """What a search has come to.
 
     Attributes:
@@ -34,9 +34,9 @@ class Searched:
     behaves: tuple[Description, ...] = ()
 
 
-def searched(
-    bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced, held: Sequence[str]
-) -> Searched:
+def search_explanation(
+    bench: Bench, prepared: PreparedCampaign, matters: Reduced | None, unseen: Reduced, held: Sequence[str]
+) -> SearchOutcome:
     """What explains the gap.
 
     Args:
@@ -49,10 +49,10 @@ def searched(
     view, found = without_effects(bench)
     base = completed(bench, seen(found.problem, found.u))
     if knows_element(base):
-        return Searched(beside_known(bench, base, matters))
-    overtones = out_of_proportion(prepared) if base.gap > bench.flat else None
+        return SearchOutcome(beside_known(bench, base, matters))
+    overtones = channels_out_of_proportion(prepared) if base.gap > bench.flat else None
     if overtones is not None:
-        return Searched(search_stepped(bench, prepared, base, overtones, matters, unseen))
+        return SearchOutcome(search_stepped(bench, prepared, base, overtones, matters, unseen))
     agreement = agreement_of(bench, view, found)
     alone = channel_alone(bench, prepared, agreement, held) if base.gap > bench.flat else None
     if alone is not None:
@@ -62,22 +62,22 @@ def searched(
     first = selection.rounds(1)[0]
     choice = choose(bench, [first], matters)
     if choice.flat:
-        return Searched(choice)
+        return SearchOutcome(choice)
     if choice.explained and not loses_samples(prepared, choice.fit):
         # Most of the gap has a name; what is left may have one too.
-        return Searched(choose(bench, selection.rounds(), matters))
+        return SearchOutcome(choose(bench, selection.rounds(), matters))
     behaves = () if clock_shows(bench) else _without_name(bench, prepared, selection, alone, unseen, held)
     if behaves:
-        return Searched(Choice(base, base, first.fits, False, False), behaves)
+        return SearchOutcome(Choice(base, base, first.fits, False, False), behaves)
     choice = choose(bench, selection.rounds(), matters)
     if choice.explained or alone is not None:
-        return Searched(choice)
-    return Searched(_by_level(bench, prepared, selection, choice, matters, unseen))
+        return SearchOutcome(choice)
+    return SearchOutcome(_search_nonlinear(bench, prepared, selection, choice, matters, unseen))
 
 
 def _without_name(
     bench: Bench,
-    prepared: Prepared,
+    prepared: PreparedCampaign,
     selection: StepwiseSelection,
     alone: Alone | None,
     unseen: Reduced,
@@ -92,9 +92,9 @@ def _without_name(
     return () if pair and near(bench, pair[0]) and fit_cost(pair[0]) <= cost_per_number(behaves[0]) else behaves
 
 
-def _by_level(
+def _search_nonlinear(
     bench: Bench,
-    prepared: Prepared,
+    prepared: PreparedCampaign,
     selection: StepwiseSelection,
     linear: Choice,
     matters: Reduced | None,

@@ -10,7 +10,7 @@ from modallab.core.effects import Effect, EffectKind
 from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Candidate, Slot
+from modallab.twin.candidate import CandidateEffect, FreeNumber
 
 Change = Callable[[Twin, Effect, Rig], Twin]
 Overtones = Literal["odd", "even"]
@@ -78,7 +78,7 @@ class SteppedLaw:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Search:
+class EffectSearch:
     """How a fit looks for an effect: at each place its kind may have, with these numbers free.
 
     Attributes:
@@ -94,7 +94,7 @@ class Search:
     """
 
     rank: int
-    slots: Callable[[Beam], tuple[Slot, ...]]
+    slots: Callable[[Beam], tuple[FreeNumber, ...]]
     fixed: tuple[tuple[str, float], ...] = ()
     forms: tuple[tuple[tuple[str, float], ...], ...] = ((),)
     needs: Literal["impact", "shaker", "sine"] | None = None
@@ -104,7 +104,7 @@ class Search:
 
 
 @dataclass(frozen=True, slots=True)
-class Rival:
+class RivalEffect:
     """Another effect that may look the same.
 
     Attributes:
@@ -142,11 +142,11 @@ class EffectModel:
     change: Change | NoChange
     moves_poles: bool
     once: bool
-    search: Search | None
+    search: EffectSearch | None
     experiment: str
-    rivals: tuple[Rival, ...] = ()
+    rivals: tuple[RivalEffect, ...] = ()
 
-    def candidates(self, rig: Rig, rows: tuple[int, ...] = ()) -> list[Candidate]:
+    def candidates(self, rig: Rig, rows: tuple[int, ...] = ()) -> list[CandidateEffect]:
         """The effect with its numbers free, at its place on a rig; none where the rig has no such place.
 
         Args:
@@ -157,7 +157,9 @@ class EffectModel:
             return []
         assert rig.beam is not None
         slots, place = self.search.slots(rig.beam), self._place(rig, rows)
-        return [Candidate(self.kind.name, slots, place, (*self.search.fixed, *form)) for form in self.search.forms]
+        return [
+            CandidateEffect(self.kind.name, slots, place, (*self.search.fixed, *form)) for form in self.search.forms
+        ]
 
     def _place(self, rig: Rig, rows: tuple[int, ...]) -> Place:
         if self.kind.place == "force":
@@ -175,6 +177,6 @@ class EffectModel:
         return TwoChannels(channel=(rows[0], rows[1])) if self.kind.place == "pair" else OneChannel(channel=rows[0])
 
 
-def over(value: float, tolerance: float) -> float:
+def in_tolerances(value: float, tolerance: float) -> float:
     """A number in deviations of its tolerance; infinitely many where there is none."""
     return abs(value) / tolerance if tolerance else inf

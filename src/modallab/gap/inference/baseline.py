@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.progress import report
+from modallab.core.progress import report_progress
 from modallab.gap.inference.posterior import Posterior, descended
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.inference.view import View, sparse
@@ -28,7 +28,7 @@ def baseline(bench: Bench) -> Fit:
 
 def without_effects(bench: Bench) -> tuple[View, Posterior]:
     """The modal rows of a bench, and the twin without effects fitted to them."""
-    report(0.0, "the bench without any effect")
+    report_progress(0.0, "the bench without any effect")
     problem = Problem(bench.data, bench.free)
     view = View.of(bench.points, bench.thin, DEFAULT)
     return view, descended(view, problem, _begin(bench, problem), STEPS)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.progress import report
+from modallab.core.progress import report_progress
 from modallab.gap.inference.posterior import Key, Posterior, descended, key_of
 from modallab.gap.inference.score_test import ScoreTest
 from modallab.gap.inference.screen import Screen, ScreenedStart
@@ -21,7 +21,7 @@ from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import narrow
 from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.fitting import Bench, completed, excess, left_out, ordinary, temperature_of
-from modallab.twin.candidate import Candidate
+from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import model_of, search_of
 
 Array = NDArray[np.float64]
@@ -112,10 +112,10 @@ class StepwiseSelection:
         clocked = any(search_of(c.effect).tolerance.is_clock for c in fit.problem.candidates)
         return ordinary(fit) and (clocked or not clock_shows(self.bench))
 
-    def _problem(self, candidates: tuple[Candidate, ...]) -> Problem:
+    def _problem(self, candidates: tuple[CandidateEffect, ...]) -> Problem:
         return Problem(self.bench.data, self.bench.free, candidates)
 
-    def _fit(self, candidates: tuple[Candidate, ...], u: Array) -> Fit:
+    def _fit(self, candidates: tuple[CandidateEffect, ...], u: Array) -> Fit:
         """An explanation on the records, which say how large its numbers are and whether more is left."""
         return completed(self.bench, seen(self._problem(candidates), u))
 
@@ -171,7 +171,7 @@ class StepwiseSelection:
 
     def _progress(self, share: float, what: str) -> None:
         at = len(self.levels)
-        report((at + share) / self.settings.most_effects, f"round {at + 1}: {what}")
+        report_progress((at + share) / self.settings.most_effects, f"round {at + 1}: {what}")
 
     def _pruned(self, found: Posterior) -> Posterior:
         """The same without effects and without numbers that the evidence does not ask for."""
@@ -194,7 +194,7 @@ class StepwiseSelection:
         return bare + [descended(self._view, self._problem((*problem.candidates, c)), u, 4) for c in fixed]
 
 
-def candidates(bench: Bench, present: Iterable[Candidate] = ()) -> list[Candidate]:
+def candidates(bench: Bench, present: Iterable[CandidateEffect] = ()) -> list[CandidateEffect]:
     """Every linear effect that may stand beside those present."""
     rig, channels, there = bench.data.rig, bench.data.channels, list(present)
     if bench.row is not None:

@@ -17,8 +17,8 @@ from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import Nuisances
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Candidate
-from modallab.twin.effects import apply, search_of
+from modallab.twin.candidate import CandidateEffect
+from modallab.twin.effects import apply_effect, search_of
 
 HELD_WEIGHT = 300.0
 """Weight that holds the beam, in deviations of its priors, per unit of the relative error that is forgiven."""
@@ -41,7 +41,7 @@ class Problem:
 
     data: Reduced
     free: Nuisances
-    candidates: tuple[Candidate, ...] = ()
+    candidates: tuple[CandidateEffect, ...] = ()
     floor: float = 0.0
     drift_curve: tuple[tuple[float, float], ...] = ()
     held: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -94,7 +94,7 @@ class Problem:
 
     def _with_effects(self, twin: Twin, u: Real) -> Twin:
         for effect in self.effects(u):
-            twin = apply(twin, effect, self.data.rig)
+            twin = apply_effect(twin, effect, self.data.rig)
         return replace(twin, drift_curve=self.drift_curve) if self.drift_curve else twin
 
     def residual(self, u: Real) -> Real:

@@ -13,7 +13,7 @@ from modallab.core.arrays import Real
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import WORKERS, jacobian
 from modallab.twin.effects import search_of
-from modallab.twin.modes import solve
+from modallab.twin.modes import solve_modes
 
 PLACES = tuple(np.linspace(0.3, 1.0, 15).tolist())
 """Places over L that are tried."""
@@ -68,7 +68,7 @@ def _lowest(costs: list[float]) -> float:
 def _slowest(fit: Fit, x: float) -> float:
     """Size of the slowest mode's shape at a place over L."""
     structure = fit.problem.twin(fit.u).structure
-    modes = solve(structure)
+    modes = solve_modes(structure)
     return float(abs(modes.at(np.array([x * structure.length_m]))[0, np.argmin(abs(modes.poles))]))
 
 

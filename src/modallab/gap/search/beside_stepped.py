@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.core.progress import part
-from modallab.gap.conditioning.reduce import thinned
+from modallab.core.progress import part_of_progress
+from modallab.gap.conditioning.reduce import thin_lines
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import again
 from modallab.gap.inference.select import Level, StepwiseSelection
@@ -23,7 +23,7 @@ from modallab.gap.search.choose import earns_beside_law
 from modallab.gap.search.fitting import Bench, on_all
 from modallab.gap.search.nonlinear import on_all_records
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Candidate
+from modallab.twin.candidate import CandidateEffect
 
 SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
 """Effects that leave the root soft even where their element does nothing, and the stiffness that stays."""
@@ -32,7 +32,7 @@ SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
 def beside(bench: Bench, fit: Fit) -> Level | None:
     """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
     without = linear_part(bench, fit)
-    with part(0.0, 0.6):
+    with part_of_progress(0.0, 0.6):
         level = StepwiseSelection(without, on_all(without, bare(without, fit))).rounds(1)[0]
     if not level.fits or not earns_beside_law(level.base, level.fits[0]):
         return None
@@ -51,7 +51,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
 def linear_part(bench: Bench, fit: Fit) -> Bench:
     """The bench with what the element adds taken off its records."""
     data = taken_off(bench.data, fit.problem.twin(fit.u))
-    return replace(bench, data=data, thin=thinned(data, bench.poles), points=again(bench.points, data))
+    return replace(bench, data=data, thin=thin_lines(data, bench.poles), points=again(bench.points, data))
 
 
 def taken_off(data: Reduced, twin: Twin) -> Reduced:
@@ -79,7 +79,7 @@ def bare(bench: Bench, fit: Fit) -> Fit:
     return Fit(problem, u, float(np.sum(fit.residual**2)), fit.residual, np.eye(len(u)))
 
 
-def _with_root(own: Real, stepped: Candidate, found: Fit, at: int) -> Real:
+def _with_root(own: Real, stepped: CandidateEffect, found: Fit, at: int) -> Real:
     if stepped.effect not in SOFT:
         return own
     own, names = own.copy(), [s.name for s in stepped.slots]

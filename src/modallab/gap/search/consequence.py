@@ -6,7 +6,7 @@ be off is no gap, and neither is what moves no response by more than the user ca
 
 from dataclasses import dataclass
 
-from modallab.core.digits import percent
+from modallab.core.digits import percent_text
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, seen
@@ -40,7 +40,7 @@ class Dismissed:
         spoken = model_of(self.effect.effect).spoken
         if self.deviations <= ABOVE:
             return f"Within tolerance: {spoken}, {self.deviations:.1f} deviations of what the rig file states."
-        return f"Of no consequence: {spoken} moves the response on records held out by {percent(self.moves)}."
+        return f"Of no consequence: {spoken} moves the response on records held out by {percent_text(self.moves)}."
 
 
 def of_consequence(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, list[Dismissed]]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.gap.conditioning.overtones import Overtone
+from modallab.gap.conditioning.overtones import Harmonic
 from modallab.gap.conditioning.rows import Reduced, Rows, SineData
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
@@ -36,7 +36,7 @@ def worst_blocks(data: Reduced, base: Fit, count: int) -> Reduced:
     return replace(data, impacts=(), sines=_blocks(d, sorted(chosen)))
 
 
-def looked_at(data: Reduced, overtones: Sequence[Overtone], count: int) -> Reduced:
+def looked_at(data: Reduced, overtones: Sequence[Harmonic], count: int) -> Reduced:
     """One sine at each of so many frequencies, and those with the most overtones, with the lines about these."""
     assert data.sines is not None
     clear = [(o.record, int(np.count_nonzero(o.clear))) for o in overtones]

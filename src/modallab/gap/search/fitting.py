@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.gap.conditioning.overtones import Overtone
+from modallab.gap.conditioning.overtones import Harmonic
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import PointModes
 from modallab.gap.model.drift_curve import with_drift_curve
@@ -20,7 +20,7 @@ from modallab.gap.model.minimise import FELT, minimise, narrow
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start
 from modallab.gap.model.tolerances import MOST
-from modallab.twin.candidate import Candidate
+from modallab.twin.candidate import CandidateEffect
 
 COARSE = 0.3
 """Largest relative model error that is forgiven while a fit finds its way."""
@@ -65,7 +65,7 @@ class Bench:
     allowed: Callable[[str], bool]
     flat: float = FLAT
     watched: float = WATCHED
-    overtones: tuple[Overtone, ...] = ()
+    overtones: tuple[Harmonic, ...] = ()
     known: tuple[tuple[Problem, Real], ...] = ()
     points: tuple[PointModes, ...] = ()
     row: int | None = None
@@ -145,12 +145,12 @@ def at_rest(free: Nuisances, u: Real) -> Real:
     return u
 
 
-def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Real) -> Fit:
+def from_poles(bench: Bench, candidates: tuple[CandidateEffect, ...], own: Real) -> Fit:
     """A fit brought to its end from these coordinates of the effects and the beam that the poles show."""
     return finish(bench, at_poles(bench, candidates, own), COARSE / 6)
 
 
-def at_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Real) -> Fit:
+def at_poles(bench: Bench, candidates: tuple[CandidateEffect, ...], own: Real) -> Fit:
     """A short fit from there."""
     return short(bench, candidates, start(candidates, own, bench.free, bench.poles).u, COARSE)
 
@@ -172,7 +172,7 @@ def misfit(problem: Problem, u: Real) -> float:
     return 0.001
 
 
-def short(bench: Bench, candidates: tuple[Candidate, ...], u: Real, floor: float, steps: int = 3) -> Fit:
+def short(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real, floor: float, steps: int = 3) -> Fit:
     """A few steps on thinned data, while a relative error of `floor` is forgiven; its cost is to be compared."""
     # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
     problem = Problem(bench.thin, bench.free, candidates)

@@ -6,7 +6,7 @@ makes them on records it has not seen is named, though what it does at the sines
 
 from dataclasses import replace
 
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit
@@ -23,7 +23,7 @@ OVERTONE_SHARE = 0.8
 
 
 def named_by_overtones(
-    bench: Bench, choice: Choice, levels: list[Level], prepared: Prepared, unseen: Reduced
+    bench: Bench, choice: Choice, levels: list[Level], prepared: PreparedCampaign, unseen: Reduced
 ) -> Choice:
     """The choice with the law that makes the overtones, where nothing explains the gap and nothing else matters.
 

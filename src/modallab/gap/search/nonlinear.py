@@ -8,7 +8,7 @@ data.
 from collections.abc import Callable
 from dataclasses import replace
 
-from modallab.core.progress import report
+from modallab.core.progress import report_progress
 from modallab.gap.inference.select import Level
 from modallab.gap.model.candidates import of_motion
 from modallab.gap.model.fit import Fit, Problem, cost_of, seen
@@ -51,17 +51,17 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
 
     first: list[list[Fit]] = []
     for i, candidate in enumerate(listed):
-        report(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
+        report_progress(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
         first.append(begun(bench, base, (few, fewest), candidate))
     best = [fits[0] for fits in first if fits]
     # Those that were followed sine by sine have come further than those that were only begun.
     groups = [[fit for fit in best if _by_sine(fit) is alike] for alike in (True, False)]
     hopeful = [fit for group in groups for fit in _near_the_best(group, score_of, RIVAL)[:LONGER]]
-    report(0.5, "the likeliest of them")
+    report_progress(0.5, "the likeliest of them")
     looks = _best_forms(sorted(map(_fitted, hopeful), key=score_of), _by_sine)
     if not looks or not _explains(bench, looks[0], base, score_of):
         return Level(base, ())
-    report(0.7, f"{looks[0].problem.candidates[-1].effect.replace('_', ' ')}, on all records")
+    report_progress(0.7, f"{looks[0].problem.candidates[-1].effect.replace('_', ' ')}, on all records")
     fits = [on_all_records(bench, f) for f in _near_the_best(looks, score_of, CLOSE)[:ENDED]]
     return Level(base, tuple(_best_forms(sorted(fits, key=cost_of))))
 

@@ -18,7 +18,7 @@ from modallab.gap.model.fit import Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import WORKERS
 from modallab.gap.search.overtone_lines import LINES
-from modallab.twin.candidate import Slot
+from modallab.twin.candidate import FreeNumber
 
 FREQUENCIES = 12
 """Sines that are looked at."""
@@ -137,7 +137,7 @@ def _polished(problem: Problem, u: Real) -> Real:
     return moved(found.x)
 
 
-def _step(slot: Slot) -> float:
+def _step(slot: FreeNumber) -> float:
     """Half of what lies between two starts; of a first simplex."""
     at = [slot.coordinate(v) for v in slot.starts]
     return min([0.015 if slot.name == "x" else 0.3, *(np.diff(at) / 2)])

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from modallab.core.progress import part
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.core.progress import part_of_progress
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit
@@ -39,7 +39,7 @@ class _Asked:
     """What `search_stepped` is asked; its arguments."""
 
     bench: Bench
-    prepared: Prepared
+    prepared: PreparedCampaign
     base: Fit
     overtones: Overtones
     matters: Reduced | None
@@ -54,7 +54,7 @@ class _Asked:
 
 def search_stepped(
     bench: Bench,
-    prepared: Prepared,
+    prepared: PreparedCampaign,
     base: Fit,
     overtones: Overtones,
     matters: Reduced | None,
@@ -73,12 +73,12 @@ def search_stepped(
         linear: what gives the rounds of linear effects alone, where some are known.
     """
     asked = _Asked(bench, prepared, base, overtones, matters, unseen, linear or StepwiseSelection(bench, base).rounds)
-    with part(0.0, 0.4):
+    with part_of_progress(0.0, 0.4):
         levels = _alone(asked)
     first = asked.judged(levels)
     if _named(first) and _left(first.fit, unseen) < LEFT:
         return first
-    with part(0.4, 0.6):
+    with part_of_progress(0.4, 0.6):
         both = _with_linear(asked, levels, first)
     if both is not None:
         return both
@@ -101,7 +101,7 @@ def _with_linear(asked: _Asked, levels: list[Level], first: Choice) -> Choice | 
 
 def _linear_first(asked: _Asked, first: Choice, clocked: list[Level]) -> Choice:
     """Linear effects, and a stepped one beside the best of them where that leaves much less than none."""
-    with part(0.6, 0.8):
+    with part_of_progress(0.6, 0.8):
         rounds = asked.linear()
     linear = choose(asked.bench, rounds, asked.matters)
     if linear.explained:
@@ -110,7 +110,7 @@ def _linear_first(asked: _Asked, first: Choice, clocked: list[Level]) -> Choice:
     # Beside the clock alone a stepped one has been looked for.
     known = [names(fit) for level in clocked for fit in level.fits]
     if best is not None and excess(best) < HELPS * excess(asked.base) and names(best) not in known:
-        with part(0.8, 1.0):
+        with part_of_progress(0.8, 1.0):
             last = asked.judged([rounds[0], nonlinear_level(asked.bench, best, asked.overtones)])
         if _named(last) and stepped(last.fit):
             return last
@@ -122,7 +122,7 @@ def _named(choice: Choice) -> bool:
     return choice.explained and choice.tolerated is None
 
 
-def _by_overtones(choice: Choice, prepared: Prepared, unseen: Reduced) -> Choice:
+def _by_overtones(choice: Choice, prepared: PreparedCampaign, unseen: Reduced) -> Choice:
     """The same, explained only if the law makes the overtones that were measured."""
     if not choice.explained or not stepped(choice.fit) or overtones_closed(choice.fit, prepared, unseen) > MADE:
         return choice

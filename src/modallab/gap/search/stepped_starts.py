@@ -18,7 +18,7 @@ from modallab.gap.search.fitting import Bench
 from modallab.gap.search.force_place import placed_by_overtones
 from modallab.gap.search.rough_fit import followed
 from modallab.gap.search.rough_starts import FREQUENCIES, apart, likeliest, score
-from modallab.twin.candidate import Candidate
+from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import search_of
 
 LOOKED = 0.1
@@ -29,7 +29,7 @@ OUTLIER = 100.0
 """Square at which a residual stops counting where starts are compared."""
 
 
-def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Candidate) -> list[Fit]:
+def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: CandidateEffect) -> list[Fit]:
     """The effect after a few steps on few records from the best of its starts on even fewer, best first.
 
     None where the overtones show that what makes them acts in no such way at any place.
@@ -91,7 +91,7 @@ def beam_at(u: Real) -> tuple[float, float, float]:
     return float(u[0]), float(u[1]), float(u[2])
 
 
-def _begins(bench: Bench, base: Fit, candidate: Candidate, values: tuple[float, ...]) -> Iterator[Real]:
+def _begins(bench: Bench, base: Fit, candidate: CandidateEffect, values: tuple[float, ...]) -> Iterator[Real]:
     """Where a fit may begin: the beam as believed, and those that the poles of small and of large motion show."""
     own = np.array([s.coordinate(v) for s, v in zip(candidate.slots, values, strict=True)])
     beside = base.u[bench.free.size :]
@@ -107,7 +107,7 @@ def _begins(bench: Bench, base: Fit, candidate: Candidate, values: tuple[float, 
         yield np.concatenate([poles.u[: bench.free.size], beside, own])
 
 
-def _linear(bench: Bench, candidate: Candidate, own: Real) -> Iterator[tuple[Candidate, Real]]:
+def _linear(bench: Bench, candidate: CandidateEffect, own: Real) -> Iterator[tuple[CandidateEffect, Real]]:
     """Linear effects with nearly the same poles."""
     names = [s.name for s in candidate.slots]
     if "EI_loss_open" not in names:

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.described import Learned
-from modallab.core.places import OneChannel, in_metres
+from modallab.core.places import OneChannel, place_in_metres
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, priced
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.intervals import intervals
-from modallab.twin.learned import elements
+from modallab.twin.learned import learned_element_models
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -43,7 +43,7 @@ def of_fit(base: Fit, fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> 
                 parameters=effect.parameters,
                 interval=believed.within,
                 not_known=believed.not_known,
-                place=in_metres(effect.place, length),
+                place=place_in_metres(effect.place, length),
             )
         )
     return Description(fit, unseen, unseen, tuple(found), rows)
@@ -64,7 +64,7 @@ def fit_cost(fit: Fit, more: int = 0) -> float:
 
 def stage_of(description: Description) -> str:
     """Where its elements act."""
-    return elements()[description.learned[0].element].kind.stage
+    return learned_element_models()[description.learned[0].element].kind.stage
 
 
 def rows_of(fit: Fit) -> tuple[int, ...]:

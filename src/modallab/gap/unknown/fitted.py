@@ -9,8 +9,8 @@ from modallab.core.places import NO_PLACE, Place
 from modallab.gap.model.fit import Fit, cost_of, priced
 from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.fitting import COARSE, Bench, finish, misfit, short
-from modallab.twin.candidate import Candidate
-from modallab.twin.learned import elements
+from modallab.twin.candidate import CandidateEffect
+from modallab.twin.learned import learned_element_models
 
 BEST = 2
 """Elements that are fitted to the end."""
@@ -27,11 +27,13 @@ class Trial:
         begins: values of its numbers, SI, in the order of its slots; empty for the element's own first values.
     """
 
-    candidate: Candidate
+    candidate: CandidateEffect
     begins: tuple[tuple[float, ...], ...] = ()
 
 
-def element(bench: Bench, name: str, numbers: Sequence[str], place: Place = NO_PLACE, room: float = 1.0) -> Candidate:
+def element(
+    bench: Bench, name: str, numbers: Sequence[str], place: Place = NO_PLACE, room: float = 1.0
+) -> CandidateEffect:
     """A learned element with some of its numbers free; the others are none.
 
     Args:
@@ -41,13 +43,13 @@ def element(bench: Bench, name: str, numbers: Sequence[str], place: Place = NO_P
         place: where it is; none where its place along the beam is free.
         room: share of its range that a number may go below 0, where several together could leave the beam unstable.
     """
-    model = elements()[name]
+    model = learned_element_models()[name]
     beam = bench.data.rig.beam
     assert model.search is not None
     assert beam is not None
     slots = {s.name: s for s in model.search.slots(beam)}
     chosen = (slots[n] for n in numbers)
-    return Candidate(name, tuple(replace(s, low=s.low * room) if s.low < 0 else s for s in chosen), place)
+    return CandidateEffect(name, tuple(replace(s, low=s.low * room) if s.low < 0 else s for s in chosen), place)
 
 
 def looked_at(bench: Bench, base: Fit, trial: Trial) -> Fit:

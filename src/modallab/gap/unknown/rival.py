@@ -8,13 +8,13 @@ A channel that loses samples reads as one whose gain is too small, with noise on
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.agreement import Agreement
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, Problem, cost_of, seen
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.report.measure import squares
+from modallab.gap.report.measure import squared_residuals
 from modallab.gap.search.fitting import Bench, excess, ordinary, search_origin
 from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of
 from modallab.gap.unknown.fitted import at_a_look, finished, fitted, likely
@@ -45,12 +45,12 @@ class Alone:
     loses: bool
 
 
-def loses_samples(prepared: Prepared, fit: Fit) -> bool:
+def loses_samples(prepared: PreparedCampaign, fit: Fit) -> bool:
     """Whether an effect of a fit stands on a channel that repeats or loses samples, as its records show."""
     return any(row in rows_of(fit) for row in prepared.repeated)
 
 
-def channel_alone(bench: Bench, prepared: Prepared, agreement: Agreement, held: Sequence[str]) -> Alone | None:
+def channel_alone(bench: Bench, prepared: PreparedCampaign, agreement: Agreement, held: Sequence[str]) -> Alone | None:
     """The channel without which there is no gap, if there is one.
 
     Args:
@@ -70,7 +70,7 @@ def channel_alone(bench: Bench, prepared: Prepared, agreement: Agreement, held: 
 
 
 def rivals(
-    bench: Bench, prepared: Prepared, first: Level, alone: Alone | None, unseen: Reduced, held: Sequence[str]
+    bench: Bench, prepared: PreparedCampaign, first: Level, alone: Alone | None, unseen: Reduced, held: Sequence[str]
 ) -> tuple[Description, ...]:
     """What explains the gap where no single effect does, best first; nothing where nothing does.
 
@@ -133,7 +133,7 @@ def _closes(base: Fit, one: Description) -> bool:
     Lost samples are visible in the record itself. An effect does not explain them, even if it leaves little where they
     are counted as noise.
     """
-    before = squares(twin_of(base, one.raw), one.raw).gap
+    before = squared_residuals(twin_of(base, one.raw), one.raw).gap
     return excess(one.fit) <= CLOSES * (before**2 - 1)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.signals.faults.fault import Fault
-from modallab.signals.faults.runs import Runs, runs_where
+from modallab.signals.faults.runs import SampleRuns, runs_where
 
 LEAST_RUN = 3
 """Equal samples in a row: two may stand astride any top."""
@@ -39,17 +39,17 @@ def flat_tops(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fau
     return tuple(found)
 
 
-def _cut_off(row: Real, top: float, step: float, height: float) -> Runs:
-    exact = _sharp(row, top, step, runs_where(row == top).longer(LEAST_RUN), SHARP)
+def _cut_off(row: Real, top: float, step: float, height: float) -> SampleRuns:
+    exact = _is_sharp(row, top, step, runs_where(row == top).longer(LEAST_RUN), SHARP)
     if exact.first.size:
         return exact
     # What is flat within a step of the converter is flat by that step.
     band = NOISY_TOPS * height + step
-    return _sharp(row, top, band, runs_where(row >= top - band).longer(NOISY_RUN), NOISY_SHARP)
+    return _is_sharp(row, top, band, runs_where(row >= top - band).longer(NOISY_RUN), NOISY_SHARP)
 
 
-def _sharp(row: Real, top: float, step: float, runs: Runs, times: float) -> Runs:
+def _is_sharp(row: Real, top: float, step: float, runs: SampleRuns, times: float) -> SampleRuns:
     inside = runs.within(row.size)
     below = top - np.maximum(row[inside.first - 1], row[inside.stop % row.size])
     limit = times * step * (1 + 2 / inside.length) ** 2
-    return Runs(inside.first[below > limit], inside.stop[below > limit])
+    return SampleRuns(inside.first[below > limit], inside.stop[below > limit])
