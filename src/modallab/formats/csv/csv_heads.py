@@ -8,8 +8,6 @@ from modallab.formats.axis_units import is_of_frequency, is_of_time
 from modallab.formats.csv.csv_cells import head_cells, is_number
 from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 
-_SQUARE = re.compile(r"^(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]\s*$")
-_ROUND = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>.*)[\])]\s*$")
 _OF_PARTS = {"%", "deg", "rad", "dB"}
 _UNIT_TAG = re.compile(r"unit|einheit", re.IGNORECASE)
 _UNIT_FACT = re.compile(r"^\W*(?P<axis>[xy])\W*(?:axis)?\W*(?:unit|einheit)s?\W+(?P<unit>\S.*?)\W*$", re.IGNORECASE)
@@ -186,10 +184,20 @@ def _is_unit(unit: str) -> bool:
 
 def _split(heading: str) -> tuple[str, str]:
     """Name and unit of a heading: `force [N]`, `force (N)`, or a quantity over its unit, as ISO 80000 has it."""
-    match = _SQUARE.match(heading) or _ROUND.match(heading)
-    if match is not None and not is_number(match["unit"]):
-        return match["name"].rstrip("/ "), normal_unit(match["unit"])
+    place = _last_bracket(heading.strip())
+    if place is not None and not is_number(heading.strip()[place + 1 : -1]):
+        return heading.strip()[:place].rstrip("/ "), normal_unit(heading.strip()[place + 1 : -1])
     name, _, unit = (part.strip() for part in heading.partition("/"))
     if name and _is_unit(normal_unit(unit)) and not _is_unit(name.split()[-1]):
         return name, normal_unit(unit)
     return heading.strip(), ""
+
+
+def _last_bracket(heading: str) -> int | None:
+    """Where the bracket opens that closes at the end; None if none does."""
+    depth = 0
+    for place in range(len(heading) - 1, -1, -1):
+        depth += (heading[place] in ")]") - (heading[place] in "([")
+        if depth == 0:
+            return place if heading[place] in "([" else None
+    return None
