@@ -262,7 +262,19 @@ def main() -> None:
             row = {"campaign": arguments.campaign.stem, "kind": name, "trial": n, **said(b, kind(b), number)}
             wrong = row["said"] not in ("no_gap", "unknown", "not_identified") and float(str(row["probability"])) > SURE
             row["wrong"] = wrong
-            columns = ["campaign", "kind", "trial", "said", "probability", "nothing", "unknown", "before", "numbers", "seconds", "wrong"]
+            columns = [
+                "campaign",
+                "kind",
+                "trial",
+                "said",
+                "probability",
+                "nothing",
+                "unknown",
+                "before",
+                "numbers",
+                "seconds",
+                "wrong",
+            ]
             with arguments.out.open("a", newline="") as file:
                 rows = csv.DictWriter(file, columns)
                 if new:
