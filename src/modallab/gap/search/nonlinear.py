@@ -42,8 +42,12 @@ def stepped_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     if best is base or not _explains(bench, best, base):
         return Level(base, ())
     report_progress(0.7, f"{best.problem.candidates[-1].effect.replace('_', ' ')}, on all records")
-    near = [best, *(f for f in others if _score(f) < _score(best) + CLOSE)][:MOST_ON_ALL_RECORDS]
-    return Level(base, tuple(sorted((fit_on_all_records(bench, f) for f in near), key=cost_of)))
+    fits: list[Fit] = []
+    for f in [best, *(f for f in others if _score(f) < _score(best) + CLOSE)][:MOST_ON_ALL_RECORDS]:
+        # Beside one that leaves nothing but noise there is no rival.
+        if not any(fit.gap <= bench.flat for fit in fits):
+            fits.append(fit_on_all_records(bench, f))
+    return Level(base, tuple(sorted(fits, key=cost_of)))
 
 
 def _score(fit: Fit) -> float:
