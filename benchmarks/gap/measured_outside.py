@@ -35,6 +35,9 @@ from modallab.pipelines.structure_trials import measured_frf
 
 Complex = NDArray[np.complex128]
 SURE = 0.9
+COLUMNS = (
+    "campaign", "kind", "trial", "said", "probability", "nothing", "unknown", "before", "numbers", "seconds", "wrong",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -262,9 +265,8 @@ def main() -> None:
             row = {"campaign": arguments.campaign.stem, "kind": name, "trial": n, **said(b, kind(b), number)}
             wrong = row["said"] not in ("no_gap", "unknown", "not_identified") and float(str(row["probability"])) > SURE
             row["wrong"] = wrong
-            columns = ["campaign", "kind", "trial", "said", "probability", "nothing", "unknown", "before", "numbers", "seconds", "wrong"]
             with arguments.out.open("a", newline="") as file:
-                rows = csv.DictWriter(file, columns)
+                rows = csv.DictWriter(file, COLUMNS)
                 if new:
                     rows.writeheader()
                 rows.writerow(row)

@@ -193,7 +193,8 @@ def _evidence(found: Backbone, known: NDArray[np.bool_], shapes: tuple[Shape, ..
     zeta, amplitude = found.damping_ratio[known], found.amplitude_m[known] * np.maximum(at, 1e-6)[:, None]
     values = np.stack([omega**2, 2 * zeta * omega**2])
     relative = 2 * found.frequency_sigma_hz[known] / found.frequency_hz[known], found.damping_sigma[known] / zeta
-    off = (OFF if shapes else ANYHOW) * np.ptp(values, axis=2, keepdims=True)
+    # Stiffness and damping are the two parts of one complex number: what is off in one may be in the other.
+    off = (OFF if shapes else ANYHOW) * np.ptp(values, axis=2, keepdims=True).max(axis=0)
     sigma = np.maximum(np.hypot(values * np.stack(relative), off), 1e-300)
     left = _without_mean(values, sigma)
     elements = [np.stack(shape(amplitude, omega)) * phi[:, None] for shape in shapes]
