@@ -56,12 +56,12 @@ class Hypothesis:
     """What may act at a place.
 
     Attributes:
-        name: in words.
+        names: of the elements, in words.
         together: for each set of inner numbers the shapes of the elements that act together; () for none known.
         prior: probability.
     """
 
-    name: str
+    names: tuple[str, ...]
     together: tuple[tuple[Shape, ...], ...]
     prior: float
 
@@ -71,8 +71,8 @@ class LikelyLaw:
     """What the backbones are like.
 
     Attributes:
-        laws: name -> probability, the most probable first.
-        point: at which the most probable one acts; None where the shapes do not show it.
+        laws: name -> probability that it acts, alone or with another; the most probable first.
+        point: at which the most probable of all acts; None where the shapes do not show it.
         at_point: probability of that.
     """
 
@@ -120,12 +120,9 @@ LAWS = (
 
 def _hypotheses() -> list[Hypothesis]:
     pairs = list(combinations(LAWS, 2))
-    one = [Hypothesis(a.name, tuple((s,) for s in a.shapes), PRIOR[1] / len(LAWS)) for a in LAWS]
-    two = [
-        Hypothesis(f"{a.name} and {b.name}", tuple(product(a.shapes, b.shapes)), PRIOR[2] / len(pairs))
-        for a, b in pairs
-    ]
-    return [*one, *two, Hypothesis("no known element", ((),), PRIOR[0])]
+    one = [Hypothesis((a.name,), tuple((s,) for s in a.shapes), PRIOR[1] / len(LAWS)) for a in LAWS]
+    two = [Hypothesis((a.name, b.name), tuple(product(a.shapes, b.shapes)), PRIOR[2] / len(pairs)) for a, b in pairs]
+    return [*one, *two, Hypothesis(("no known element",), ((),), PRIOR[0])]
 
 
 HYPOTHESES = _hypotheses()
@@ -143,18 +140,17 @@ def likely_law(found: Backbone, model: ModalModel) -> LikelyLaw | None:
     if found.frequency_hz.shape[1] < 3 or not known.any():
         return None
     scores = {
-        (one.name, point): np.logaddexp.reduce([_evidence(found, known, each, phi, at) for each in one.together])
+        (one.names, point): np.logaddexp.reduce([_evidence(found, known, each, phi, at) for each in one.together])
         + np.log(one.prior / len(one.together))
         for one in HYPOTHESES
         for point, phi, at in _places(found, model, known)
     }
     total = np.logaddexp.reduce(list(scores.values()))
     each = {key: float(np.exp(value - total)) for key, value in scores.items()}
-    laws = {one.name: sum(p for (name, _), p in each.items() if name == one.name) for one in HYPOTHESES}
-    ordered = dict(sorted(laws.items(), key=lambda pair: -pair[1]))
-    first = next(iter(ordered))
-    (_, point), share = max(((k, p) for k, p in each.items() if k[0] == first), key=lambda pair: pair[1])
-    return LikelyLaw(ordered, point, share / max(ordered[first], 1e-300))
+    acts = {n: sum(p for (names, _), p in each.items() if n in names) for one in HYPOTHESES for n in one.names}
+    first, point = max(each, key=lambda key: each[key])
+    there = sum(p for (names, _), p in each.items() if names == first)
+    return LikelyLaw(dict(sorted(acts.items(), key=lambda pair: -pair[1])), point, each[first, point] / there)
 
 
 def level_notes(found: Backbone, model: ModalModel) -> tuple[str, ...]:
@@ -166,12 +162,15 @@ def law_note(likely: LikelyLaw | None) -> tuple[str, ...]:
     """A sentence on the law and its place, as far as they are known."""
     if likely is None:
         return ()
-    name, probability = next(iter(likely.laws.items()))
-    if probability < SAID:
+    stated = {name: p for name, p in likely.laws.items() if p >= SAID}
+    if not stated:
         two = [f"{n} ({min(p, 0.99):.2f})" for n, p in list(likely.laws.items())[:2]]
         return (f"Its law stays open: {' or '.join(two)}.",)
     place = f" at point {likely.point}" if likely.point is not None and likely.at_point >= SAID else ""
-    return (f"The modes go with their amplitude as with {name}{place} (probability {min(probability, 0.99):.2f}).",)
+    probability = min(*stated.values(), 0.99)
+    return (
+        f"The modes go with their amplitude as with {' and '.join(stated)}{place} (probability {probability:.2f}).",
+    )
 
 
 def _places(found: Backbone, model: ModalModel, known: NDArray[np.bool_]) -> Iterator[tuple[int | None, Real, Real]]:
