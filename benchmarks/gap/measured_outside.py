@@ -26,7 +26,7 @@ from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.frf.line_noise import variance_of
 from modallab.gap.modal.diagnosis import diagnose_by_model
-from modallab.identification.frf_model import identify_frf, in_band
+from modallab.identification.frf_model import frf_in_band, identify_frf
 from modallab.identification.options import Options
 from modallab.modification.freedoms import with_points
 from modallab.modification.synthesis import synthesised
@@ -253,7 +253,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
     campaign = read_campaign(arguments.campaign)
-    frf = in_band(measured_frf(campaign), arguments.band)
+    frf = frf_in_band(measured_frf(campaign), arguments.band)
     model = with_points(identify_frf(frf, campaign.rig, Options())[0], campaign.rig)
     new = not arguments.out.exists()
     for name in arguments.kinds:
