@@ -46,7 +46,7 @@ from modallab.verification.verify import verify_frf, verify_impact, verify_sine
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class TestWithoutModel:
+class UnidentifiedTest:
     """A test that gave no model, and why."""
 
     source: Source
@@ -58,7 +58,7 @@ class CampaignResult:
     """What a campaign gave: models, and tests without one."""
 
     identified: tuple[IdentifiedTest, ...]
-    unidentified: tuple[TestWithoutModel, ...]
+    unidentified: tuple[UnidentifiedTest, ...]
 
 
 @one_thread()
@@ -84,14 +84,14 @@ def identify_campaign(
         IdentificationError: no test holds a mode.
     """
     found: list[IdentifiedTest] = []
-    failed: list[TestWithoutModel] = []
+    failed: list[UnidentifiedTest] = []
     runs = _tests_to_identify(campaign, options, test)
     for n, (source, run) in enumerate(runs):
         try:
             with part_of_progress(n / len(runs), (n + 1) / len(runs), f"{source} test"):
                 found.append(_with_scale((ahead or {}).get(source, run)(), campaign.rig))
         except ModallabError as error:
-            failed.append(TestWithoutModel(source, error))
+            failed.append(UnidentifiedTest(source, error))
     if not found and failed:
         raise failed[0].error
     if not found:

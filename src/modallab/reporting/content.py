@@ -62,7 +62,7 @@ class TrueModes:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class TestOutcome:
+class OutcomeOfTest:
     """What one test gave. What is None leaves its part of the report out, with a sentence why.
 
     Attributes:
@@ -107,7 +107,7 @@ class ReportContent:
 
     title: str
     campaign: Campaign
-    outcomes: tuple[TestOutcome, ...] = ()
+    outcomes: tuple[OutcomeOfTest, ...] = ()
     truth: TrueModes | None = None
     notes: tuple[str, ...] = ()
     provenance: dict[str, str] = field(default_factory=dict[str, str])

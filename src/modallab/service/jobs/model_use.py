@@ -34,6 +34,7 @@ from modallab.service.jobs.results import models_of_campaign
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from modallab.modification.attachments import AttachedPart
     from modallab.modification.known import KnownStructure
     from modallab.modification.structure import At
 
