@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from modallab.core.block import Campaign
 from modallab.core.frf import Frf
-from modallab.core.verification import Verification
+from modallab.core.model import Verification
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign

@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.frf import Frf
-from modallab.core.model import ModalModel
+from modallab.core.model import ModalModel, Verification
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.core.verification import Verification
 from modallab.reporting.content import OutcomeOfTest, ReportContent, ReportedHit, TrueModes
 from modallab.signals.signals import Signals
 

@@ -10,13 +10,12 @@ from modallab.core.blas_threads import one_thread
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, IdentificationError, ModallabError
 from modallab.core.frf import Frf
-from modallab.core.model import ModalModel
+from modallab.core.model import ModalModel, Verification
 from modallab.core.progress import part_of_progress, report_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband, Test
-from modallab.core.verification import Verification
 from modallab.frf.broadband import driven_band
-from modallab.frf.driven import cut_to_own_clock
+from modallab.frf.drive_clock import cut_to_own_clock
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.backbone import DriveLevel

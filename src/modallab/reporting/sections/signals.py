@@ -6,7 +6,7 @@ from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.figures.blocks import impact_block, sine_block
 from modallab.reporting.figures.hits import hits_figure
 from modallab.reporting.figures.overview import frf_overview
-from modallab.reporting.figures.selection import farthest_sensor
+from modallab.reporting.figures.shape_data import farthest_sensor
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure
 
