@@ -91,7 +91,7 @@ class Sight:
     def of(self, effect: Effect) -> np.ndarray:
         """What an effect leaves."""
         twin = apply_effect(self.base.twin(np.zeros(self.base.size)), effect, self.rig)
-        moved = self.base.left(twin, forward(twin, self.data)) - self.nothing
+        moved = self.base.residual_of(twin, forward(twin, self.data)) - self.nothing
         padded = np.concatenate([moved, np.zeros(self.base.size)])
         return SOFTER * (padded - self.free @ (self.free.T @ padded))
 

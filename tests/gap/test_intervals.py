@@ -14,7 +14,7 @@ from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.candidates import of_bench, of_channel
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.search.choose import Choice
@@ -93,8 +93,8 @@ def test_a_place_is_known_no_better_than_the_effect_explains_the_gap(rig: Rig, d
     (mass,) = (c for c in of_bench(rig) if c.effect == "added_mass")
     free = nuisances(rig, 450.0)
     at = dict(zip([s.name for s in mass.slots], [np.log(0.05), x], strict=True))
-    wrong = seen(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), list(at.values())]))
-    base = seen(Problem(data, free), np.zeros(free.size))
+    wrong = evaluated(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), list(at.values())]))
+    base = evaluated(Problem(data, free), np.zeros(free.size))
     (believed,) = intervals(Choice(base, wrong, (), True, False))
     within = believed.within["x"]
     # It explains nothing: of the place that leaves a range of many times what noise does.

@@ -10,15 +10,15 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
 from modallab.gap.inference.select import Level
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import Choice
-from modallab.gap.search.few_blocks import looked_at
+from modallab.gap.search.few_blocks import compared_sines
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.law_by_overtones import named_by_overtones
 from modallab.gap.search.overtone_lines import LINES, with_overtones
-from modallab.gap.search.rough_fit import followed
-from modallab.gap.search.rough_starts import is_overtone, relative
+from modallab.gap.search.rough_fit import robust_fit
+from modallab.gap.search.rough_starts import is_overtone, relative_residual
 from modallab.twin.effects import model_of
 from modallab.twin.effects.breathing_crack import WIDTH
 from modallab_simulators.cantilever.cracked import HALF_WIDTH
@@ -40,27 +40,29 @@ def fitted(on: Bench, loss: float, width: float = WIDTH) -> Fit:
     """The crack at its place, so large and so wide; no crack at 0."""
     problem = Problem(on.data, on.free)
     if not loss:
-        return seen(problem, np.zeros(on.free.size))
+        return evaluated(problem, np.zeros(on.free.size))
     candidate = model_of("breathing_crack").candidates(on.data.rig)[0]
     own = [s.coordinate({"EI_loss_open": loss, "width": width, "x": 0.31}[s.name]) for s in candidate.slots]
-    return seen(replace(problem, candidates=(candidate,)), np.concatenate([np.zeros(on.free.size), own]))
+    return evaluated(replace(problem, candidates=(candidate,)), np.concatenate([np.zeros(on.free.size), own]))
 
 
 def test_the_law_makes_what_stands_about_the_overtones_and_a_linear_beam_nothing(
     cracked: tuple[Bench, PreparedCampaign],
 ) -> None:
     on, _ = cracked
-    few = looked_at(on.data, on.overtones, 6)
+    few = compared_sines(on.data, on.overtones, 6)
     assert few.sines is not None
     above, used = is_overtone(few), np.isfinite(few.sines.rows.sigma[:, ::LINES])
     assert np.any(above)
-    left = {loss: relative(replace(fitted(on, loss).problem, data=few), fitted(on, loss).u) for loss in (0.0, LOSS)}
+    left = {
+        loss: relative_residual(replace(fitted(on, loss).problem, data=few), fitted(on, loss).u) for loss in (0.0, LOSS)
+    }
     # The bench's crack weakens the beam beside it a little otherwise than the twin's.
     assert np.median(left[LOSS][:, above][used[:, above]]) < 0.35
     assert np.median(left[0.0][:, above][used[:, above]]) > 0.95
     # Half of the loss is worse: the overtones know the size.
     half = fitted(on, LOSS / 2)
-    assert np.median(relative(replace(half.problem, data=few), half.u)[:, above][used[:, above]]) > 0.5
+    assert np.median(relative_residual(replace(half.problem, data=few), half.u)[:, above][used[:, above]]) > 0.5
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +71,7 @@ def law(cracked: tuple[Bench, PreparedCampaign]) -> Fit:
     on, _ = cracked
     fit = fitted(on, LOSS)
     sines = replace(fit.problem, data=with_overtones(on.data, on.overtones))
-    return seen(fit.problem, np.concatenate([followed(sines, fit.u, 2)[:-OWN], fit.u[-OWN:]]))
+    return evaluated(fit.problem, np.concatenate([robust_fit(sines, fit.u, 2)[:-OWN], fit.u[-OWN:]]))
 
 
 @pytest.mark.parametrize(("share", "named"), [(1.0, True), (0.3, False)])
@@ -80,7 +82,7 @@ def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
     base = fitted(on, 0.0)
     nothing = Choice(base, base, (), explained=False, flat=False)
     small = fitted(on, share * LOSS)
-    fit = seen(law.problem, np.concatenate([law.u[:-OWN], small.u[-OWN:]]))
+    fit = evaluated(law.problem, np.concatenate([law.u[:-OWN], small.u[-OWN:]]))
     said = named_by_overtones(on, nothing, [Level(base, (fit,))], prepared, on.data)
     assert said.explained is named
     assert [c.effect for c in said.fit.problem.candidates] == (["breathing_crack"] if named else [])
@@ -88,12 +90,12 @@ def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
 
 def test_how_far_a_crack_weakens_the_beam_is_a_number_of_its_own(cracked: tuple[Bench, PreparedCampaign]) -> None:
     on, _ = cracked
-    few = looked_at(on.data, on.overtones, 6)
+    few = compared_sines(on.data, on.overtones, 6)
     assert few.sines is not None
     above, used = is_overtone(few), np.isfinite(few.sines.rows.sigma[:, ::LINES])
     left = {}
     for width in (HALF_WIDTH, 1.5 * HALF_WIDTH):
         fit = fitted(on, LOSS, width)
-        left[width] = np.median(relative(replace(fit.problem, data=few), fit.u)[:, above][used[:, above]])
+        left[width] = np.median(relative_residual(replace(fit.problem, data=few), fit.u)[:, above][used[:, above]])
     assert left[HALF_WIDTH] < 0.5 * left[1.5 * HALF_WIDTH]
     assert "width" in [s.name for s in fit.problem.candidates[0].slots]

@@ -12,7 +12,7 @@ from modallab.gap.inference.baseline import baseline
 from modallab.gap.inference.select import StepwiseSelection
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import choose
-from modallab.gap.search.clock import clock_shows, with_clock
+from modallab.gap.search.clock import clock_error_visible, fit_with_clock
 from modallab.gap.search.consequence import of_consequence
 from modallab.gap.search.fitting import Bench
 from modallab.twin.effects import search_of
@@ -82,8 +82,8 @@ def test_a_clock_that_the_generators_lines_show_is_no_matter_of_the_beam(rig, ma
     # The twin's generator goes by the recorder's clock; a real one has a quartz of its own.
     lines = replace(bench.data.sines, ratio=1 / (1 + relative))
     bench = replace(bench, data=replace(bench.data, sines=lines))
-    found = with_clock(bench, baseline(bench))
-    assert clock_shows(bench) is named
+    found = fit_with_clock(bench, baseline(bench))
+    assert clock_error_visible(bench) is named
     assert (found is not None) is named
     if found is not None:
         kept, dismissed = of_consequence(found, bench.data, shown=True)

@@ -14,7 +14,7 @@ from modallab.gap.conditioning.split import split_held_out
 from modallab.gap.documented import SearchInput, ShownEffects, document_diagnosis, is_harmless
 from modallab.gap.model.nuisances import beam_of
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.restored import begin_of
+from modallab.gap.model.restored import first_fit_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import bench_of, free_of, weights_of
 from modallab.gap.report.inspected import effects_on_records, inspect_effects, known_already
@@ -72,7 +72,7 @@ def _made_ready(
     fitted, held = split_held_out(prepared.blocks, hold_out)
     weights = weights_of(prepared)
     bench = bench_of(prepared, fitted, free, allowed)
-    bench = replace(bench, known=tuple(begin_of(c, bench.data, free) for c in known if c.twin is not None))
+    bench = replace(bench, known=tuple(first_fit_of(c, bench.data, free) for c in known if c.twin is not None))
     unseen = held or fitted
     return SearchInput(
         prepared=prepared,
@@ -87,6 +87,6 @@ def _made_ready(
 
 def _effects_on_records(ready: SearchInput, choice: Choice) -> ShownEffects:
     prepared, allowed = ready.prepared, ready.bench.allowed
-    named = [f for f in inspect_effects(prepared, twin_of(choice.believed, ready.everything)) if allowed(f.effect)]
+    named = [f for f in inspect_effects(prepared, twin_of(choice.accepted_fit, ready.everything)) if allowed(f.effect)]
     seen = [f for f in named if not is_harmless(prepared, f) and not known_already(f, ready.rig)]
     return ShownEffects(named, seen, [name for name in effects_on_records(prepared) if not allowed(name)])

@@ -19,7 +19,7 @@ from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import discrepancies, left
+from modallab.gap.model.share import discrepancies, relative_residuals
 from modallab.gap.report.budget import budget_of_gap
 from modallab.gap.report.calibrated import calibrated_twin
 from modallab.gap.report.contradictions import contradiction_sentences
@@ -31,7 +31,7 @@ from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed_share, shrinkage_with_interval
 from modallab.gap.report.where import where_gap_lies
 from modallab.gap.search.choose import Choice, probabilities
-from modallab.gap.search.fitting import Bench, ordinary
+from modallab.gap.search.fitting import Bench, within_tolerances
 from modallab.gap.search.intervals import intervals
 from modallab.twin.bench import Twin
 
@@ -109,8 +109,8 @@ def document_diagnosis(
         candidates=_candidates_document(ranked, effects.seen, choice, everything),
         shrink=_shrinkage_document(choice, _held_out_as_recorded(ready, effects.seen), ready.unseen, ready.held),
         next_experiment=next_experiment(verdict, ranked, prepared.campaign, nonlinear),
-        twin=calibrated_twin(choice.believed, everything),
-        budget=budget_of_gap(choice.believed, everything, _resonances_hz(prepared), usual=not ready.stated),
+        twin=calibrated_twin(choice.accepted_fit, everything),
+        budget=budget_of_gap(choice.accepted_fit, everything, _resonances_hz(prepared), usual=not ready.stated),
         notes=_diagnosis_notes(ready, choice, effects.named, nonlinear),
     )
 
@@ -123,7 +123,7 @@ def _diagnosis_notes(ready: SearchInput, choice: Choice, shows: list[Found], non
         *contradiction_sentences(choice, prepared),
         *(d.why for d in choice.dismissed),
         *([] if choice.tolerated is None else [TOLERATED.format(choice.tolerated)]),
-        *([LOOSE_ASSEMBLY] if choice.flat and not ordinary(choice.base) else []),
+        *([LOOSE_ASSEMBLY] if choice.flat and not within_tolerances(choice.base) else []),
         *(
             f"Does no harm: {f.effect.replace('_', ' ')}, {percent_text(harm_to_response(prepared, f))} of "
             "the response."
@@ -199,7 +199,7 @@ def _gap_document(prepared: PreparedCampaign, choice: Choice, data: Reduced) -> 
     thirds = np.minimum((raw.order * 3).astype(int), 2)
     hz = _resonances_hz(prepared)
     names = [data.rig.channels[c].name for c in raw.channels]
-    fitted = twin_of(choice.believed, data)
+    fitted = twin_of(choice.accepted_fit, data)
     after = squared_residuals(fitted, data)
     return Gap(
         before=raw.gap,
@@ -226,7 +226,7 @@ def _resonances_hz(prepared: PreparedCampaign) -> list[float]:
 
 
 def _gap_in_percent(twin: Twin, data: Reduced, resonances_hz: list[float]) -> Percent:
-    at, away = left(data, forward(twin, data), np.array(resonances_hz))
+    at, away = relative_residuals(data, forward(twin, data), np.array(resonances_hz))
     return Percent(at_resonance=at, away=away)
 
 
@@ -256,7 +256,7 @@ def _held_out_as_recorded(ready: SearchInput, seen: list[Found]) -> Reduced:
 def _shrinkage_document(choice: Choice, raw: Reduced, clean: Reduced, held: list[str]) -> Shrink:
     before = squared_residuals(twin_of(choice.base, clean), raw)
     # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.
-    after = squared_residuals(twin_of(choice.believed, clean), clean)
+    after = squared_residuals(twin_of(choice.accepted_fit, clean), clean)
     rival = _strongest_rival(choice, clean, before.gap)
     return shrinkage_with_interval(held, before, after, rival, np.random.default_rng(SEED))
 

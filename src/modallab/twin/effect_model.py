@@ -56,11 +56,9 @@ class SteppedLaw:
         overtones: those it makes: odd ones alone where it acts alike both ways, even ones too where it does not.
         acts: what it does at its place: a force on the beam, a couple that bends it, or a couple at the root; None
             where it acts all along the beam.
-        by_sine: whether each sine counts by its own relative error: beside a resonance such a law is right or wrong,
-            and squares in noise units would follow the one that is furthest off.
         on_slowest: power of the slowest mode's shape at its place with which its first number acts on that mode, which
             says little more of where it is; 0 where the number has no place.
-        drowns: whether its force grows faster than the motion: of a small motion its overtones drown in the noise.
+        smooth: whether its force is a power of the motion, of which the overtones of a small motion drown in the noise.
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
         behind: name of its stiffness at the root, which acts in series with the compliance of the modes above the band;
             the records hardly determine how many such modes there are. "" for none.
@@ -69,9 +67,8 @@ class SteppedLaw:
 
     overtones: Overtones = "odd"
     acts: Acts | None = None
-    by_sine: bool = False
     on_slowest: int = 0
-    drowns: bool = False
+    smooth: bool = False
     rough: bool = False
     behind: str = ""
     acting: Callable[[Mapping[str, float]], bool] = lambda numbers: True

@@ -19,7 +19,7 @@ from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import Nuisances, nuisances
-from modallab.gap.model.restored import begin_of
+from modallab.gap.model.restored import first_fit_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import TOP_HZ, weights_of
 from modallab.gap.search.best_place import at_best_place
@@ -128,7 +128,7 @@ def fit_explanations(
     free = free_with(there, points)
     total = sum(c.probability for c in sets) or 1.0
     names = Counter(frozenset(c.effects) for c in sets)
-    fits = [minimise(*begin_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4) for c in sets]
+    fits = [minimise(*first_fit_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4) for c in sets]
     best = min(fits, key=lambda f: f.cost)
     fits = [at_best_place(better_of_two_fits(f, best)) for f in fits]
     return [

@@ -19,7 +19,7 @@ from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import Explanation
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import jacobian
-from modallab.gap.search.choose import shares_of
+from modallab.gap.search.choose import probabilities_of
 from modallab.gap.search.fitting import excess, temperature_of
 
 DRAWS = 100
@@ -163,7 +163,7 @@ def probabilities_of_rivals(rivals: RivalExplanations, costs: Real, count: int) 
     n = rivals.count + count
     effects = np.array([len(r.effects) for r in rivals.listed])
     # What is above the floor counts for less among more records.
-    return shares_of(costs, effects, n, temperature_of(rivals.excess / n))
+    return probabilities_of(costs, effects, n, temperature_of(rivals.excess / n))
 
 
 def _widest_draws(fit: Fit) -> Real:

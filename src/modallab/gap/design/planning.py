@@ -37,7 +37,7 @@ from modallab.gap.design.options import (
     possible_experiments,
 )
 from modallab.gap.design.planned import PlannedRecords, join_planned, laid_out, with_more_sines
-from modallab.gap.model.fit import Fit, Problem, seen, softened
+from modallab.gap.model.fit import Fit, Problem, evaluated, with_relative_noise
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.best_place import at_best_place
 from modallab.twin.bench import Twin
@@ -143,9 +143,11 @@ class ExperimentPlanner:
         """What an explanation answers; of a test that was not made before nobody knows how exact the twin is in it."""
         data, done = layout.answered(_twin_of_rival(rival)), self.there.data
         if not done.impacts:
-            data = replace(data, impacts=tuple(replace(d, rows=softened(d.rows, UNPROVEN)) for d in data.impacts))
+            data = replace(
+                data, impacts=tuple(replace(d, rows=with_relative_noise(d.rows, UNPROVEN)) for d in data.impacts)
+            )
         if done.sines is None and data.sines is not None:
-            data = replace(data, sines=replace(data.sines, rows=softened(data.sines.rows, UNPROVEN)))
+            data = replace(data, sines=replace(data.sines, rows=with_relative_noise(data.sines.rows, UNPROVEN)))
         return data
 
     def _within_limits(self, plan: Plan) -> Plan:
@@ -205,7 +207,7 @@ def _least_squares_left(problem: Problem, fit: Fit, end: Real, other: Fit) -> fl
     """Least squares that an explanation leaves, from its own numbers, where slopes lead, and beside another's twin."""
     own = problem.free.size
     begins = (fit.u, np.clip(end, fit.u - LONGEST, fit.u + LONGEST), np.concatenate([other.u[:own], fit.u[own:]]))
-    first = min((seen(problem, u) for u in begins), key=lambda f: f.cost)
+    first = min((evaluated(problem, u) for u in begins), key=lambda f: f.cost)
     best = min([first, *(minimise(problem, u, STEPS, 1e-4) for u in (first.u, fit.u))], key=lambda f: f.cost)
     # What is true is where it is; what is not may follow it from any other place.
     return best.cost if fit is other else at_best_place(best).cost

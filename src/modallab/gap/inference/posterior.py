@@ -108,7 +108,7 @@ def _widths(problem: Problem, u: Array) -> Array:
     return widths
 
 
-def descended(view: View, problem: Problem, u: Array, steps: int, known: Array | None = None) -> Posterior:
+def improved_posterior(view: View, problem: Problem, u: Array, steps: int, known: Array | None = None) -> Posterior:
     """The explanation after at most so many evaluations of the slopes from u.
 
     Args:

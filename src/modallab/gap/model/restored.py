@@ -59,7 +59,7 @@ def _free(value: float, free: float = FREE, most: float = MOST) -> float:
     return float(np.sign(value) * (free + room * np.arctanh(min((abs(value) - free) / room, 1 - 1e-9))))
 
 
-def begin_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool = False) -> tuple[Problem, Real]:
+def first_fit_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool = False) -> tuple[Problem, Real]:
     """An explanation's problem on records, and (u,) its numbers, from which a fit begins.
 
     Args:

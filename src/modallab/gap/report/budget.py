@@ -19,7 +19,7 @@ from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.own_numbers import with_own_hits
-from modallab.gap.model.share import relative
+from modallab.gap.model.share import weighed_by_record
 from modallab.gap.report.measure import labels_of_entries
 from modallab.gap.report.moved import moved_numbers
 from modallab.twin.effects import model_of
@@ -44,7 +44,7 @@ def budget_of_gap(fit: Fit, data: Reduced, resonances_hz: Sequence[float], usual
         usual: whether the rig's tolerances are not its file's, but a lab's usual ones.
     """
     own = with_own_hits(fit, data)
-    noise, weighed = relative(data)
+    noise, weighed = weighed_by_record(data)
     n = fit.problem.free.size
     bare = replace(fit.problem, data=weighed, candidates=(), floor=0.0)
     seen = _residual_at(bare, np.zeros(n))

@@ -20,7 +20,7 @@ from modallab.gap.model.minimise import minimise
 from modallab.gap.report.harmonics import OFTEN, harmonic_shares
 from modallab.gap.report.levels import levels_differ
 from modallab.gap.search.channel_share import channel_share
-from modallab.gap.search.fitting import COARSE, Bench, excess
+from modallab.gap.search.fitting import COARSEST_ERROR, Bench, excess
 from modallab.twin.modes import solve_modes
 
 CURES = 0.08
@@ -225,6 +225,6 @@ def _gap_on_test(bench: Bench, base: Fit, test: str) -> Fit:
 def _fit_part_afresh(bench: Bench, data: Reduced, base: Fit) -> Fit:
     """A baseline on part of the data, far enough from the old one to forget what the rest had done to it."""
     u = base.u[: bench.free.size]
-    for floor in (COARSE, COARSE / 6, COARSE / 36):
+    for floor in (COARSEST_ERROR, COARSEST_ERROR / 6, COARSEST_ERROR / 36):
         u = minimise(Problem(data, bench.free, (), floor), u, 2, 1e-2).u
     return minimise(Problem(data, bench.free, ()), u, 4, 1e-2)

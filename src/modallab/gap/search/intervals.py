@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Real
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.gap.model.fit import Fit, all_rows, row_frequencies_hz, seen
+from modallab.gap.model.fit import Fit, all_rows, evaluated, row_frequencies_hz
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import Choice
-from modallab.gap.search.fitting import excess, left_out, ordinary
+from modallab.gap.search.fitting import excess, within_tolerances, without_effect
 from modallab.gap.search.series_stiffness import HIDDEN, interval_in_series
 from modallab.twin.candidate import FreeNumber
 from modallab.twin.effects import search_of
@@ -103,9 +103,9 @@ def _explained(choice: Choice, which: int) -> float:
     and all else stays.
     """
     fit = choice.fit
-    if len(fit.problem.candidates) == 1 and (ordinary(choice.base) or not fit.problem.free.deviations):
+    if len(fit.problem.candidates) == 1 and (within_tolerances(choice.base) or not fit.problem.free.deviations):
         return excess(choice.base)
-    alone = excess(seen(*left_out(fit.problem, fit.u, which)))
+    alone = excess(evaluated(*without_effect(fit.problem, fit.u, which)))
     return max(excess(choice.base), alone) if len(fit.problem.candidates) == 1 else alone
 
 

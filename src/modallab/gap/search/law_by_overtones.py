@@ -12,8 +12,8 @@ from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import apart, unexplained
-from modallab.gap.search.choose import Choice, names, stepped
+from modallab.gap.model.share import largest_difference, unexplained
+from modallab.gap.search.choose import Choice, effect_names, has_stepped_law
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.gap.search.rough_fit import beam_of_hits
@@ -37,9 +37,13 @@ def named_by_overtones(
     if (choice.explained and choice.tolerated is None) or not levels or not levels[-1].fits:
         return choice
     fit = levels[-1].fits[0]
-    if not stepped(fit) or not _matters(fit, unseen) or overtones_closed(fit, prepared, unseen) < OVERTONE_SHARE:
+    if (
+        not has_stepped_law(fit)
+        or not _matters(fit, unseen)
+        or overtones_closed(fit, prepared, unseen) < OVERTONE_SHARE
+    ):
         return choice
-    others = tuple(f for f in (*levels[-1].fits[1:], *choice.rivals) if names(f) != names(fit))
+    others = tuple(f for f in (*levels[-1].fits[1:], *choice.rivals) if effect_names(f) != effect_names(fit))
     best = min(fit, beam_of_hits(bench, fit), key=lambda f: f.cost)
     return Choice(levels[0].base, best, others, True, False)
 
@@ -53,4 +57,4 @@ def _matters(fit: Fit, unseen: Reduced) -> bool:
     if unexplained(sines, forward(twin_of(fit, sines), sines)) >= least:
         return False
     twin = twin_of(fit, unseen)
-    return apart(unseen, forward(twin, unseen), forward(replace(twin, element=None), unseen)) >= least
+    return largest_difference(unseen, forward(twin, unseen), forward(replace(twin, element=None), unseen)) >= least

@@ -22,9 +22,9 @@ from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess, search_origin
 from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of, stage_of
-from modallab.gap.unknown.fitted import fitted
-from modallab.gap.unknown.on_beam import elements_of_beam, on_all_rows
-from modallab.gap.unknown.on_row import by_sample, linear, without
+from modallab.gap.unknown.fitted import best_fits
+from modallab.gap.unknown.on_beam import operators_on_all_channels, trials_on_beam
+from modallab.gap.unknown.on_row import fit_without_channel, linear_operators, sample_operators
 from modallab.gap.words.learned import learned_in_words
 
 SEED = 20240503
@@ -88,12 +88,12 @@ def _tried(
     seen = [b for b in prepared.blocks if b.name not in set(held)]
     for row in rows:
         report_progress(0.0, f"what {bench.data.rig.channels[row].name} behaves like")
-        for fit in fitted(bench, base, list(linear(bench, row)), 1):
+        for fit in best_fits(bench, base, list(linear_operators(bench, row)), 1):
             least = min(least, excess(fit))
             yield of_fit(base, fit, unseen, (row,))
         if least < SOLVED * excess(base):
             return
-        for one in by_sample(bench, prepared, without(bench, prepared, seen, row), held, row):
+        for one in sample_operators(bench, prepared, fit_without_channel(bench, prepared, seen, row), held, row):
             least = min(least, excess(one.fit))
             yield one
     if least < SOLVED * excess(base):
@@ -101,8 +101,8 @@ def _tried(
     report_progress(0.4, "the force that is missing")
     # Where no channel is known to be off alone, the one that is off most is looked at all the same.
     loudest = bench.data.channels[int(np.argmax(channel_share(base)))]
-    alone = [] if rows else list(linear(bench, loudest))
-    for fit in fitted(bench, base, [*elements_of_beam(bench, base), *on_all_rows(bench), *alone]):
+    alone = [] if rows else list(linear_operators(bench, loudest))
+    for fit in best_fits(bench, base, [*trials_on_beam(bench, base), *operators_on_all_channels(bench), *alone]):
         yield of_fit(base, fit, unseen, rows_of(fit))
 
 

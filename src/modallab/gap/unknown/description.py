@@ -7,7 +7,7 @@ import numpy as np
 from modallab.core.described import Learned
 from modallab.core.places import OneChannel, place_in_metres
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.model.fit import Fit, priced
+from modallab.gap.model.fit import Fit, cost_with_price
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.intervals import intervals
 from modallab.twin.learned import learned_element_models
@@ -59,7 +59,7 @@ def cost_per_number(one: Description) -> float:
 def fit_cost(fit: Fit, more: int = 0) -> float:
     """What a fit leaves for each number measured, at the price of its own numbers and so many more."""
     count = max(np.count_nonzero(fit.residual), 1)
-    return (priced(fit) + more * float(np.log(count))) / count
+    return (cost_with_price(fit) + more * float(np.log(count))) / count
 
 
 def stage_of(description: Description) -> str:

@@ -63,7 +63,7 @@ class MissingForce:
         self._twin = problem.twin(fit.u)
         self._modes = solve_modes(self._twin.structure)
         answers = forward(self._twin, self._data)
-        r = problem.left(self._twin, answers)
+        r = problem.residual_of(self._twin, answers)
         J = jacobian(problem, fit.u, r)
         self._priors = problem.priors(fit.u)
         self._parts = _cut(self._data, J)

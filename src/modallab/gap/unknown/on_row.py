@@ -21,7 +21,7 @@ from modallab.gap.unknown.curve import Curve, curve_of, refined
 from modallab.gap.unknown.description import Description
 from modallab.gap.unknown.fitted import Trial, element
 from modallab.gap.unknown.sample_hold import hold_of
-from modallab.gap.unknown.volts import Channel, channel_of, freed
+from modallab.gap.unknown.volts import Channel, channel_of, without_operator
 
 LINEAR = (("gain",), ("low_pass_hz",), ("high_pass_hz",), ("gain", "delay"), ("mount_hz", "mount_zeta"))
 """Terms of an operator on one channel that are tried together."""
@@ -29,19 +29,19 @@ LEFT = 0.003
 """Relative model error that is forgiven while a twin meets the channel again that it was fitted without."""
 
 
-def linear(bench: Bench, row: int) -> Iterator[Trial]:
+def linear_operators(bench: Bench, row: int) -> Iterator[Trial]:
     """Linear operators on one channel."""
     for names in LINEAR:
         yield Trial(element(bench, "row_filter", names, OneChannel(channel=row)))
 
 
-def without(bench: Bench, prepared: PreparedCampaign, fitted: Sequence[Block], row: int) -> Fit:
+def fit_without_channel(bench: Bench, prepared: PreparedCampaign, fitted: Sequence[Block], row: int) -> Fit:
     """The twin as the other channels have it."""
     masked = prepared.masked | {(b.name, row) for b in prepared.blocks}
     return baseline(bench_of(replace(prepared, masked=frozenset(masked)), fitted, bench.free, bench.allowed))
 
 
-def by_sample(
+def sample_operators(
     bench: Bench, prepared: PreparedCampaign, alone: Fit, held: Iterable[str], row: int
 ) -> Iterator[Description]:
     """Operators on one channel that must be looked at sample by sample.
@@ -66,10 +66,10 @@ def by_sample(
             interval={"share": (max(lost.share - spread, 0.0), lost.share + spread)},
             place=OneChannel(channel=row),
         )
-        yield _again(bench, prepared, alone, channel, lost.made, learned, unseen)
+        yield _with_channel(bench, prepared, alone, channel, lost.made, learned, unseen)
     curve, interval = _curve(prepared, alone, channel, fitted)
     learned = Learned(element="row_curve", parameters=curve.law, interval=dict(interval), place=OneChannel(channel=row))
-    yield _again(bench, prepared, alone, channel, curve.made(channel), learned, unseen)
+    yield _with_channel(bench, prepared, alone, channel, curve.made(channel), learned, unseen)
 
 
 def _as_it_reads(prepared: PreparedCampaign, row: int) -> PreparedCampaign:
@@ -99,14 +99,16 @@ def _curve(
     at = data.channels.index(channel.row)
 
     def residual(curve: Curve) -> Real:
-        clean = reduce_blocks(prepared.campaign, freed(fitted, channel, curve.made(channel)), weights_of(prepared))
+        clean = reduce_blocks(
+            prepared.campaign, without_operator(fitted, channel, curve.made(channel)), weights_of(prepared)
+        )
         parts = [(r.y - y)[at] / r.sigma[at] for r, y in zip(all_rows(clean), answers, strict=True)]
         return np.concatenate([*(p.real for p in parts), *(p.imag for p in parts)])
 
     return refined(begin, residual)
 
 
-def _again(
+def _with_channel(
     bench: Bench,
     prepared: PreparedCampaign,
     alone: Fit,
@@ -116,7 +118,7 @@ def _again(
     held: set[str],
 ) -> Description:
     """The twin with the channel once more, its records freed of what the operator does."""
-    clean = replace(prepared, blocks=freed(prepared.blocks, channel, made))
+    clean = replace(prepared, blocks=without_operator(prepared.blocks, channel, made))
     own = [b for b in clean.blocks if b.name not in held] or list(clean.blocks)
     again = bench_of(clean, own, bench.free, bench.allowed)
     fit = finish(again, alone, LEFT)

@@ -48,7 +48,7 @@ def channel_of(prepared: PreparedCampaign, twin: Twin, row: int) -> Channel:
     return Channel(row, read, counts, expected)
 
 
-def freed(blocks: Sequence[Block], channel: Channel, made: Mapping[str, Real]) -> tuple[Block, ...]:
+def without_operator(blocks: Sequence[Block], channel: Channel, made: Mapping[str, Real]) -> tuple[Block, ...]:
     """Records with one channel as it would read without an operator, to first order in what the twin does not know.
 
     Args:

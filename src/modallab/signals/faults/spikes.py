@@ -9,7 +9,10 @@ ALONE = 50.0
 """How many times further than anything near it a sample stands off the middle of its neighbours."""
 TOGETHER = 10.0
 """The same, from which on another channel moves as well: what is felt elsewhere is no fault."""
-NEAR, OWN = 16, 2
+NEAR, OWN = 16, 1
+"""Samples to either side that show how the channel moves, and those that one wrong sample bends itself."""
+FELT = 2
+"""Samples before, and twice as many behind, within which another channel feels what is no fault."""
 
 
 def find_spikes(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real) -> tuple[Fault, ...]:
@@ -46,5 +49,5 @@ def _deviation_ratio(off: Real, least: Real, place: int) -> float:
 
 
 def _felt_elsewhere(off: Real, least: Real, place: int) -> bool:
-    span = range(max(0, place - OWN), min(off.shape[1], place + 2 * OWN + 1))
+    span = range(max(0, place - FELT), min(off.shape[1], place + 2 * FELT + 1))
     return any(_deviation_ratio(row, low, i) > TOGETHER for row, low in zip(off, least, strict=True) for i in span)

@@ -60,10 +60,7 @@ MODEL = EffectModel(
     once=True,
     # How a joint yields is a convention.
     search=EffectSearch(
-        rank=30,
-        slots=_slots,
-        inexact=0.05,
-        law=SteppedLaw(acts="root", by_sine=True, behind="k_stick", acting=_slip_gives_way),
+        rank=30, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", behind="k_stick", acting=_slip_gives_way)
     ),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )

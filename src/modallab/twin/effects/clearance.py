@@ -47,7 +47,7 @@ MODEL = EffectModel(
     once=True,
     # How a contact begins is a convention.
     search=EffectSearch(
-        rank=40, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", by_sine=True, rough=True, behind="k_contact")
+        rank=40, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", rough=True, behind="k_contact")
     ),
     experiment="Repeat the sines at a third level: a play stiffens the root with the level, friction softens it.",
 )
