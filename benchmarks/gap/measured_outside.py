@@ -27,7 +27,7 @@ from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.frf.line_noise import variance_of
 from modallab.gap.modal.diagnosis import diagnose_by_model
-from modallab.identification.frf_model import identify_frf, in_band
+from modallab.identification.frf_model import frf_in_band, identify_frf
 from modallab.identification.options import IdentificationOptions
 from modallab.modification.freedoms import with_points
 from modallab.modification.synthesis import receptances_of_model
