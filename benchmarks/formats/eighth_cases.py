@@ -19,7 +19,7 @@ from tdms_cases import A1, A2, FORCE, thing
 from tdms_cases import save as save_tdms
 from tdms_cases import segment as tdms_segment
 from text_cases import save
-from uff_written import ACCELERATION, EDGE, Function, binary_58, nodes_2411, text_58, units_164
+from uff_written import ACCELERATION, EDGE, binary_58, nodes_2411, text_58, units_164
 from uff_written import save as save_uff
 
 DRIVEN = ("--drive-point", "1")
