@@ -57,7 +57,7 @@ def held(r: Record) -> Record:
     return changed(r, a2=np.repeat(r.a2[::4], 4)[: len(r.a2)])
 
 
-def beyond_numbers(r: Record) -> Record:
+def with_a_huge_value(r: Record) -> Record:
     a = r.a1.copy()
     a[len(a) // 2] = 1e200
     return changed(r, a1=a)
@@ -107,11 +107,25 @@ def force_cut(r: Record) -> Record:
 
 put("soft_flat_tops", "Flat tops with the converter's last step on them.", soft_tops, "(?i)flat|range|top")
 put("one_sensor_held", "One channel is a slower converter's: each value four times.", held, "(?i)held|repeat|slower")
-put("a_value_of_1e200", "One value of 1e200 in one of three hits.", beyond_numbers, "(?i)1e\\+?200|single|value|beyond", 3, 1)
+put(
+    "a_value_of_1e200",
+    "One value of 1e200 in one of three hits.",
+    with_a_huge_value,
+    "(?i)1e\\+?200|single|value|beyond",
+    3,
+    1,
+)
 put("cable_for_40_ms", "One channel is 0 for 40 ms in one of three hits.", dropped, "stands still", 3, 2)
-put("dead_but_noisy", "A channel without a sensor: its converter's last step only.", dead, "(?i)dead|no signal|a1|noise")
+put(
+    "dead_but_noisy", "A channel without a sensor: its converter's last step only.", dead, "(?i)dead|no signal|a1|noise"
+)
 put("warming_sensor", "A zero that drifts by twenty times the signal.", drifting, "(?i)drift|zero|rest|a1")
 put("static_discharges", "Three single samples of ten times the largest.", struck, "nothing near it")
-put("counts_that_wrap", "Overflow of whole numbers: beyond the range the other end.", wrapped, "(?i)wrap|jump|overflow|range|single|top")
+put(
+    "counts_that_wrap",
+    "Overflow of whole numbers: beyond the range the other end.",
+    wrapped,
+    "(?i)wrap|jump|overflow|range|single|top",
+)
 put("a_buffer_twice", "128 samples of all channels stand twice.", buffer_twice, "(?i)repeat|twice|again|jump")
 put("force_out_of_range", "The force of one of three hits has a flat top.", force_cut, "(?i)flat|top|range", 3, 0)

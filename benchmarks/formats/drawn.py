@@ -113,7 +113,9 @@ def misfit(model: dict, drawn: Drawn, scaled: bool = True, channels: tuple[int, 
         a = np.array(model["modal_constants"]["re"][k])[:, 0]
         right = np.array([phi[c] * phi[0] for c in channels])
         sigma = np.array(model["modal_constant_sigma"][k])[:, 0]
-        if scaled and (a.shape != right.shape or (abs(a - right) > np.maximum(0.03 * abs(right).max(), 5 * sigma)).any()):
+        if scaled and (
+            a.shape != right.shape or (abs(a - right) > np.maximum(0.03 * abs(right).max(), 5 * sigma)).any()
+        ):
             return f"{f0} Hz: constants {a.tolist()}, not {right.tolist()}"
     more = [float(f) for k, f in enumerate(found) if k not in matched and model["confidence"][k] > 0.5]
     return f"more modes: {more}" if more else ""

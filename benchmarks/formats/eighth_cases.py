@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import scipy.io
 from array_cases import chunk
-from damaged_cases import changed, damaged, put
+from damaged_cases import changed, put
 from drawn import Drawn, drawn, modes
 from known import PLAIN, G, Known, KnownFrf, Record, case
 from lvm_cases import head, segment
@@ -19,7 +19,7 @@ from tdms_cases import A1, A2, FORCE, thing
 from tdms_cases import save as save_tdms
 from tdms_cases import segment as tdms_segment
 from text_cases import save
-from uff_written import ACCELERATION, EDGE, Function, binary_58, nodes_2411, text_58, units_164
+from uff_written import ACCELERATION, EDGE, binary_58, nodes_2411, text_58, units_164
 from uff_written import save as save_uff
 
 DRIVEN = ("--drive-point", "1")
@@ -216,7 +216,7 @@ def siglent(folder: Path) -> Known:
 
 @case("eighth")
 def endaq(folder: Path) -> Known:
-    """"X (40g)" as a name: the bracket holds a range and no unit; units by --columns."""
+    """ "X (40g)" as a name: the bracket holds a range and no unit; units by --columns."""
     d = drawn("endaq")
     r = d.hit()
     rows = rows_of(r, factors=(1, 1 / G, 1 / G), digits=9)
@@ -230,17 +230,34 @@ def spider8(folder: Path) -> Known:
     """Decimal comma, tabs, times as `10:00:00,000` only to the ms where the rate needs more: rejected."""
     d = drawn("spider8")
     d = Drawn(d.modes, 2048.0, d.n, d.seed)
-    rows = [row.replace(".", ",") for row in rows_of(d.hit(), lambda i: at(i, d.rate, "2026-03-29T10:00:00").strftime("%H:%M:%S.%f")[:-3], "\t")]
-    return Known(save(folder, ["Time\tforce [N]\ta1 [m/s²]\ta2 [m/s²]", *rows]), (d.hit(),), rejected="(?i)coarse|digit|ascend|uneven", check=modes(d), tolerance=1e-3)
+    rows = [
+        row.replace(".", ",")
+        for row in rows_of(d.hit(), lambda i: at(i, d.rate, "2026-03-29T10:00:00").strftime("%H:%M:%S.%f")[:-3], "\t")
+    ]
+    return Known(
+        save(folder, ["Time\tforce [N]\ta1 [m/s²]\ta2 [m/s²]", *rows]),
+        (d.hit(),),
+        rejected="(?i)coarse|digit|ascend|uneven",
+        check=modes(d),
+        tolerance=1e-3,
+    )
 
 
 @case("eighth")
 def milliseconds_beside_seconds(folder: Path) -> Known:
     """A clock of whole seconds, and a column of milliseconds beside it."""
     d = slow("milliseconds_beside_seconds")
-    rows = rows_of(d.hit(), lambda i: f"{at(i, d.rate, '2026-03-29T10:00:00'):%H:%M:%S},{(i / d.rate * 1e3) % 1000:.3f}")
+    rows = rows_of(
+        d.hit(), lambda i: f"{at(i, d.rate, '2026-03-29T10:00:00'):%H:%M:%S},{(i / d.rate * 1e3) % 1000:.3f}"
+    )
     head_ = "Time,ms,force [N],a1 [m/s^2],a2 [m/s^2]"
-    return Known(save(folder, [head_, *rows]), (d.hit(),), rejected="(?i)coarse|ascend|digit|twice", check=modes(d), tolerance=1e-3)
+    return Known(
+        save(folder, [head_, *rows]),
+        (d.hit(),),
+        rejected="(?i)coarse|ascend|digit|twice",
+        check=modes(d),
+        tolerance=1e-3,
+    )
 
 
 @case("eighth")
@@ -262,7 +279,9 @@ def two_line_names(folder: Path) -> Known:
     d = drawn("two_line_names")
     r = d.hit()
     lines = ["Time\tforce\ta1\ta2\t", "\tpoint 1\tpoint 1\tpoint 2\t", "s\tN\tm/s²\tm/s²\t"]
-    return Known(save(folder, [*lines, *(row + "\t" for row in rows_of(r, between="\t"))], name="case.txt"), (r,), check=modes(d))
+    return Known(
+        save(folder, [*lines, *(row + "\t" for row in rows_of(r, between="\t"))], name="case.txt"), (r,), check=modes(d)
+    )
 
 
 @case("eighth")
@@ -313,7 +332,13 @@ def marks_for_missing(r: Record) -> Record:
     return changed(r, a1=a)
 
 
-put("only_bottoms_cut", "A response is cut off on one side only, in one of two hits.", saturated_below, "flat bottoms", 2, 1)
+put(
+    "only_bottoms_cut",
+    "A response is cut off on one side only, in one of two hits.",
+    saturated_below,
+    "flat bottoms",
+    2,
+    1,
+)
 put("zero_that_runs_away", "A zero that runs away in one of two hits.", slow_leak, "zero drifts", 2, 0)
 put("minus_9999", "-9999 for missing values.", marks_for_missing, "(?i)nothing near it|9999")
-assert damaged

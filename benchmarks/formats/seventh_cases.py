@@ -122,7 +122,9 @@ def uff_blank_words(folder: Path) -> Known:
     """Identification lines are empty, trailing blanks are cut off, exponents are D, inertances in double precision."""
     d = drawn("uff_blank_words")
     right = d.frf()
-    lines = [line.replace("NONE", "    ").replace("one function of a case", "") for line in text_58(frfs(right, double=True))]
+    lines = [
+        line.replace("NONE", "    ").replace("one function of a case", "") for line in text_58(frfs(right, double=True))
+    ]
     lines = [line.replace("E+", "D+").replace("E-", "D-").rstrip() for line in lines]
     return Known(save_uff(folder, lines), frf=right, check=modes(d))
 
@@ -148,7 +150,10 @@ def uff_nodes_of_three_digits(folder: Path) -> Known:
     nodes = ((101, 1), (102, 1))
     ones = KnownFrf(right.frequency, np.full_like(right.values, 0.999).real.astype(float))
     sets = [s for pair in zip(frfs(right, nodes=nodes), frfs(ones, 0, "NONE", nodes=nodes), strict=True) for s in pair]
-    sets = [s if k % 2 == 0 else Function(**{**s.__dict__, "kind": 6, "denominator": (0, "NONE")}) for k, s in enumerate(sets)]
+    sets = [
+        s if k % 2 == 0 else Function(**{**s.__dict__, "kind": 6, "denominator": (0, "NONE")})
+        for k, s in enumerate(sets)
+    ]
     sets.append(Function(abs(right.values[0]), 0.25, 0.25, kind=2, response=(101, 1), ordinate=(ACCELERATION, "m/s^2")))
     return Known(save_uff(folder, text_58(sets)), check=modes(d), rig=None, options=())
 
@@ -228,8 +233,12 @@ def tdms_daqmx_polynomial(folder: Path) -> Known:
         facts = {"Type": "Polynomial", "Polynomial_Coefficients_Size": 4, "Polynomial_Input_Source": 0}
         facts |= {f"Polynomial_Coefficients[{i}]": v for i, v in enumerate((1000 * slopes[k], slopes[k], 0.0, 0.0))}
         props = unit | {"NI_Scaling_Status": "unscaled", "NI_Number_Of_Scales": 2} | scaled(1, facts)
-        objects.append(text(path) + index + struct.pack("<I", len(props)) + b"".join(prop(a, b) for a, b in props.items()))
-    data = tdms_segment(objects, counts[:, :half].T.tobytes()) + tdms_segment([], counts[:, half:].T.tobytes(), new=False)
+        objects.append(
+            text(path) + index + struct.pack("<I", len(props)) + b"".join(prop(a, b) for a, b in props.items())
+        )
+    data = tdms_segment(objects, counts[:, :half].T.tobytes()) + tdms_segment(
+        [], counts[:, half:].T.tobytes(), new=False
+    )
     return Known(save_tdms(folder, data), (r,), check=modes(d), rejected="(?i)daqmx")
 
 
@@ -242,7 +251,10 @@ def tdms_of_modules(folder: Path) -> Known:
     paths = [f"/'Log'/'cDAQ1Mod1/ai{k}'" for k in range(3)]
     objects = [thing("/", props={"name": "Log"}), thing("/'Log'")]
     for k, (p, row) in enumerate(zip(paths, rows, strict=True)):
-        facts = waved(d)[k] | {"wf_start_time": Time(3787000000.25 + (2 / d.rate if k == 2 else 0)), "wf_start_offset": 0.0}
+        facts = waved(d)[k] | {
+            "wf_start_time": Time(3787000000.25 + (2 / d.rate if k == 2 else 0)),
+            "wf_start_offset": 0.0,
+        }
         objects.append(thing(p, row, facts))
     said = ("--variable", *(f"{n}=cDAQ1Mod1/ai{k}" for k, n in enumerate(NAMES)))
     data = tdms_segment(objects, b"".join(row.tobytes() for row in rows))
@@ -276,7 +288,11 @@ def matlab_of_bk(folder: Path) -> Known:
         facts = {"SignalName": name, "Unit": unit, "SampleFrequency": d.rate, "NoOfSamples": len(row), "Title": "hit"}
         content |= {f"Channel_{k}_Data": row[:, None], f"Channel_{k}_Header": facts}
     scipy.io.savemat(folder / "case.mat", content)
-    said = ("--variable", *(f"{n}=Channel_{k}_Data" for k, n in enumerate(NAMES, 1)), "rate=Channel_1_Header.SampleFrequency")
+    said = (
+        "--variable",
+        *(f"{n}=Channel_{k}_Data" for k, n in enumerate(NAMES, 1)),
+        "rate=Channel_1_Header.SampleFrequency",
+    )
     return Known(("case.mat",), (r,), rig=PER_G, options=(*DRIVEN, *said), check=modes(d))
 
 

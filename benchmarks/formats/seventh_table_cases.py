@@ -63,7 +63,12 @@ def diadem_labels(folder: Path) -> Known:
     """A first column of labels, empty beside the numbers: Name;Unit;Length, then rows that begin with a semicolon."""
     d = drawn("diadem_labels")
     r = d.hit()
-    head = ["Name;Time;force;a1;a2", "Unit;s;N;m/s^2;m/s^2", f"Length;{d.n};{d.n};{d.n};{d.n}", "Display;real;real;real;real"]
+    head = [
+        "Name;Time;force;a1;a2",
+        "Unit;s;N;m/s^2;m/s^2",
+        f"Length;{d.n};{d.n};{d.n};{d.n}",
+        "Display;real;real;real;real",
+    ]
     rows = [";" + row for row in rows_of(r, between=";")]
     return Known(save(folder, [*head, *rows]), (r,), check=modes(d), rejected="--columns")
 
@@ -73,7 +78,15 @@ def head_acoustics(folder: Path) -> Known:
     """Facts `Abscissa: t/s` and `Ch 1: force/N`, blanks between the columns, no line of names; said by the user."""
     d = drawn("head_acoustics")
     r = d.hit()
-    head = ["Version: 1", "Abscissa: t/s", "Ch 1: force/N", "Ch 2: a1/(m/s^2)", "Ch 3: a2/(m/s^2)", f"Values: {d.n}", ""]
+    head = [
+        "Version: 1",
+        "Abscissa: t/s",
+        "Ch 1: force/N",
+        "Ch 2: a1/(m/s^2)",
+        "Ch 3: a2/(m/s^2)",
+        f"Values: {d.n}",
+        "",
+    ]
     said = ("--columns", "time:s,force:N,a1:m/s^2,a2:m/s^2")
     rows = rows_of(r, between="   ")
     return Known(save(folder, [*head, *rows], name="case.asc"), (r,), options=(*DRIVEN, *said), check=modes(d))
@@ -81,7 +94,7 @@ def head_acoustics(folder: Path) -> Known:
 
 @case("seventh")
 def catman(folder: Path) -> Known:
-    """Names with the sensor's remark, a line of units in square brackets, a line `x 1` of sample numbers, decimal comma."""
+    """A line of names, one of units in square brackets, decimal comma, a tab at the end of each row."""
     d = drawn("catman")
     r = d.hit()
     head = ["HBM_CATMAN_DATAFILE", "T0 = 29.03.2026 10:00:00", "", "Time 1\tforce\ta1\ta2", "[s]\t[N]\t[m/s2]\t[m/s2]"]
@@ -124,7 +137,10 @@ def iso_of_dotnet(folder: Path) -> Known:
 def clock_set_back(folder: Path) -> Known:
     """Summer time ends in the middle: the clock goes back by an hour."""
     d = slow("clock_set_back")
-    rows = rows_of(d.hit(), lambda i: at(i, d.rate, f"2026-10-25T0{2 if i < 900 else 1}:59:59").isoformat(sep=" ", timespec="microseconds"))
+    rows = rows_of(
+        d.hit(),
+        lambda i: at(i, d.rate, f"2026-10-25T0{2 if i < 900 else 1}:59:59").isoformat(sep=" ", timespec="microseconds"),
+    )
     return Known(save(folder, ["Time,force [N],a1 [m/s^2],a2 [m/s^2]", *rows]), rejected="(?i)back|times|ascend")
 
 

@@ -123,4 +123,6 @@ def _starts(used: Sequence[LvmChannel], where: str) -> list[Start]:
     if len({c.start for c in used}) < 2:
         return offsets
     days = [start_of_text(c.start, where) for c in used]
-    return [Start(o.at_s + d.at_s, o.resolution_s + d.resolution_s, o.timed) for o, d in zip(offsets, days, strict=True)]
+    return [
+        Start(o.at_s + d.at_s, o.resolution_s + d.resolution_s, o.timed) for o, d in zip(offsets, days, strict=True)
+    ]

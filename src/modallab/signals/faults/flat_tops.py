@@ -15,8 +15,10 @@ LEAST_RUN = 3
 SHARP = 3.0
 """How many times further than a parabola's the next sample lies below."""
 NOISY_LEAST, NOISY_SHARP = 5, 6.0
-"""Samples in all, and the same, of tops that are flat within the noise behind the stage that cut them off. Two modes can
-make a top without curvature: it leaves a band of three samples by 16 times its width, which is less."""
+"""Samples in all, and the same, of tops that are flat within the noise behind the stage that cut them off.
+
+Two modes can make a top without curvature: it leaves a band of three samples by 16 times its width, which is less.
+"""
 NOISY_TOPS = 0.005
 """Largest share of its height within which such a top is flat."""
 WIDTHS = 2.0**10

@@ -37,7 +37,11 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
     found: list[Fault] = []
     for row, name, step in zip(rows, block.channels, steps, strict=True):
         found += _of_row(row, name, step, block.rate_hz, quantities.get(name))
-    return (*found, *copies(rows, block.rate_hz, block.channels, steps), *spikes(rows, block.rate_hz, block.channels, steps))
+    return (
+        *found,
+        *copies(rows, block.rate_hz, block.channels, steps),
+        *spikes(rows, block.rate_hz, block.channels, steps),
+    )
 
 
 def _of_row(row: Real, name: str, steps: Real, rate_hz: float, quantity: Quantity | None) -> tuple[Fault, ...]:
