@@ -57,7 +57,7 @@ def held(r: Record) -> Record:
     return changed(r, a2=np.repeat(r.a2[::4], 4)[: len(r.a2)])
 
 
-def with_a_huge_value(r: Record) -> Record:
+def impossible_value(r: Record) -> Record:
     a = r.a1.copy()
     a[len(a) // 2] = 1e200
     return changed(r, a1=a)
@@ -110,7 +110,7 @@ put("one_sensor_held", "One channel is a slower converter's: each value four tim
 put(
     "a_value_of_1e200",
     "One value of 1e200 in one of three hits.",
-    with_a_huge_value,
+    impossible_value,
     "(?i)1e\\+?200|single|value|beyond",
     3,
     1,

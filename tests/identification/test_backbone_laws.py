@@ -1,5 +1,7 @@
 """Laws of an element at one of three points, by their first harmonics: family and place, and no more than is known."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from phased_line import OMEGA, PSI, ZETA, model
@@ -7,6 +9,7 @@ from phased_line import OMEGA, PSI, ZETA, model
 from modallab.core.model import Backbone
 from modallab.identification.backbone_laws import law_note, likely_law
 
+Element = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 OWN = np.argmax(np.abs(PSI), axis=1)
 
 
@@ -33,11 +36,12 @@ LAWS = {
 }
 
 
-def backbone(law: str, point: int, seed: int, levels: int = 5) -> Backbone:
+def backbone(law: str | Element, point: int, seed: int, levels: int = 5) -> Backbone:
+    acts = LAWS[law] if isinstance(law, str) else law
     rng, level = np.random.default_rng(seed), np.geomspace(1e-4, 1e-3, levels)
     motion, omega = level * np.array([[3.0], [1.0], [0.6]]), OMEGA[:, None]
     there = PSI[:, [point - 1]]
-    stiffness, damper = LAWS[law](np.abs(there) * motion, omega)
+    stiffness, damper = acts(np.abs(there) * motion, omega)
     squared = omega**2 + there**2 * stiffness
     zeta = (2 * ZETA[:, None] * omega + there**2 * damper) / 2 / np.sqrt(squared)
     hz = np.sqrt(squared) / (2 * np.pi)
@@ -66,6 +70,27 @@ def test_no_other_law_is_stated_and_no_other_place(law: str, point: int) -> None
 def test_a_law_that_moves_the_modes_much_is_stated_with_its_place(law: str) -> None:
     (note,) = law_note(likely_law(backbone(law, 2, seed=9), model()))
     assert note.startswith(f"The modes go with their amplitude as with {law} at point 2 (probability 0.9")
+
+
+def test_a_joint_that_closes_is_both() -> None:
+    """As of bolted beams: the frequency falls and rises again, and the damping rises throughout."""
+
+    def closes(a: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return -8e5 * a**0.5 + 5e10 * a**2, 4e5 * a**0.5 / omega
+
+    (note,) = law_note(likely_law(backbone(closes, 2, seed=4, levels=8), model()))
+    assert "a hardening spring" in note
+    assert "a bolted joint" in note
+    assert " and " in note
+
+
+def test_what_no_element_does_is_none_of_them() -> None:
+    def swings(a: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        turned = 6 * np.log(a / a.min())
+        return 4e3 * np.sin(turned), 4e3 * (1 + np.cos(turned)) / omega
+
+    (note,) = law_note(likely_law(backbone(swings, 2, seed=5, levels=8), model()))
+    assert "as with no known element" in note
 
 
 def test_two_levels_show_no_law() -> None:

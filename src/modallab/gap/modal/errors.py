@@ -10,7 +10,7 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.gap.modal.weights import Weights
-from modallab.modification.synthesis import kernels
+from modallab.modification.synthesis import receptance_of_modes
 
 ERROR = 0.007
 """By how much of its size a line of an FRF is off for reasons that no free number stands for, one deviation."""
@@ -19,7 +19,7 @@ SMALL = 0.3
 OUTSIDE = 0.3
 """By how much of its size each residual term of an FRF may be off."""
 OPEN = 3.0
-"""The same of a term that the reference does not have: it is not known at all."""
+"""The same of a term that the reference's model does not have, and no FRFs say: it is not known at all."""
 SHAPE = 0.015
 """By how much of its size a modal constant is off by itself: what modes outside the band mix into a shape."""
 
@@ -50,13 +50,14 @@ def weights(
         lines: factor on by how much each line is off by itself, (outputs, 1) or of all.
         along: the same of what goes along whole FRFs.
     """
-    terms, of_terms = _of_residuals(reference, bench, s)
+    # What lies outside the band is in measured FRFs, whatever terms either model made of it.
+    terms, of_terms = _of_residuals(reference, bench if noise is None else reference, s)
     constants = np.abs(bench.modal_constants)
     size = np.hypot(constants, SMALL * _rms(constants))
     # One that was not found at all is believed to be as large as it is.
     of_modes = np.hypot(SHAPE * size, np.minimum(np.nan_to_num(bench.modal_constant_sigma), size))
     # A modal constant is complex: it may be off in size and in phase.
-    modes = kernels(bench, s).T
+    modes = receptance_of_modes(bench, s).T
     shapes = np.concatenate([terms, modes, 1j * modes])
     spread = np.concatenate([of_terms, of_modes, of_modes])
     return Weights.of(ERROR * lines * sizes(measured), shapes, along * spread, noise)

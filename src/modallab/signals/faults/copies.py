@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
 from modallab.signals.faults.fault import Fault
-from modallab.signals.faults.runs import Runs, runs_where
+from modallab.signals.faults.runs import SampleRuns, runs_where
 
 WINDOW, VALUES = 16, 8
 """Samples of a window, and different values in it from which on no chance repeats it."""
@@ -23,7 +23,7 @@ def copies(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real) -
     lag = _lag(rows[key])
     if not lag:
         return ()
-    found: Runs = runs_where((rows[:, lag:] == rows[:, :-lag]).all(axis=0)).longer(WINDOW)
+    found: SampleRuns = runs_where((rows[:, lag:] == rows[:, :-lag]).all(axis=0)).longer(WINDOW)
     moving = [k for k in range(found.first.size) if np.unique(rows[key, found.first[k] : found.stop[k]]).size >= VALUES]
     if np.median(np.abs(rows[key, lag:] - rows[key, :-lag])) < MOVES * float(np.median(steps[key])):
         return ()

@@ -12,9 +12,9 @@ from modallab.signals.faults.drift import drift
 from modallab.signals.faults.drop_outs import drop_outs
 from modallab.signals.faults.fault import Fault
 from modallab.signals.faults.flat_tops import flat_tops
-from modallab.signals.faults.repeats import repeats
+from modallab.signals.faults.repeats import repeated_values
 from modallab.signals.faults.runs import steps_of
-from modallab.signals.faults.spikes import spikes
+from modallab.signals.faults.spikes import find_spikes
 
 LEAST_SAMPLES = 64
 """Fewer show too little of how a channel moves."""
@@ -36,19 +36,19 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
     quantities = {channel.name: channel.quantity for channel in rig.channels}
     found: list[Fault] = []
     for row, name, step in zip(rows, block.channels, steps, strict=True):
-        found += _of_row(row, name, step, block.rate_hz, quantities.get(name))
+        found += _faults_of_row(row, name, step, block.rate_hz, quantities.get(name))
     return (
         *found,
         *copies(rows, block.rate_hz, block.channels, steps),
-        *spikes(rows, block.rate_hz, block.channels, steps),
+        *find_spikes(rows, block.rate_hz, block.channels, steps),
     )
 
 
-def _of_row(row: Real, name: str, steps: Real, rate_hz: float, quantity: Quantity | None) -> tuple[Fault, ...]:
+def _faults_of_row(row: Real, name: str, steps: Real, rate_hz: float, quantity: Quantity | None) -> tuple[Fault, ...]:
     if found := dead(row, name, steps):
         return found
     tops = flat_tops(row, rate_hz, name, steps)
-    held = repeats(row, rate_hz, name, steps)
+    held = repeated_values(row, rate_hz, name, steps)
     # What is held everywhere has no drop-outs of its own; neither has a channel at the end of its range.
     lost = () if tops or held else drop_outs(row, rate_hz, name, steps, force=quantity == "force")
     # Only accelerations keep their mean: a structure may end where it was not, and a force may be let go.
