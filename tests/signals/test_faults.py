@@ -11,8 +11,8 @@ from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Channel, Point, Rig
 from modallab.pipelines.sound import undamaged_records
-from modallab.signals.faults.fault import Fault
 from modallab.signals.faults.found import faults_of
+from modallab.signals.faults.runs import Fault
 
 Rows = NDArray[np.float64]
 N, RATE_HZ = 4096, 2000.0

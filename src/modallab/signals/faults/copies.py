@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.fault import Fault
-from modallab.signals.faults.runs import SampleRuns, runs_where
+from modallab.signals.faults.runs import Fault, SampleRuns, runs_where
 
 WINDOW, VALUES = 16, 8
 """Samples of a window, and different values in it from which on no chance repeats it."""

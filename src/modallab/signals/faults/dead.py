@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.fault import Fault
+from modallab.signals.faults.runs import Fault
 
 MOST_STEPS = 4
 """Between the smallest and the largest value: the noise of a converter without a signal."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.fault import Fault
+from modallab.signals.faults.runs import Fault
 
 ORDER = 3
 """Of the polynomial that follows a drift: a motion that turns oftener in a record is one."""

@@ -10,10 +10,9 @@ from modallab.signals.faults.copies import copies
 from modallab.signals.faults.dead import dead
 from modallab.signals.faults.drift import drift
 from modallab.signals.faults.drop_outs import drop_outs
-from modallab.signals.faults.fault import Fault
 from modallab.signals.faults.flat_tops import flat_tops
 from modallab.signals.faults.repeats import repeated_values
-from modallab.signals.faults.runs import steps_of
+from modallab.signals.faults.runs import Fault, steps_of
 from modallab.signals.faults.spikes import find_spikes
 
 LEAST_SAMPLES = 64
