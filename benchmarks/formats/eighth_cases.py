@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import scipy.io
 from array_cases import chunk
-from damaged_cases import changed, damaged, put
+from damaged_cases import changed, put
 from drawn import Drawn, drawn, modes
 from known import PLAIN, G, Known, KnownFrf, Record, case
 from lvm_cases import head, segment
@@ -342,4 +342,3 @@ put(
 )
 put("zero_that_runs_away", "A zero that runs away in one of two hits.", slow_leak, "zero drifts", 2, 0)
 put("minus_9999", "-9999 for missing values.", marks_for_missing, "(?i)nothing near it|9999")
-assert damaged
