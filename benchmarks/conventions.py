@@ -23,7 +23,7 @@ from modallab.core.effects import Effect  # noqa: E402
 from modallab.core.model import ModalModel  # noqa: E402
 from modallab.core.places import OneChannel  # noqa: E402
 from modallab.gap.diagnosis import diagnose  # noqa: E402
-from modallab.identification import Options  # noqa: E402
+from modallab.identification import IdentificationOptions  # noqa: E402
 from modallab.pipelines.identify import identify_campaign  # noqa: E402
 
 MOST = 5e-4
@@ -64,7 +64,7 @@ def of_diagnosis(one: Diagnosis, two: Diagnosis, names: tuple[list[str], list[st
 
 
 def modelled(campaign: Campaign) -> ModalModel:
-    return identify_campaign(campaign, Options(), "impact").identified[0].model
+    return identify_campaign(campaign, IdentificationOptions(), "impact").identified[0].model
 
 
 def main() -> int:

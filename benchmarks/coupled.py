@@ -16,8 +16,8 @@ import numpy as np
 from scipy.linalg import block_diag, null_space
 
 from by_seed import measure
-from modallab.modification.attachments import Addition, Coupled, Element
-from modallab.modification.known import Known
+from modallab.modification.attachments import AttachedPart, Coupled, Element
+from modallab.modification.known import KnownStructure
 from modallab.verification.verify import frac
 from modified_structures import HITS, TOLERANCE, Bench
 
@@ -42,18 +42,18 @@ def joined(a: Bench, b: Bench, pairs: list[tuple[int, int]]) -> Bench:
     )
 
 
-def loaded(a: Bench) -> tuple[Bench, list[Addition]]:
+def loaded(a: Bench) -> tuple[Bench, list[AttachedPart]]:
     """A with a mass where each sensor is, and a stinger; and what takes them away."""
     mass, stiffness, damping = a.matrices
     rows = np.array([a.row(at, "z") for at in a.sensors])
     stinger = a.row(a.places[a.hits[0] - 1], "z")
     mass = mass + SENSOR_KG * rows.T @ rows + STINGER_KG * np.outer(stinger, stinger)
     other = a.like(mass, stiffness + STINGER_N_PER_M * np.outer(stinger, stinger), damping, a.row)
-    away: list[Addition] = [Element((p, "z"), mass=-SENSOR_KG) for p in range(1, len(a.places) + 1)]
+    away: list[AttachedPart] = [Element((p, "z"), mass=-SENSOR_KG) for p in range(1, len(a.places) + 1)]
     return other, [*away, Element((a.hits[0], "z"), mass=-STINGER_KG, spring=-STINGER_N_PER_M)]
 
 
-def cases(seed: int) -> Iterator[tuple[str, Bench, list[Addition], Bench]]:
+def cases(seed: int) -> Iterator[tuple[str, Bench, list[AttachedPart], Bench]]:
     """Its name, what is measured, what is changed of the model, and what is measured to compare."""
     a, b = Bench(2 * seed), Bench(2 * seed + (1 if seed % 2 else 1000), THICKER)
     a.high_hz = b.high_hz = edge(a, b)
@@ -75,18 +75,18 @@ def edge(a: Bench, b: Bench) -> float:
     return float(np.sqrt(both[widest] * both[widest + 1]))
 
 
-def held(other: Known, pairs: list[tuple[int, int]], sign: int = 1) -> Coupled:
+def held(other: KnownStructure, pairs: list[tuple[int, int]], sign: int = 1) -> Coupled:
     """The other structure at pairs of points."""
     along = [((p, "z"), (q, "z")) for p, q in pairs]
     return Coupled(other.structure, along, sign=sign, samples=other.samples)
 
 
-def known_of(bench: Bench) -> tuple[Known, np.ndarray, np.ndarray]:
+def known_of(bench: Bench) -> tuple[KnownStructure, np.ndarray, np.ndarray]:
     """The structure as identified, and the FRFs that it was identified from."""
     measured = bench.frfs()
     model = bench.identified(measured)
     rig = bench.rig.model_copy(update={"tolerance": TOLERANCE})
-    return Known(model, rig, [HITS] * 2), measured.frf.frequency_hz, measured.frf.values
+    return KnownStructure(model, rig, [HITS] * 2), measured.frf.frequency_hz, measured.frf.values
 
 
 def rows_of(seed: int) -> list[list[object]]:

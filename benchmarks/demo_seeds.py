@@ -17,7 +17,7 @@ import numpy as np
 
 from modallab.cli.demo_rig import demo_rig
 from modallab.core.plan import ImpactPlan, SinePlan
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import truth_of
 from modallab.service.campaigns.local_session import record_campaign
@@ -35,7 +35,7 @@ def one_seed(seed: int, tests: Sequence[str]) -> list[dict]:
         campaign = record_campaign(f"sim://cantilever?seed={seed}", rig, plans, Path(folder), lambda event: None)
     truth = truth_of(campaign)
     rows = []
-    for item in identify_campaign(campaign, Options()).identified:
+    for item in identify_campaign(campaign, IdentificationOptions()).identified:
         model = item.model
         for r in range(MODES):
             true_f, true_z = truth.frequency_hz[r], truth.damping_ratio[r]

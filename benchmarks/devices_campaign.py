@@ -30,7 +30,7 @@ from modallab.core.model import ModalModel
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.service.campaigns.local_session import record_campaign
 from modallab.storage import Store, campaign_of
@@ -91,7 +91,7 @@ def over_devices(system: str, seed: int, dialect: str, plans: Sequence[Plan], fo
 
 
 def models_of(campaign: Campaign) -> dict[str, ModalModel]:
-    result = identify_campaign(campaign, Options())
+    result = identify_campaign(campaign, IdentificationOptions())
     for item in result.unidentified:
         print(f"  no model: {item}")
     return {item.source: item.model for item in result.identified}

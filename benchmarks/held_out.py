@@ -22,7 +22,7 @@ from by_seed import measure
 from modallab.core.block import Block, Campaign
 from modallab.core.plan import BLOCK_S, BroadbandPlan, ImpactPlan, SinePlan
 from modallab.core.rig import Tolerance
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.notebook.recording import Recording
 from modallab.signals.signals import Signals, to_signals_of
 
@@ -45,7 +45,7 @@ class Case:
     """A model, the records that it has not seen, and with each those that it has seen, with the same point."""
 
     kind: str
-    known: Known
+    known: KnownStructure
     held: Sequence[tuple[Signals, Sequence[Signals]]]
 
 
@@ -66,7 +66,7 @@ def cases(seed: int) -> Iterator[Case]:
     yield Case("sine", driven, [(s, seen) for own in sines for s in own])
 
 
-def known_of(whole: Campaign, seen: Sequence[Signals]) -> Known:
+def known_of(whole: Campaign, seen: Sequence[Signals]) -> KnownStructure:
     """The model of some records. Its sensors are those of the records it is compared with, and so is its stinger."""
     blocks = tuple(s.block for s in seen)
     model = ml.identify(Recording(replace(whole, blocks=blocks)), blocks[0].test, progress=False).modal
@@ -75,7 +75,7 @@ def known_of(whole: Campaign, seen: Sequence[Signals]) -> Known:
     far = usual.hit_position_m * np.sqrt(1 + 1 / SEEN_HITS) if blocks[0].test == "impact" else 0.0
     gain = usual.hit_gain * np.sqrt(1 + 1 / SEEN_HITS) if blocks[0].test == "impact" else 0.0
     known = {"sensitivity": 0.0, "position_m": 0.0, "hit_position_m": far, "hit_gain": gain}
-    return Known(model, whole.rig.model_copy(update={"tolerance": usual.model_copy(update=known)}))
+    return KnownStructure(model, whole.rig.model_copy(update={"tolerance": usual.model_copy(update=known)}))
 
 
 def rows_of(seed: int) -> list[list[object]]:
@@ -112,7 +112,7 @@ def compared(case: Case, held: Signals, repeats: Sequence[Signals]) -> tuple[np.
     )
 
 
-def samples_inside(known: Known, held: Signals, lines: np.ndarray, off: np.ndarray) -> np.ndarray:
+def samples_inside(known: KnownStructure, held: Signals, lines: np.ndarray, off: np.ndarray) -> np.ndarray:
     """(outputs,) share of the samples of a hit, whose block ends before its motion does."""
     spectrum = np.zeros((len(off), held.force.size // 2 + 1), complex)
     spectrum[:, lines] = off
@@ -123,7 +123,7 @@ def samples_inside(known: Known, held: Signals, lines: np.ndarray, off: np.ndarr
     return np.mean(inside[:, moving], axis=1)
 
 
-def lines_inside(known: Known, held: Signals, lines: np.ndarray, off: np.ndarray) -> np.ndarray:
+def lines_inside(known: KnownStructure, held: Signals, lines: np.ndarray, off: np.ndarray) -> np.ndarray:
     """(outputs,) share of the lines of a record of whole periods."""
     hz, spectrum = (np.fft.rfftfreq(held.force.size, 1 / held.rate_hz), np.fft.rfft(held.responses, axis=1))
     variance = known.frf(hz[lines], known.sensors, [held.block.drive_point], "inertance").variance
@@ -134,7 +134,7 @@ def lines_inside(known: Known, held: Signals, lines: np.ndarray, off: np.ndarray
     return np.mean(np.abs(off) ** 2 <= INSIDE * stated, axis=1)
 
 
-def motion(known: Known, held: Signals) -> np.ndarray:
+def motion(known: KnownStructure, held: Signals) -> np.ndarray:
     """(outputs, samples) of a hit from rest, or of a force that repeats and has done so for long."""
     n, times = held.force.size, 1 if held.block.test == "impact" else PERIODS
     force = np.tile(held.force, times)[None]

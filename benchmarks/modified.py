@@ -17,7 +17,7 @@ from modallab.core.model import ModalModel
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Tolerance
 from modallab.modification.attachments import Element
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.modification.modified import ModesAfter
 
 PLAN = ImpactPlan(points=(10, 6, 3), hits=5)
@@ -51,7 +51,7 @@ def rows_of(seed: int) -> list[list[object]]:
     tests = [ml.simulate("link", e, seed=seed, tolerances="usual", plan=PLAN, progress=False) for e in effects]
     bare, changed = (ml.identify(test, "impact", progress=False) for test in tests)
     rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
-    known = Known(bare.modal, rig, [PLAN.hits] * len(PLAN.points))
+    known = KnownStructure(bare.modal, rig, [PLAN.hits] * len(PLAN.points))
     after = known.with_changes([Element(point, **{kind: size})]).modes
     return beside(kind, seed, size, point, bare.modal, after, changed.modal)
 

@@ -24,8 +24,8 @@ import structures
 import modallab as ml
 from modallab.core.model import ModalModel
 from modallab.core.rig import Tolerance
-from modallab.modification.attachments import Addition, Element, TunedAbsorber
-from modallab.modification.known import Known
+from modallab.modification.attachments import AttachedPart, Element, TunedAbsorber
+from modallab.modification.known import KnownStructure
 from modified import COLUMNS, beside, summary
 from updated import moved, plate_places, rig_of, tube_places
 
@@ -77,7 +77,7 @@ class Bench:
         other.__dict__ = self.__dict__ | {"mass": mass, "stiffness": stiffness, "damping": damping, "row": row}
         return other
 
-    def drawn(self) -> tuple[str, float, int, Addition]:
+    def drawn(self) -> tuple[str, float, int, AttachedPart]:
         """What is added: sizes are shares of the modal mass, stiffness and damping of a mode below half the band."""
         kind = ("mass", "spring", "damper", "absorber")[int(self.rng.integers(4))]
         point, mode = int(self.rng.integers(3, len(self.places) + 1)), int(self.rng.integers(4))
@@ -95,7 +95,7 @@ class Bench:
         added = TunedAbsorber(at, size, w / 2 / np.pi, 0.1) if kind == "absorber" else Element(at, **{kind: size})
         return kind, size, point, added
 
-    def with_added(self, kind: str, size: float, point: int, added: Addition) -> "Bench":
+    def with_added(self, kind: str, size: float, point: int, added: AttachedPart) -> "Bench":
         """The matrices with it."""
         other = self.like(*self.matrices, self.row)
         row = self.row(self.places[point - 1], "z")
@@ -160,7 +160,9 @@ def rows_of(seed: int) -> list[list[object]]:
     other = bench.with_added(kind, size, point, added)
     before = bench.identified(bench.frfs())
     predicted = (
-        Known(before, bench.rig.model_copy(update={"tolerance": TOLERANCE}), [HITS] * 2).with_changes([added]).modes
+        KnownStructure(before, bench.rig.model_copy(update={"tolerance": TOLERANCE}), [HITS] * 2)
+        .with_changes([added])
+        .modes
     )
     return beside(kind, seed, size, point, before, predicted, other.exact())
 

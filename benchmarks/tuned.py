@@ -21,8 +21,8 @@ from modallab.bench.simulated import simulated_bench
 from modallab.cli.demo_rig import demo_rig
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Tolerance
-from modallab.modification.inverse import By, tuned
-from modallab.modification.known import Known
+from modallab.modification.inverse import By, changes_for_frequency
+from modallab.modification.known import KnownStructure
 from modallab.service.errors import RunEndedError
 from modified import PLAN, POINTS, effect_of
 
@@ -65,15 +65,15 @@ def rows_of(seed: int) -> list[list[object]]:
     """The wanted frequencies of one bench."""
     bare = ml.identify(ml.simulate(seed=seed, tolerances="usual", plan=PLAN, progress=False), "impact", progress=False)
     rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
-    known = Known(bare.modal, rig, [PLAN.hits] * len(PLAN.points))
+    known = KnownStructure(bare.modal, rig, [PLAN.hits] * len(PLAN.points))
     rng = np.random.default_rng(seed)
     return [row(seed, known, *drawn(rng, bare.modal.frequency_hz)) for _ in range(WANTED)]
 
 
-def row(seed: int, known: Known, by: By, mode: int, to_hz: float) -> list[object]:
+def row(seed: int, known: KnownStructure, by: By, mode: int, to_hz: float) -> list[object]:
     """The answer, and what is measured with it."""
     start = [seed, by, mode, known.model.frequency_hz[mode - 1], to_hz]
-    best = tuned(known, mode, to_hz, by, list(range(1, POINTS + 1)))[0]
+    best = changes_for_frequency(known, mode, to_hz, by, list(range(1, POINTS + 1)))[0]
     if not best.feasible:
         return [*start, "", "", "", "", "", *limits(seed, by, mode)]
     effect = effect_of(by, best.size, int(str(best.at)))

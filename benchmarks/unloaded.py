@@ -15,7 +15,7 @@ import modallab as ml
 from by_seed import measure
 from modallab.core.rig import Tolerance
 from modallab.modification.attachments import Element
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modified import COLUMNS, PLAN, POINTS, beside, summary
 
 FIRST_SEED = 7301
@@ -31,7 +31,7 @@ def rows_of(seed: int) -> list[list[object]]:
     with_all, bare = (ml.identify(test, "impact", progress=False) for test in tests)
     rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
     away = [*(Element(p, mass=-sensor) for p in range(1, POINTS + 1)), Element(POINTS, mass=-kg, spring=-stiff)]
-    after = Known(with_all.modal, rig, [PLAN.hits] * len(PLAN.points)).with_changes(away).modes
+    after = KnownStructure(with_all.modal, rig, [PLAN.hits] * len(PLAN.points)).with_changes(away).modes
     return beside("unloaded", seed, sensor, POINTS, with_all.modal, after, bare.modal)
 
 

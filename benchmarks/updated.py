@@ -21,12 +21,12 @@ import structures
 from modallab.core.model import ModalModel
 from modallab.core.rig import Beam, Channel, Point, Rig, Tolerance
 from modallab.formats.fem.matrix_model import MatrixModel
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.pipelines.model_update import update_model
-from modallab.twin.elements import ELEMENTS, patterns, shape_rows
+from modallab.twin.elements import ELEMENTS, beam_matrices, shape_rows
 from modallab.twin.matrices import OWN
 from modallab.twin.modes import undamped_modes
-from modallab.twin.structure import Structure
+from modallab.twin.structure import TwinStructure
 from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters
 
@@ -90,7 +90,7 @@ def drawn(priors: Mapping[str, Prior], rng: np.random.Generator) -> dict[str, fl
     return {n: abs(v) if "mass" in n or "spring" in n else v for n, v in true.items()}
 
 
-def beam(rng: np.random.Generator) -> tuple[Known, None, dict[str, Prior], dict[str, float], str]:
+def beam(rng: np.random.Generator) -> tuple[KnownStructure, None, dict[str, Prior], dict[str, float], str]:
     """The project's own beam, with numbers of the material, a joint, a mass and a spring."""
     x = BEAM.length_m * np.arange(1, 11) / 10
     places = np.stack([x, 0 * x, 0 * x], 1)
@@ -102,7 +102,7 @@ def beam(rng: np.random.Generator) -> tuple[Known, None, dict[str, Prior], dict[
         "thickness": Prior(BEAM.thickness_m, 1e-6, True),
     }  # fmt: skip
     true = drawn(extra, rng)
-    s = Structure.of(BEAM, 0.004)
+    s = TwinStructure.of(BEAM, 0.004)
     s = replace(
         s, youngs_modulus_pa=true["youngs_modulus"], density_kg_m3=true["density"], thickness_m=true["thickness"],
         masses=((x[6], true["mass@7"]),), springs=((x[9], true["spring@10"]),),
@@ -112,12 +112,12 @@ def beam(rng: np.random.Generator) -> tuple[Known, None, dict[str, Prior], dict[
     s = replace(s, root_rotation=s.bending_stiffness / (s.length_m * true["joint_rotation"]))
     omega, phi, _ = undamped_modes(s)
     seen = (shape_rows(moved(places, rng, 1)[:, 0], BEAM.length_m) @ phi[:OWN]).T
-    return Known(measured(rig, omega / 2 / np.pi, seen, 900.0, rng), rig), None, extra, true, "thickness"
+    return KnownStructure(measured(rig, omega / 2 / np.pi, seen, 900.0, rng), rig), None, extra, true, "thickness"
 
 
-def segments(rng: np.random.Generator) -> tuple[Known, MatrixModel, dict[str, Prior], dict[str, float], str]:
+def segments(rng: np.random.Generator) -> tuple[KnownStructure, MatrixModel, dict[str, Prior], dict[str, float], str]:
     """The beam as matrices: the stiffness of four parts of it, a spring, and a spring that no mode feels."""
-    pattern, nodes = patterns(BEAM.length_m), np.arange(1, ELEMENTS + 1)
+    pattern, nodes = beam_matrices(BEAM.length_m), np.arange(1, ELEMENTS + 1)
     ei, rho_a = BEAM.bending_stiffness_n_m2, BEAM.mass_kg / BEAM.length_m
     keep = np.ix_(range(2, OWN), range(2, OWN))
     whole, heavy = ei * pattern.stiffness[0], rho_a * pattern.mass[0]
@@ -142,7 +142,7 @@ def segments(rng: np.random.Generator) -> tuple[Known, MatrixModel, dict[str, Pr
     seen = np.concatenate([full[:, :1], columns], axis=1)
     grid = np.linspace(0, BEAM.length_m, ELEMENTS + 1)
     phi = np.array([np.interp(moved(places, rng, 1)[:, 0], grid, one) for one in seen])
-    return Known(measured(rig, there.frequency_hz, phi, 900.0, rng), rig), model, priors, true, "root spring"
+    return KnownStructure(measured(rig, there.frequency_hz, phi, 900.0, rng), rig), model, priors, true, "root spring"
 
 
 def part(whole: np.ndarray, k: int) -> np.ndarray:
@@ -161,7 +161,9 @@ def element(whole: np.ndarray) -> np.ndarray:
     return one
 
 
-def ritz(kind: str, rng: np.random.Generator) -> tuple[Known, Predict, dict[str, Prior], dict[str, float], str]:
+def ritz(
+    kind: str, rng: np.random.Generator
+) -> tuple[KnownStructure, Predict, dict[str, Prior], dict[str, float], str]:
     """A plate or a tube as a Python function."""
     make, axes, along = {"plate": (structures.plate, "z", 2), "tube": (structures.tube, "yz", 1)}[kind]
     places = plate_places() if kind == "plate" else tube_places()
@@ -190,7 +192,7 @@ def ritz(kind: str, rng: np.random.Generator) -> tuple[Known, Predict, dict[str,
     true = drawn(priors, rng)
     uneven = {"stiff_x": structures.field(rng, TOLERANCE.stiffness_field), "mass_x": structures.field(rng, 2e-3)}
     hz, phi = modes(true, moved(places, rng, along), **uneven)
-    known = Known(measured(rig, hz, phi, float(hz[9:11].mean()), rng), rig)
+    known = KnownStructure(measured(rig, hz, phi, float(hz[9:11].mean()), rng), rig)
     return known, lambda numbers: modes(numbers, places), priors, true, "paint"
 
 

@@ -127,18 +127,18 @@ def _first(found: object) -> str:
 
 def problems() -> str:
     """Every kind of a problem that the service answers with."""
-    from modallab.service.api.problems import kinds
+    from modallab.service.api.problems import problem_kinds
 
-    rows = ((f"`{kind.code}`", kind.status, kind.title, kind.meaning) for kind in kinds().values())
+    rows = ((f"`{kind.code}`", kind.status, kind.title, kind.meaning) for kind in problem_kinds().values())
     return table("code | status | title | meaning", rows)
 
 
 def settings() -> str:
     """The settings of the service."""
-    from modallab.core.frozen import described
+    from modallab.core.frozen import described_fields
     from modallab.core.settings import Settings
 
-    of = described(Settings)[1]
+    of = described_fields(Settings)[1]
     rows = ((f"`MODALLAB_{n.upper()}`", _shown(f.default), of[n]) for n, f in Settings.model_fields.items())
     return table("variable | default | meaning", rows)
 

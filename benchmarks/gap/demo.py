@@ -15,7 +15,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.places import AlongBeam
 from modallab.core.rig import Tolerance
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.words.verdicts import sentence
+from modallab.gap.words.verdicts import verdict_sentence
 from modallab.service.campaigns.local_session import record_campaign
 
 NEAR = 0.05
@@ -59,7 +59,7 @@ def main() -> None:
                 continue
             good += right(diagnosis, effects)
             mark = "right" if right(diagnosis, effects) else "WRONG"
-            print(f"{seed} {mark} {took:.0f} s: {sentence(diagnosis)}", flush=True)
+            print(f"{seed} {mark} {took:.0f} s: {verdict_sentence(diagnosis)}", flush=True)
         print(f"{good} of {arguments.seeds} right: {' '.join(effects) or 'no effect'}", flush=True)
 
 

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 from foreign_bench import Simulator
 
-from modallab.blind.draw import Draw, make
+from modallab.blind.draw import TrialDraw, make_trial
 from modallab.blind.trial_bench import trial_bench
 from modallab.core.effects import Effect
-from modallab.gap.simulations.compare import compare
+from modallab.gap.simulations.compare import compare_simulation
 
 EFFECTS = (
     *("clamp_rotation", "clamp_translation", "added_mass", "sensor_mass", "stiffness_loss", "ground_spring"),
@@ -31,24 +31,26 @@ EFFECTS = (
 NONE = "none"
 
 
-def listed(trials: int, none: int, seed: int) -> list[Draw]:
+def listed(trials: int, none: int, seed: int) -> list[TrialDraw]:
     """The trials in turn, effects in an order that the seed draws."""
     order = [str(name) for name in np.random.default_rng([seed, 15]).permutation(EFFECTS)]
     names = [order[k % len(order)] for k in range(trials)] + [NONE] * none
     # Each effect meets an ideal bench and one as built in turn.
     built = [("none", "usual")[(k + k // len(order)) % 2] for k in range(len(names))]
-    return [Draw(f"t{k:03d}", name, seed * 1000 + k, of) for k, (name, of) in enumerate(zip(names, built, strict=True))]
+    return [
+        TrialDraw(f"t{k:03d}", name, seed * 1000 + k, of) for k, (name, of) in enumerate(zip(names, built, strict=True))
+    ]
 
 
-def trial(draw: Draw) -> dict[str, Any]:
+def trial(draw: TrialDraw) -> dict[str, Any]:
     """One trial: what is hidden, and what is said of it."""
-    made = make(draw, later=False)
+    made = make_trial(draw, later=False)
     hidden = [_effect(e) for e in made.truth["effects"]]
     rig = made.campaign.rig
     campaign, _ = trial_bench().make_trial(rig, draw.seed, (), draw.tolerances)
     records = Simulator(rig, tuple(hidden), draw.seed + 500_000).records(campaign)
     begun = time.process_time()
-    found = compare(campaign, records)
+    found = compare_simulation(campaign, records)
     return {
         "name": draw.name,
         "tolerances": draw.tolerances,

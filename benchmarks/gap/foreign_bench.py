@@ -16,7 +16,7 @@ from modallab.core.effects import Effect
 from modallab.core.plan import BLOCK_S
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.gap.conditioning.records import as_volts, usable
+from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.simulations.simulated_records import simulated_records
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.altered import ChainChanges
@@ -51,7 +51,7 @@ class Simulator:
         found: dict[str, Array] = {}
         tests: tuple[Test, ...] = ("impact", "sine")
         for test in tests:
-            names = [b.name for b in usable(as_volts(campaign)) if b.test == test]
+            names = [b.name for b in usable_records(records_in_volts(campaign)) if b.test == test]
             if names:
                 site = Site(truth, self.rig, test, RATES_HZ[test])
                 found |= simulated_records(partial(self._sensed, truth, site, test), campaign, names, site.oversample)

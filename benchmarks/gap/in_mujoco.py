@@ -13,19 +13,19 @@ import time
 from pathlib import Path
 from typing import Any
 
-from modallab.blind.draw import Draw, make
+from modallab.blind.draw import TrialDraw, make_trial
 from modallab.core.errors import ModallabError
 from modallab.core.units import Test
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.exported.forms import FORMS, in_form
-from modallab.gap.report.shrinkage import closed
+from modallab.gap.exported.forms import FORMS, measure_form
+from modallab.gap.report.shrinkage import closed_share
 
 EFFECTS = ("clamp_rotation", "ground_spring", "local_damper", "added_mass", "stiffness_loss", "sensor_mass")
 
 
 def trial(name: str, seed: int, tolerances: str, sines: int) -> list[dict[str, Any]]:
     """One effect in each test."""
-    made = make(Draw(name, name, seed, tolerances), later=False)
+    made = make_trial(TrialDraw(name, name, seed, tolerances), later=False)
     said = diagnose(made.campaign)
     entry = {"effect": name, "seed": seed, "said": [f.effect for f in said.effects], "verdict": said.verdict}
     tests: list[tuple[Test, int | None]] = [("impact", None), *([("sine", sines)] if sines else [])]
@@ -33,11 +33,11 @@ def trial(name: str, seed: int, tolerances: str, sines: int) -> list[dict[str, A
     for test, most in tests:
         begun = time.process_time()
         try:
-            measured = in_form(FORMS["mjcf"], said, made.campaign, [test], most).model_dump(mode="json")
+            measured = measure_form(FORMS["mjcf"], said, made.campaign, [test], most).model_dump(mode="json")
         except ModallabError as error:
             found.append(entry | {"test": test, "error": str(error)})
             continue
-        own = closed(measured["before"], measured["twin_after"])
+        own = closed_share(measured["before"], measured["twin_after"])
         found.append(entry | {"test": test, "own": own, "seconds": time.process_time() - begun} | measured)
     return found
 

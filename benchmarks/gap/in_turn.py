@@ -20,11 +20,11 @@ from typing import Any
 
 from modallab.blind.answer import ANSWERS, read_answers
 from modallab.blind.answer import answer_of as diagnosed
-from modallab.blind.draw import Draw, draw_trials, make
-from modallab.blind.outcome import outcome, said_name, true_name
+from modallab.blind.draw import TrialDraw, draw_trials, make_trial
+from modallab.blind.outcome import said_name, sum_up_trials, true_name
 from modallab.blind.request import BlindRequest
 from modallab.blind.score import Trial
-from modallab.blind.seal import SEALED, hash_of, seal, sealed_hash
+from modallab.blind.seal import SEALED, hash_of, seal_truth, sealed_hash
 from modallab.core.diagnosis import Found
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 
@@ -32,18 +32,18 @@ WHOLE = {"swap", "polarity"}
 """Effects without a number, and those of which a number is none to be found."""
 
 
-def answer(folder: Path, draw: Draw) -> dict[str, Any]:
+def answer(folder: Path, draw: TrialDraw) -> dict[str, Any]:
     """Make, seal and answer one trial, as far as that has not been done; gives the answer."""
     campaign = folder / "campaigns" / f"{draw.name}.h5"
     if sealed_hash(folder, draw.name) is None:
-        made = make(draw, later=False)
+        made = make_trial(draw, later=False)
         campaign.parent.mkdir(parents=True, exist_ok=True)
         write_campaign(made.campaign, campaign)
-        seal(folder, draw.name, made.truth)
+        seal_truth(folder, draw.name, made.truth)
     return {"name": draw.name} | diagnosed(campaign)
 
 
-def answer_in_turn(folder: Path, draws: list[Draw], end: float, processes: int) -> None:
+def answer_in_turn(folder: Path, draws: list[TrialDraw], end: float, processes: int) -> None:
     """Answer those that are not answered, in their order, and begin none after `end`."""
     there = {a.name for a in read_answers(folder / ANSWERS)}
     left = iter([draw for draw in draws if draw.name not in there])
@@ -61,7 +61,7 @@ def answer_in_turn(folder: Path, draws: list[Draw], end: float, processes: int) 
                 running |= set() if following is None else {pool.submit(answer, folder, following)}
 
 
-def answered(folder: Path, draws: list[Draw]) -> list[Trial]:
+def answered(folder: Path, draws: list[TrialDraw]) -> list[Trial]:
     """The trials that have been answered, beside their truths."""
     names = {draw.name for draw in draws}
     found: list[Trial] = []
@@ -72,13 +72,13 @@ def answered(folder: Path, draws: list[Draw]) -> list[Trial]:
     return found
 
 
-def measured_again(folder: Path, draws: list[Draw], trials: list[Trial]) -> None:
+def measured_again(folder: Path, draws: list[TrialDraw], trials: list[Trial]) -> None:
     """The later campaign of each effect named right, where it is missing, for `applied.py`."""
     right = {t.name for t in trials if t.right and t.truth}
     for draw in draws:
         later = folder / SEALED / f"{draw.name}_later.h5"
         if draw.name in right and not later.exists():
-            made = make(draw)
+            made = make_trial(draw)
             assert made.later is not None
             write_campaign(made.later, later)
 
@@ -130,7 +130,7 @@ def main() -> None:
     if arguments.later:
         measured_again(arguments.folder, draws, trials)
     print("\n".join(row(t) for t in trials))
-    found = outcome(trials, None, hash_of((arguments.folder / ANSWERS).read_text(encoding="utf-8")))
+    found = sum_up_trials(trials, None, hash_of((arguments.folder / ANSWERS).read_text(encoding="utf-8")))
     for figure in found.figures:
         print(f"{figure.name:45s} {figure.value}  of {figure.count:3d}  {' '.join(figure.misses)}")
     print(f"calibration error {found.calibration_error:.4f}")

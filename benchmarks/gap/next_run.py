@@ -29,7 +29,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.hold_out import SPREAD
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
-from modallab.gap.design.continued import continued
+from modallab.gap.design.continued import continue_campaign
 from modallab.gap.design.experiments import DECIDES, next_experiments
 from modallab.gap.design.explanations import remaining_explanations, without_needless
 from modallab.gap.diagnosis import diagnose
@@ -97,7 +97,7 @@ def tried(made: dict[str, Any], truth: str, folder: Path) -> dict[str, Any]:
     entry |= {"experiments": [e.model_dump(exclude={"plans", "says"}) for e in ranked[:6]]}
     try:
         later = recorded(url, rig, ranked[0].plans, folder / "later", session=1)
-        second = diagnose(continued(campaign, later), SPREAD, known=remaining_explanations(first))
+        second = diagnose(continue_campaign(campaign, later), SPREAD, known=remaining_explanations(first))
     except ModallabError as error:
         return entry | {"kept": True, "right": False, "why": f"{type(error).__name__}: {error}"}
     said = sorted(f.effect for f in second.effects)

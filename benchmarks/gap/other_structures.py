@@ -29,7 +29,7 @@ from modallab.formats.fem.fem_file import FemModel
 from modallab.formats.fem.node_modes import NodeModes
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.modification.mesh import Mesh
 from modallab.updating.elements import mesh_of_elements, model_of_elements
 
@@ -224,13 +224,15 @@ def trial(bench: Bench, kind: str, seed: int, *, elements: bool = False) -> dict
     """One trial: truth and diagnosis."""
     rng = np.random.default_rng([seed, 17])
     rig = bench.rig
-    reference, _ = identify_frf(frf(bench, bench.make(Material()), rng, as_believed(bench)), rig, Options())
+    reference, _ = identify_frf(
+        frf(bench, bench.make(Material()), rng, as_believed(bench)), rig, IdentificationOptions()
+    )
     of, built = as_built(bench, rng)
     truth: dict[str, Any] = {"effect": "none"}
     if kind != "none":
         truth = drawn(bench, kind, rng)
         of, built = put_in(bench, truth, of, built)
-    now, _ = identify_frf(frf(bench, of, rng, built), rig, Options())
+    now, _ = identify_frf(frf(bench, of, rng, built), rig, IdentificationOptions())
     known = None
     if elements:
         reference, known = computed(bench, now)

@@ -18,34 +18,34 @@ from typing import Any
 
 import numpy as np
 
-from modallab.blind.draw import PAIR, Draw, make, pair_names
+from modallab.blind.draw import PAIR, TrialDraw, make_trial, pair_names
 from modallab.core.effects import Effect, kind_of
 from modallab.core.rig import Rig
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.search.consequence import ABOVE
-from modallab.twin.effects import models
+from modallab.twin.effects import effect_models
 from modallab_simulators.cantilever.gap_size import Ruler
 
 
-def drawn(seed: int, stepped: bool) -> Iterator[tuple[Draw, Any]]:
+def drawn(seed: int, stepped: bool) -> Iterator[tuple[TrialDraw, Any]]:
     """Trials of the kind that is asked for, without end."""
     for k in range(10_000):
-        draw = Draw(f"p{k:03d}", PAIR, seed * 1000 + k, "usual")
+        draw = TrialDraw(f"p{k:03d}", PAIR, seed * 1000 + k, "usual")
         linear = [kind_of(name).linear for name in pair_names(draw.seed)]
         if all(linear) if not stepped else sum(linear) == 1:
-            yield draw, make(draw, later=False)
+            yield draw, make_trial(draw, later=False)
 
 
 def below_tolerance(effect: Effect, rig: Rig, seed: int) -> str:
     """Why an effect alone would be no gap on this bench; "" where it is one."""
-    search = models()[effect.effect].search
+    search = effect_models()[effect.effect].search
     if search is not None and search.tolerance.deviations(effect, rig) <= ABOVE:
         return "within its tolerance"
     moves = Ruler(rig, seed).moves((effect,))
     return "" if moves >= rig.tolerance.response else f"moves the response by {moves:.2%}"
 
 
-def trial(draw: Draw, made: Any) -> dict[str, Any]:
+def trial(draw: TrialDraw, made: Any) -> dict[str, Any]:
     """One trial: what is there, and what is said."""
     rig = made.campaign.rig
     effects = [_effect(e) for e in made.truth["effects"]]

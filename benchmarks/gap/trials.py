@@ -15,7 +15,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
-from modallab.blind.draw import NONE, PAIR, Draw
+from modallab.blind.draw import NONE, PAIR, TrialDraw
 from modallab.blind.page import render
 from modallab.blind.run import blind_draws
 from modallab.blind.trial_bench import trial_bench
@@ -34,12 +34,14 @@ def seed_of(share: str, effect: str, number: int, tolerances: str) -> int:
     return (block * len(names) + names.index(effect)) * _MOST + number
 
 
-def draws(share: str, effects: list[str], each: int, none: int, pairs: int = 0, tolerances: str = "none") -> list[Draw]:
+def draws(
+    share: str, effects: list[str], each: int, none: int, pairs: int = 0, tolerances: str = "none"
+) -> list[TrialDraw]:
     """The trials of a share, the first of every effect before the second."""
     counts = dict.fromkeys(effects, each) | {NONE: none, PAIR: pairs}
     built = "" if tolerances == "none" else f"_{tolerances}"
     return [
-        Draw(f"{e}_{share}{built}_{i:03d}", e, seed_of(share, e, i, tolerances), tolerances)
+        TrialDraw(f"{e}_{share}{built}_{i:03d}", e, seed_of(share, e, i, tolerances), tolerances)
         for i in range(max(counts.values()))
         for e, count in counts.items()
         if i < count

@@ -10,15 +10,15 @@ from modallab.blind.trial_rigs import drawn_rig, with_other_mounting
 from modallab.core.effects import Effect, kind_of
 from modallab.core.plan import HitAcceptance, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
-from modallab.gap.design.distinguishability import of_data
-from modallab.gap.design.planned import HIT_N, planned
+from modallab.gap.design.distinguishability import distinguishability_of_data
+from modallab.gap.design.planned import HIT_N, records_of_plans
 from modallab.gap.model.candidates import of_bench, of_channel, testable
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
-from modallab.twin.candidate import Candidate, Slot
-from modallab.twin.effects import apply
+from modallab.twin.candidate import CandidateEffect, FreeNumber
+from modallab.twin.effects import apply_effect
 
 EFFECTS = (
     *("clamp_rotation", "clamp_translation", "added_mass", "sensor_mass", "stiffness_loss", "ground_spring"),
@@ -62,38 +62,41 @@ def with_sensors(rig: Rig, points: tuple[int, ...]) -> Rig:
     return rig.model_copy(update={"channels": tuple(c.model_copy(update={"index": k}) for k, c in enumerate(kept))})
 
 
-def _small(slot: Slot) -> float:
+def _small(slot: FreeNumber) -> float:
     if slot.power < 0:
         return 10 * max(slot.starts)
     return slot.none * 1.003 if slot.none else min(v for v in slot.starts if v > 0) / 30
 
 
-def _large(slot: Slot) -> float:
+def _large(slot: FreeNumber) -> float:
     return min(slot.starts) / 30 if slot.power < 0 else max(slot.starts)
 
 
 class Sight:
-    """What a campaign of a plan sees: signatures in noise units, beyond what tolerances may do (as `of_data`)."""
+    """What a campaign of a plan sees: signatures in noise units, beyond what tolerances may do (as "
+    "`distinguishability_of_data`)."""
 
     def __init__(self, rig: Rig, plans: Sequence[Plan]) -> None:
         points = [(rig.x_of(p), plan.hits) for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points]
-        self.rig, self.data = rig, planned(rig, plans)
+        self.rig, self.data = rig, records_of_plans(rig, plans)
         self.base = Problem(self.data, nuisances(rig, 450.0, points))
         zero = np.zeros(self.base.size)
         self.nothing = self.base.residual(zero)
         slopes = jacobian(self.base, zero, self.nothing)
         self.free, _ = np.linalg.qr(np.vstack([slopes, np.eye(self.base.size)]))
-        self.alike = {name for pair in of_data(self.data, points, EFFECTS).alike() for name in pair[:2]}
+        self.alike = {
+            name for pair in distinguishability_of_data(self.data, points, EFFECTS).alike() for name in pair[:2]
+        }
 
     def of(self, effect: Effect) -> np.ndarray:
         """What an effect leaves."""
-        twin = apply(self.base.twin(np.zeros(self.base.size)), effect, self.rig)
-        moved = self.base.left(twin, forward(twin, self.data)) - self.nothing
+        twin = apply_effect(self.base.twin(np.zeros(self.base.size)), effect, self.rig)
+        moved = self.base.residual_of(twin, forward(twin, self.data)) - self.nothing
         padded = np.concatenate([moved, np.zeros(self.base.size)])
         return SOFTER * (padded - self.free @ (self.free.T @ padded))
 
     @property
-    def candidates(self) -> list[Candidate]:
+    def candidates(self) -> list[CandidateEffect]:
         """Effects of every kind, at every sensor."""
         channels = [of_channel(self.rig, c) for c in self.data.channels]
         found = [c for listed in (of_bench(self.rig), *channels) for c in listed]
@@ -116,7 +119,7 @@ class Sight:
         like, other = max((abs(float(left @ v)) / max(size, 1e-12), n) for n, v in self.others if n != effect.effect)
         return size, size * float(np.sqrt(max(1 - like**2, 0.0))), other
 
-    def sized(self, c: Candidate, x: float, size: float) -> Effect:
+    def sized(self, c: CandidateEffect, x: float, size: float) -> Effect:
         """An effect at a place that leaves so much, or as much as it can."""
         (slot,) = (s for s in c.slots if s.name != "x")
         small, large = _small(slot), _large(slot)
@@ -145,7 +148,7 @@ class Sight:
         """Share of the response that an effect moves, on the channel where it is most."""
         zero = np.zeros(self.base.size)
         there, here = (
-            forward(t, self.data) for t in (apply(self.base.twin(zero), effect, self.rig), self.base.twin(zero))
+            forward(t, self.data) for t in (apply_effect(self.base.twin(zero), effect, self.rig), self.base.twin(zero))
         )
         return max(
             float(np.max(np.linalg.norm(a - b, axis=1) / np.linalg.norm(b, axis=1)))
@@ -184,7 +187,7 @@ def drawn(seed: int, names: Sequence[str] = EFFECTS) -> dict[str, Any] | None:
     return None
 
 
-def attempt(sight: Sight, candidate: Candidate, rng: np.random.Generator) -> tuple[Effect, float, float, str]:
+def attempt(sight: Sight, candidate: CandidateEffect, rng: np.random.Generator) -> tuple[Effect, float, float, str]:
     """An effect somewhere, made smaller, if need be, until it is like another, and what `apart` says of it."""
     x = round(float(rng.uniform(0.15, 0.98)), 3)
     size = float(np.exp(rng.uniform(*np.log((SEEN, MOST)))))

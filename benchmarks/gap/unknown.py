@@ -22,7 +22,7 @@ import yaml
 from trials import seed_of
 
 import modallab.gap.diagnosis as diagnosis_module
-from modallab.blind.draw import Draw, make
+from modallab.blind.draw import TrialDraw, make_trial
 from modallab.blind.trial_bench import trial_bench
 from modallab.core.block import Campaign
 from modallab.core.effects import catalogue
@@ -50,7 +50,7 @@ def of_trials(share: str, each: int, tolerances: str, chosen: list[str]) -> Iter
     for number in range(each):
         for effect in outside:
             seed = seed_of(SHARES[share], effect, number, tolerances)
-            made = make(Draw(f"{effect}_{number}", effect, seed, tolerances), later=False)
+            made = make_trial(TrialDraw(f"{effect}_{number}", effect, seed, tolerances), later=False)
             yield f"{effect}_{number}", made.campaign, made.truth["effects"][0]  # type: ignore[index]
 
 

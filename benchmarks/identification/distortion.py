@@ -21,10 +21,10 @@ from modallab.core.block import Campaign
 from modallab.core.plan import BroadbandPlan
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.frf.distortions import waves_of
-from modallab.frf.left_out import LeftOut
-from modallab.identification.options import Options
+from modallab.frf.left_out import UndrivenDistortions
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.distortion import distortions_of
-from modallab.pipelines.identify import identify_campaign, usable
+from modallab.pipelines.identify import identify_campaign, usable_blocks
 from modallab.signals.signals import Signals
 
 Real = NDArray[np.float64]
@@ -110,9 +110,9 @@ def main() -> None:
     for seed in a.seeds:
         for volts in a.volts:
             campaign = recorded(a.out, seed, a.k3, volts, a.waves, a.settle_s)
-            signals, _ = usable(campaign, campaign.of("pseudo-random"))
-            found = distortions_of(signals, identify_campaign(campaign, Options()).identified[0].model)
-            assert isinstance(found, LeftOut)
+            signals, _ = usable_blocks(campaign, campaign.of("pseudo-random"))
+            found = distortions_of(signals, identify_campaign(campaign, IdentificationOptions()).identified[0].model)
+            assert isinstance(found, UndrivenDistortions)
             try:
                 odd, even = truth(campaign, signals, seed, a.k3)
             except ArithmeticError as error:

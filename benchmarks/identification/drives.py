@@ -18,7 +18,7 @@ from modallab.core.model import ModalModel
 from modallab.core.plan import BroadbandPlan, ImpactPlan
 from modallab.core.units import BROADBAND
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import truth_of
 
@@ -55,7 +55,9 @@ def main() -> None:
         campaign = recorded(a.out, a.seed, test, a.blocks)
         truth = truth_of(campaign)
         try:
-            model = identify_campaign(campaign, Options(band_hz=(a.band[0], a.band[1]))).identified[0].model
+            model = (
+                identify_campaign(campaign, IdentificationOptions(band_hz=(a.band[0], a.band[1]))).identified[0].model
+            )
         except ModallabError as error:
             print(f"{test}: {error}", flush=True)
             continue

@@ -24,7 +24,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.core.units import FRF_ESTIMATORS, FrfEstimator
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 
 RATE_HZ, SAMPLES, HZ, ZETA = 1000.0, 1024, np.array([60.0, 140.0]), np.array([0.01, 0.008])
@@ -105,7 +105,7 @@ def stated(model: ModalModel, source: str) -> float:
 def row(one: Drawn, measured: Campaign, how: FrfEstimator) -> dict[str, object]:
     """Of the table; a model with other than two modes has no errors."""
     try:
-        (found,) = identify_campaign(measured, Options(frf=how)).identified
+        (found,) = identify_campaign(measured, IdentificationOptions(frf=how)).identified
     except ModallabError:
         return {"estimator": how, "modes": 0}
     facts: dict[str, object] = {"estimator": how, "modes": found.model.n_modes}

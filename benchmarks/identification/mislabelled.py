@@ -18,14 +18,14 @@ import drives
 
 from modallab.core.errors import ModallabError
 from modallab.core.units import TESTS, Test
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 
 
 def outcome(kind: drives.Kind, label: Test, seed: int) -> str:
     """Rejected for its kind, rejected for another reason, or a model."""
     try:
-        result = identify_campaign(drives.campaign(kind, label, seed), Options())
+        result = identify_campaign(drives.campaign(kind, label, seed), IdentificationOptions())
     except ModallabError as error:
         return "rejected as mislabelled" if "looks like" in str(error) else f"rejected: {str(error)[:60]}"
     return "a model with a note" if any("looks" in n for n in result.identified[0].model.notes) else "a model"

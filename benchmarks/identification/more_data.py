@@ -19,7 +19,7 @@ import modallab as ml
 from modallab.core.block import Campaign
 from modallab.core.plan import ImpactPlan
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import truth_of
 
@@ -64,7 +64,9 @@ def main() -> None:
                 found: dict[tuple[int, int], np.ndarray] = {}
                 for points in asked.sizes:
                     for hits in sizes:
-                        model = identify_campaign(part(campaign, points, hits), Options()).identified[0].model
+                        model = (
+                            identify_campaign(part(campaign, points, hits), IdentificationOptions()).identified[0].model
+                        )
                         smaller = [f for (p, h), f in found.items() if p <= points and h <= hits]
                         known = np.concatenate([*smaller, np.empty(0)])
                         real = known[[not unlike(np.array([f]), true) for f in known]] if known.size else known

@@ -10,10 +10,10 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.likelihood.basis import LineBlock
-from modallab.identification.likelihood.excitation import Grid, UnitExcitation
+from modallab.identification.likelihood.excitation import BlockLines, UnitExcitation
 from modallab.identification.likelihood.normal_matrix import normal_equations
-from modallab.identification.likelihood.projection import Parameters, Problem, solve_at
-from modallab.identification.options import Options
+from modallab.identification.likelihood.projection import LikelihoodProblem, SearchParameters, solve_at
+from modallab.identification.options import IdentificationOptions
 
 
 def rig_of(n: int) -> Rig:
@@ -38,7 +38,7 @@ def frf_of(case: Case) -> Frf:
 def identified(case: Case, max_order: int | None = None) -> ModalModel | None:
     """The model, or None where there is none to be found."""
     try:
-        return identify_frf(frf_of(case), rig_of(len(case.mobility)), Options(max_order=max_order))[0]
+        return identify_frf(frf_of(case), rig_of(len(case.mobility)), IdentificationOptions(max_order=max_order))[0]
     except IdentificationError:
         return None
 
@@ -48,15 +48,15 @@ def cramer_rao(case: Case) -> NDArray[np.float64]:
     truth = case.truth
     f = case.frequency_hz[case.frequency_hz > 0]
     clean = mobility(truth, f)[: len(case.mobility)].reshape(-1, f.size)
-    problem = Problem(
-        blocks=[LineBlock(UnitExcitation(Grid(2 * np.pi * f, 0, 0.0, 1)), clean, 0)],
+    problem = LikelihoodProblem(
+        blocks=[LineBlock(UnitExcitation(BlockLines(2 * np.pi * f, 0, 0.0, 1)), clean, 0)],
         powers=(),
         n_inputs=1,
         state_sigma=None,
         drive_sigma=None,
         zeta_prior=np.tile([0.0, np.inf], (truth.zeta.size, 1)),
     )
-    at = Parameters(
+    at = SearchParameters(
         2 * np.pi * truth.frequency_hz, truth.zeta, np.zeros((1, truth.zeta.size), complex), np.zeros(1, complex)
     )
     # The noise of a line's real part is a half of the complex number's variance.

@@ -14,7 +14,7 @@ from modallab.core.errors import IdentificationError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.identification.impact import identify_impact
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import to_signals_of
 
 RATE_HZ, N, FINE = 2000.0, 2048, 16
@@ -38,7 +38,7 @@ def paper(
     phi = cantilever_shapes(frequency.size, np.arange(1, 11) / 10) / np.sqrt(MASS_KG)
     blocks = [_hit(rng, frequency, zeta, phi, k) for k in range(5)]
     try:
-        model, _ = identify_impact(to_signals_of(blocks, _rig()), _rig(), Options())
+        model, _ = identify_impact(to_signals_of(blocks, _rig()), _rig(), IdentificationOptions())
     except IdentificationError:
         return frequency[:7], zeta[:7], phi[:7], None
     inside = (frequency > model.band_hz[0]) & (frequency < model.band_hz[1])

@@ -27,7 +27,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Point, Rig
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 
 HERE = Path(__file__).parent
 PEERS = ("sdypy", "sdynpy", "pyyeti", "pyoma")
@@ -49,7 +49,7 @@ def own(of: RealSet) -> dict[str, Any]:
     frf = Frf(of.frequency_hz, of.mobility, "mobility", tuple(names), *places)
     begin = time.process_time()
     try:
-        model, _ = identify_frf(frf, rig, Options(band_hz=of.band_hz))
+        model, _ = identify_frf(frf, rig, IdentificationOptions(band_hz=of.band_hz))
     except ModallabError as error:
         return {"failed": str(error).splitlines()[0]}
     found: dict[str, Any] = {"f": model.frequency_hz.tolist(), "zeta": model.damping_ratio.tolist()}

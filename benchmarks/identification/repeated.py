@@ -20,7 +20,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.model import ModalModel
 from modallab.core.plan import ImpactPlan
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 
 Real = NDArray[np.float64]
@@ -42,7 +42,7 @@ def times(campaign: Campaign, per_time: int) -> list[Campaign]:
 
 
 def identified(campaign: Campaign, per_time: int, band: tuple[float, float]) -> list[ModalModel]:
-    options = Options(band_hz=band)
+    options = IdentificationOptions(band_hz=band)
     return [identify_campaign(one, options, "impact").identified[0].model for one in times(campaign, per_time)]
 
 

@@ -21,7 +21,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Rig
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 
 Real = NDArray[np.float64]
 SAME = 0.003
@@ -121,7 +121,7 @@ def main() -> None:
             frf, off = measured(rng, f, zeta, scatter, a.points, a.patch, a.transpose)
             begin = time.process_time()
             try:
-                model, _ = identify_frf(frf, rig_of(frf), Options())
+                model, _ = identify_frf(frf, rig_of(frf), IdentificationOptions())
             except ModallabError as error:
                 print(f"scatter {scatter} % seed {seed}: {error}", flush=True)
                 continue

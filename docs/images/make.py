@@ -15,14 +15,14 @@ from modallab.core.block import Campaign
 from modallab.core.frf import Frf
 from modallab.core.verification import Verification
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import report_content, truth_of
-from modallab.reporting.compare import modes
-from modallab.reporting.content import Outcome
+from modallab.reporting.compare import matched_modes
+from modallab.reporting.content import TestOutcome
 from modallab.reporting.figures import style
-from modallab.reporting.figures.all_points import all_points
-from modallab.reporting.figures.damping import damping
+from modallab.reporting.figures.all_points import mobility_panels
+from modallab.reporting.figures.damping import damping_figure
 from modallab.reporting.figures.half_power_reading import half_power_reading
 from modallab.reporting.figures.mode_shapes import mode_shapes
 
@@ -43,24 +43,24 @@ def main() -> None:
 
 def pictures(campaign: Campaign) -> dict[str, Figure]:
     """The pictures by name."""
-    content = report_content(campaign, identify_campaign(campaign, Options(band_hz=PAPER_BAND)), "")
+    content = report_content(campaign, identify_campaign(campaign, IdentificationOptions(band_hz=PAPER_BAND)), "")
     models = list(content.models)
-    found = modes(models, truth_of(campaign))
+    found = matched_modes(models, truth_of(campaign))
     impact = next(o for o in content.outcomes if o.test == "impact")
     shapes = mode_shapes(models, campaign.rig)
     if impact.verification is None or shapes is None:
         raise SystemExit("the campaign is none of the demo: it has no impact test, or no shapes")
     return {
-        "mobility": all_points(at_points(impact.verification, SHOWN)),
+        "mobility": mobility_panels(at_points(impact.verification, SHOWN)),
         "mode-shapes": shapes,
-        "damping": damping(found),
+        "damping": damping_figure(found),
         "half-power": half_power_reading(
             found[0], found[0].readings[0], campaign.of("impact")[0].duration_s, hit_s(impact)
         ),
     }
 
 
-def hit_s(outcome: Outcome) -> float:
+def hit_s(outcome: TestOutcome) -> float:
     """Time before the hit in the test's example block."""
     signals = outcome.example
     return 0.0 if signals is None else int(abs(signals.force).argmax()) / signals.rate_hz
@@ -79,7 +79,7 @@ def at_points(check: Verification, points: tuple[int, ...]) -> Verification:
 
 def write(figure: Figure, path: Path, name: str) -> None:
     """One SVG, the same in every run."""
-    with style.look(), mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
+    with style.figure_style(), mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
         legend_above(figure)
         figure.savefig(path, format="svg", bbox_inches="tight", metadata={"Date": None, "Creator": None})
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from modallab.core.settings import Settings
 from modallab.service.api.app import create_app
 from modallab.service.context import open_service
-from modallab.service.records.leases import Leases
-from modallab.service.rigs.controllers import Controllers
+from modallab.service.records.leases import RigLeases
+from modallab.service.rigs.controllers import RigControllers
 from modallab.storage import Store
 
 HERE = Path(__file__).parent
@@ -20,7 +20,7 @@ HERE = Path(__file__).parent
 def main() -> None:
     """Write them."""
     with tempfile.TemporaryDirectory() as folder, Store(Path(folder)) as store:
-        controllers = Controllers([], Leases(store.catalogue.engine, "none"))
+        controllers = RigControllers([], RigLeases(store.catalogue.engine, "none"))
         service = open_service(Path(folder), controllers, "none")
         app = create_app(service, Settings(data=Path(folder)), "none")
         documents = {"openapi.json": app.openapi(), "asyncapi.json": app.state.asyncapi()}

@@ -19,7 +19,7 @@ from modallab.core.errors import (
     DeviceGoneError,
     SamplesLostError,
 )
-from modallab.core.extras import remedy
+from modallab.core.extras import how_to_install
 from modallab.core.rig import Channel, Rig
 from modallab_drivers.order import WithoutOutput, require_count
 
@@ -42,7 +42,7 @@ def open_bench(url: str, rig: Rig) -> Bench:
         raise DeviceGoneError(
             "openDAQ is not installed",
             where=url,
-            remedy=f"{remedy('opendaq')}, on Linux or Windows with an x86-64 processor",
+            remedy=f"{how_to_install('opendaq')}, on Linux or Windows with an x86-64 processor",
         ) from error
     return OpenDaqBench(url, rig, opendaq)
 

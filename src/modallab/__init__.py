@@ -5,7 +5,7 @@
 
 from typing import TYPE_CHECKING
 
-from modallab.core.lazy import lazily
+from modallab.core.lazy import lazy_getattr
 
 if TYPE_CHECKING:
     from modallab.core.documents.forces import ImpulseForce, RandomForce, SineForce, SweepForce
@@ -66,7 +66,7 @@ __all__ = [
     "simulate",
 ]
 
-__getattr__ = lazily(
+__getattr__ = lazy_getattr(
     __name__,
     {
         "core.documents.forces": ("ImpulseForce", "RandomForce", "SineForce", "SweepForce"),

@@ -16,7 +16,7 @@ from modallab.core.events import Event, Notice
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.service.campaigns.live_frf import LiveFrfs
 from modallab.storage import Store
@@ -167,7 +167,7 @@ BY_SIGNAL = [s if s == "pseudo-random" else pytest.param(s, marks=AGAIN) for s i
 @pytest.mark.parametrize("signal", BY_SIGNAL)
 def test_each_signal_gives_the_model_the_bench_was_built_with(store: Store, link_rig: Rig, signal: Broadband) -> None:
     blocks, _, _ = blocks_of(store, link_rig, plan_of(signal))
-    result = identify_campaign(Campaign(link_rig, blocks), Options())
+    result = identify_campaign(Campaign(link_rig, blocks), IdentificationOptions())
     model = result.identified[0].model
     assert model.test == signal
     np.testing.assert_allclose(model.frequency_hz[:4], FIRST_HZ, rtol=3e-4)
@@ -181,7 +181,7 @@ def test_a_linear_bench_answers_nothing_at_the_lines_that_its_drive_leaves_out(s
     plan = plan_of("pseudo-random", detection_lines=True, blocks_per_wave=2, blocks=8, band_hz=(2.0, 110.0))
     blocks, _, _ = blocks_of(store, link_rig, plan)
     assert len({b.name.rsplit("_", 1)[0] for b in blocks}) == 4
-    assessment = identify_campaign(Campaign(link_rig, blocks), Options()).identified[0].assessment
+    assessment = identify_campaign(Campaign(link_rig, blocks), IdentificationOptions()).identified[0].assessment
     assert assessment is not None
     verdict = next(v for v in assessment.verdicts if v.assumption == "linearity")
     assert verdict.value < 2e-3

@@ -8,7 +8,7 @@ from modallab.acquisition.monitor.known_shapes import KnownShapes
 from modallab.acquisition.monitor.plausibility import Plausibility
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
 from modallab.acquisition.monitor.sensor_places import ExchangedChannels
-from modallab.acquisition.monitor.tone_prediction import dead, faults, foresee, tone_basis
+from modallab.acquisition.monitor.tone_prediction import channel_faults, is_dead, predict_later_window, tone_basis
 from modallab.acquisition.process.run import record, run_plan
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Burst, Chunk
@@ -131,7 +131,11 @@ def windows(later: np.ndarray) -> tuple[np.ndarray, object, np.ndarray]:
     earlier = np.stack([a * np.cos(2 * np.pi * 30 * T[:100] + a) for a in (1.0, 2.0, 3.0)])
     noise = np.full(3, 0.01)
     earlier = earlier + 0.01 * RNG.standard_normal(earlier.shape)
-    return later + 0.01 * RNG.standard_normal(later.shape), foresee(earlier, basis[:100], basis[120:170]), noise
+    return (
+        later + 0.01 * RNG.standard_normal(later.shape),
+        predict_later_window(earlier, basis[:100], basis[120:170]),
+        noise,
+    )
 
 
 def sound() -> np.ndarray:
@@ -141,23 +145,23 @@ def sound() -> np.ndarray:
 def test_what_follows_the_drive_is_sound_and_a_knock_is_no_fault() -> None:
     for later in (sound(), sound() + np.sin(2 * np.pi * 77 * T[120:170]), 1.3 * sound()):
         seen, foreseen, noise = windows(later)
-        assert faults(seen, foreseen, noise, noise) == {}
-        assert not dead(seen, foreseen, noise).any()
+        assert channel_faults(seen, foreseen, noise, noise) == {}
+        assert not is_dead(seen, foreseen, noise).any()
 
 
 def test_what_a_channel_does_instead_says_what_has_become_of_it() -> None:
     later = sound()
     later[0] = np.linspace(0.4, 0.3, 50)
     seen, foreseen, noise = windows(later)
-    assert dead(seen, foreseen, noise).tolist() == [True, False, False]
+    assert is_dead(seen, foreseen, noise).tolist() == [True, False, False]
     seen, foreseen, noise = windows(sound()[[0, 2, 1]])
-    assert faults(seen, foreseen, noise, noise) == {
+    assert channel_faults(seen, foreseen, noise, noise) == {
         1: "and {2} have changed places",
         2: "and {1} have changed places",
     }
     seen, foreseen, noise = windows(sound())
     seen[2] = np.clip(seen[2], -1.8, 1.8)
-    assert "clipped" in faults(seen, foreseen, noise, noise)[2]
+    assert "clipped" in channel_faults(seen, foreseen, noise, noise)[2]
 
 
 def test_a_repetition_is_counted_over_chunks_and_within_them() -> None:

@@ -10,10 +10,10 @@ from modallab.acquisition.monitor.settled import (
     SettledCheck,
     WindowLevels,
     check_settled,
-    fading,
     floor_of,
     largest_ratio,
     motion_at,
+    motion_decays,
     noise_limit,
     own_motion,
     ringing_lines,
@@ -108,9 +108,9 @@ def test_the_limit_is_the_quantile_of_the_mean_of_so_many_exponentials(channels:
 def test_windows_that_fade_are_no_floor_and_windows_of_noise_are() -> None:
     rng = np.random.default_rng(7)
     noise = [window(rng) for _ in range(4)]
-    assert not fading(noise, floor_of(noise))
+    assert not motion_decays(noise, floor_of(noise))
     decay = [window(rng, 3 * np.exp(-0.15 * n * N / RATE) * ringing(rng, 1.0)) for n in range(4)]
-    assert fading(decay, floor_of(decay))
+    assert motion_decays(decay, floor_of(decay))
 
 
 @pytest.mark.parametrize("part", [0.005, 0.02, 0.1])

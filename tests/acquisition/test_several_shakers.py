@@ -7,7 +7,7 @@ import pytest
 from scripted_bench import ScriptedBench
 from two_shakers import TIP, two_shakers
 
-from modallab.acquisition.monitor.own_drive import follows
+from modallab.acquisition.monitor.own_drive import drive_followed_by_each_force
 from modallab.acquisition.procedures.broadband_checks import require_waves
 from modallab.acquisition.procedures.broadband_wave import blocks_of_wave, layout_of, wave_of, waves_of
 from modallab.acquisition.procedures.plan_checks import require_possible
@@ -195,8 +195,8 @@ def test_each_force_follows_its_own_drive_whatever_the_converter_delays() -> Non
     mixed = np.eye(3) + 0.4 * (1 - np.eye(3))
     for delay_s in (0.0, 0.004, 0.02):
         forces = mixed @ np.stack([wave.at(times - delay_s) for wave in waves])
-        assert follows(forces, waves, layout.lead_s, 2000.0) == [0, 1, 2]
-        assert follows(forces[[2, 1, 0]], waves, layout.lead_s, 2000.0) == [2, 1, 0]
+        assert drive_followed_by_each_force(forces, waves, layout.lead_s, 2000.0) == [0, 1, 2]
+        assert drive_followed_by_each_force(forces[[2, 1, 0]], waves, layout.lead_s, 2000.0) == [2, 1, 0]
 
 
 def test_chirps_are_alike_in_one_wave_and_each_force_is_taken_for_its_own() -> None:
@@ -204,4 +204,7 @@ def test_chirps_are_alike_in_one_wave_and_each_force_is_taken_for_its_own() -> N
     layout = layout_of(plan, 3, plan.block_s)
     waves = waves_of(plan, "low", 0, layout, 2)
     times = layout.lead_s + np.arange(2048) / 2000.0
-    assert follows(np.stack([w.at(times) for w in waves[::-1]]), waves, layout.lead_s, 2000.0) == [0, 1]
+    assert drive_followed_by_each_force(np.stack([w.at(times) for w in waves[::-1]]), waves, layout.lead_s, 2000.0) == [
+        0,
+        1,
+    ]

@@ -11,12 +11,12 @@ from made_diagnosis import made_diagnosis
 
 from modallab.blind.answer import answer_all, read_answers
 from modallab.blind.draw import NONE, PAIR, draw_trials
-from modallab.blind.outcome import BlindOutcome, outcome
+from modallab.blind.outcome import BlindOutcome, sum_up_trials
 from modallab.blind.page import render
 from modallab.blind.request import BlindRequest
-from modallab.blind.run import blind, blind_folder
+from modallab.blind.run import blind_folder, run_blind_trials
 from modallab.blind.score import Trial
-from modallab.blind.seal import hash_of, open_truth, publish, seal
+from modallab.blind.seal import hash_of, open_truth, publish_hashes, seal_truth
 from modallab.cli import main
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect, catalogue
@@ -39,7 +39,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def found(folder: Path) -> BlindOutcome:
     """One sound bench, from the draw to the outcome."""
-    return blind(folder, SOUND)
+    return run_blind_trials(folder, SOUND)
 
 
 def test_a_sound_bench_goes_all_the_way(found: BlindOutcome, folder: Path) -> None:
@@ -52,13 +52,13 @@ def test_a_sound_bench_goes_all_the_way(found: BlindOutcome, folder: Path) -> No
 
 def test_what_was_done_is_not_done_again(found: BlindOutcome, folder: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
-    assert blind(folder, SOUND) == found
+    assert run_blind_trials(folder, SOUND) == found
     assert {path: path.stat().st_mtime_ns for path in before} == before
 
 
 def test_other_trials_need_another_folder(found: BlindOutcome, folder: Path) -> None:
     with pytest.raises(DataError, match="other trials"):
-        blind(folder, SOUND.model_copy(update={"seed": 5}))
+        run_blind_trials(folder, SOUND.model_copy(update={"seed": 5}))
 
 
 def test_a_campaign_says_nothing_of_its_truth(found: BlindOutcome, folder: Path) -> None:
@@ -68,15 +68,15 @@ def test_a_campaign_says_nothing_of_its_truth(found: BlindOutcome, folder: Path)
 
 
 def test_a_truth_that_was_changed_is_not_opened(tmp_path: Path) -> None:
-    publish(tmp_path, {}, {"one": seal(tmp_path, "one", {"effects": []})})
+    publish_hashes(tmp_path, {}, {"one": seal_truth(tmp_path, "one", {"effects": []})})
     assert open_truth(tmp_path, "one") == {"effects": []}
-    seal(tmp_path, "one", {"effects": [TRUE_MASS]})
+    seal_truth(tmp_path, "one", {"effects": [TRUE_MASS]})
     with pytest.raises(DataError, match="not the one that was sealed"):
         open_truth(tmp_path, "one")
 
 
 def test_one_truth_has_another_hash_each_time_it_is_sealed(tmp_path: Path) -> None:
-    assert seal(tmp_path, "one", {"effects": []}) != seal(tmp_path, "one", {"effects": []})
+    assert seal_truth(tmp_path, "one", {"effects": []}) != seal_truth(tmp_path, "one", {"effects": []})
 
 
 def test_trials_of_one_request_are_always_the_same_and_take_the_effects_in_turn() -> None:
@@ -141,7 +141,7 @@ def test_the_outcome_sums_up_effect_by_effect(rig: Rig) -> None:
         _trial(rig, "missed", [TRUE_MASS]),
         _trial(rig, "strange", [NAMELESS]),
     ]
-    found = outcome(trials, "ab", "cd")
+    found = sum_up_trials(trials, "ab", "cd")
     by_name = {e.effect: e for e in found.effects}
     assert by_name["added_mass"].said == {"added_mass": 1, "unknown": 1}
     assert (by_name["added_mass"].right, by_name["support_resonance"].right) == (1, 1)

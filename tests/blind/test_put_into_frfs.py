@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.blind.measured.put import Put, with_effect
+from modallab.blind.measured.put import AppliedEffect, with_effect
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 
 MASS = np.diag([2.0, 1.0, 1.5])
@@ -29,17 +29,17 @@ def test_what_hangs_there_is_exact(quantity: FrfQuantity, effect: str, value: fl
     at = np.zeros((3, 3))
     at[1, 1] = value
     changed[matrix] = changed[matrix] + at
-    there = with_effect(frf(MASS, DAMPING, STIFFNESS, quantity), Put(effect, value, output=1, input=1))
+    there = with_effect(frf(MASS, DAMPING, STIFFNESS, quantity), AppliedEffect(effect, value, output=1, input=1))
     np.testing.assert_allclose(there.values, frf(*changed, quantity).values, rtol=1e-9)
 
 
 def test_a_channel_is_changed_alone_and_a_delay_in_all() -> None:
     sound = frf(MASS, DAMPING, STIFFNESS, "inertance")
-    gain = with_effect(sound, Put("gain_error", 1.2, output=2)).values / sound.values
+    gain = with_effect(sound, AppliedEffect("gain_error", 1.2, output=2)).values / sound.values
     np.testing.assert_allclose(gain, np.array([1.0, 1.0, 1.2])[:, None, None] * np.ones(gain.shape))
-    late = with_effect(sound, Put("trigger_delay", 1e-3)).values / sound.values
+    late = with_effect(sound, AppliedEffect("trigger_delay", 1e-3)).values / sound.values
     np.testing.assert_allclose(late, np.broadcast_to(np.exp(-2e-3j * np.pi * HZ), late.shape))
-    moved = with_effect(sound, Put("position_error", output=0, other=1)).values
+    moved = with_effect(sound, AppliedEffect("position_error", output=0, other=1)).values
     np.testing.assert_array_equal(moved[0], sound.values[1])
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from modallab.blind.score import Figure, Trial, reliability, score
+from modallab.blind.score import Figure, Trial, reliability, score_trials
 from modallab.core.diagnosis import Diagnosis
 
 MASS = {"effect": "added_mass", "family": "structure", "parameters": {"mass": 0.1}, "place": {"x": 0.5}}
@@ -53,7 +53,7 @@ def found(truth: dict[str, Any], probability: float = 0.95, **parameters: float)
 
 
 def figures(*trials: Trial) -> dict[str, Figure]:
-    return {f.name: f for f in score(trials)}
+    return {f.name: f for f in score_trials(trials)}
 
 
 def test_a_right_name_counts_with_its_place_and_the_error_of_its_number() -> None:

@@ -11,13 +11,13 @@ from modallab.blind.measured.draw import MeasuredRequest
 from modallab.blind.measured.run import blind_on
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
-from modallab.modification.synthesis import synthesised
+from modallab.modification.synthesis import receptances_of_model
 
 
 def measured(degrees: float) -> Frf:
     hz = np.arange(10.0, 95.0, 0.0625)
     s = np.asarray(2j * np.pi * hz)
-    values = np.moveaxis(synthesised(model(degrees=degrees), s) * (s**2)[:, None, None], 0, -1)
+    values = np.moveaxis(receptances_of_model(model(degrees=degrees), s) * (s**2)[:, None, None], 0, -1)
     rng = np.random.default_rng(0)
     noise = 1e-4 * (rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape))
     return Frf(hz, values + noise, "inertance", ("a1", "a2", "a3"), (1, 2, 3), (1,))

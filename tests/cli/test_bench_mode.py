@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from modallab.cli.bench_mode.big_text import big
+from modallab.cli.bench_mode.big_text import big_letters
 from modallab.cli.bench_mode.keys import KeyMap
-from modallab.cli.bench_mode.screen import LOOKS, sentence
+from modallab.cli.bench_mode.screen import LOOKS, status_sentence
 from modallab.cli.bench_mode.session_state import SessionState
 from modallab.cli.bench_mode.tones import RATE_HZ, TONES, write_tone
 from modallab.core.documents.pages import EventView
@@ -52,9 +52,9 @@ def block(n: int, *, accepted: bool) -> BlockAcknowledged:
 
 
 def test_the_prompt_says_which_point_and_when() -> None:
-    assert sentence(after(ASKED)) == "strike point 3, hit 2 of 5"
-    assert "4.88 Hz rings with 20 % of a hit, 1 % is allowed" in sentence(after(REST))
-    assert "7 s" in sentence(after(REST))
+    assert status_sentence(after(ASKED)) == "strike point 3, hit 2 of 5"
+    assert "4.88 Hz rings with 20 % of a hit, 1 % is allowed" in status_sentence(after(REST))
+    assert "7 s" in status_sentence(after(REST))
     assert after(StateChanged(run="a", state="paused")).phase == "paused"
 
 
@@ -75,9 +75,9 @@ def test_an_early_hit_is_called_so() -> None:
 @pytest.mark.parametrize("width", [40, 80, 200])
 def test_every_word_fits_its_terminal(width: int) -> None:
     for word in [*(word for word, _ in LOOKS.values()), "10", "128"]:
-        assert max(map(len, big(word, width))) <= width
-    assert len(big("10", 200)) > len(big("10", 40)) or width
-    assert len(big("STRIKE", 80, 1)) == 5
+        assert max(map(len, big_letters(word, width))) <= width
+    assert len(big_letters("10", 200)) > len(big_letters("10", 40)) or width
+    assert len(big_letters("STRIKE", 80, 1)) == 5
 
 
 def test_a_pedal_gets_a_meaning_and_the_other_keys_stay() -> None:

@@ -13,8 +13,8 @@ from modallab.core.units import Quantity
 from modallab.formats.frf_file import bare_rig
 from modallab.formats.rig.rig_file import write_rig
 from modallab.modification.attachments import Coupled, Element
-from modallab.modification.known import Known
-from modallab.modification.participation import participation
+from modallab.modification.known import KnownStructure
+from modallab.modification.participation import modal_participation
 from modallab.modification.structure import At
 
 
@@ -28,7 +28,7 @@ def models(tmp_path: Path) -> Path:
 def test_a_mass_moves_modes_as_from_python(models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     answer = tmp_path / "answer.json"
     assert main(["model", "modify", str(models), "--mass", "0.4", "--at", "3", "--json", str(answer)]) == 0
-    expected = Known(BARE.model()).with_changes([Element(3, mass=0.4)]).modes.frequency_hz
+    expected = KnownStructure(BARE.model()).with_changes([Element(3, mass=0.4)]).modes.frequency_hz
     np.testing.assert_allclose(json.loads(answer.read_text())["frequency_hz"], expected)
     assert "mass 0.4 kg at 3" in capsys.readouterr().out
 
@@ -64,8 +64,8 @@ def test_shares_and_nodes_are_those_of_python(models: Path, tmp_path: Path, caps
     answer = tmp_path / "answer.json"
     where = ["--at", "1", "--of", "3", "--band", "3", "40"]
     assert main(["model", "participation", str(models), *where, "--json", str(answer)]) == 0
-    known = Known(BARE.model())
-    expected = participation(known.structure, known.samples.first(5), 1, 3, band_hz=(3.0, 40.0))
+    known = KnownStructure(BARE.model())
+    expected = modal_participation(known.structure, known.samples.first(5), 1, 3, band_hz=(3.0, 40.0))
     np.testing.assert_allclose(json.loads(answer.read_text())["share"], expected.share)
     assert main(["model", "nodes", str(models)]) == 0
     assert "Hit or mount a sensor at point" in capsys.readouterr().out
@@ -129,7 +129,7 @@ def test_a_response_is_printed_written_and_that_of_python(
     given = ["--at", "1", "4", "--of", "2", "--force", str(force), "--step", "0.01", "--displaced", "3", "0.001"]
     assert main(["model", "response", str(models), *given, "--json", str(answer), "--out", str(out)]) == 0
     start: dict[Quantity, dict[At, float]] = {"displacement": {3: 0.001}}
-    expected = Known(BARE.model()).response(samples.T, 0.01, [1, 4], [2], start=start)
+    expected = KnownStructure(BARE.model()).response(samples.T, 0.01, [1, 4], [2], start=start)
     written = np.loadtxt(out, delimiter=",", skiprows=1)
     np.testing.assert_allclose(written[:, 1], expected[0], rtol=1e-6, atol=1e-8)
     np.testing.assert_allclose(json.loads(answer.read_text())["peak"], np.abs(expected).max(axis=1))
@@ -155,7 +155,7 @@ def test_a_force_of_a_kind_lasts_as_long_as_is_said(
 def test_matrices_for_control_design_are_those_of_python(models: Path, tmp_path: Path) -> None:
     out = tmp_path / "model.mat"
     assert main(["model", "state-space", str(models), "--at", "1", "--of", "3", "--out", str(out)]) == 0
-    found, expected = loadmat(out), Known(BARE.model()).state_space([1], [3], "acceleration")
+    found, expected = loadmat(out), KnownStructure(BARE.model()).state_space([1], [3], "acceleration")
     for name in ("A", "B", "C", "D", "frequency_sigma_hz"):
         np.testing.assert_allclose(found[name], np.atleast_2d(getattr(expected, name)))
     assert found["outputs"][0].strip() == "acceleration 3 [m/s^2]"
@@ -166,8 +166,8 @@ def test_what_is_coupled_and_taken_away_again_are_the_modes_of_python(models: Pa
     other.write_text(json.dumps({"models": [OTHER.model().model_dump(mode="json")]}))
     given = ["--other", str(other), "--pair", "4", "1", "--joint", "30000", "--json", str(answer)]
     assert main(["model", "couple", str(models), *given]) == 0
-    held = Coupled(Known(OTHER.model()).structure, [(4, 1)], 3e4)
-    expected = Known(BARE.model()).with_changes([held]).modes.frequency_hz
+    held = Coupled(KnownStructure(OTHER.model()).structure, [(4, 1)], 3e4)
+    expected = KnownStructure(BARE.model()).with_changes([held]).modes.frequency_hz
     np.testing.assert_allclose(json.loads(answer.read_text())["frequency_hz"], expected)
 
 

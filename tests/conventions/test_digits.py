@@ -6,22 +6,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modallab.core.digits import (
-    alike,
-    concise,
-    counted,
-    day,
-    glued,
-    listed,
-    numbers,
+    count_with_noun,
+    four_places,
+    iso_date,
+    list_in_words,
+    number_ranges,
+    number_with_sigma,
     part_of,
-    percent,
-    plain,
-    probability,
-    relative,
-    rounded,
-    scientific,
-    share,
-    short,
+    percent_text,
+    probability_text,
+    relative_difference,
+    scientific_text,
+    short_number,
+    significant_digits,
+    three_digits,
+    to_places_of_sigma,
+    with_hard_blanks,
     with_interval,
     with_sigma,
 )
@@ -58,12 +58,16 @@ def test_a_value_has_the_digits_that_its_sigma_bears(value, sigma, text):
     ],
 )
 def test_the_concise_form_counts_in_the_last_places(value, sigma, text):
-    assert concise(value, sigma) == text
+    assert number_with_sigma(value, sigma) == text
 
 
 def test_a_truth_is_written_to_the_places_of_the_reading():
-    assert (alike(4.8029912, 0.0003), alike(4.8029912, nan), alike(nan, 1.0)) == ("4.8030", "4.8030", "unknown")
-    assert (rounded(2.44128), rounded(799.9), rounded(4997.0)) == ("2.44", "800", "5000")
+    assert (
+        to_places_of_sigma(4.8029912, 0.0003),
+        to_places_of_sigma(4.8029912, nan),
+        to_places_of_sigma(nan, 1.0),
+    ) == ("4.8030", "4.8030", "unknown")
+    assert (three_digits(2.44128), three_digits(799.9), three_digits(4997.0)) == ("2.44", "800", "5000")
 
 
 @settings(derandomize=True)
@@ -80,11 +84,18 @@ def test_rounding_costs_less_than_half_a_sigma(value, share_of_it):
     [(4.80213, "4.802"), (0.0, "0"), (12345.6, "12346"), (0.000123456, "0.0001235"), (1.5e-12, "1.500×10⁻¹²")],
 )
 def test_a_plain_number_has_four_digits(value, text):
-    assert plain(value) == text
+    assert significant_digits(value) == text
 
 
 def test_unknown_numbers_are_called_so():
-    assert {plain(nan), scientific(nan), share(nan), short(inf), relative(nan, 1.0), relative(1.0, 0.0)} == {"unknown"}
+    assert {
+        significant_digits(nan),
+        scientific_text(nan),
+        four_places(nan),
+        short_number(inf),
+        relative_difference(nan, 1.0),
+        relative_difference(1.0, 0.0),
+    } == {"unknown"}
 
 
 @pytest.mark.parametrize(
@@ -92,22 +103,22 @@ def test_unknown_numbers_are_called_so():
     [(1.0, 1.0, "0 %"), (1.00004, 1.0, "+0.0040 %"), (0.976, 1.0, "−2.4 %"), (2.5, 1.0, "+150 %")],
 )
 def test_a_difference_is_in_percent_with_its_sign(value, reference, text):
-    assert relative(value, reference) == text
+    assert relative_difference(value, reference) == text
 
 
 def test_words():
-    assert scientific(-1.234e-5) == "−1.23×10⁻⁵"
-    assert (short(3.0), short(1.024), short(110.0)) == ("3", "1.024", "110")
-    assert (listed([]), listed(["a"]), listed(["a", "b", "c"])) == ("", "a", "a, b and c")
-    assert (counted(1, "block"), counted(3, "frequency", "frequencies")) == ("1 block", "3 frequencies")
-    assert (day(date(2024, 5, 31)), day(None)) == ("2024-05-31", "not given")
+    assert scientific_text(-1.234e-5) == "−1.23×10⁻⁵"
+    assert (short_number(3.0), short_number(1.024), short_number(110.0)) == ("3", "1.024", "110")
+    assert (list_in_words([]), list_in_words(["a"]), list_in_words(["a", "b", "c"])) == ("", "a", "a, b and c")
+    assert (count_with_noun(1, "block"), count_with_noun(3, "frequency", "frequencies")) == ("1 block", "3 frequencies")
+    assert (iso_date(date(2024, 5, 31)), iso_date(None)) == ("2024-05-31", "not given")
 
 
 def test_a_number_is_never_parted_from_its_unit():
-    assert glued("3 to 110 Hz, 0.51 % in 1.024 s, 4 ± 1 kg") == (
+    assert with_hard_blanks("3 to 110 Hz, 0.51 % in 1.024 s, 4 ± 1 kg") == (
         "3 to 110\u00a0Hz, 0.51\u00a0% in 1.024\u00a0s, 4\u00a0±\u00a01\u00a0kg"
     )
-    assert glued("5 modes, 3 mice") == "5 modes, 3 mice"
+    assert with_hard_blanks("5 modes, 3 mice") == "5 modes, 3 mice"
 
 
 @pytest.mark.parametrize(
@@ -115,7 +126,7 @@ def test_a_number_is_never_parted_from_its_unit():
     [(1.0234, "1.02"), (920.4, "920"), (2151.0, "2150"), (999.6, "1000"), (1.5e7, "1.5e+07"), (nan, "unknown")],
 )
 def test_a_gap_has_three_digits_and_no_exponent_below_a_million(value, said):
-    assert rounded(value) == said
+    assert three_digits(value) == said
 
 
 @pytest.mark.parametrize(
@@ -126,17 +137,17 @@ def test_a_gap_has_three_digits_and_no_exponent_below_a_million(value, said):
     ],
 )  # fmt: skip
 def test_a_share_is_in_percent_to_two_digits(value, said):
-    assert percent(value) == said
+    assert percent_text(value) == said
 
 
 def test_a_part_of_a_whole_has_tenths_of_a_percent():
     assert (part_of(0.99972), part_of(-0.0004), part_of(-0.012)) == ("100.0 %", "0.0 %", "−1.2 %")
-    assert percent(0.07321, 3) == "7.32 %"
+    assert percent_text(0.07321, 3) == "7.32 %"
 
 
 def test_a_probability_is_never_rounded_up_to_a_certainty():
-    assert probability(1.0) == probability(0.995) == "0.99"
-    assert (probability(0.899999), probability(nan)) == ("0.89", "-")
+    assert probability_text(1.0) == probability_text(0.995) == "0.99"
+    assert (probability_text(0.899999), probability_text(nan)) == ("0.89", "-")
 
 
 def test_an_interval_bears_the_digits():
@@ -145,5 +156,5 @@ def test_an_interval_bears_the_digits():
 
 
 def test_numbers_of_points_are_said_as_ranges():
-    assert numbers([3, 1, 2, 12, 4, 14, 15]) == "1 to 4, 12, 14 and 15"
-    assert (numbers([7]), numbers([None, 2])) == ("7", "2 and unknown")
+    assert number_ranges([3, 1, 2, 12, 4, 14, 15]) == "1 to 4, 12, 14 and 15"
+    assert (number_ranges([7]), number_ranges([None, 2])) == ("7", "2 and unknown")

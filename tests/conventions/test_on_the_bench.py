@@ -14,7 +14,7 @@ from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.core.units import STANDARD_GRAVITY
 from modallab.formats.rig.rig_file import parse_rig
-from modallab.identification import Options
+from modallab.identification import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.service.campaigns.live_frf import LiveFrfs
 from modallab.service.campaigns.local_session import record_campaign
@@ -72,7 +72,7 @@ def recorded(folders: tuple[Path, Path]) -> list[Campaign]:
 @pytest.mark.thorough("records and identifies on two benches")
 def test_hits_trigger_and_count_and_give_the_same_model(recorded: list[Campaign]) -> None:
     assert [len(c.blocks) for c in recorded] == [2, 2]
-    one, two = (identify_campaign(c, Options(band_hz=(3.0, 300.0))).identified[0].model for c in recorded)
+    one, two = (identify_campaign(c, IdentificationOptions(band_hz=(3.0, 300.0))).identified[0].model for c in recorded)
     np.testing.assert_allclose(two.frequency_hz, one.frequency_hz, rtol=1e-3)
     a, b = (m.modal_constants[:, np.argsort(m.outputs), 0] for m in (one, two))
     assert np.linalg.norm(b - a) < 0.02 * np.linalg.norm(a)

@@ -15,9 +15,9 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.gap.design.prediction import predict
+from modallab.gap.design.prediction import predict_records
 from modallab.gap.diagnosis import diagnose
-from modallab.identification import Options
+from modallab.identification import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.signals.signals import to_signals_of
 
@@ -72,7 +72,7 @@ def campaign(name: str) -> Campaign:
 
 
 def struck(campaign: Campaign) -> ModalModel:
-    return identify_campaign(campaign, Options(band_hz=(3.0, 200.0)), "impact").identified[0].model
+    return identify_campaign(campaign, IdentificationOptions(band_hz=(3.0, 200.0)), "impact").identified[0].model
 
 
 @pytest.fixture(scope="module")
@@ -136,7 +136,7 @@ def test_the_diagnosis_is_the_same(name: str) -> None:
 @pytest.mark.parametrize("name", TOGETHER)
 def test_a_prediction_reads_as_the_recording_does(name: str) -> None:
     recorded, found = diagnosed(name)
-    for record, values in predict(found, recorded).items():
+    for record, values in predict_records(found, recorded).items():
         block = next(b for b in recorded.blocks if b.name == record)
         per_unit = np.array([[c.sensitivity(block.test)] for c in recorded.rig.responses])
         read = np.array([block.samples[c.index] * block.scale[c.index] for c in recorded.rig.responses]) / per_unit

@@ -16,10 +16,10 @@ from modallab.core.effects import Effect
 from modallab.formats import read_campaign, write_campaign
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.gap.design.prediction import predict
+from modallab.gap.design.prediction import predict_records
 from modallab.gap.diagnosis import diagnose
-from modallab.identification import Options
-from modallab.pipelines.identify import Identified, identify_campaign
+from modallab.identification import IdentificationOptions
+from modallab.pipelines.identify import IdentifiedTest, identify_campaign
 from modallab.signals.conversion import unit_per_si
 from modallab.signals.full_scale import overloaded_channels
 from modallab.signals.signals import to_signals, to_signals_of
@@ -33,8 +33,8 @@ def allowed(name: str) -> bool:
     return name in ("added_mass", "polarity", "force_gain")
 
 
-def modelled(campaign: Campaign) -> Identified:
-    (found,) = identify_campaign(campaign, Options(), "impact").identified
+def modelled(campaign: Campaign) -> IdentifiedTest:
+    (found,) = identify_campaign(campaign, IdentificationOptions(), "impact").identified
     return found
 
 
@@ -44,7 +44,7 @@ def by_name(outputs: tuple[str, ...], values: np.ndarray) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def identified(heavy: Campaign) -> Identified:
+def identified(heavy: Campaign) -> IdentifiedTest:
     return modelled(heavy)
 
 
@@ -78,7 +78,7 @@ def test_frfs(heavy: Campaign, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FEW_OR_ALL)
-def test_the_modal_model_and_its_verification(heavy: Campaign, identified: Identified, name: str) -> None:
+def test_the_modal_model_and_its_verification(heavy: Campaign, identified: IdentifiedTest, name: str) -> None:
     found = modelled(SAME[name](heavy))
     one, two = identified.model, found.model
     np.testing.assert_allclose(two.frequency_hz, one.frequency_hz, rtol=1e-9)
@@ -130,7 +130,7 @@ def test_the_force_is_named_by_its_own_row(make: Callable[..., Campaign]) -> Non
 @pytest.mark.parametrize("name", SAME)
 def test_a_prediction_is_what_each_channel_would_read(heavy: Campaign, diagnosed: Diagnosis, name: str) -> None:
     other = SAME[name](heavy)
-    here, there = predict(diagnosed, heavy), predict(diagnosed, other)
+    here, there = predict_records(diagnosed, heavy), predict_records(diagnosed, other)
     rows = [c.index for c in other.rig.responses]
     names, per_si = tuple(c.name for c in other.rig.responses), unit_per_si(other.rig)[rows, None]
     assert set(there) == set(here)

@@ -12,7 +12,7 @@ from pages import ROOT
 from modallab.cli import main
 from modallab.core.errors import ConfigurationError, IdentificationError, JobError, ModallabError
 from modallab.formats import read_campaign, read_rig
-from modallab.identification import Options, estimator_names, estimators, find_estimator
+from modallab.identification import IdentificationOptions, estimator_names, estimators, find_estimator
 from modallab.pipelines.diagram import diagram_of
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import read_models
@@ -57,7 +57,7 @@ def test_it_is_offered_everywhere_and_gone_without_its_file(folder: Path, capsys
     with pytest.raises(JobError, match="'circle', 'era', 'peak' or 'plscf'"):
         parse_parameters("identify", {"method": "phase_slope"})
     with pytest.raises(IdentificationError, match="no estimator 'phase_slope'"):
-        Options(method="phase_slope")
+        IdentificationOptions(method="phase_slope")
 
 
 @pytest.mark.thorough("identifies a whole campaign, and reports it")
@@ -69,8 +69,10 @@ def test_it_identifies_is_reported_and_its_models_stay_readable(folder: Path, tm
         (own,) = read_models(written)
         assert any("those of the slope of the phase, not refined" in note for note in own.notes)
         campaign = read_campaign(HITS, read_rig(DATA / "hammer_rig.yaml"))
-        refined = identify_campaign(campaign, Options(method="phase_slope", band_hz=(500.0, 1500.0), refine=True))
-        beside = identify_campaign(campaign, Options(method="peak", band_hz=(500.0, 1500.0), refine=True))
+        refined = identify_campaign(
+            campaign, IdentificationOptions(method="phase_slope", band_hz=(500.0, 1500.0), refine=True)
+        )
+        beside = identify_campaign(campaign, IdentificationOptions(method="peak", band_hz=(500.0, 1500.0), refine=True))
         one, other = refined.identified[0].model, beside.identified[0].model
         assert np.all(np.abs(one.frequency_hz - other.frequency_hz) < 0.1 * other.frequency_sigma_hz)
         assert np.all(np.abs(one.damping_ratio - other.damping_ratio) < 0.1 * other.damping_sigma)
@@ -119,7 +121,7 @@ def test_limits_of_an_order_are_declared_in_full() -> None:
 @pytest.mark.parametrize(("method", "order"), [("plscf", 401), ("era", 1), ("plscf", 0)])
 def test_an_order_outside_the_limits_is_rejected_by_options_and_jobs(method: str, order: int) -> None:
     for ask in (
-        lambda: Options(method=method, max_order=order),
+        lambda: IdentificationOptions(method=method, max_order=order),
         lambda: parse_parameters("identify", {"method": method, "max_order": order}),
     ):
         with pytest.raises(ModallabError):

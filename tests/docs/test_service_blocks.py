@@ -16,7 +16,7 @@ from modallab.core.documents.runs import RunNew, Stop
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.formats import write_export
-from modallab.service.campaigns.begin import begin
+from modallab.service.campaigns.begin import begin_run
 
 TUTORIAL = "docs/tutorial/rest-service.md"
 ADDRESS = "http://127.0.0.1:8000"
@@ -72,7 +72,7 @@ class Reader:
         lease = self.lab.lease()
         # So many that on a busy machine, too, it is stopped before it has them all.
         plan = RunNew(plan=ImpactPlan(points=(10,), hits=8))
-        run = begin(service, self.variables["CAMPAIGN"], plan, lease.id)
+        run = begin_run(service, self.variables["CAMPAIGN"], plan, lease.id)
         self.lab.wait_for(lambda e: e.run == run and e.kind == "block")
         self.lab.controllers.command(RIG, run, Stop(), lease.id)
         self.lab.wait_for_ended(run)

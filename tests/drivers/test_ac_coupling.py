@@ -11,7 +11,7 @@ from modallab.core.block import Block
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.identification.impact import identify_impact
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.sine import identify_sine
 from modallab.signals.ac_coupling import undo_ac_coupling
 from modallab.signals.signals import to_signals_of
@@ -111,7 +111,7 @@ def impact_errors(seed: int) -> list[np.ndarray]:
     read = [coupled(block, offset=0.02) for block in blocks]
 
     def model(of: list[Block], rig: Rig) -> ModalModel:
-        return identify_impact(to_signals_of(of, rig), rig, Options(band_hz=(3.0, 250.0)))[0]
+        return identify_impact(to_signals_of(of, rig), rig, IdentificationOptions(band_hz=(3.0, 250.0)))[0]
 
     unreported, reported = coupled_rig(0.0, 0.0), coupled_rig(0.0, CORNER_HZ)
     return [off(model(of, rig), system) for of, rig in ((blocks, unreported), (read, reported), (read, unreported))]
@@ -158,7 +158,9 @@ def test_the_sine_model_is_that_of_dc_coupled_channels() -> None:
 
     def model(corner_hz: float, believed_hz: float) -> ModalModel:
         rig = coupled_rig(0.0, believed_hz, points=3)
-        return identify_sine(to_signals_of(settled_blocks(system, frequencies, corner_hz), rig), rig, Options())[0]
+        return identify_sine(
+            to_signals_of(settled_blocks(system, frequencies, corner_hz), rig), rig, IdentificationOptions()
+        )[0]
 
     clean = model(0.0, 0.0)
     assert apart(clean, model(CORNER_HZ, CORNER_HZ)) < 0.5

@@ -93,27 +93,27 @@ def test_a_sensor_that_says_another_sensitivity_is_bad(rig: Rig):
 def test_turnover_and_step_and_reference_and_mass_give_the_sensitivity():
     noise = RNG.standard_normal((2, 4000)) * 1e-4
     up, down = 0.02 * STANDARD_GRAVITY + 0.7 + noise[0], -0.02 * STANDARD_GRAVITY + 0.7 + noise[1]
-    value, sigma = calibrate.by_turnover(up, down)
+    value, sigma = calibrate.sensitivity_by_turnover(up, down)
     assert value == pytest.approx(0.02, abs=5 * sigma)
     assert sigma < 1e-6
-    assert calibrate.by_step(down, up, -1.0)[0] < 0
+    assert calibrate.sensitivity_by_step(down, up, -1.0)[0] < 0
     t = np.arange(4000) / 2000
     shaken = 0.05 * 10 * np.sqrt(2) * np.sin(2 * np.pi * 159.15 * t) + noise[0]
-    value, sigma = calibrate.by_reference(shaken, 2000.0, 159.15, 10.0)
+    value, sigma = calibrate.sensitivity_by_reference(shaken, 2000.0, 159.15, 10.0)
     assert value == pytest.approx(0.05, abs=5 * sigma)
     acceleration = RNG.standard_normal(4000)
-    value, sigma = calibrate.by_rigid_mass(0.5 * 1.2 * acceleration + noise[0], acceleration, 1.2)
+    value, sigma = calibrate.sensitivity_by_rigid_mass(0.5 * 1.2 * acceleration + noise[0], acceleration, 1.2)
     assert value == pytest.approx(0.5, abs=5 * sigma)
 
 
 def test_what_was_not_turned_shaken_or_coupled_is_rejected():
     noise = RNG.standard_normal((2, 4000)) * 1e-4
     with pytest.raises(DataError, match="nothing was seen"):
-        calibrate.by_turnover(noise[0], noise[1])
+        calibrate.sensitivity_by_turnover(noise[0], noise[1])
     with pytest.raises(DataError):
-        calibrate.by_reference(noise[0], 2000.0, 159.15, 10.0)
+        calibrate.sensitivity_by_reference(noise[0], 2000.0, 159.15, 10.0)
     with pytest.raises(DataError, match="one rigid mass"):
-        calibrate.by_rigid_mass(noise[0], noise[1], 1.0)
+        calibrate.sensitivity_by_rigid_mass(noise[0], noise[1], 1.0)
 
 
 def test_a_calibration_is_dated_in_the_rigs_history_and_survives_the_file(rig: Rig, tmp_path: Path):

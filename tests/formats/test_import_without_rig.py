@@ -18,7 +18,7 @@ from modallab.formats.importer import draft_rig
 from modallab.formats.rig.rig_file import read_rig
 from modallab.formats.uff.uff_results import read_results
 from modallab.formats.unit_text import frf_unit, normal_unit
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 
 NODES = {"type": 15, "node_nums": [1, 2, 3, 4], "def_cs": [0] * 4, "disp_cs": [0] * 4, "color": [1] * 4}
@@ -79,7 +79,7 @@ def test_responses_without_a_force_are_kept_and_an_identification_that_needs_it_
     assert campaign.rig.force is None
     assert campaign.blocks[0].test == "random"
     with pytest.raises(ModallabError, match=r"no force channel.*\n.*--response-only"):
-        identify_campaign(campaign, Options())
+        identify_campaign(campaign, IdentificationOptions())
 
 
 def test_a_beam_needs_its_force(tmp_path: Path) -> None:

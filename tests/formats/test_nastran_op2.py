@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from modallab.core.errors import DataError, FormatError, MissingPackageError
-from modallab.core.extras import EXTRAS, remedy
+from modallab.core.extras import EXTRAS, how_to_install
 from modallab.formats.fem import nastran_op2
 from modallab.formats.fem.fem_file import is_fem, read_fem
 
@@ -70,4 +70,4 @@ def test_without_the_package_the_extra_is_named(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setitem(EXTRAS, "pyyeti_that_is_not_there", "nastran")
     with pytest.raises(MissingPackageError, match="needs the package"):
         read_fem(path)
-    assert remedy("pyyeti") == "pip install 'modallab[nastran]'"
+    assert how_to_install("pyyeti") == "pip install 'modallab[nastran]'"

@@ -5,8 +5,8 @@ import pytest
 
 from modallab.core.block import Block
 from modallab.core.errors import DataError
-from modallab.frf.distortions import distortions
-from modallab.identification.selection.assumptions import distorted
+from modallab.frf.distortions import estimate_distortions
+from modallab.identification.selection.assumptions import linearity_of_waves
 from modallab.signals.signals import Signals
 
 N, RATE_HZ = 512, 512.0
@@ -39,23 +39,23 @@ def blocks(law, waves: int = 8, periods: int = 2, noise: float = 0.01, test: str
 @pytest.mark.parametrize("a", [0.03, 0.1])
 def test_the_level_of_a_cubic_law_is_that_of_its_closed_form(a: float) -> None:
     """Of u + a u^3 with normal u of unit power the best linear gain is 1 + 3 a, and 6 a^2 is left (Price's theorem)."""
-    found = distortions(blocks(lambda u: u + a * u**3), BAND)
+    found = estimate_distortions(blocks(lambda u: u + a * u**3), BAND)
     assert found.level[0] == pytest.approx(np.sqrt(6) * a / np.hypot(1 + 3 * a, np.sqrt(6) * a), rel=0.1)
     assert np.mean(found.frf[0].real) == pytest.approx(1 + 3 * a, rel=0.02)
     assert (found.waves, found.periods) == (8, 2)
-    assert distorted(found).holds == (a < 0.02)
+    assert linearity_of_waves(found).holds == (a < 0.02)
 
 
 def test_the_noise_of_a_linear_structure_is_none() -> None:
-    found = distortions(blocks(lambda u: u, noise=0.05), BAND)
+    found = estimate_distortions(blocks(lambda u: u, noise=0.05), BAND)
     assert np.all(found.level < 0.01)
     assert found.noise_level[0] == pytest.approx(0.05, rel=0.1)
-    assert distorted(found).holds
+    assert linearity_of_waves(found).holds
 
 
 def test_noise_that_hides_distortions_leaves_linearity_open() -> None:
     with pytest.raises(DataError, match="cannot be said"):
-        distorted(distortions(blocks(lambda u: u, waves=2, noise=0.5), BAND))
+        linearity_of_waves(estimate_distortions(blocks(lambda u: u, waves=2, noise=0.5), BAND))
 
 
 @pytest.mark.parametrize(
@@ -68,4 +68,4 @@ def test_noise_that_hides_distortions_leaves_linearity_open() -> None:
 )
 def test_what_shows_no_distortions_is_named(given: list[Signals], words: str) -> None:
     with pytest.raises(DataError, match=words):
-        distortions(given, BAND)
+        estimate_distortions(given, BAND)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.block import Block
-from modallab.frf.drive_clock import clock_of_drive, on_clock_of_drive
+from modallab.frf.drive_clock import clock_of_drive, resample_to_drive_clock
 from modallab.signals.signals import Signals
 
 N, RATE_HZ = 1024, 1024.0
@@ -38,9 +38,9 @@ def leaked(signals: list[Signals]) -> float:
 def test_no_line_leaks_into_another_once_the_blocks_are_cut_by_the_drives_clock(clock: float) -> None:
     signals = played(clock)
     assert clock_of_drive(signals, LINES) == pytest.approx(clock, rel=1e-3)
-    assert leaked(on_clock_of_drive(signals, LINES)) < 0.02 * leaked(signals)
+    assert leaked(resample_to_drive_clock(signals, LINES)) < 0.02 * leaked(signals)
 
 
 def test_with_one_clock_the_blocks_stay_as_they_are() -> None:
     signals = played(0.0)
-    assert all(a is b for a, b in zip(on_clock_of_drive(signals, LINES), signals, strict=True))
+    assert all(a is b for a, b in zip(resample_to_drive_clock(signals, LINES), signals, strict=True))

@@ -6,7 +6,7 @@ import pytest
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
-from modallab.frf.estimate import combine, convert, impact_frf, lines
+from modallab.frf.estimate import combine_spectra, convert_frf, impact_frf, lines_of_band
 from modallab.signals.signals import to_signals_of
 
 BLOCKS, LINES = 4000, 3
@@ -26,7 +26,7 @@ def noisy(force_noise=0.0, response_noise=0.0, seed=1):
 
 def test_without_noise_all_three_are_the_frf_and_coherence_is_one():
     for estimator in ("H1", "H2", "Hv"):
-        found, coherence = combine(*noisy(), estimator)
+        found, coherence = combine_spectra(*noisy(), estimator)
         np.testing.assert_allclose(found[0], TRUE, rtol=1e-12)
         np.testing.assert_allclose(coherence, 1, rtol=1e-12)
 
@@ -34,9 +34,9 @@ def test_without_noise_all_three_are_the_frf_and_coherence_is_one():
 def test_h1_is_unbiased_under_response_noise_and_h2_reads_high_by_the_noise_power():
     noise = 0.5
     ratio = 1 + noise**2 / np.abs(TRUE) ** 2
-    h1, coherence = combine(*noisy(response_noise=noise), "H1")
-    h2, _ = combine(*noisy(response_noise=noise), "H2")
-    hv, _ = combine(*noisy(response_noise=noise), "Hv")
+    h1, coherence = combine_spectra(*noisy(response_noise=noise), "H1")
+    h2, _ = combine_spectra(*noisy(response_noise=noise), "H2")
+    hv, _ = combine_spectra(*noisy(response_noise=noise), "Hv")
     np.testing.assert_allclose(np.abs(h1[0]), np.abs(TRUE), rtol=0.03)
     np.testing.assert_allclose(np.abs(h2[0]), np.abs(TRUE) * ratio, rtol=0.06)
     np.testing.assert_allclose(np.abs(hv[0]), np.abs(TRUE) * np.sqrt(ratio), rtol=0.05)
@@ -45,15 +45,15 @@ def test_h1_is_unbiased_under_response_noise_and_h2_reads_high_by_the_noise_powe
 
 def test_h2_is_unbiased_under_force_noise_and_h1_reads_low():
     noise = 0.5
-    h1, coherence = combine(*noisy(force_noise=noise), "H1")
-    h2, _ = combine(*noisy(force_noise=noise), "H2")
+    h1, coherence = combine_spectra(*noisy(force_noise=noise), "H1")
+    h2, _ = combine_spectra(*noisy(force_noise=noise), "H2")
     np.testing.assert_allclose(np.abs(h1[0]), np.abs(TRUE) / (1 + noise**2), rtol=0.05)
     np.testing.assert_allclose(np.abs(h2[0]), np.abs(TRUE), rtol=0.05)
     np.testing.assert_allclose(coherence[0], 1 / (1 + noise**2), rtol=0.05)
 
 
 def test_estimators_are_ordered_and_share_their_phase():
-    h1, h2, hv = (combine(*noisy(0.3, 0.3), e)[0] for e in ("H1", "H2", "Hv"))
+    h1, h2, hv = (combine_spectra(*noisy(0.3, 0.3), e)[0] for e in ("H1", "H2", "Hv"))
     assert np.all(np.abs(h1) <= np.abs(hv))
     assert np.all(np.abs(hv) <= np.abs(h2))
     np.testing.assert_allclose(np.angle(h1), np.angle(h2), atol=1e-12)
@@ -61,7 +61,7 @@ def test_estimators_are_ordered_and_share_their_phase():
 
 def test_one_block_is_coherent_by_construction():
     force, response = noisy(0.3, 0.3)
-    np.testing.assert_allclose(combine(force[:1], response[:1])[1], 1)
+    np.testing.assert_allclose(combine_spectra(force[:1], response[:1])[1], 1)
 
 
 @pytest.mark.parametrize(
@@ -76,11 +76,11 @@ def test_one_block_is_coherent_by_construction():
 )
 def test_spectra_that_do_not_fit_are_rejected(spoil, says):
     with pytest.raises(DataError, match=says):
-        combine(*spoil(*noisy()))
+        combine_spectra(*spoil(*noisy()))
 
 
 def test_lines_of_a_band_never_hold_zero():
-    found = lines(2048, 2000.0, (0.0, 100.0))
+    found = lines_of_band(2048, 2000.0, (0.0, 100.0))
     assert found[0] == 1
     assert found[-1] == 102
 
@@ -88,7 +88,7 @@ def test_lines_of_a_band_never_hold_zero():
 @pytest.mark.parametrize("band", [(50.0, 51.0), (100.0, 20.0), (np.nan, 20.0), (1200.0, 1300.0)])
 def test_a_band_without_lines_is_rejected(band):
     with pytest.raises(DataError):
-        lines(2048, 2000.0, band)
+        lines_of_band(2048, 2000.0, band)
 
 
 def plain(values, frequency=(1.0, 2.0, 3.0), quantity="receptance", shift=0.0):
@@ -98,9 +98,9 @@ def plain(values, frequency=(1.0, 2.0, 3.0), quantity="receptance", shift=0.0):
 def test_quantities_differ_by_powers_of_s_and_convert_back():
     s = 0.5 + 2j * np.pi * np.array([1.0, 2.0, 3.0])
     one = plain([1 + 0j, 2j, 3 - 1j], shift=0.5)
-    inertance = convert(one, "inertance")
+    inertance = convert_frf(one, "inertance")
     np.testing.assert_allclose(inertance.values, one.values * s**2)
-    np.testing.assert_allclose(convert(inertance, "receptance").values, one.values)
+    np.testing.assert_allclose(convert_frf(inertance, "receptance").values, one.values)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,7 @@ def test_quantities_differ_by_powers_of_s_and_convert_back():
 )
 def test_what_cannot_be_converted_is_rejected(values, frequency, says):
     with pytest.raises(DataError, match=says):
-        convert(plain(values, frequency, "inertance"), "receptance")
+        convert_frf(plain(values, frequency, "inertance"), "receptance")
 
 
 def test_along_the_shifted_axis_a_truncated_block_gives_the_structures_own_frf():

@@ -5,8 +5,8 @@ import pytest
 
 from modallab.core.block import Block
 from modallab.core.errors import DataError
-from modallab.frf.left_out import leaves_lines_out, left_out
-from modallab.identification.selection.assumptions import distorted
+from modallab.frf.left_out import distortions_at_undriven_lines, leaves_lines_out
+from modallab.identification.selection.assumptions import linearity_of_waves
 from modallab.signals.signals import Signals
 
 N, RATE_HZ = 512, 512.0
@@ -42,18 +42,18 @@ def blocks(law, waves: int = 8, noise: float = 0.01, grid=lambda w: ODD[w % 4 !=
 def test_a_square_is_seen_at_even_lines_and_a_cube_at_odd_ones_each_at_its_level() -> None:
     """Of u + a u^2 + b u^3, u normal, 2 a^2 and 6 b^2 are left (Price); 3 of 4 odd lines are driven."""
     a, b = 0.02, 0.03
-    found = left_out(blocks(lambda u: u + a * u**2 + b * u**3), BAND)
+    found = distortions_at_undriven_lines(blocks(lambda u: u + a * u**2 + b * u**3), BAND)
     assert found.even[0] == pytest.approx(np.sqrt(2) * a / (1 + 3 * b), rel=0.1)
     assert found.odd[0] == pytest.approx(np.sqrt(0.75 * 6) * b / (1 + 3 * b), rel=0.1)
     assert 0 < found.odd_sigma[0] < 0.1 * found.odd[0]
-    assert not distorted(found).holds
+    assert not linearity_of_waves(found).holds
 
 
 def test_a_linear_structure_has_none_whatever_its_noise() -> None:
-    found = left_out(blocks(lambda u: u, noise=0.05), BAND)
+    found = distortions_at_undriven_lines(blocks(lambda u: u, noise=0.05), BAND)
     assert found.level[0] < 0.02
     assert found.noise_level[0] == pytest.approx(0.05 * np.sqrt(ODD.size * 0.75 / (N / 2)), rel=0.1)
-    verdict = distorted(found)
+    verdict = linearity_of_waves(found)
     assert verdict.holds
     assert "even" in verdict.words
 
@@ -61,21 +61,21 @@ def test_a_linear_structure_has_none_whatever_its_noise() -> None:
 def test_what_the_force_itself_holds_there_is_not_the_structures() -> None:
     given = blocks(lambda u: 2 * (u + 0.005 * u**2), noise=0.0)
     halved = [Signals(s.responses[0] / 2, s.responses, s.rate_hz, s.outputs, s.block) for s in given]
-    assert left_out(halved, BAND).level[0] < 1e-6
+    assert distortions_at_undriven_lines(halved, BAND).level[0] < 1e-6
 
 
 def test_a_drive_of_all_lines_leaves_none_out() -> None:
     every = blocks(lambda u: u, grid=lambda _: np.arange(1, N // 2))
     assert not leaves_lines_out(every, BAND)
     with pytest.raises(DataError, match="0 odd lines are driven by one wave and left out by another, 0 even"):
-        left_out(every, BAND)
+        distortions_at_undriven_lines(every, BAND)
 
 
 def test_the_same_lines_left_out_by_every_wave_are_too_little() -> None:
     with pytest.raises(DataError, match="drive with detection_lines, four waves"):
-        left_out(blocks(lambda u: u, grid=lambda _: ODD[::2]), BAND)
+        distortions_at_undriven_lines(blocks(lambda u: u, grid=lambda _: ODD[::2]), BAND)
 
 
 def test_one_wave_is_too_little() -> None:
     with pytest.raises(DataError, match="1 different waves of two periods"):
-        left_out(blocks(lambda u: u, waves=1), BAND)
+        distortions_at_undriven_lines(blocks(lambda u: u, waves=1), BAND)

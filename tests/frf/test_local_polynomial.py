@@ -5,7 +5,7 @@ import pytest
 from scipy import signal
 
 from modallab.core.errors import DataError
-from modallab.frf.estimate import combine
+from modallab.frf.estimate import combine_spectra
 from modallab.frf.local_polynomial import local_polynomial_frf
 
 N, RATE = 2048, 512.0
@@ -39,7 +39,7 @@ def _error(found, true):
 def test_a_ring_down_that_the_block_cuts_off_hardly_bends_it():
     force, response, true = _records(4, 1)
     found, _ = local_polynomial_frf(force, response)
-    plain, _ = combine(force[:, 0], response)
+    plain, _ = combine_spectra(force[:, 0], response)
     assert 10 * _error(found, true) < _error(plain[:, None], true)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
-from modallab.frf.estimate import convert
+from modallab.frf.estimate import convert_frf
 from modallab.frf.mass_cancellation import without_mass
 
 F = np.linspace(1.0, 40.0, 400)
@@ -25,7 +25,7 @@ def frf(points=(3,), extra=0.0, quantity="inertance"):
         dynamic = STIFFNESS * (1 + 0.004j) + loaded * s[:, None, None] ** 2
         values.append(np.linalg.inv(dynamic)[:, :, point - 1].T)
     receptance = Frf(F, np.stack(values, axis=1), "receptance", ("a", "b", "c"), (1, 2, 3), points)
-    return convert(receptance, quantity)
+    return convert_frf(receptance, quantity)
 
 
 @pytest.mark.parametrize("quantity", ["receptance", "mobility", "inertance"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.errors import DataError
-from modallab.frf.estimate import combine
+from modallab.frf.estimate import combine_spectra
 from modallab.frf.references import estimate_frf
 
 LINES = 60
@@ -42,7 +42,7 @@ def test_without_noise_all_three_are_the_frf(estimator, inputs):
 def test_one_force_and_one_response_give_what_they_give_alone(estimator):
     force, response, _ = spectra(5, 1, 1, on_force=0.2, on_response=0.3)
     found = estimate_frf(force, response, estimator)
-    alone, coherence = combine(force[:, 0], response, estimator)
+    alone, coherence = combine_spectra(force[:, 0], response, estimator)
     np.testing.assert_allclose(found.frf[:, 0], alone, rtol=1e-9)
     np.testing.assert_allclose(found.coherence, coherence, atol=1e-12)
 

@@ -9,7 +9,7 @@ import pytest
 from modallab.core.block import Block
 from modallab.core.errors import DataError, ModallabError
 from modallab.core.rig import Channel, Converter, Point, Rig
-from modallab.frf.estimate import lines, pre_trigger_level
+from modallab.frf.estimate import lines_of_band, pre_trigger_level
 from modallab.frf.stepped import stepped_frf
 from modallab.signals.ac_coupling import undo_ac_coupling
 from modallab.signals.alignment import align_channels
@@ -142,8 +142,8 @@ def test_a_lower_edge_that_asks_for_more_taps_than_any_memory_holds_is_rejected(
 
 @pytest.mark.parametrize("band", [(np.nan, 9.0), (9.0, np.nan), (90.0, 9.0), (3.0, 4.0), (-9.0, -3.0), (600.0, 900.0)])
 def test_a_band_without_lines_is_rejected(band):
-    rejected(lines, N, RATE, band)
-    rejected(lines, 0, RATE, (10.0, 100.0))
+    rejected(lines_of_band, N, RATE, band)
+    rejected(lines_of_band, 0, RATE, (10.0, 100.0))
 
 
 HIT = np.random.default_rng(0).normal(0, 0.01, N)

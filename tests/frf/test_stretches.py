@@ -4,14 +4,14 @@ from scipy import signal
 
 from modallab.core.errors import DataError
 from modallab.frf.references import estimate_frf
-from modallab.frf.segments import stretches
+from modallab.frf.segments import segment_spectra
 
 RATE = 256.0
 
 
 def test_stretches_without_overlap_are_the_blocks():
     values = np.random.default_rng(0).standard_normal((2, 640))
-    found = stretches(values, RATE, 128, overlap=0, window="none")
+    found = segment_spectra(values, RATE, 128, overlap=0, window="none")
     blocks = values.reshape(2, 5, 128).swapaxes(0, 1)
     np.testing.assert_allclose(found.spectra, np.fft.rfft(blocks)[..., 1:64], atol=1e-12)
     np.testing.assert_allclose(found.frequency_hz, np.arange(1, 64) * 2.0)
@@ -23,7 +23,7 @@ def test_the_count_is_what_the_scatter_of_averaged_power_says(window, overlap):
     rng = np.random.default_rng(1)
     power = []
     for _ in range(200):
-        found = stretches(rng.standard_normal((1, 1024)), RATE, 128, overlap, window)
+        found = segment_spectra(rng.standard_normal((1, 1024)), RATE, 128, overlap, window)
         power.append(np.mean(np.abs(found.spectra[:, 0, 4:-4]) ** 2, axis=0))
     scatter = np.mean(np.std(power, axis=0) ** 2) / np.mean(power) ** 2
     assert 1 / scatter == pytest.approx(found.averages, rel=0.08)
@@ -31,7 +31,7 @@ def test_the_count_is_what_the_scatter_of_averaged_power_says(window, overlap):
 
 def test_overlap_makes_more_of_one_record():
     values = np.random.default_rng(2).standard_normal((1, 4096))
-    apart, over = (stretches(values, RATE, 256, overlap) for overlap in (0.0, 0.5))
+    apart, over = (segment_spectra(values, RATE, 256, overlap) for overlap in (0.0, 0.5))
     assert over.averages > 1.7 * apart.averages
 
 
@@ -40,7 +40,7 @@ def test_two_forces_in_one_long_record_are_distinguished():
     force = rng.standard_normal((2, 2**15))
     b, a = signal.butter(2, 0.3)
     response = np.stack([signal.lfilter(b, a, force[0]) + 0.5 * force[1]]) + 0.01 * rng.standard_normal((1, 2**15))
-    found = stretches(np.vstack([force, response]), RATE, 256)
+    found = segment_spectra(np.vstack([force, response]), RATE, 256)
     estimate = estimate_frf(found.spectra[:, :2], found.spectra[:, 2:], "Hv", averages=found.averages)
     _, true = signal.freqz(b, a, 2 * np.pi * found.frequency_hz / RATE)
     assert np.mean(np.abs(estimate.frf[0, 0] - true) < 1.5 * estimate.radius(0.95)[0, 0]) > 0.95
@@ -64,4 +64,4 @@ def test_two_forces_in_one_long_record_are_distinguished():
 )
 def test_what_cannot_be_cut_is_rejected(values, rate, length, overlap, says):
     with pytest.raises(DataError, match=says):
-        stretches(values, rate, length, overlap)
+        segment_spectra(values, rate, length, overlap)

@@ -7,9 +7,9 @@ import pytest
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
-from modallab.gap.conditioning.overtones import of_record
-from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.model.fit import Problem, seen
+from modallab.gap.conditioning.overtones import harmonics_in_record
+from modallab.gap.conditioning.prepare import prepare_campaign
+from modallab.gap.model.fit import Problem, evaluated
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.force_place import place, placed_by_overtones
@@ -26,7 +26,7 @@ FRICTION = Effect(
 
 
 def bench(make: Callable[..., Campaign], *effects: Effect) -> Bench:
-    prepared = prepare(make(*effects, tests=("sine",)))
+    prepared = prepare_campaign(make(*effects, tests=("sine",)))
     return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
 
 
@@ -60,7 +60,7 @@ def test_a_spring_acts_at_its_place_and_friction_at_the_root(make: Callable[...,
 
 
 def test_a_law_is_not_looked_for_where_the_overtones_show_another_place(cracked: Bench) -> None:
-    base = seen(Problem(cracked.data, cracked.free), np.zeros(cracked.free.size))
+    base = evaluated(Problem(cracked.data, cracked.free), np.zeros(cracked.free.size))
     crack, friction = (model_of(e.effect).candidates(cracked.data.rig)[0] for e in (CRACK, FRICTION))
     begun = placed_by_overtones(cracked, base, crack)
     assert begun is not None
@@ -74,7 +74,7 @@ def test_a_law_is_not_looked_for_where_the_overtones_show_another_place(cracked:
 def test_overtones_are_read_on_a_line_and_between_two(hz: float) -> None:
     t = np.arange(1024) / 1000.0
     wave = 3.0 * np.cos(2 * np.pi * hz * t + 0.3) + 0.2 * np.cos(4 * np.pi * hz * t - 1.0)
-    second, third, *_ = of_record("a", wave[None], 1000.0, hz)
+    second, third, *_ = harmonics_in_record("a", wave[None], 1000.0, hz)
     assert second.hz == pytest.approx(2 * hz)
     assert second.y[0] == pytest.approx(0.2 * np.exp(-1j), abs=1e-9)
     assert second.clear[0]

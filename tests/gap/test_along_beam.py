@@ -7,16 +7,16 @@ import pytest
 from twin_campaign import built, link
 
 from modallab.core.rig import Tolerance
-from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.rows import ImpactData, Reduced
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.report.initial_gap import bench_of, free_of
-from modallab.gap.search.along_beam import along_the_beam
+from modallab.gap.search.along_beam import best_along_beam
 from modallab.twin.bench import Twin
 from modallab.twin.effects import model_of
-from modallab.twin.modes import solve
+from modallab.twin.modes import solve_modes
 
 PLACE, ELSEWHERE, K3 = 0.82, 0.65, 2e6
 
@@ -25,16 +25,16 @@ PLACE, ELSEWHERE, K3 = 0.82, 0.65, 2e6
 def elsewhere() -> Fit:
     """The twin with a cubic spring at another place, as strong on the slowest mode, on hits of one where it is."""
     rig = link().model_copy(update={"tolerance": Tolerance.usual()})
-    prepared = prepare(built(rig, tests=("impact",)))
+    prepared = prepare_campaign(built(rig, tests=("impact",)))
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
     (candidate,) = model_of("cubic_spring").candidates(rig)
     problem = Problem(bench.data, bench.free, (candidate,))
     k3, x = candidate.slots
     u = np.concatenate([np.zeros(bench.free.size), [k3.coordinate(K3), x.coordinate(PLACE)]])
     twin = problem.twin(u)
-    shape = abs(solve(twin.structure).at(np.array([PLACE, ELSEWHERE]) * twin.structure.length_m)[:, 0])
+    shape = abs(solve_modes(twin.structure).at(np.array([PLACE, ELSEWHERE]) * twin.structure.length_m)[:, 0])
     u[-2:] = k3.coordinate(K3 * (shape[0] / shape[1]) ** 4), x.coordinate(ELSEWHERE)
-    return seen(replace(problem, data=struck(bench.data, twin)), u)
+    return evaluated(replace(problem, data=struck(bench.data, twin)), u)
 
 
 def struck(data: Reduced, twin: Twin) -> Reduced:
@@ -50,7 +50,7 @@ def struck(data: Reduced, twin: Twin) -> Reduced:
 
 @pytest.mark.thorough("fits along the beam")
 def test_the_place_that_fits_all_records_is_the_springs(elsewhere: Fit) -> None:
-    (found,) = along_the_beam(elsewhere).effects
+    (found,) = best_along_beam(elsewhere).effects
     assert found.place.x == pytest.approx(PLACE, abs=0.015)
     assert found.parameters["k3"] == pytest.approx(K3, rel=0.1)
 
@@ -59,16 +59,16 @@ def test_the_place_that_fits_all_records_is_the_springs(elsewhere: Fit) -> None:
 def test_a_law_that_does_nothing_has_no_better_place(elsewhere: Fit) -> None:
     u = elsewhere.u.copy()
     u[-2] = elsewhere.problem.candidates[0].slots[0].coordinate(1e-12)
-    nothing = seen(elsewhere.problem, u)
-    assert along_the_beam(nothing).cost <= nothing.cost
+    nothing = evaluated(elsewhere.problem, u)
+    assert best_along_beam(nothing).cost <= nothing.cost
 
 
 def test_a_law_that_is_tied_to_no_mode_stays_where_it_is(elsewhere: Fit) -> None:
     (root,) = model_of("clamp_friction").candidates(elsewhere.problem.data.rig)
     own = [s.coordinate(s.starts[0]) for s in root.slots]
     problem = Problem(elsewhere.problem.data, elsewhere.problem.free, (root,))
-    fit = seen(problem, np.concatenate([np.zeros(problem.free.size), own]))
-    assert along_the_beam(fit) is fit
+    fit = evaluated(problem, np.concatenate([np.zeros(problem.free.size), own]))
+    assert best_along_beam(fit) is fit
 
 
 def test_whole_slopes_are_small_steps_where_an_element_is_stepped(elsewhere: Fit) -> None:

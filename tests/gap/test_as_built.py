@@ -14,7 +14,7 @@ from modallab.core.rig import Rig, Tolerance
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.tolerances import applied, by_tolerance, deviations, with_tolerances
 from modallab.gap.report.calibrated import diagnosed_twin
-from modallab.gap.words.verdicts import in_percent, sentence
+from modallab.gap.words.verdicts import gap_in_percent, verdict_sentence
 from modallab.reporting.gap_report import render
 from modallab.twin.bench import Twin
 
@@ -71,7 +71,7 @@ def test_a_bench_within_its_tolerances_has_no_gap(sound: Diagnosis) -> None:
     assert sound.verdict == "no_gap"
     assert sound.effects == []
     assert sound.gap.after == pytest.approx(1.0, abs=0.08)
-    assert "tolerances" in sentence(sound)
+    assert "tolerances" in verdict_sentence(sound)
 
 
 def test_hits_that_no_fit_has_seen_are_given_their_own_place(sound: Diagnosis) -> None:
@@ -126,7 +126,7 @@ def test_the_gap_is_stated_in_percent_too(sound: Diagnosis) -> None:
     assert after.at_resonance is not None
     assert nominal.at_resonance > 0.05
     assert after.at_resonance < 0.01
-    assert "%" in in_percent(sound.gap)
+    assert "%" in gap_in_percent(sound.gap)
 
 
 def test_what_is_left_beyond_noise_is_stated(sound: Diagnosis) -> None:
@@ -134,7 +134,7 @@ def test_what_is_left_beyond_noise_is_stated(sound: Diagnosis) -> None:
     assert left is not None
     assert left.median < 0.001
     assert left.worst < 0.01
-    assert "Beyond noise" in in_percent(sound.gap)
+    assert "Beyond noise" in gap_in_percent(sound.gap)
 
 
 def test_the_diagnosed_twin_is_the_one_that_was_fitted(sound: Diagnosis, campaign: Campaign) -> None:

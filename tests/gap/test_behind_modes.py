@@ -7,17 +7,17 @@ import pytest
 
 from modallab.gap.search.series_stiffness import in_series
 from modallab.twin.bench import Twin
-from modallab.twin.nonlinear.element import Element, Law
+from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
 from modallab.twin.predict import predict_sine
-from modallab.twin.structure import Structure
+from modallab.twin.structure import TwinStructure
 
-BEAM = Structure(0.9, 0.05, 0.006, 2.05e11, 7850.0, np.full(15, 0.006), root_rotation=1 / 8)
+BEAM = TwinStructure(0.9, 0.05, 0.006, 2.05e11, 7850.0, np.full(15, 0.006), root_rotation=1 / 8)
 UNIT = BEAM.bending_stiffness / BEAM.length_m
 PLACES = np.array([0.4, 0.9])
 
 
 def play(stiffness: float, share: float) -> Twin:
-    return Twin(BEAM, element=Element(Law.PLAY, 0.0, (stiffness, 1e-4)), residual_compliance=share)
+    return Twin(BEAM, element=NonlinearElement(NonlinearLaw.PLAY, 0.0, (stiffness, 1e-4)), residual_compliance=share)
 
 
 def sine(twin: Twin) -> np.ndarray:

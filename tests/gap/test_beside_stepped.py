@@ -8,12 +8,12 @@ import pytest
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
-from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.report.initial_gap import bench_of, free_of
-from modallab.gap.search.beside_stepped import bare, beside, taken_off
+from modallab.gap.search.beside_stepped import linear_beside_stepped, linear_fit, without_element
 from modallab.gap.search.fitting import Bench
 from modallab.twin.effects import model_of
 
@@ -26,11 +26,11 @@ FRICTION = Effect(
 
 
 @pytest.fixture(scope="module")
-def prepared(make: Callable[..., Campaign]) -> Prepared:
-    return prepare(make(DRAG, tests=("sine",)))
+def prepared(make: Callable[..., Campaign]) -> PreparedCampaign:
+    return prepare_campaign(make(DRAG, tests=("sine",)))
 
 
-def bench_with(prepared: Prepared, *allowed: str) -> Bench:
+def bench_with(prepared: PreparedCampaign, *allowed: str) -> Bench:
     return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda name: name in allowed)
 
 
@@ -49,23 +49,23 @@ def made_by(data: Reduced, answers: list[np.ndarray]) -> Reduced:
     return replace(data, sines=replace(data.sines, rows=replace(data.sines.rows, y=answers[-1])))
 
 
-def test_records_without_what_the_element_adds_are_those_of_a_linear_beam(prepared: Prepared) -> None:
+def test_records_without_what_the_element_adds_are_those_of_a_linear_beam(prepared: PreparedCampaign) -> None:
     bench = bench_with(prepared)
     twin = fit_of(bench, DRAG).problem.twin(fit_of(bench, DRAG).u)
     linear = forward(replace(twin, element=None), bench.data)[-1]
-    left = taken_off(made_by(bench.data, forward(twin, bench.data)), twin)
+    left = without_element(made_by(bench.data, forward(twin, bench.data)), twin)
     assert left.sines is not None
     np.testing.assert_allclose(left.sines.rows.y, linear, rtol=1e-12)
 
 
-def test_a_root_that_slips_stays_soft_without_its_friction(prepared: Prepared) -> None:
+def test_a_root_that_slips_stays_soft_without_its_friction(prepared: PreparedCampaign) -> None:
     bench = bench_with(prepared)
-    fit = bare(bench, fit_of(bench, FRICTION))
+    fit = linear_fit(bench, fit_of(bench, FRICTION))
     (root,) = fit.effects
     assert root.effect == "clamp_rotation"
     assert root.parameters["k_rot"] == pytest.approx(FRICTION.parameters["k_slip"])
 
 
-def test_where_nothing_linear_may_be_named_nothing_stands_beside(prepared: Prepared) -> None:
+def test_where_nothing_linear_may_be_named_nothing_stands_beside(prepared: PreparedCampaign) -> None:
     bench = bench_with(prepared)
-    assert beside(bench, fit_of(bench, DRAG)) is None
+    assert linear_beside_stepped(bench, fit_of(bench, DRAG)) is None

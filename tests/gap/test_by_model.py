@@ -12,10 +12,10 @@ from modallab.gap.modal.free import Free
 from modallab.gap.modal.matching import Side
 from modallab.gap.modal.weights import Weights
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.modification.mesh import MOST, Mesh, on_surface
 from modallab.modification.shapes import shapes_of
-from modallab.modification.synthesis import synthesised
+from modallab.modification.synthesis import receptances_of_model
 
 
 def test_constants_hold_the_shapes_of_every_struck_point_and_what_lies_between() -> None:
@@ -113,10 +113,11 @@ def test_a_mode_just_above_the_band_of_one_side_is_no_gap(gain: float) -> None:
     hz = np.arange(5.0, 0.95 * OMEGA[-1] / (2 * np.pi), 0.05)
     s = 2j * np.pi * hz
     accelerations = (
-        np.moveaxis(s[:, None, None] ** 2 * synthesised(REFERENCE, s), 0, 2) * np.array([1.0, gain, 1.0])[:, None, None]
+        np.moveaxis(s[:, None, None] ** 2 * receptances_of_model(REFERENCE, s), 0, 2)
+        * np.array([1.0, gain, 1.0])[:, None, None]
     )
     frf = Frf(hz, accelerations, "inertance", REFERENCE.outputs, REFERENCE.output_points, REFERENCE.input_points)
-    bench, _ = identify_frf(frf, rig(), Options())
+    bench, _ = identify_frf(frf, rig(), IdentificationOptions())
     assert bench.n_modes == OMEGA.size - 1
     found = diagnose_by_model(REFERENCE, bench, rig())
     assert [e.effect for e in found.effects] == ([] if gain == 1.0 else ["gain_error"])

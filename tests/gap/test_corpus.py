@@ -15,7 +15,7 @@ from corpus.sealed import entries as sealed_entries
 from corpus.sealed import unsealed, write
 from corpus.summary import figures
 
-from modallab.blind.seal import seal
+from modallab.blind.seal import seal_truth
 from modallab.core.errors import DataError
 
 GAP = Path(__file__).parents[2] / "benchmarks" / "gap"
@@ -86,7 +86,7 @@ def test_five_campaigns_that_one_engine_alone_has_right_are_a_chance_of_one_in_s
 
 def test_a_sealed_truth_cannot_be_read_in_the_file_nor_be_changed(tmp_path: Path) -> None:
     file, truth = tmp_path / "sealed.csv", {"effect": "swap", "seed": 7}
-    hashes = {name: seal(tmp_path, name, truth) for name in ("one", "other")}
+    hashes = {name: seal_truth(tmp_path, name, truth) for name in ("one", "other")}
     write(file, tmp_path, hashes)
     assert "swap" not in file.read_text()
     entry = sealed_entries(file)[0]

@@ -15,11 +15,11 @@ from modallab.core.hold_out import MIXED, HoldOut
 from modallab.core.progress import report_progress_to
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
-from modallab.gap.conditioning.split import split
-from modallab.gap.design.prediction import predict, predicted_campaign
+from modallab.gap.conditioning.split import split_held_out
+from modallab.gap.design.prediction import predict_records, predicted_campaign
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.predicted_records import predict_record
-from modallab.gap.words.verdicts import sentence
+from modallab.gap.words.verdicts import verdict_sentence
 from modallab.signals.signals import to_signals
 
 Make = Callable[..., Campaign]
@@ -69,7 +69,7 @@ def test_a_mass_is_named_with_its_place_and_size(massed: Diagnosis, said: list[t
     assert found.effects[0].parameters["mass"] == pytest.approx(0.05, rel=0.01)
     assert found.where.x_m == pytest.approx(0.8, abs=0.005)
     assert found.shrink.closed == pytest.approx(1.0, abs=0.01)
-    assert "added mass" in sentence(found)
+    assert "added mass" in verdict_sentence(found)
 
 
 @pytest.mark.thorough("diagnoses a whole campaign")
@@ -190,7 +190,7 @@ def test_a_rig_without_a_beam_is_rejected(make: Make, rig: Rig) -> None:
 def test_a_diagnosis_predicts_another_campaign(massed: Diagnosis, make: Make, rig: Rig) -> None:
     read = Diagnosis.model_validate_json(massed.model_dump_json())
     other = make(TIP, seed=9)
-    predicted = predict(read, other)
+    predicted = predict_records(read, other)
     assert set(predicted) == {b.name for b in other.blocks}
     for block in other.blocks:
         a = to_signals(block, rig).responses
@@ -208,15 +208,15 @@ def test_a_record_is_predicted_to_within_its_noise(make: Make, rig: Rig) -> None
 
 def test_rules_say_which_records_no_fit_may_see(make: Make) -> None:
     blocks = make().blocks
-    fitted, held = split(blocks, HoldOut.parse("point:10"))
+    fitted, held = split_held_out(blocks, HoldOut.parse("point:10"))
     assert {b.drive_point for b in held} == {10}
     assert len(fitted) + len(held) == len(blocks)
-    assert {b.level for b in split(blocks, HoldOut.parse("level:high"))[1]} == {"high"}
-    mixed = split(blocks, MIXED)[1]
+    assert {b.level for b in split_held_out(blocks, HoldOut.parse("level:high"))[1]} == {"high"}
+    mixed = split_held_out(blocks, MIXED)[1]
     assert {b.test for b in mixed} == {"impact", "sine"}
     for wrong in ("point:99", "every other", "last:2"):
         with pytest.raises(PlanError):
-            split(blocks, HoldOut.parse(wrong))
+            split_held_out(blocks, HoldOut.parse(wrong))
 
 
 def test_a_prediction_is_a_campaign_too(massed: Diagnosis, make: Make, tmp_path: Path) -> None:
@@ -224,6 +224,6 @@ def test_a_prediction_is_a_campaign_too(massed: Diagnosis, make: Make, tmp_path:
     write_campaign(predicted_campaign(massed, other), tmp_path / "predicted.h5")
     read = read_campaign(tmp_path / "predicted.h5")
     rows = [c.index for c in read.rig.responses]
-    block, expected = read.blocks[0], predict(massed, other)[read.blocks[0].name]
+    block, expected = read.blocks[0], predict_records(massed, other)[read.blocks[0].name]
     assert np.allclose(block.samples[rows] * block.scale[rows, None], expected)
     assert len(read.blocks) == len(other.blocks)

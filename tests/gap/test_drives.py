@@ -13,20 +13,20 @@ from modallab.core.effects import Effect
 from modallab.core.errors import DataError
 from modallab.core.hold_out import MIXED
 from modallab.core.units import Broadband
-from modallab.gap.conditioning.prepare import Prepared, prepare
-from modallab.gap.conditioning.reduce import reduce
-from modallab.gap.conditioning.split import split
+from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
+from modallab.gap.conditioning.reduce import reduce_blocks
+from modallab.gap.conditioning.split import split_held_out
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.initial_gap import weights_of
-from modallab.gap.report.measure import squares
+from modallab.gap.report.measure import squared_residuals
 
 RIG = link()
 MASS = Effect(effect="added_mass", parameters={"mass": 0.03}, place={"x": 0.8})
 
 
 @cache
-def sound(test: Broadband) -> Prepared:
-    return prepare(Campaign(RIG, tuple(driven(test))))
+def sound(test: Broadband) -> PreparedCampaign:
+    return prepare_campaign(Campaign(RIG, tuple(driven(test))))
 
 
 def driven(test: Broadband, *effects: Effect, seed: int = 1) -> Sequence[Block]:
@@ -37,8 +37,8 @@ def driven(test: Broadband, *effects: Effect, seed: int = 1) -> Sequence[Block]:
 def test_the_true_twin_leaves_noise_alone(test: Broadband) -> None:
     """The records begin from rest, so that modes decay beside what the drive makes."""
     prepared = sound(test)
-    data = reduce(prepared.campaign, prepared.blocks, weights_of(prepared))
-    assert squares(bench(RIG, ()), data).gap == pytest.approx(1.0, abs=0.05)
+    data = reduce_blocks(prepared.campaign, prepared.blocks, weights_of(prepared))
+    assert squared_residuals(bench(RIG, ()), data).gap == pytest.approx(1.0, abs=0.05)
 
 
 def test_a_force_that_is_only_noise_is_rejected() -> None:
@@ -49,7 +49,7 @@ def test_a_force_that_is_only_noise_is_rejected() -> None:
 
 
 def test_a_third_of_each_drive_is_held_out() -> None:
-    fitted, held = split(sound("chirp").blocks, MIXED)
+    fitted, held = split_held_out(sound("chirp").blocks, MIXED)
     assert sum(b.n_samples for b in held) * 2 == sum(b.n_samples for b in fitted)
 
 

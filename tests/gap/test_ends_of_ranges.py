@@ -9,11 +9,11 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.places import AllAlongBeam
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.model.candidates import of_channel
-from modallab.gap.model.fit import Problem, seen
+from modallab.gap.model.fit import Problem, evaluated
 from modallab.gap.report.initial_gap import bench_of, free_of
-from modallab.gap.search.fitting import finish, short
+from modallab.gap.search.fitting import finish, short_fit
 from modallab.gap.unknown.fitted import element
 
 
@@ -24,11 +24,11 @@ def test_a_mount_with_too_much_damping_becomes_a_resonance_again(
     rig: Rig, make: Callable[..., Campaign], hz: float
 ) -> None:
     mount = Effect(effect="loose_mount", parameters={"hz": 382.0, "zeta": 0.075}, place={"channel": 6})
-    prepared = prepare(make(mount, tests=("impact",)))
+    prepared = prepare_campaign(make(mount, tests=("impact",)))
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
     (candidate,) = (c for c in of_channel(rig, 6) if c.effect == "loose_mount")
     own = [slot.coordinate(value) for slot, value in zip(candidate.slots, (hz, 0.399), strict=True)]
-    begun = short(bench, (candidate,), np.array([*np.zeros(bench.free.size), *own]), 0.1)
+    begun = short_fit(bench, (candidate,), np.array([*np.zeros(bench.free.size), *own]), 0.1)
     found = finish(bench, begun, 0.01)
     assert found.gap < 1.1
     assert found.effects[0].parameters["hz"] == pytest.approx(382.0, rel=1e-3)
@@ -37,7 +37,7 @@ def test_a_mount_with_too_much_damping_becomes_a_resonance_again(
 def test_a_beam_pressed_beyond_its_buckling_load_is_a_bad_fit_and_no_failure(
     rig: Rig, make: Callable[..., Campaign]
 ) -> None:
-    prepared = prepare(make())
+    prepared = prepare_campaign(make())
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
     law = element(bench, "beam_law", ("tension",), AllAlongBeam(), 1.0)
     problem, beam = Problem(bench.thin, bench.free, (law,)), rig.beam
@@ -47,7 +47,7 @@ def test_a_beam_pressed_beyond_its_buckling_load_is_a_bad_fit_and_no_failure(
 
     def cost(tension: float) -> float:
         own = [slot.coordinate(tension) for slot in law.slots]
-        return seen(problem, np.array([*np.zeros(bench.free.size), *own])).cost
+        return evaluated(problem, np.array([*np.zeros(bench.free.size), *own])).cost
 
     assert np.isfinite(cost(-1.1 * buckling))
     assert cost(-1.1 * buckling) > cost(-0.5 * buckling) > cost(0.0)

@@ -6,7 +6,7 @@ from twin_campaign import LENGTH, bench, built, link
 
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.diagnosis import diagnose
 from modallab.twin.predict import predict_hit
 
@@ -46,6 +46,6 @@ def test_both_are_named_and_taken_out(volts: float) -> None:
 def test_hits_that_hum_hides_are_used() -> None:
     # 0.25 V of hum are 12 N on the force, of a hit of 60 N: nothing of it stands ten deviations above the rest.
     campaign = spoiled(0.5, rings=False)
-    prepared = prepare(campaign)
+    prepared = prepare_campaign(campaign)
     assert [b.name for b in prepared.blocks] == [b.name for b in campaign.blocks]
     assert not any("excluded" in note for note in prepared.notes)

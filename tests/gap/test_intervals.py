@@ -9,17 +9,17 @@ import pytest
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig, Tolerance
-from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.prepare import prepare_campaign
+from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.candidates import of_bench, of_channel
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.intervals import deviations, interval, intervals, relative_tolerance
-from modallab.twin.candidate import Slot
+from modallab.twin.candidate import FreeNumber
 
 GAIN = 1.05
 
@@ -27,8 +27,8 @@ GAIN = 1.05
 @pytest.fixture(scope="module")
 def data(make: Callable[..., Campaign]) -> Reduced:
     campaign = make(Effect(effect="gain_error", parameters={"gain": GAIN}, place={"channel": 4}))
-    prepared = prepare(campaign)
-    return reduce(campaign, prepared.blocks, Weights(prepared.noise_v))
+    prepared = prepare_campaign(campaign)
+    return reduce_blocks(campaign, prepared.blocks, Weights(prepared.noise_v))
 
 
 def fitted(rig: Rig, data: Reduced) -> Fit:
@@ -67,7 +67,7 @@ def test_what_is_left_smooth_counts_for_more_than_as_much_noise(rig: Rig, data: 
 
 
 def test_of_a_factor_a_share_is_one_of_its_distance_from_none() -> None:
-    factor = Slot("gain", "log", (0.9, 1.1), low=0.1, high=5.0, none=1.0)
+    factor = FreeNumber("gain", "log", (0.9, 1.1), low=0.1, high=5.0, none=1.0)
     low, high = interval(factor, factor.coordinate(1.075), 1e-6, 0.01 / 0.075)
     assert (low, high) == pytest.approx((1.075 - 0.0208, 1.075 + 0.0208), abs=1e-3)
 
@@ -93,8 +93,8 @@ def test_a_place_is_known_no_better_than_the_effect_explains_the_gap(rig: Rig, d
     (mass,) = (c for c in of_bench(rig) if c.effect == "added_mass")
     free = nuisances(rig, 450.0)
     at = dict(zip([s.name for s in mass.slots], [np.log(0.05), x], strict=True))
-    wrong = seen(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), list(at.values())]))
-    base = seen(Problem(data, free), np.zeros(free.size))
+    wrong = evaluated(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), list(at.values())]))
+    base = evaluated(Problem(data, free), np.zeros(free.size))
     (believed,) = intervals(Choice(base, wrong, (), True, False))
     within = believed.within["x"]
     # It explains nothing: of the place that leaves a range of many times what noise does.

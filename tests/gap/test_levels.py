@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from modallab.core.effects import Effect
-from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.model.fit import Problem, seen
+from modallab.gap.conditioning.prepare import prepare_campaign
+from modallab.gap.model.fit import Problem, evaluated
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.report.initial_gap import TOP_HZ, bench_of
 from modallab.gap.report.levels import frequencies_apart, levels_differ, some_levels_differ
@@ -15,10 +15,10 @@ MASS = Effect(effect="added_mass", parameters={"mass": 0.02}, place={"x": 0.7})
 
 
 def as_the_rig_says(rig, make, *effects):
-    prepared = prepare(make(*effects, tests=("sine",)))
+    prepared = prepare_campaign(make(*effects, tests=("sine",)))
     free = nuisances(rig, TOP_HZ)
     bench = bench_of(prepared, prepared.blocks, free, lambda _: True)
-    return seen(Problem(bench.data, free, ()), np.zeros(free.size))
+    return evaluated(Problem(bench.data, free, ()), np.zeros(free.size))
 
 
 @pytest.mark.parametrize(("effects", "differ"), [((CUBIC,), True), ((MASS,), False), ((), False)])
@@ -29,7 +29,7 @@ def test_levels_disagree_where_a_spring_hardens_and_not_where_a_mass_is_added(ri
 
 
 def test_without_sines_no_level_can_disagree(rig, make):
-    prepared = prepare(make(CUBIC, tests=("impact",)))
+    prepared = prepare_campaign(make(CUBIC, tests=("impact",)))
     free = nuisances(rig, TOP_HZ)
     bench = bench_of(prepared, prepared.blocks, free, lambda _: True)
-    assert frequencies_apart(seen(Problem(bench.data, free, ()), np.zeros(free.size))) == (0, 0)
+    assert frequencies_apart(evaluated(Problem(bench.data, free, ()), np.zeros(free.size))) == (0, 0)

@@ -15,11 +15,11 @@ from modallab.core.errors import DataError, PlanError
 from modallab.core.places import AlongBeam
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
-from modallab.gap.design.continued import continued
+from modallab.gap.design.continued import continue_campaign
 from modallab.gap.design.experiments import DECIDES, Experiment, next_experiments
-from modallab.gap.design.information import believed
+from modallab.gap.design.information import probabilities_of_rivals
 from modallab.gap.design.options import plans_of
-from modallab.gap.design.planning import Planning
+from modallab.gap.design.planning import ExperimentPlanner
 from modallab.gap.diagnosis import diagnose
 
 MASS = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
@@ -64,8 +64,8 @@ def test_of_experiments_that_tell_alike_the_shortest_comes_first(found: list[Exp
 @pytest.mark.thorough("plans all experiments again")
 def test_what_is_expected_is_what_the_records_then_say(struck_off: Campaign, at_its_point: Campaign) -> None:
     unsure = remaining_explanations(at_its_point.rig, STRUCK_OFF, SENSOR_OFF)
-    planning = Planning.of(at_its_point, unsure)
-    there = Planning.of(of_sensors(struck_off, (6,), hits=(6, 3)), unsure)
+    planning = ExperimentPlanner.of(at_its_point, unsure)
+    there = ExperimentPlanner.of(of_sensors(struck_off, (6,), hits=(6, 3)), unsure)
     off, sensor = (r.fit.cost for r in there.rivals.listed)
     planned = next(p for p in planning.prospects() if p.option.name == "hits at 3")
     # Two hits were made, and four of five that are planned are fitted.
@@ -99,11 +99,11 @@ def test_two_places_of_a_mass_are_distinguished_by_hits_where_one_of_them_moves(
 @pytest.mark.thorough("diagnoses a whole campaign")
 def test_plans_agree_with_the_diagnosis_on_what_is_recorded(at_its_point: Campaign) -> None:
     said = diagnose(at_its_point)
-    planning = Planning.of(at_its_point, said)
+    planning = ExperimentPlanner.of(at_its_point, said)
     costs = np.array([r.fit.cost for r in planning.rivals.listed])
     own = [r.probability for r in planning.rivals.listed]
     assert {r.effects for r in planning.rivals.listed} >= {("hit_position",), ("position_error",)}
-    assert believed(planning.rivals, costs, 0) == pytest.approx(own, abs=0.1)
+    assert probabilities_of_rivals(planning.rivals, costs, 0) == pytest.approx(own, abs=0.1)
 
 
 def test_one_explanation_alone_leaves_nothing_to_separate(at_its_point: Campaign) -> None:
@@ -140,7 +140,7 @@ def test_the_plan_of_a_campaign_is_read_off_its_records(make: Callable[..., Camp
 
 
 def test_later_records_come_behind_under_names_of_their_own(at_its_point: Campaign) -> None:
-    whole = continued(at_its_point, at_its_point)
+    whole = continue_campaign(at_its_point, at_its_point)
     assert len({b.name for b in whole.blocks}) == 2 * len(at_its_point.blocks)
     assert [b.order for b in whole.blocks] == list(range(2 * len(at_its_point.blocks)))
 

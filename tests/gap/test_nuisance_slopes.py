@@ -5,13 +5,13 @@ import pytest
 from twin_campaign import built, link
 
 from modallab.core.rig import Tolerance
-from modallab.gap.conditioning.reduce import reduce, thinned
+from modallab.gap.conditioning.reduce import reduce_blocks, thin_lines
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import Nuisances, nuisances
-from modallab.gap.report.moved import moved
+from modallab.gap.report.moved import moved_numbers
 
 RIG = link().model_copy(update={"tolerance": Tolerance.usual()})
 FREE: Nuisances = nuisances(RIG, 260.0, [(0.6, 2), (1.0, 2), (0.3, 2)])
@@ -21,8 +21,8 @@ STEP = 2e-3
 @pytest.fixture(scope="module")
 def data() -> Reduced:
     campaign = built(RIG)
-    whole = reduce(campaign, campaign.blocks, Weights(np.full(len(RIG.channels), 3e-4)))
-    return thinned(whole, np.array([2j * np.pi * f for f in (4.9, 30.8, 86.0)]))
+    whole = reduce_blocks(campaign, campaign.blocks, Weights(np.full(len(RIG.channels), 3e-4)))
+    return thin_lines(whole, np.array([2j * np.pi * f for f in (4.9, 30.8, 86.0)]))
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def slopes(data: Reduced) -> tuple[Problem, np.ndarray, np.ndarray]:
 
 NAMES = [
     f"{m.name} {m.place}".strip()
-    for m in moved(Problem(Reduced(RIG, (), None, (), np.zeros(0), 1.0), FREE), np.zeros(FREE.size))
+    for m in moved_numbers(Problem(Reduced(RIG, (), None, (), np.zeros(0), 1.0), FREE), np.zeros(FREE.size))
 ]
 
 

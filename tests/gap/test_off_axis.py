@@ -12,15 +12,15 @@ from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
-from modallab.modification.synthesis import synthesised
+from modallab.identification.options import IdentificationOptions
+from modallab.modification.synthesis import receptances_of_model
 
 HZ = np.arange(10.0, 95.0, 0.05)
 
 
 def frfs(quantity: FrfQuantity = "inertance", noise: float = 0.0, seed: int = 0, hz: np.ndarray = HZ) -> Frf:
     s = np.asarray(2j * np.pi * hz)
-    values = np.moveaxis(synthesised(model(), s) * (s ** DERIVATIVES[quantity])[:, None, None], 0, -1)
+    values = np.moveaxis(receptances_of_model(model(), s) * (s ** DERIVATIVES[quantity])[:, None, None], 0, -1)
     drawn = np.random.default_rng(seed).standard_normal((2, *values.shape)) * noise / np.sqrt(2)
     known = np.full(values.shape, noise**2)
     return Frf(hz, values + drawn[0] + 1j * drawn[1], quantity, ("a1", "a2", "a3"), (1, 2, 3), (1,), variance=known)
@@ -35,7 +35,7 @@ def at(frf: Frf, s: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("quantity", ["receptance", "mobility", "inertance"])
 def test_lines_tell_the_frf_off_the_axis(quantity: FrfQuantity) -> None:
     s = 2 * np.pi * np.array([21.4, 35.0, 50.0, 68.3]) * (0.01 + 1j)
-    expected = synthesised(model(), s)
+    expected = receptances_of_model(model(), s)
     off = np.linalg.norm(at(frfs(quantity), s) - expected, axis=(1, 2)) / np.linalg.norm(expected, axis=(1, 2))
     assert np.all(off < 0.02), off
 
@@ -43,7 +43,7 @@ def test_lines_tell_the_frf_off_the_axis(quantity: FrfQuantity) -> None:
 def test_lines_farther_apart_than_a_resonance_is_wide_tell_it_too() -> None:
     s = 2 * np.pi * np.array([21.4, 50.0, 68.3]) * (0.03 + 1j)
     coarse = frfs(hz=np.arange(10.0, 95.0, 0.7))
-    np.testing.assert_allclose(at(coarse, s), synthesised(model(), s), rtol=1e-6)
+    np.testing.assert_allclose(at(coarse, s), receptances_of_model(model(), s), rtol=1e-6)
 
 
 def test_each_point_s_own_resonance_is_met_where_a_roving_sensor_moved_it() -> None:
@@ -54,8 +54,8 @@ def test_each_point_s_own_resonance_is_met_where_a_roving_sensor_moved_it() -> N
     for o, moved in enumerate((-4e-4, 0.0, 6e-4)):
         own = narrow.model_copy(update={"frequency_hz": narrow.frequency_hz * (1 + moved)})
         lines = np.asarray(2j * np.pi * coarse)
-        whole.values[o] = np.moveaxis(synthesised(own, lines) * (lines**2)[:, None, None], 0, -1)[o]
-        expected[:, o] = synthesised(own, s)[:, o]
+        whole.values[o] = np.moveaxis(receptances_of_model(own, lines) * (lines**2)[:, None, None], 0, -1)[o]
+        expected[:, o] = receptances_of_model(own, s)[:, o]
     measured = MeasuredFrfs.of(whole, narrow)
     assert measured is not None
     np.testing.assert_allclose(measured.means_at(s).receptances, expected, rtol=1e-4)
@@ -104,7 +104,7 @@ def test_a_sound_plate_measured_a_second_time_has_no_gap() -> None:
     before = frf(bench, bench.make(Material()), rng, as_believed(bench))
     of, built = as_built(bench, rng)
     after = frf(bench, of, rng, built)
-    models = [identify_frf(one, bench.rig, Options())[0] for one in (before, after)]
+    models = [identify_frf(one, bench.rig, IdentificationOptions())[0] for one in (before, after)]
     assert diagnose_by_model(*models, bench.rig, frfs=(before, after)).verdict == "no_gap"
 
 

@@ -8,13 +8,13 @@ from modallab.core.diagnosis import Found
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.search.intervals import NO_ORDER, NO_PLACE, NO_SHARE, NOT_FELT, UNFELT, interval, not_known
-from modallab.gap.words.effects import of_parameter, place_of
-from modallab.gap.words.verdicts import sentence
-from modallab.twin.candidate import Slot, along_beam
+from modallab.gap.words.effects import parameter_in_words, place_of
+from modallab.gap.words.verdicts import verdict_sentence
+from modallab.twin.candidate import FreeNumber, along_beam
 from modallab.twin.effects import model_of
 
-STIFFNESS = Slot("k3", "log", (1e6,))
-LOSS = Slot("EI_loss", "share", (0.5,), high=0.97)
+STIFFNESS = FreeNumber("k3", "log", (1e6,))
+LOSS = FreeNumber("EI_loss", "share", (0.5,), high=0.97)
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ LOSS = Slot("EI_loss", "share", (0.5,), high=0.97)
         (along_beam(), 0.6, 0.4, NO_PLACE),
     ],
 )
-def test_only_what_the_records_tell_has_an_interval(slot: Slot, u: float, deviation: float, why: str) -> None:
+def test_only_what_the_records_tell_has_an_interval(slot: FreeNumber, u: float, deviation: float, why: str) -> None:
     assert not_known(slot, u, deviation, 0.0) == why
 
 
@@ -53,14 +53,14 @@ def opened(rig: Rig) -> Found:
 
 
 def test_the_sentence_says_no_number_that_is_not_known(rig: Rig) -> None:
-    said = sentence(made_diagnosis(rig).model_copy(update={"effects": [opened(rig)]}))
+    said = verdict_sentence(made_diagnosis(rig).model_copy(update={"effects": [opened(rig)]}))
     assert "cubic spring somewhere along the beam (k3 not known;" in said
     assert "6.6" not in said
 
 
 def test_the_report_says_why(rig: Rig) -> None:
     (k3,) = model_of("cubic_spring").kind.parameters
-    assert of_parameter(opened(rig), k3) == ("about 7×10⁷ N/m^3", f"not known: {NO_ORDER}")
+    assert parameter_in_words(opened(rig), k3) == ("about 7×10⁷ N/m^3", f"not known: {NO_ORDER}")
     assert place_of(opened(rig)) == ("somewhere along the beam", f"not known: {NO_PLACE}")
 
 

@@ -10,8 +10,8 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.core.rig import Limits, Rig
-from modallab.gap.design.options import MOST_OF_LIMIT, every_line, no_louder, options
-from modallab.gap.design.planning import Planning
+from modallab.gap.design.options import MOST_OF_LIMIT, every_line, limit_force, possible_experiments
+from modallab.gap.design.planning import ExperimentPlanner
 
 LIMITS = Limits(drive_v=5.0, slew_v_per_s=5000.0, force_n=4.0, acceleration_m_s2=2.0, max_burst_s=60.0)
 HITS = ImpactPlan(points=(6,), hits=2, rate_hz=4000.0)
@@ -26,7 +26,7 @@ def limited(rig: Rig) -> Rig:
 
 
 def test_new_hits_are_recorded_as_those_before_and_nearest_to_the_tip_first(limited: Rig) -> None:
-    found = options(limited, [HITS], [])
+    found = possible_experiments(limited, [HITS], [])
     hits = [plan for o in found for plan in o.plans if isinstance(plan, ImpactPlan)]
     assert [plan.points for plan in hits[:3]] == [(10,), (9,), (8,)]
     assert {plan.rate_hz for plan in hits} == {4000.0}
@@ -35,19 +35,19 @@ def test_new_hits_are_recorded_as_those_before_and_nearest_to_the_tip_first(limi
 
 def test_few_sensors_are_not_asked_where_a_hit_landed(limited: Rig) -> None:
     for points, checked in (((6,), False), ((3, 6, 10), True)):
-        first = options(rig_of_sensors(limited, points), [HITS], [])[0].plans[0]
+        first = possible_experiments(rig_of_sensors(limited, points), [HITS], [])[0].plans[0]
         assert isinstance(first, ImpactPlan)
         assert first.acceptance.check_point is checked
 
 
 def test_a_louder_level_keeps_below_the_force_that_the_rig_allows(limited: Rig) -> None:
-    louder = next(o for o in options(limited, [SINES], []) if o.name == "third level").plans[0]
+    louder = next(o for o in possible_experiments(limited, [SINES], []) if o.name == "third level").plans[0]
     assert isinstance(louder, SinePlan)
     assert louder.force is not None
     assert louder.force.levels_n == {"louder": pytest.approx(MOST_OF_LIMIT * 4.0)}
     assert louder.rate_hz == 2000.0
-    assert no_louder(louder, 1.2).force != louder.force
-    assert no_louder(louder, 100.0) is louder
+    assert limit_force(louder, 1.2).force != louder.force
+    assert limit_force(louder, 100.0) is louder
 
 
 def test_only_lines_are_offered_that_were_not_driven(limited: Rig) -> None:
@@ -58,13 +58,13 @@ def test_only_lines_are_offered_that_were_not_driven(limited: Rig) -> None:
 
 def test_without_a_shaker_only_hits_are_offered(limited: Rig) -> None:
     bare = limited.model_copy(update={"shaker_point": None})
-    assert all(isinstance(plan, ImpactPlan) for o in options(bare, [HITS], []) for plan in o.plans)
+    assert all(isinstance(plan, ImpactPlan) for o in possible_experiments(bare, [HITS], []) for plan in o.plans)
 
 
 def test_sines_move_no_sensor_beyond_the_limit_of_acceleration(make: Callable[..., Campaign], limited: Rig) -> None:
     seen = of_sensors(make(STRUCK_OFF, tests=("impact",)), (6,), hits=(6,))
     rig = rig_of_sensors(limited, (6,))
-    planning = Planning.of(Campaign(rig, seen.blocks), remaining_explanations(rig, STRUCK_OFF, SENSOR_OFF))
+    planning = ExperimentPlanner.of(Campaign(rig, seen.blocks), remaining_explanations(rig, STRUCK_OFF, SENSOR_OFF))
     sines = next(p for p in planning.prospects() if p.option.name == "sines")
     data = sines.layout.answered(planning.rivals.listed[0].fit.problem.twin(planning.rivals.listed[0].fit.u)).sines
     assert data is not None

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
-from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.report.harmonics import out_of_proportion
+from modallab.gap.conditioning.prepare import prepare_campaign
+from modallab.gap.report.harmonics import channels_out_of_proportion
 
 DRAG = Effect(effect="air_drag", parameters={"c2_total": 60.0}, place={"x": "all"})
 CRACK = Effect(effect="breathing_crack", parameters={"EI_loss_open": 0.8}, place={"x": 0.2})
@@ -30,7 +30,7 @@ def distorted(volts: NDArray[np.float64], block: Block) -> NDArray[np.float64]:
 def test_overtones_say_whether_a_beam_answers_alike_both_ways(
     make: Callable[..., Campaign], effects: tuple[Effect, ...], overtones: str | None
 ) -> None:
-    assert out_of_proportion(prepare(make(*effects, tests=("sine",)))) == overtones
+    assert channels_out_of_proportion(prepare_campaign(make(*effects, tests=("sine",)))) == overtones
 
 
 @pytest.mark.parametrize(("effects", "overtones"), [((DRAG,), "odd"), ((CRACK,), "even"), ((), None)])
@@ -38,11 +38,11 @@ def test_they_do_so_for_sines_between_the_lines_as_well(
     make: Callable[..., Campaign], monkeypatch: pytest.MonkeyPatch, effects: tuple[Effect, ...], overtones: str | None
 ) -> None:
     monkeypatch.setattr(twin_campaign, "LINES", [line + 0.37 for line in twin_campaign.LINES])
-    assert out_of_proportion(prepare(make(*effects, tests=("sine",)))) == overtones
+    assert channels_out_of_proportion(prepare_campaign(make(*effects, tests=("sine",)))) == overtones
 
 
 @pytest.mark.parametrize("spoil", [saturated, distorted])
 def test_a_channel_that_saturates_or_a_force_that_is_distorted_does_not(
     make: Callable[..., Campaign], spoil: Callable[..., NDArray[np.float64]]
 ) -> None:
-    assert out_of_proportion(prepare(make(spoil=spoil, tests=("sine",)))) is None
+    assert channels_out_of_proportion(prepare_campaign(make(spoil=spoil, tests=("sine",)))) is None

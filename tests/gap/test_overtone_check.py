@@ -8,8 +8,8 @@ import pytest
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
-from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.prepare import prepare_campaign
+from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.report.initial_gap import free_of, weights_of
 from modallab.gap.search.overtone_check import overtones_closed
@@ -22,8 +22,8 @@ DRAG = Effect(effect="air_drag", parameters={"c2_total": 60.0}, place={"x": "all
 def test_a_drag_makes_the_overtones_that_were_measured_and_one_of_another_size_does_not(
     make: Callable[..., Campaign], c2_total: float, closed: tuple[float, float]
 ) -> None:
-    prepared = prepare(make(DRAG, tests=("sine",)))
-    data, free = reduce(prepared.campaign, prepared.blocks, weights_of(prepared)), free_of(prepared.campaign)
+    prepared = prepare_campaign(make(DRAG, tests=("sine",)))
+    data, free = reduce_blocks(prepared.campaign, prepared.blocks, weights_of(prepared)), free_of(prepared.campaign)
     assert data.sines is not None
     data = replace(data, sines=replace(data.sines, pieces=data.sines.pieces[-4:]))
     candidate = model_of("air_drag").candidates(data.rig)[0]

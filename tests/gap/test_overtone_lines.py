@@ -8,17 +8,17 @@ import pytest
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
-from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
 from modallab.gap.inference.select import Level
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import Choice
-from modallab.gap.search.few_blocks import looked_at
+from modallab.gap.search.few_blocks import compared_sines
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.law_by_overtones import named_by_overtones
 from modallab.gap.search.overtone_lines import LINES, with_overtones
-from modallab.gap.search.rough_fit import followed
-from modallab.gap.search.rough_starts import is_overtone, relative
+from modallab.gap.search.rough_fit import robust_fit
+from modallab.gap.search.rough_starts import is_overtone, relative_residual
 from modallab.twin.effects import model_of
 from modallab.twin.effects.breathing_crack import WIDTH
 from modallab_simulators.cantilever.cracked import HALF_WIDTH
@@ -30,9 +30,9 @@ CRACK = Effect(effect="breathing_crack", parameters={"EI_loss_open": LOSS}, plac
 
 
 @pytest.fixture(scope="module")
-def cracked(make: Callable[..., Campaign]) -> tuple[Bench, Prepared]:
+def cracked(make: Callable[..., Campaign]) -> tuple[Bench, PreparedCampaign]:
     campaign = make(CRACK, tests=("sine",))
-    prepared = prepare(replace(campaign, blocks=campaign.blocks[::4]))
+    prepared = prepare_campaign(replace(campaign, blocks=campaign.blocks[::4]))
     return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True), prepared
 
 
@@ -40,60 +40,62 @@ def fitted(on: Bench, loss: float, width: float = WIDTH) -> Fit:
     """The crack at its place, so large and so wide; no crack at 0."""
     problem = Problem(on.data, on.free)
     if not loss:
-        return seen(problem, np.zeros(on.free.size))
+        return evaluated(problem, np.zeros(on.free.size))
     candidate = model_of("breathing_crack").candidates(on.data.rig)[0]
     own = [s.coordinate({"EI_loss_open": loss, "width": width, "x": 0.31}[s.name]) for s in candidate.slots]
-    return seen(replace(problem, candidates=(candidate,)), np.concatenate([np.zeros(on.free.size), own]))
+    return evaluated(replace(problem, candidates=(candidate,)), np.concatenate([np.zeros(on.free.size), own]))
 
 
 def test_the_law_makes_what_stands_about_the_overtones_and_a_linear_beam_nothing(
-    cracked: tuple[Bench, Prepared],
+    cracked: tuple[Bench, PreparedCampaign],
 ) -> None:
     on, _ = cracked
-    few = looked_at(on.data, on.overtones, 6)
+    few = compared_sines(on.data, on.overtones, 6)
     assert few.sines is not None
     above, used = is_overtone(few), np.isfinite(few.sines.rows.sigma[:, ::LINES])
     assert np.any(above)
-    left = {loss: relative(replace(fitted(on, loss).problem, data=few), fitted(on, loss).u) for loss in (0.0, LOSS)}
+    left = {
+        loss: relative_residual(replace(fitted(on, loss).problem, data=few), fitted(on, loss).u) for loss in (0.0, LOSS)
+    }
     # The bench's crack weakens the beam beside it a little otherwise than the twin's.
     assert np.median(left[LOSS][:, above][used[:, above]]) < 0.35
     assert np.median(left[0.0][:, above][used[:, above]]) > 0.95
     # Half of the loss is worse: the overtones know the size.
     half = fitted(on, LOSS / 2)
-    assert np.median(relative(replace(half.problem, data=few), half.u)[:, above][used[:, above]]) > 0.5
+    assert np.median(relative_residual(replace(half.problem, data=few), half.u)[:, above][used[:, above]]) > 0.5
 
 
 @pytest.fixture(scope="module")
-def law(cracked: tuple[Bench, Prepared]) -> Fit:
+def law(cracked: tuple[Bench, PreparedCampaign]) -> Fit:
     """The crack of the right size on the beam that sines and overtones show."""
     on, _ = cracked
     fit = fitted(on, LOSS)
     sines = replace(fit.problem, data=with_overtones(on.data, on.overtones))
-    return seen(fit.problem, np.concatenate([followed(sines, fit.u, 2)[:-OWN], fit.u[-OWN:]]))
+    return evaluated(fit.problem, np.concatenate([robust_fit(sines, fit.u, 2)[:-OWN], fit.u[-OWN:]]))
 
 
 @pytest.mark.parametrize(("share", "named"), [(1.0, True), (0.3, False)])
 def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
-    cracked: tuple[Bench, Prepared], law: Fit, share: float, named: bool
+    cracked: tuple[Bench, PreparedCampaign], law: Fit, share: float, named: bool
 ) -> None:
     on, prepared = cracked
     base = fitted(on, 0.0)
     nothing = Choice(base, base, (), explained=False, flat=False)
     small = fitted(on, share * LOSS)
-    fit = seen(law.problem, np.concatenate([law.u[:-OWN], small.u[-OWN:]]))
+    fit = evaluated(law.problem, np.concatenate([law.u[:-OWN], small.u[-OWN:]]))
     said = named_by_overtones(on, nothing, [Level(base, (fit,))], prepared, on.data)
     assert said.explained is named
     assert [c.effect for c in said.fit.problem.candidates] == (["breathing_crack"] if named else [])
 
 
-def test_how_far_a_crack_weakens_the_beam_is_a_number_of_its_own(cracked: tuple[Bench, Prepared]) -> None:
+def test_how_far_a_crack_weakens_the_beam_is_a_number_of_its_own(cracked: tuple[Bench, PreparedCampaign]) -> None:
     on, _ = cracked
-    few = looked_at(on.data, on.overtones, 6)
+    few = compared_sines(on.data, on.overtones, 6)
     assert few.sines is not None
     above, used = is_overtone(few), np.isfinite(few.sines.rows.sigma[:, ::LINES])
     left = {}
     for width in (HALF_WIDTH, 1.5 * HALF_WIDTH):
         fit = fitted(on, LOSS, width)
-        left[width] = np.median(relative(replace(fit.problem, data=few), fit.u)[:, above][used[:, above]])
+        left[width] = np.median(relative_residual(replace(fit.problem, data=few), fit.u)[:, above][used[:, above]])
     assert left[HALF_WIDTH] < 0.5 * left[1.5 * HALF_WIDTH]
     assert "width" in [s.name for s in fit.problem.candidates[0].slots]

@@ -4,8 +4,8 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from modallab.core.effects import Effect, catalogue
-from modallab.core.field_errors import sentences
-from modallab.core.places import AlongBeam, Place, PlaceOnStructure, as_shares, in_metres
+from modallab.core.field_errors import error_sentences
+from modallab.core.places import AlongBeam, Place, PlaceOnStructure, place_as_shares, place_in_metres
 
 STORED: list[dict[str, object]] = [
     {},
@@ -46,12 +46,12 @@ def test_the_fixed_place_of_an_effect_is_read_back(name: str) -> None:
 def test_what_is_no_place_on_a_beam_raises_one_error(wrong: dict[str, object]) -> None:
     with pytest.raises(ValidationError) as raised:
         Effect(effect="added_mass", place=wrong)
-    (line,) = sentences(raised.value)
+    (line,) = error_sentences(raised.value)
     assert line.startswith("place is ")
     assert "x (a share of the length, or all)" in line
 
 
 def test_metres_are_a_reports_and_shares_the_catalogues() -> None:
-    place = in_metres(AlongBeam(x=0.5), 0.8)
+    place = place_in_metres(AlongBeam(x=0.5), 0.8)
     assert place.model_dump() == {"x": 0.5, "x_m": 0.4}
-    assert as_shares(place) == AlongBeam(x=0.5)
+    assert place_as_shares(place) == AlongBeam(x=0.5)

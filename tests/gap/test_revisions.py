@@ -18,10 +18,10 @@ from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.rig.rig_file import dump_rig, parse_rig, read_rig, write_rig
 from modallab.gap.report.calibrated import believed_twin, diagnosed_twin
 from modallab.gap.report.inspected import known_already
-from modallab.gap.revisions.apply import at_revision, with_diagnosis
-from modallab.gap.revisions.history import history
+from modallab.gap.revisions.apply import rig_at_revision, with_diagnosis
+from modallab.gap.revisions.history import revision_history
 from modallab.reporting.revisions_report import revisions_section
-from modallab.twin.modes import solve
+from modallab.twin.modes import solve_modes
 from modallab_simulators.cantilever import open_bench
 
 Make = Callable[..., Campaign]
@@ -39,7 +39,7 @@ def revised(rig: Rig) -> Rig:
 
 def test_every_revision_is_closer_to_the_bench_than_the_one_before(make: Make, revised: Rig) -> None:
     campaign = make(MASS, HALF, tests=("impact",))
-    steps = history(revised, [replace(campaign, rig=revised, source="again")])
+    steps = revision_history(revised, [replace(campaign, rig=revised, source="again")])
     gaps = [step.measured["again"] for step in steps]
     assert gaps[0] > gaps[1] > 5 * gaps[2]
     assert gaps[2] == pytest.approx(1.0, abs=0.1)
@@ -61,7 +61,7 @@ def test_the_twin_carries_what_the_revisions_know(rig: Rig, revised: Rig) -> Non
     assert twin.chain.gain[5] == 0.5
     after = diagnosed_twin(made_diagnosis(revised, verdict="no_gap"), revised)
     both = diagnosed_twin(made_diagnosis(rig, MASS, HALF), rig)
-    assert np.allclose(solve(after.structure).poles, solve(both.structure).poles)
+    assert np.allclose(solve_modes(after.structure).poles, solve_modes(both.structure).poles)
     assert after.chain.gain == both.chain.gain
 
 
@@ -99,12 +99,12 @@ def test_what_cannot_be_applied_says_why(rig: Rig, revised: Rig) -> None:
 
 
 def test_the_first_revisions_are_a_rig_of_their_own(rig: Rig, revised: Rig) -> None:
-    assert at_revision(revised, 0) == rig
-    assert at_revision(revised, 1).known_effects == (MASS,)
+    assert rig_at_revision(revised, 0) == rig
+    assert rig_at_revision(revised, 1).known_effects == (MASS,)
 
 
 def test_the_curve_has_a_point_for_each_revision_and_way_of_measuring(revised: Rig) -> None:
-    steps = [step.model_copy(update={"measured": {"again": 3.0}}) for step in history(revised)]
+    steps = [step.model_copy(update={"measured": {"again": 3.0}}) for step in revision_history(revised)]
     assert str(revisions_section(steps)).count("<circle") == 6
 
 

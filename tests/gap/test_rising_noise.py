@@ -8,7 +8,7 @@ from twin_campaign import built, link
 
 from modallab.core.block import Block
 from modallab.gap.conditioning.noise import believed_noise, own_noise, rising_power
-from modallab.gap.conditioning.records import as_volts, usable
+from modallab.gap.conditioning.records import records_in_volts, usable_records
 
 WHITE = 3e-4 * np.linspace(0.7, 1.6, 11)
 
@@ -24,7 +24,7 @@ def noisy(rising_v2: float, seed: int = 2) -> tuple[Block, ...]:
         return volts + np.fft.irfft(white * more, n, axis=1)
 
     rig = link()
-    blocks = usable(as_volts(built(rig, spoil=spoil)))
+    blocks = usable_records(records_in_volts(built(rig, spoil=spoil)))
     return tuple(replace(b) for b in blocks)
 
 

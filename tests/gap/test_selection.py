@@ -7,12 +7,12 @@ import pytest
 
 from modallab.core.effects import Effect
 from modallab.core.rig import Tolerance
-from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.inference.select import StepwiseSelection
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import choose
-from modallab.gap.search.clock import clock_shows, with_clock
+from modallab.gap.search.clock import clock_error_visible, fit_with_clock
 from modallab.gap.search.consequence import of_consequence
 from modallab.gap.search.fitting import Bench
 from modallab.twin.effects import search_of
@@ -23,7 +23,7 @@ USUAL = Tolerance.usual()
 def assembled(rig, make, *effects, allowed=None, **more) -> Bench:
     """A bench whose rig file states a lab's usual tolerances; its first look at the data is all of the data."""
     names = {e.effect for e in effects} if allowed is None else allowed
-    prepared = prepare(replace(make(*effects, **more), rig=rig.model_copy(update={"tolerance": USUAL})))
+    prepared = prepare_campaign(replace(make(*effects, **more), rig=rig.model_copy(update={"tolerance": USUAL})))
     whole = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda name: name in names)
     return replace(whole, data=whole.thin)
 
@@ -82,8 +82,8 @@ def test_a_clock_that_the_generators_lines_show_is_no_matter_of_the_beam(rig, ma
     # The twin's generator goes by the recorder's clock; a real one has a quartz of its own.
     lines = replace(bench.data.sines, ratio=1 / (1 + relative))
     bench = replace(bench, data=replace(bench.data, sines=lines))
-    found = with_clock(bench, baseline(bench))
-    assert clock_shows(bench) is named
+    found = fit_with_clock(bench, baseline(bench))
+    assert clock_error_visible(bench) is named
     assert (found is not None) is named
     if found is not None:
         kept, dismissed = of_consequence(found, bench.data, shown=True)

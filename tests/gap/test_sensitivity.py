@@ -8,8 +8,8 @@ import pytest
 
 from modallab.core.block import Campaign
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.prepare import prepare_campaign
+from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.candidates import of_bench, of_channel
@@ -17,8 +17,8 @@ from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.sensitivity import smooth_in
-from modallab.twin.candidate import Candidate
-from modallab.twin.modes import solve
+from modallab.twin.candidate import CandidateEffect
+from modallab.twin.modes import solve_modes
 
 STEP = 1e-3
 
@@ -26,11 +26,11 @@ STEP = 1e-3
 @pytest.fixture(scope="module")
 def data(make: Callable[..., Campaign]) -> Reduced:
     campaign = make()
-    prepared = prepare(campaign)
-    return reduce(campaign, prepared.blocks, Weights(prepared.noise_v))
+    prepared = prepare_campaign(campaign)
+    return reduce_blocks(campaign, prepared.blocks, Weights(prepared.noise_v))
 
 
-def every(rig: Rig) -> dict[str, Candidate]:
+def every(rig: Rig) -> dict[str, CandidateEffect]:
     return {c.effect: c for c in (*of_bench(rig), *of_channel(rig, 4)) if c.slots}
 
 
@@ -95,7 +95,7 @@ def test_slopes_lead_past_a_damper_that_stops_a_mode_from_swinging(rig: Rig, dat
         return np.concatenate([free, [slots[s.name] for s in damper.slots]])
 
     def poles(c: float) -> int:
-        return len(solve(problem.twin(numbers(c)).structure).poles)
+        return len(solve_modes(problem.twin(numbers(c)).structure).poles)
 
     # A little below where the number of poles changes: a step of the slopes passes it.
     low, high = 1.0, next(c for c in np.geomspace(2.0, 1e4, 60) if poles(c) != poles(1.0))

@@ -2,20 +2,22 @@
 
 import numpy as np
 
-from modallab.modification.between import NOISE, Between
+from modallab.modification.between import NOISE, SpatialInterpolation
 
 PLACES = np.stack([np.linspace(0.1, 1.0, 10), np.zeros(10), np.zeros(10)], axis=1)
 WAVES = np.stack([np.sin(2 * PLACES[:, 0]), np.sin(9 * PLACES[:, 0])], axis=1)
 
 
 def test_at_the_points_a_shape_is_what_was_measured() -> None:
-    between = Between.of(PLACES, WAVES)
+    between = SpatialInterpolation.of(PLACES, WAVES)
     np.testing.assert_allclose(between.at(PLACES), WAVES, atol=1e-3)
     assert between.spread(PLACES).max() < 3 * NOISE
 
 
 def test_beyond_the_last_point_it_is_known_least_and_a_rough_shape_less_than_a_smooth_one() -> None:
-    within, outside, far = Between.of(PLACES, WAVES).spread(np.array([[0.55, 0, 0], [0.05, 0, 0], [0.0, 0, 0]]))
+    within, outside, far = SpatialInterpolation.of(PLACES, WAVES).spread(
+        np.array([[0.55, 0, 0], [0.05, 0, 0], [0.0, 0, 0]])
+    )
     assert np.all(within < outside)
     assert np.all(outside < far)
     assert np.all(10 * far[:1] < far[1:])
@@ -26,7 +28,7 @@ def test_beyond_the_ends_and_between_the_points_the_deviation_is_about_the_error
     rng = np.random.default_rng(4)
     length, phase = rng.uniform(0.6, 2.5, 200), rng.uniform(0, 2 * np.pi, 200)
     measured = np.sin(2 * np.pi * PLACES[:, :1] / length + phase) + NOISE * rng.standard_normal((10, 200))
-    between = Between.of(PLACES, measured)
+    between = SpatialInterpolation.of(PLACES, measured)
     places = np.array([[0.05, 0, 0], [1.05, 0, 0], [0.15, 0, 0], [0.62, 0, 0]])
     error = between.at(places) - np.sin(2 * np.pi * places[:, :1] / length + phase)
     ratio = np.sqrt(np.mean((error / between.spread(places)) ** 2, axis=1))
@@ -38,6 +40,6 @@ def test_of_few_points_much_is_unknown_between_them() -> None:
     rng = np.random.default_rng(2)
     places = np.concatenate([rng.uniform(0, 1, (106, 2)), np.zeros((106, 1))], axis=1)
     shapes = np.sin(3 * places[:, :1] + 1) * np.cos(5 * places[:, 1:2]) * np.array([1.0, -2.0])
-    between = Between.of(places[:6], shapes[:6])
+    between = SpatialInterpolation.of(places[:6], shapes[:6])
     error = between.at(places[6:]) - shapes[6:]
     assert 0.3 < np.sqrt(np.mean((error / between.spread(places[6:])) ** 2)) < 3.0

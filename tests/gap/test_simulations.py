@@ -18,20 +18,25 @@ from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.prediction import read_prediction, write_prediction
 from modallab.formats.rig.rig_file import write_rig
-from modallab.gap.design.prediction import predict, with_records
-from modallab.gap.exported.chain import chain
-from modallab.gap.exported.forms import FORMS, InForm, in_form, write_form
+from modallab.gap.design.prediction import predict_records, with_records
+from modallab.gap.exported.chain import chain_of_structure
+from modallab.gap.exported.forms import FORMS, InForm, measure_form, write_form
 from modallab.gap.exported.mjcf import write_mjcf
 from modallab.gap.exported.mujoco_run import mujoco_simulation
 from modallab.gap.exported.state_space import state_space
 from modallab.gap.exported.state_space_file import read_state_space
 from modallab.gap.model.predicted_records import predict_record
-from modallab.gap.simulations.compare import Compared, as_measured, compare, differences
+from modallab.gap.simulations.compare import (
+    SimulationComparison,
+    compare_simulation,
+    differing_effects,
+    simulation_as_measured,
+)
 from modallab.gap.simulations.simulated_records import simulated_records
 from modallab.gap.simulations.simulation_residual import simulation_residual
 from modallab.gap.words.verdicts import sentence_of_simulation
 from modallab.reporting.simulation_report import write_simulation_report
-from modallab.twin.modes import solve
+from modallab.twin.modes import solve_modes
 
 Array = NDArray[np.float64]
 MASS = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
@@ -60,7 +65,7 @@ def few(heavy: Campaign) -> Campaign:
 @pytest.fixture(scope="module")
 def of_twin(rig: Rig, heavy: Campaign) -> dict[str, Array]:
     """What a simulation that lacks the mass predicts."""
-    return predict(made_diagnosis(rig, verdict="no_gap"), heavy)
+    return predict_records(made_diagnosis(rig, verdict="no_gap"), heavy)
 
 
 def test_a_state_space_plays_what_the_twin_plays(rig: Rig, heavy: Campaign) -> None:
@@ -74,11 +79,11 @@ def test_a_state_space_plays_what_the_twin_plays(rig: Rig, heavy: Campaign) -> N
 
 def test_a_chain_of_links_has_the_modes_of_the_beam(rig: Rig) -> None:
     structure = bench(rig, (MASS,)).structure
-    found = chain(structure, np.array([p.x_m for p in rig.points]))
+    found = chain_of_structure(structure, np.array([p.x_m for p in rig.points]))
     shapes = found.displacement @ found.modes
     products = shapes.T @ (found.masses_kg[:, None] * shapes)
     assert np.allclose(products[:6, :6], np.eye(6), atol=1e-3)
-    assert np.allclose(found.omega, np.abs(solve(structure).poles))
+    assert np.allclose(found.omega, np.abs(solve_modes(structure).poles))
 
 
 def test_mujoco_moves_as_the_twin_does(rig: Rig, tmp_path: Path) -> None:
@@ -95,7 +100,7 @@ def test_mujoco_moves_as_the_twin_does(rig: Rig, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("form", ["npz", "uff"])
 def test_an_exported_twin_closes_the_gap_in_its_own_form(rig: Rig, few: Campaign, form: str) -> None:
-    found = in_form(FORMS[form], made_diagnosis(rig, MASS), few, ["impact"], None)
+    found = measure_form(FORMS[form], made_diagnosis(rig, MASS), few, ["impact"], None)
     assert found.records == ["impact_p10_0"]
     assert found.before > 50
     assert found.after == pytest.approx(found.twin_after, abs=0.05)
@@ -133,7 +138,7 @@ def test_what_is_predicted_is_read_back_in_any_unit_and_direction(rig: Rig, tmp_
 
 
 def test_records_are_held_against_the_bench_without_a_fit(rig: Rig, heavy: Campaign, of_twin: dict[str, Array]) -> None:
-    right = predict(made_diagnosis(rig, MASS), heavy)
+    right = predict_records(made_diagnosis(rig, MASS), heavy)
     assert simulation_residual(heavy, right).gap == pytest.approx(1.0, abs=0.06)
     assert simulation_residual(heavy, of_twin).gap > 100
     with pytest.raises(DataError, match="none of the 1 predicted"):
@@ -148,18 +153,20 @@ def test_a_simulation_of_the_wrong_shape_is_rejected(heavy: Campaign) -> None:
 def test_a_simulation_is_measured_with_the_noise_of_the_bench(
     rig: Rig, heavy: Campaign, of_twin: dict[str, Array]
 ) -> None:
-    measured = as_measured(heavy, of_twin)
+    measured = simulation_as_measured(heavy, of_twin)
     first, own = measured.blocks[0], heavy.blocks[0]
     assert np.array_equal(first.samples[0], own.samples[0] * own.scale[0])
     assert np.std(first.samples[5, :80]) == pytest.approx(0.0003, rel=0.4)
 
 
 @pytest.fixture(scope="module")
-def compared(rig: Rig, few: Campaign, of_twin: dict[str, Array]) -> Compared:
-    return compare(few, of_twin, made_diagnosis(rig, MASS))
+def compared(rig: Rig, few: Campaign, of_twin: dict[str, Array]) -> SimulationComparison:
+    return compare_simulation(few, of_twin, made_diagnosis(rig, MASS))
 
 
-def test_what_the_bench_has_and_the_simulation_lacks_is_named_with_how_far_it_shrinks(compared: Compared) -> None:
+def test_what_the_bench_has_and_the_simulation_lacks_is_named_with_how_far_it_shrinks(
+    compared: SimulationComparison,
+) -> None:
     assert compared.verdict == "known"
     assert [f.effect for f in compared.lacks] == ["added_mass"]
     assert (compared.has, compared.differs) == ([], [])
@@ -170,21 +177,21 @@ def test_what_the_bench_has_and_the_simulation_lacks_is_named_with_how_far_it_sh
 
 def test_one_effect_in_two_sizes_differs(rig: Rig) -> None:
     lighter = MASS.model_copy(update={"parameters": {"mass": 0.03}})
-    lacks, has, differs = differences(made_diagnosis(rig, MASS), made_diagnosis(rig, lighter))
+    lacks, has, differs = differing_effects(made_diagnosis(rig, MASS), made_diagnosis(rig, lighter))
     assert (lacks, has, len(differs)) == ([], [], 1)
-    assert differences(made_diagnosis(rig, MASS), made_diagnosis(rig, MASS))[2] == []
+    assert differing_effects(made_diagnosis(rig, MASS), made_diagnosis(rig, MASS))[2] == []
 
 
 def test_a_record_that_was_not_predicted_is_named(heavy: Campaign, of_twin: dict[str, Array]) -> None:
     with pytest.raises(DataError, match="29 of 30 records: not impact_p06_0"):
-        compare(heavy, {k: v for k, v in of_twin.items() if k != "impact_p06_0"})
+        compare_simulation(heavy, {k: v for k, v in of_twin.items() if k != "impact_p06_0"})
 
 
-def test_the_page_shows_who_has_what(compared: Compared, tmp_path: Path) -> None:
+def test_the_page_shows_who_has_what(compared: SimulationComparison, tmp_path: Path) -> None:
     write_simulation_report(tmp_path / "s.html", compared)
     page = (tmp_path / "s.html").read_text(encoding="utf-8")
     assert "the bench alone" in page
-    assert Compared.model_validate_json(compared.model_dump_json()) == compared
+    assert SimulationComparison.model_validate_json(compared.model_dump_json()) == compared
 
 
 def test_export_at_the_terminal(rig: Rig, few: Campaign, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -228,11 +235,11 @@ LAWS = {
 def test_mujoco_has_the_springs_that_depend_on_the_size_of_the_motion(rig: Rig, heavy: Campaign, law: str) -> None:
     diagnosis = made_diagnosis(rig, LAWS[law])
     hit = replace(heavy, blocks=tuple(b for b in heavy.blocks if b.name == ONE[0]))
-    own = predict(diagnosis, hit)[ONE[0]]
-    linear = predict(made_diagnosis(rig, verdict="no_gap"), hit)[ONE[0]]
+    own = predict_records(diagnosis, hit)[ONE[0]]
+    linear = predict_records(made_diagnosis(rig, verdict="no_gap"), hit)[ONE[0]]
     # What the law does is no small part of it.
     assert np.linalg.norm(linear - own) > 0.1 * np.linalg.norm(own)
-    found = in_form(FORMS["mjcf"], diagnosis, with_records(hit, {ONE[0]: own}), ["impact"], None)
+    found = measure_form(FORMS["mjcf"], diagnosis, with_records(hit, {ONE[0]: own}), ["impact"], None)
     assert found.closed is not None
     assert found.closed > 0.95
 

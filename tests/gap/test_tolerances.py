@@ -8,9 +8,9 @@ import pytest
 from modallab.core.rig import Beam, Tolerance
 from modallab.gap.model.tolerances import Deviation, Scales, by_tolerance, held
 from modallab.twin.bench import Twin
-from modallab.twin.modes import solve
-from modallab.twin.neighbours import Neighbours
-from modallab.twin.structure import Structure
+from modallab.twin.modes import solve_modes
+from modallab.twin.neighbours import NeighbourStructures
+from modallab.twin.structure import TwinStructure
 
 BEAM = Beam(length_m=0.9, width_m=0.05, thickness_m=0.005, youngs_modulus_pa=2.05e11, density_kg_m3=7850.0)
 
@@ -60,9 +60,9 @@ def test_all_numbers_at_once_are_those_one_by_one(u: float) -> None:
     ],
 )
 def test_first_order_modes_follow_a_small_change(change: dict[str, object]) -> None:
-    here = replace(Structure.of(BEAM, 0.006), dampers=((0.6, 0.5),))
+    here = replace(TwinStructure.of(BEAM, 0.006), dampers=((0.6, 0.5),))
     there = replace(here, **change)
-    exact, near, before = solve(there), Neighbours(here).solve([there])[0], solve(here)
+    exact, near, before = solve_modes(there), NeighbourStructures(here).solve([there])[0], solve_modes(here)
     x = np.linspace(0.1, 0.9, 5)
     moved = exact.poles[:8] - before.poles[:8]
     assert np.allclose(near.poles[:8] - before.poles[:8], moved, atol=2e-3 * float(np.max(np.abs(moved))))
@@ -73,7 +73,7 @@ def test_first_order_modes_follow_a_small_change(change: dict[str, object]) -> N
 
 
 def test_a_twin_takes_its_hits_where_they_land() -> None:
-    twin = replace(Twin(Structure.of(BEAM, 0.006)), hit_offsets_m=((0.36, 2e-3),), hit_gains=((0.36, 1.01),))
+    twin = replace(Twin(TwinStructure.of(BEAM, 0.006)), hit_offsets_m=((0.36, 2e-3),), hit_gains=((0.36, 1.01),))
     assert twin.struck_x_m(0.36) == pytest.approx(0.362)
     assert twin.struck_x_m(0.54) == 0.54
     assert twin.hit_gain(0.36) == 1.01
@@ -81,17 +81,19 @@ def test_a_twin_takes_its_hits_where_they_land() -> None:
 
 
 def test_neighbours_are_the_same_one_by_one_and_together() -> None:
-    here = replace(Structure.of(BEAM, 0.006), dampers=((0.6, 0.5),), losses=((0.3, 0.2, 0.01),), masses=((0.45, 0.01),))
+    here = replace(
+        TwinStructure.of(BEAM, 0.006), dampers=((0.6, 0.5),), losses=((0.3, 0.2, 0.01),), masses=((0.45, 0.01),)
+    )
     there = [
         replace(here, youngs_modulus_pa=1.00001 * here.youngs_modulus_pa),
         replace(here, masses=((0.45, 0.01001),)),
         replace(here, dampers=((0.6, 0.501),)),
         replace(here, hung=((0.5, 0.1, 1e4),)),
     ]
-    together = Neighbours(here).solve(there)
+    together = NeighbourStructures(here).solve(there)
     for structure, own in zip(there, together, strict=True):
-        (alone,) = Neighbours(here).solve([structure])
+        (alone,) = NeighbourStructures(here).solve([structure])
         np.testing.assert_allclose(own.poles, alone.poles, rtol=1e-12)
         np.testing.assert_allclose(own.columns, alone.columns, atol=1e-9 * float(np.max(np.abs(alone.columns))))
-    assert len(together[3].poles) == len(solve(there[3]).poles)
-    np.testing.assert_allclose(together[3].poles, solve(there[3]).poles)
+    assert len(together[3].poles) == len(solve_modes(there[3]).poles)
+    np.testing.assert_allclose(together[3].poles, solve_modes(there[3]).poles)

@@ -15,9 +15,9 @@ from modallab.jobs.kind import Kind
 from modallab.jobs.leases import Leases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
 from modallab.service.api.rigs import state_of
-from modallab.service.campaigns.begin import begin
+from modallab.service.campaigns.begin import begin_run
 from modallab.service.campaigns.queueing import queue_run
-from modallab.service.jobs.campaign_jobs import order
+from modallab.service.jobs.campaign_jobs import order_job
 from modallab.service.records.users import Users
 from modallab.storage.address import name_database
 
@@ -37,12 +37,12 @@ def furnish(folder: Path, rig: Rig, database: str | None = None) -> Lab:
         campaign = lab.campaign("with a model")
         lab.campaign("with nothing")
         lease = lab.lease()
-        run = begin(lab.service, campaign, RunNew(plan=ImpactPlan(points=(10, 6, 3), hits=2)), lease.id)
+        run = begin_run(lab.service, campaign, RunNew(plan=ImpactPlan(points=(10, 6, 3), hits=2)), lease.id)
         lab.wait_for_ended(run)
         lab.wait_until_idle()
         lab.service.leases.release(RIG, lease.id)
         _compute(lab)
-        order(lab.service, campaign, "report", JobNew(), "Ada")
+        order_job(lab.service, campaign, "report", JobNew(), "Ada")
         _let_people_in(lab)
         new = QueueItemNew(campaign=campaign, plan=ImpactPlan(points=(10,)))
         queue_run(lab.service, state_of(lab.service, RIG), new, "Ada")

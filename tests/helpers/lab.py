@@ -20,11 +20,11 @@ from modallab.jobs import Jobs
 from modallab.service.api.app import create_app
 from modallab.service.context import Service, open_service
 from modallab.service.jobs.background import AfterRun
-from modallab.service.process.ports import bound
+from modallab.service.process.ports import bound_socket
 from modallab.service.records.event_log import EventLog
-from modallab.service.records.leases import Leases
-from modallab.service.rigs.controller import Bench, Controller
-from modallab.service.rigs.controllers import Controllers
+from modallab.service.records.leases import RigLeases
+from modallab.service.rigs.controller import RigController, ServedRig
+from modallab.service.rigs.controllers import RigControllers
 from modallab.service.rigs.run_log import RunLog
 from modallab.storage import Store
 from modallab.storage.records import ENDED
@@ -43,11 +43,11 @@ class Lab:
         run_log = self.run_log = RunLog(self.store, EventLog(engine, self._new_events))
         after = AfterRun(self.store, Jobs(engine))
         # On a busy machine the rig's process takes minutes to open its bench.
-        self.controller = Controller(Bench(RIG, rig, url, folder), run_log, after, begin_s=240.0)
-        self.controllers = Controllers([self.controller], Leases(engine, boot))
+        self.controller = RigController(ServedRig(RIG, rig, url, folder), run_log, after, begin_s=240.0)
+        self.controllers = RigControllers([self.controller], RigLeases(engine, boot))
         self.service: Service = open_service(folder, self.controllers, boot)
         self.app = create_app(self.service, Settings(data=folder, body_bytes=4096), TOKEN)
-        listener = bound("127.0.0.1", 0)
+        listener = bound_socket("127.0.0.1", 0)
         self.url = f"http://127.0.0.1:{listener.getsockname()[1]}"
         self._server = uvicorn.Server(
             uvicorn.Config(self.app, log_config=None, ws="websockets-sansio", timeout_graceful_shutdown=1)

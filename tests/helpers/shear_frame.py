@@ -7,7 +7,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig, Tolerance
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.modification.freedoms import with_points
 
 FLOORS = 4
@@ -54,4 +54,4 @@ def frf(seed: int, beneath: float, lost: tuple[int, float] = (0, 0.0), noise: fl
 
 
 def model(of: Frf) -> ModalModel:
-    return with_points(identify_frf(of, rig(), Options())[0], rig())
+    return with_points(identify_frf(of, rig(), IdentificationOptions())[0], rig())

@@ -11,10 +11,10 @@ from modallab.core.rig import Rig
 from modallab.core.units import Broadband, si_factor
 from modallab.frf.broadband import PERIODIC
 from modallab.signals.alignment import lags_s
-from modallab.twin.bench import Chain, Twin
-from modallab.twin.effects import apply
+from modallab.twin.bench import MeasurementChain, Twin
+from modallab.twin.effects import apply_effect
 from modallab.twin.predict import predict_hit, predict_sine
-from modallab.twin.structure import Structure
+from modallab.twin.structure import TwinStructure
 
 LENGTH = 1.0
 STEP, NOISE = 10 / 32768, 0.0003
@@ -23,14 +23,14 @@ LINES = (3, 5, 6, 12, 24, 30, 32, 40, 60, 84, 90, 108)
 
 def bench(rig: Rig, effects: tuple[Effect, ...]) -> Twin:
     assert rig.beam is not None
-    structure = Structure.of(rig.beam, 0.006)
+    structure = TwinStructure.of(rig.beam, 0.006)
     zeta = structure.zeta * np.linspace(0.7, 1.5, len(structure.zeta))
     lags = lags_s(rig)
     # The force is written down as it acts: the others lag it, or are ahead.
-    chain = Chain.of(rig).as_delivered(rig, lags - lags[rig.force_channel.index])
+    chain = MeasurementChain.of(rig).as_delivered(rig, lags - lags[rig.force_channel.index])
     twin = Twin(replace(structure, youngs_modulus_pa=2.06e11, density_kg_m3=7840.0, zeta=zeta), chain)
     for effect in effects:
-        twin = apply(twin, effect, rig)
+        twin = apply_effect(twin, effect, rig)
     return twin
 
 

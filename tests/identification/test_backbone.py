@@ -10,8 +10,8 @@ from modallab.core.block import Block, Campaign
 from modallab.core.rig import Channel, Point, Rig
 from modallab.frf.estimate import impact_frf
 from modallab.identification.backbone import DriveLevel, backbone_notes, backbone_of, is_nonlinear
-from modallab.identification.options import Options
-from modallab.pipelines.identify import identify_campaign, usable
+from modallab.identification.options import IdentificationOptions
+from modallab.pipelines.identify import identify_campaign, usable_blocks
 from modallab.signals.signals import Signals
 
 RATE_HZ, SAMPLES, STEPS = 1024.0, 2048, 6
@@ -81,9 +81,9 @@ def levels_of(signals: list[Signals]) -> list[DriveLevel]:
 
 
 def test_frequency_follows_the_square_of_the_amplitude_with_one_sensor() -> None:
-    signals, _ = usable(campaign(CUBIC), campaign(CUBIC).of("impact"))
+    signals, _ = usable_blocks(campaign(CUBIC), campaign(CUBIC).of("impact"))
     weak = replace(campaign(CUBIC), blocks=campaign(CUBIC).blocks[:2])
-    model = identify_campaign(weak, Options(band_hz=(10.0, 100.0))).identified[0].model
+    model = identify_campaign(weak, IdentificationOptions(band_hz=(10.0, 100.0))).identified[0].model
     found = backbone_of(model, levels_of(signals)).backbone
     mode = int(np.argmin(np.abs(model.frequency_hz - HZ)))
     expected = HZ + 3 * CUBIC * found.amplitude_m[mode] ** 2 / (8 * MASS * OMEGA) / (2 * np.pi)
@@ -95,7 +95,7 @@ def test_frequency_follows_the_square_of_the_amplitude_with_one_sensor() -> None
 
 @pytest.mark.thorough("identifies six hits twice")
 def test_a_resonance_that_hardens_is_one_mode_and_called_nonlinear() -> None:
-    (found,) = identify_campaign(campaign(CUBIC), Options(band_hz=(10.0, 100.0))).identified
+    (found,) = identify_campaign(campaign(CUBIC), IdentificationOptions(band_hz=(10.0, 100.0))).identified
     near = found.model.frequency_hz[np.abs(found.model.frequency_hz / HZ - 1) < 0.2]
     assert near.size == 1
     assert near[0] == pytest.approx(HZ, rel=3e-3)
@@ -104,6 +104,6 @@ def test_a_resonance_that_hardens_is_one_mode_and_called_nonlinear() -> None:
 
 
 def test_a_linear_structure_has_no_backbone() -> None:
-    (found,) = identify_campaign(campaign(0.0), Options(band_hz=(10.0, 100.0))).identified
+    (found,) = identify_campaign(campaign(0.0), IdentificationOptions(band_hz=(10.0, 100.0))).identified
     assert found.model.backbone is None
     np.testing.assert_allclose(found.model.frequency_hz, [HZ], rtol=1e-4)

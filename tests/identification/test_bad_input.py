@@ -8,7 +8,7 @@ import pytest
 from test_plscf import frf
 
 from modallab.core.errors import DataError, ModallabError
-from modallab.frf.estimate import combine, convert, impact_frf
+from modallab.frf.estimate import combine_spectra, convert_frf, impact_frf
 from modallab.frf.local_polynomial import local_polynomial_frf
 from modallab.identification.estimate import estimate_poles
 from modallab.identification.estimators.circle import circle_fit
@@ -17,18 +17,18 @@ from modallab.identification.estimators.peak import identify_peaks
 from modallab.identification.estimators.plscf import plscf
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import identify_impact
-from modallab.identification.likelihood.orthonormal import orthonormal
+from modallab.identification.likelihood.orthonormal import qr_decomposition
 from modallab.identification.model.modal_mass import unit_mass_shapes
-from modallab.identification.model.modal_model import receptance
+from modallab.identification.model.modal_model import receptance_of_model
 from modallab.identification.model.repeated_poles import split_repeated
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.selection import assumptions, criteria
 from modallab.identification.selection.diagram import stabilisation_diagram
 from modallab.identification.sine import identify_sine
 from modallab.identification.start import half_power, mode_indicators
 from modallab.identification.start.bands import split_bands
 from modallab.signals.signals import to_signals_of
-from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact, verify_sine
+from modallab.verification.verify import frac, synthesised_frf, verify_frf, verify_impact, verify_sine
 
 PHI = np.random.default_rng(0).standard_normal((2, 5))
 GOOD = replace(
@@ -64,13 +64,13 @@ OF_FRF = {
     "plscf": lambda it: plscf(it, 4),
     "era": lambda it: era(it, 4),
     **{f"estimate {m}": lambda it, m=m: estimate_poles(it, m) for m in ("plscf", "era", "circle", "peak")},
-    "identify_frf": lambda it: identify_frf(it, RIG, Options()),
+    "identify_frf": lambda it: identify_frf(it, RIG, IdentificationOptions()),
     "identify_peaks": lambda it: identify_peaks(it, None),
     "mmif": mode_indicators.mmif,
     "cmif": mode_indicators.cmif,
     "split_bands": split_bands,
     "diagram": lambda it: stabilisation_diagram(it, ORDERS),
-    "convert": lambda it: convert(it, "receptance"),
+    "convert": lambda it: convert_frf(it, "receptance"),
     "reciprocity": assumptions.reciprocity,
     "driving_point": assumptions.driving_point,
     "linearity": lambda it: assumptions.linearity(it, it),
@@ -111,9 +111,9 @@ def sines():
 @pytest.mark.parametrize("kind", ["frf", "impact", "sine"])
 def test_a_band_without_lines_is_rejected(kind, band, hits, sines):
     identify = {
-        "frf": lambda: identify_frf(GOOD, RIG, Options(band_hz=band)),
-        "impact": lambda: identify_impact(hits, RIG, Options(band_hz=band)),
-        "sine": lambda: identify_sine(sines, RIG, Options(band_hz=band)),
+        "frf": lambda: identify_frf(GOOD, RIG, IdentificationOptions(band_hz=band)),
+        "impact": lambda: identify_impact(hits, RIG, IdentificationOptions(band_hz=band)),
+        "sine": lambda: identify_sine(sines, RIG, IdentificationOptions(band_hz=band)),
     }
     with pytest.raises(ModallabError):
         identify[kind]()
@@ -127,18 +127,18 @@ def test_records_that_cannot_be_are_rejected(identify, hits, sines):
     no_force = replace(good[0], forces=np.zeros_like(good[0].force))
     for bad in ([], [no_motion], [one_dead], [no_force]):
         with pytest.raises(ModallabError):
-            identify(bad, RIG, Options())
+            identify(bad, RIG, IdentificationOptions())
 
 
 def _verifying(hits, kind):
     """The records of a test, and what compares a model of them with others."""
     if kind == "impact":
-        model, fit = identify_impact(hits, RIG, Options())
+        model, fit = identify_impact(hits, RIG, IdentificationOptions())
         return hits, lambda it, of=fit: verify_impact(model, of, [it], RIG)
     rng = np.random.default_rng(4)
     steps = bench.sine_blocks(bench.modes(rng, 2), rng, np.arange(3.0, 30.0, 0.9), settle_s=1.0)
     signals = to_signals_of(steps, RIG)
-    model, fit = identify_sine(signals, RIG, Options())
+    model, fit = identify_sine(signals, RIG, IdentificationOptions())
     return signals, lambda it, of=fit: verify_sine(model, of, it, RIG)
 
 
@@ -159,7 +159,7 @@ def test_a_model_is_compared_with_no_other_records_than_its_own(kind, hits):
     for records in bad:
         with pytest.raises(DataError):
             verify(records)
-    of_frfs = identify_frf(GOOD, RIG, Options())[1]
+    of_frfs = identify_frf(GOOD, RIG, IdentificationOptions())[1]
     with pytest.raises(DataError):
         verify(good, of_frfs)
 
@@ -168,14 +168,14 @@ def test_a_model_is_compared_with_no_other_records_than_its_own(kind, hits):
 @pytest.mark.parametrize("method", ["plscf", "era"])
 def test_orders_that_the_lines_cannot_carry_are_rejected(method, order):
     with pytest.raises(ModallabError):
-        identify_frf(GOOD, RIG, Options(method=method, max_order=order))
+        identify_frf(GOOD, RIG, IdentificationOptions(method=method, max_order=order))
 
 
 @pytest.mark.parametrize("bad_hz", [np.nan, -4.0, 0.0, np.inf, 500.0])
 @pytest.mark.parametrize("how", ["pick_hz", "drop_hz"])
 def test_modes_by_hand_where_none_can_be_are_rejected(how, bad_hz):
     with pytest.raises(ModallabError):
-        identify_frf(GOOD, RIG, Options(**{how: (bad_hz,)}))
+        identify_frf(GOOD, RIG, IdentificationOptions(**{how: (bad_hz,)}))
 
 
 SHAPES = PHI + 0j
@@ -250,11 +250,11 @@ BAD_SPECTRA = {
 
 @pytest.mark.parametrize("bad", BAD_SPECTRA)
 def test_spectra_that_make_no_frf_are_rejected(bad):
-    for call in (combine, local_polynomial_frf):
+    for call in (combine_spectra, local_polynomial_frf):
         with pytest.raises(ModallabError):
             call(*BAD_SPECTRA[bad])
     with pytest.raises(ModallabError):
-        combine(*BAD_SPECTRA[bad], "Hv")
+        combine_spectra(*BAD_SPECTRA[bad], "Hv")
 
 
 def test_curves_that_cannot_be_compared_are_rejected():
@@ -272,7 +272,7 @@ def test_curves_that_cannot_be_compared_are_rejected():
 def test_a_model_has_no_response_at_frequencies_that_are_none():
     model = identify_peaks(GOOD, None)
     for lines in (np.array([np.nan]), np.array([[1.0, 2.0]]), np.array([np.inf])):
-        for call in (lambda it: receptance(model, it), lambda it: synthesised(model, it, "mobility")):
+        for call in (lambda it: receptance_of_model(model, it), lambda it: synthesised_frf(model, it, "mobility")):
             with pytest.raises(ModallabError):
                 call(lines)
 
@@ -296,7 +296,7 @@ def test_constants_that_cannot_be_are_rejected():
 def test_a_matrix_without_columns_to_distinguish_is_rejected():
     for bad in (np.full((9, 2), np.nan), np.ones((2, 9)), np.ones(4), np.ones((0, 0))):
         with pytest.raises(ModallabError):
-            orthonormal(bad)
+            qr_decomposition(bad)
 
 
 def test_hits_without_a_rate_or_a_band_have_no_frf(hits):

@@ -8,8 +8,8 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Point, Rig
 from modallab.frf.joined import RecordSpectra
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.likelihood.driven_records import Driven, DrivenFit
-from modallab.identification.options import Options
+from modallab.identification.likelihood.driven_records import DrivenFit, DrivenModel
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 
 RATE, N = 256.0, 256 * 40
@@ -31,7 +31,7 @@ def driven(noise: float, rng: np.random.Generator, seconds: int, top_hz: float, 
     return RecordSpectra(lines / seconds, n, RATE, *spectra)
 
 
-def fitted(noise: float, seed: int, estimator: str, outputs: int = 3) -> tuple[Driven, DrivenFit]:
+def fitted(noise: float, seed: int, estimator: str, outputs: int = 3) -> tuple[DrivenModel, DrivenFit]:
     """A search from poles and residues that are a little off."""
     rng, w = np.random.default_rng(seed), 2 * np.pi * HZ
     records = driven(noise, rng, 40, 99.99, outputs)
@@ -42,7 +42,7 @@ def fitted(noise: float, seed: int, estimator: str, outputs: int = 3) -> tuple[D
     return fit.search(near, zeta, start), fit
 
 
-def off(found: Driven) -> np.ndarray:
+def off(found: DrivenModel) -> np.ndarray:
     """Frequencies, damping ratios and drive-point constants: how many sigmas they are off."""
     sigma, modes = np.sqrt(np.diag(found.covariance)), 2
     scale = 2 * found.omega * np.sqrt(1 - found.zeta**2)
@@ -76,8 +76,10 @@ def test_a_pole_that_the_records_move_out_of_the_band_is_no_mode() -> None:
     channels += [Channel(index=i, name=f"a{i}", quantity="acceleration", unit="m/s^2") for i in (1, 2, 3)]
     rig = Rig(name="short", model="unknown", channels=tuple(channels))
     frf = Frf(records.frequency_hz, values[:, None], "inertance", ("a1", "a2", "a3"), (1, 2, 3), (1,))
-    np.testing.assert_allclose(identify_frf(frf, rig, Options())[0].frequency_hz, HZ, rtol=1e-3)
-    np.testing.assert_allclose(identify_frf(frf, rig, Options(), records)[0].frequency_hz, HZ[:1], rtol=1e-3)
+    np.testing.assert_allclose(identify_frf(frf, rig, IdentificationOptions())[0].frequency_hz, HZ, rtol=1e-3)
+    np.testing.assert_allclose(
+        identify_frf(frf, rig, IdentificationOptions(), records)[0].frequency_hz, HZ[:1], rtol=1e-3
+    )
 
 
 def record(noise: float, seed: int) -> Campaign:
@@ -99,7 +101,7 @@ def record(noise: float, seed: int) -> Campaign:
 @pytest.mark.thorough("identifies a record twice")
 @pytest.mark.parametrize("how", ["H1", "H2"])
 def test_the_interval_of_a_modal_constant_holds_the_bias_of_either_estimator(how: str) -> None:
-    (found,) = identify_campaign(record(0.2, 3), Options(frf="H1" if how == "H1" else "H2")).identified
+    (found,) = identify_campaign(record(0.2, 3), IdentificationOptions(frf="H1" if how == "H1" else "H2")).identified
     model = found.model
     near = [int(np.argmin(np.abs(model.frequency_hz - hz))) for hz in HZ]
     parts = model.modal_constant_part_sigma

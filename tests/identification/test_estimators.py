@@ -12,7 +12,7 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.estimate import estimate_poles
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 
 METHODS = ("plscf", "era", "circle", "peak")
@@ -51,8 +51,8 @@ def test_the_artificial_damping_is_taken_off_again(method):
 def test_the_search_ends_at_the_same_model_from_every_estimator(method):
     truth, zeta = [12.0, 25.0, 41.0, 70.0, 88.0, 104.0], [0.005] * 6
     case = _frf(truth, zeta)
-    usual, _ = identify_frf(case, _rig(), Options())
-    other, _ = identify_frf(case, _rig(), Options(method=method, refine=True))
+    usual, _ = identify_frf(case, _rig(), IdentificationOptions())
+    other, _ = identify_frf(case, _rig(), IdentificationOptions(method=method, refine=True))
     assert other.method == method
     assert np.all(np.abs(other.frequency_hz - usual.frequency_hz) < 0.2 * usual.frequency_sigma_hz)
     assert np.all(np.abs(other.damping_ratio - usual.damping_ratio) < 0.2 * usual.damping_sigma)
@@ -62,7 +62,7 @@ def test_the_search_ends_at_the_same_model_from_every_estimator(method):
 @pytest.mark.parametrize("method", ["plscf", "era", "circle"])
 def test_unrefined_poles_are_the_estimators_own_and_claim_no_uncertainty(method):
     case = _frf([12.0, 25.0, 41.0, 70.0], [0.005] * 4)
-    model, _ = identify_frf(case, _rig(), Options(method=method, refine=False))
+    model, _ = identify_frf(case, _rig(), IdentificationOptions(method=method, refine=False))
     poles = estimate_poles(case, method).poles
     np.testing.assert_allclose(model.frequency_hz, np.sort(np.abs(poles)) / (2 * np.pi), rtol=1e-9)
     assert np.isnan(model.frequency_sigma_hz).all()
@@ -75,7 +75,7 @@ def test_hits_are_identified_from_every_estimator(method):
     rng = np.random.default_rng(4)
     system = bench.modes(rng)
     campaign = Campaign(rig=bench.rig(5), blocks=tuple(bench.impact_blocks(system, rng, hits=2)))
-    found = identify_campaign(campaign, Options(method=method, refine=True)).identified[0]
+    found = identify_campaign(campaign, IdentificationOptions(method=method, refine=True)).identified[0]
     assert found.model.method == method
     assert found.verification is not None
     np.testing.assert_allclose(found.model.frequency_hz, system.frequency_hz, rtol=1e-3)

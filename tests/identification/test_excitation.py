@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from modallab.identification.likelihood.basis import columns
-from modallab.identification.likelihood.excitation import Grid, HitExcitation
-from modallab.identification.likelihood.sine_block import tone
+from modallab.identification.likelihood.basis import columns_of_block
+from modallab.identification.likelihood.excitation import BlockLines, HitExcitation
+from modallab.identification.likelihood.sine_block import tone_excitation
 
 RATE, N = 1000.0, 1024
 POLE = np.array([-0.8 + 2j * np.pi * 17.3])
 EVERY = np.arange(1, N // 2)
-GRID = Grid(2 * np.pi * EVERY * RATE / N, N, 1 / RATE, 2)
+GRID = BlockLines(2 * np.pi * EVERY * RATE / N, N, 1 / RATE, 2)
 
 
 def smooth_hit():
@@ -56,21 +56,23 @@ def test_a_tone_from_zero_state_is_the_dft_of_its_samples(frequency):
     steady = [0.5 * a * w**2 / (w - POLE[0]) * np.exp(w * t) for a, w in ((amplitude, s), (np.conj(amplitude), -s))]
     state = 0.5 * (amplitude / (s - POLE[0]) + np.conj(amplitude) / (-s - POLE[0]))
     samples = steady[0] + steady[1] - state * POLE[0] ** 2 * np.exp(POLE[0] * t)
-    value, _ = tone(GRID, frequency, amplitude, 0).forced(POLE)
+    value, _ = tone_excitation(GRID, frequency, amplitude, 0).forced(POLE)
     assert np.abs(value[0] - np.fft.fft(samples)[EVERY]).max() < 1e-9 * np.abs(samples).sum()
 
 
 @pytest.mark.parametrize(
-    "excitation", [HitExcitation(GRID, smooth_hit(), 80), tone(GRID, 18.1, 0.5 + 0.2j, 0)], ids=["hit", "tone"]
+    "excitation",
+    [HitExcitation(GRID, smooth_hit(), 80), tone_excitation(GRID, 18.1, 0.5 + 0.2j, 0)],
+    ids=["hit", "tone"],
 )
 def test_derivatives_are_those_of_the_columns(excitation):
     omega, zeta = np.array([109.0, 380.0]), np.array([0.008, 0.004])
     state, drive = np.array([0.01 + 0.02j, -0.03j]), 0.02 - 0.01j
 
     def phi(o, z, q, d):
-        return columns(excitation, o, z, q, d, (0, 2)).phi
+        return columns_of_block(excitation, o, z, q, d, (0, 2)).phi
 
-    found = columns(excitation, omega, zeta, state, drive, (0, 2))
+    found = columns_of_block(excitation, omega, zeta, state, drive, (0, 2))
     coefficient = (
         np.random.default_rng(1).standard_normal((found.phi.shape[1], 1)) / np.linalg.norm(found.phi, axis=0)[:, None]
     )

@@ -9,8 +9,8 @@ import pytest
 from modallab.identification.impact import identify_impact
 from modallab.identification.likelihood.force_noise import force_parts
 from modallab.identification.likelihood.normal_matrix import normal_equations
-from modallab.identification.likelihood.rows import unstack
-from modallab.identification.options import Options
+from modallab.identification.likelihood.rows import complex_lines
+from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import to_signals_of
 
 
@@ -19,7 +19,7 @@ def fitted(seed=1, hits=3, **how):
     system, rig = bench.modes(rng), bench.rig(3)
     system = bench.Modes(system.frequency_hz, system.zeta, system.phi[:, [0, 2, 4]])
     signals = to_signals_of(bench.impact_blocks(system, rng, points=(3,), hits=hits, **how), rig)
-    return system, *identify_impact(signals, rig, Options(band_hz=(2.9, 400.0)))
+    return system, *identify_impact(signals, rig, IdentificationOptions(band_hz=(2.9, 400.0)))
 
 
 def test_slopes_are_those_of_the_regenerated_blocks():
@@ -34,7 +34,7 @@ def test_slopes_are_those_of_the_regenerated_blocks():
         there = replace(fit.refined, point=replace(point, parameters=replace(point.parameters, force=force)))
         moved.append(replace(fit, refined=there).regenerated(block, excitation))
     numeric = (moved[0] - moved[1]) / (2 * h)
-    np.testing.assert_allclose(unstack(slopes), numeric, atol=1e-6 * np.abs(numeric).max())
+    np.testing.assert_allclose(complex_lines(slopes), numeric, atol=1e-6 * np.abs(numeric).max())
 
 
 def test_the_normal_equations_are_those_of_the_projected_slopes():

@@ -12,7 +12,7 @@ from modallab.core.rig import Channel, Rig
 from modallab.identification.frf_model import identify_frf, identify_given_frf
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.line_weights import line_weights
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.selection.lost_modes import own_share, with_lost
 from modallab.identification.selection.prune import is_mode
 from modallab.identification.start.stabilisation import OrderPoles
@@ -67,8 +67,11 @@ def with_hum(seed):
 
 @pytest.mark.thorough("identifies many recordings")
 def test_imported_coherence_weighs_the_lines():
-    weighed = [identify_frf(with_hum(k), rig_of(with_hum(k)), Options())[0] for k in range(3)]
-    plain = [identify_frf(replace(with_hum(k), coherence=None), rig_of(with_hum(k)), Options())[0] for k in range(3)]
+    weighed = [identify_frf(with_hum(k), rig_of(with_hum(k)), IdentificationOptions())[0] for k in range(3)]
+    plain = [
+        identify_frf(replace(with_hum(k), coherence=None), rig_of(with_hum(k)), IdentificationOptions())[0]
+        for k in range(3)
+    ]
     off = [np.abs(m.frequency_hz - [49.0, 120.0]).mean() for m in weighed]
     off_plain = [np.abs(m.frequency_hz[[0, -1]] - [49.0, 120.0]).mean() for m in plain]
     assert np.mean(off) < 0.2 * np.mean(off_plain)
@@ -92,7 +95,7 @@ def test_the_damping_of_an_exponential_window_is_taken_off(method):
     """tau = 0.5 s adds 1 / (tau omega): 0.64 % at 49 Hz, which is more than the mode has."""
     frf, _ = noisy(viscous([49.0, 120.0], [0.005, 0.004], shift=2.0), 1e-4)
     frf = replace(frf, damping_shift=2.0)
-    options = Options(method=method)
+    options = IdentificationOptions(method=method)
     model = options.own_model(frf, None) if options.own_model else identify_frf(frf, rig_of(frf), options)[0]
     exact = method == "plscf"
     np.testing.assert_allclose(model.damping_ratio, [0.005, 0.004], rtol=2e-3 if exact else 0.3)
@@ -105,7 +108,7 @@ def test_the_damping_of_an_exponential_window_is_taken_off(method):
 def test_a_clear_mode_alone_in_a_narrow_band_is_found(half_width, step):
     lines = np.arange(100 - half_width, 100 + half_width + 1e-9, step)
     frf, _ = noisy(viscous([40.0, 100.0, 180.0], [0.005] * 3, lines), 1e-3)
-    model, _ = identify_frf(frf, rig_of(frf), Options())
+    model, _ = identify_frf(frf, rig_of(frf), IdentificationOptions())
     np.testing.assert_allclose(model.frequency_hz, [100.0], rtol=1e-4)
     np.testing.assert_allclose(model.damping_ratio, [0.005], rtol=0.02)
 
@@ -113,7 +116,7 @@ def test_a_clear_mode_alone_in_a_narrow_band_is_found(half_width, step):
 @pytest.mark.parametrize(("f_hz", "eta"), [((50, 120), (0.2, 0.2)), ((50, 120), (0.3, 0.3)), ((50, 54), (0.1, 0.1))])
 def test_both_modes_with_hysteretic_damping_are_found(f_hz, eta):
     frf, _ = noisy(hysteretic(f_hz, eta), 1e-4)
-    model, _ = identify_frf(frf, rig_of(frf), Options())
+    model, _ = identify_frf(frf, rig_of(frf), IdentificationOptions())
     assert model.n_modes == 2
     np.testing.assert_allclose(model.frequency_hz, f_hz, rtol=0.03)
     np.testing.assert_allclose(model.damping_ratio, np.array(eta) / 2, rtol=0.08)
@@ -138,12 +141,12 @@ def test_a_weak_mode_is_found_whatever_the_order(order):
     s, w = 2j * np.pi * LINES, 2 * np.pi * 85.0
     weak = 3e-4 * s / (s**2 + 2 * 0.004 * w * s + w**2)
     frf, _ = noisy(replace(frf, values=frf.values + weak * np.array([1.0, -0.6, 0.8])[:, None, None]), 1e-4)
-    model, _ = identify_frf(frf, rig_of(frf), Options(max_order=order))
+    model, _ = identify_frf(frf, rig_of(frf), IdentificationOptions(max_order=order))
     np.testing.assert_allclose(model.frequency_hz, [49.0, 85.0, 120.0], rtol=1e-3)
 
 
 def test_conjugates_are_named_as_such():
     frf, _ = noisy(viscous([49.0, 120.0], [0.01, 0.01]), 1e-3)
-    assert identify_given_frf(frf, rig_of(frf), Options())[0].n_modes == 2
+    assert identify_given_frf(frf, rig_of(frf), IdentificationOptions())[0].n_modes == 2
     with pytest.raises(IdentificationError, match="complex conjugates"):
-        identify_given_frf(replace(frf, values=frf.values.conj()), rig_of(frf), Options())
+        identify_given_frf(replace(frf, values=frf.values.conj()), rig_of(frf), IdentificationOptions())

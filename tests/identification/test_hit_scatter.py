@@ -10,12 +10,12 @@ from scipy.optimize import curve_fit
 
 from modallab.identification.impact import identify_impact
 from modallab.identification.likelihood.even_residual import is_even
-from modallab.identification.likelihood.hit_scatter import factors_by_scatter, faster, hit_pulls
-from modallab.identification.options import Options
+from modallab.identification.likelihood.hit_scatter import decay_bias, factors_by_scatter, hit_pulls
+from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import to_signals_of
 
 HITS = 8
-BAND = Options(band_hz=(2.9, 75.0))
+BAND = IdentificationOptions(band_hz=(2.9, 75.0))
 
 
 @functools.cache
@@ -96,10 +96,10 @@ def test_damping_is_off_by_what_is_stated_though_the_frequencies_drift(spread):
 
 def test_scattered_frequencies_feign_a_faster_decay():
     """By the closed forms of a long block and of a short one, and by the mean of many decays itself."""
-    assert faster(np.array([50.0]), 1.0) == pytest.approx(1 / 50, rel=0.08)
-    assert faster(np.array([0.01]), 2.0) == pytest.approx(1.0, rel=0.02)
+    assert decay_bias(np.array([50.0]), 1.0) == pytest.approx(1 / 50, rel=0.08)
+    assert decay_bias(np.array([0.01]), 2.0) == pytest.approx(1.0, rel=0.02)
     t, shifts = np.linspace(0, 1.0, 2000), np.array([-0.3, 0.3])
     mean = np.mean(np.exp(-2.0 * t + 1j * shifts[:, None] * t), axis=0).real
     (amplitude, decay), _ = curve_fit(lambda x, b, a: b * np.exp(-a * x), t, mean, (1.0, 2.0))
     assert amplitude == pytest.approx(1, abs=0.02)
-    assert decay - 2.0 == pytest.approx(0.09 * faster(np.array([2.0]), 1.0)[0], rel=0.03)
+    assert decay - 2.0 == pytest.approx(0.09 * decay_bias(np.array([2.0]), 1.0)[0], rel=0.03)

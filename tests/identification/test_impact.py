@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.impact import identify_impact
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.selection.pre_trigger_noise import model_error
 from modallab.signals.signals import to_signals_of
 
@@ -20,7 +20,7 @@ def identified(seed, options=None, **how):
     system = bench.modes(rng)
     rig = bench.rig(5)
     signals = to_signals_of(bench.impact_blocks(system, rng, **how), rig)
-    return system, *identify_impact(signals, rig, options or Options(band_hz=(2.9, 400.0)))
+    return system, *identify_impact(signals, rig, options or IdentificationOptions(band_hz=(2.9, 400.0)))
 
 
 def test_true_poles_come_out_of_a_block_shorter_than_the_ring_down():
@@ -33,7 +33,7 @@ def test_true_poles_come_out_of_a_block_shorter_than_the_ring_down():
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_pole_above_the_band_leaves_those_within_it_right(seed):
-    system, model, fit = identified(seed, Options(band_hz=(2.9, 75.0)))
+    system, model, fit = identified(seed, IdentificationOptions(band_hz=(2.9, 75.0)))
     within = system.frequency_hz < 75.0
     assert fit.refined.settled
     np.testing.assert_allclose(model.frequency_hz, system.frequency_hz[within], rtol=5e-4)
@@ -90,8 +90,8 @@ def test_samples_in_integers_or_floats_give_the_same_model():
         samples = np.round(b.samples / 1e-4).astype(np.int32)
         counts.append(bench.block(b.name, "impact", b.order, b.rate_hz, samples, b.drive_point))
     scaled = [type(b)(**{f: getattr(b, f) for f in b.__slots__} | {"scale": np.full(6, 1e-4)}) for b in counts]
-    one, _ = identify_impact(to_signals_of(blocks, rig), rig, Options(band_hz=(2.9, 400.0)))
-    two, _ = identify_impact(to_signals_of(scaled, rig), rig, Options(band_hz=(2.9, 400.0)))
+    one, _ = identify_impact(to_signals_of(blocks, rig), rig, IdentificationOptions(band_hz=(2.9, 400.0)))
+    two, _ = identify_impact(to_signals_of(scaled, rig), rig, IdentificationOptions(band_hz=(2.9, 400.0)))
     np.testing.assert_allclose(one.frequency_hz, two.frequency_hz, rtol=1e-6)
 
 
@@ -100,7 +100,7 @@ def test_a_block_without_a_hit_is_rejected():
     rig = bench.rig(5)
     still = bench.block("still", "impact", 0, 2000.0, 0.03 * rng.standard_normal((6, 2048)), 5)
     with pytest.raises(DataError, match="no hit"):
-        identify_impact(to_signals_of([still], rig), rig, Options())
+        identify_impact(to_signals_of([still], rig), rig, IdentificationOptions())
 
 
 def test_no_mode_is_found_in_noise():
@@ -112,12 +112,12 @@ def test_no_mode_is_found_in_noise():
         samples[0] += bench.pulse(2048, 2000.0, 0.05, 4e-3, 80.0)
         blocks.append(bench.block(f"hit_{i}", "impact", i, 2000.0, samples, 5))
     with pytest.raises(IdentificationError, match=r"no (stable pole|mode)"):
-        identify_impact(to_signals_of(blocks, rig), rig, Options())
+        identify_impact(to_signals_of(blocks, rig), rig, IdentificationOptions())
 
 
 def test_a_band_without_lines_is_rejected_by_its_numbers():
     with pytest.raises(DataError, match=r"50 to 51 Hz holds 1 of the block's lines"):
-        identified(9, Options(band_hz=(50.0, 51.0)))
+        identified(9, IdentificationOptions(band_hz=(50.0, 51.0)))
 
 
 def test_two_modes_closer_than_a_line_are_two():
@@ -125,7 +125,7 @@ def test_two_modes_closer_than_a_line_are_two():
     system = bench.Modes(np.array([60.0, 60.6, 140.0]), np.array([0.004, 0.006, 0.005]), bench.modes(rng).phi)
     rig = bench.rig(5)
     blocks = bench.impact_blocks(system, rng, points=TWO_POINTS)
-    model, _ = identify_impact(to_signals_of(blocks, rig), rig, Options(band_hz=(20.0, 400.0)))
+    model, _ = identify_impact(to_signals_of(blocks, rig), rig, IdentificationOptions(band_hz=(20.0, 400.0)))
     np.testing.assert_allclose(model.frequency_hz, system.frequency_hz, rtol=1e-4)
     np.testing.assert_allclose(model.damping_ratio, system.zeta, rtol=0.01)
 
@@ -156,7 +156,7 @@ def with_responses(signals, change):
 )
 def test_what_is_no_impact_test_is_rejected(change, says):
     with pytest.raises(DataError, match=says):
-        identify_impact(*spoiled(change), Options(band_hz=(2.9, 400.0)))
+        identify_impact(*spoiled(change), IdentificationOptions(band_hz=(2.9, 400.0)))
 
 
 @pytest.mark.thorough("identifies many recordings")
@@ -164,10 +164,10 @@ def test_what_no_linear_modes_explain_is_said():
     rng = np.random.default_rng(12)
     system, rig = bench.modes(rng), bench.rig(5)
     good = to_signals_of(bench.impact_blocks(system, rng, hits=3), rig)
-    model, fit = identify_impact(good, rig, Options(band_hz=(2.9, 400.0)))
+    model, fit = identify_impact(good, rig, IdentificationOptions(band_hz=(2.9, 400.0)))
     assert model_error(fit, good) == pytest.approx(1, abs=0.1)
     assert not any("pre-trigger noise" in note for note in model.notes)
     distorted = with_responses(good, lambda y: y + 0.002 * y**2)
-    model, fit = identify_impact(distorted, rig, Options(band_hz=(2.9, 400.0)))
+    model, fit = identify_impact(distorted, rig, IdentificationOptions(band_hz=(2.9, 400.0)))
     assert model_error(fit, distorted) > 1.1
     assert any("pre-trigger noise" in note for note in model.notes)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from modallab.core.plan import ImpactPlan
 from modallab.identification.impact import identify_impact
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.signals.signals import to_signals_of
 
@@ -39,7 +39,7 @@ def missed(frequency_hz, found_hz):
 def test_every_plan_finds_the_modes_of_its_band(seed, points, hits):
     system, rig, signals = recorded(seed)
     struck = groupby((s for s in signals if s.block.drive_point in points), key=lambda s: s.block.drive_point)
-    model = identify_impact([s for _, of in struck for s in list(of)[:hits]], rig, Options())[0]
+    model = identify_impact([s for _, of in struck for s in list(of)[:hits]], rig, IdentificationOptions())[0]
     inside = system.frequency_hz[system.frequency_hz < 0.98 * model.band_hz[1]]
     assert not missed(inside, model.frequency_hz)
     assert model.n_modes <= len(system.frequency_hz)
@@ -52,7 +52,7 @@ def test_ten_points_on_a_bench_as_built_find_what_three_of_them_find():
     plan = ImpactPlan(points=tuple(range(10, 0, -1)), hits=2)
     whole = ml.simulate(seed=1, tolerances="usual", plan=plan, progress=False).campaign
     part = replace(whole, blocks=tuple(b for b in whole.blocks if b.drive_point in (10, 7, 3)))
-    few, all_of_them = (identify_campaign(c, Options()).identified[0] for c in (part, whole))
+    few, all_of_them = (identify_campaign(c, IdentificationOptions()).identified[0] for c in (part, whole))
     assert few.model.n_modes == 7
     assert not missed(few.model.frequency_hz, all_of_them.model.frequency_hz)
     assert not any("does not repeat" in note for note in all_of_them.model.notes)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from modallab.identification.likelihood.orthonormal import orthonormal
+from modallab.identification.likelihood.orthonormal import qr_decomposition
 
 
 @pytest.mark.parametrize("condition", [1.0, 1e4, 1e7, 1e10, 1e13])
@@ -10,7 +10,7 @@ def test_columns_are_orthonormal_and_give_the_matrix_back_however_alike_they_are
     u, _ = np.linalg.qr(rng.standard_normal((400, 12)))
     v, _ = np.linalg.qr(rng.standard_normal((12, 12)))
     tall = u * np.geomspace(1, 1 / condition, 12) @ v
-    q, r = orthonormal(tall)
+    q, r = qr_decomposition(tall)
     np.testing.assert_allclose(q.T @ q, np.eye(12), atol=1e-13)
     np.testing.assert_allclose(q @ r, tall, atol=1e-14)
     assert np.all(np.tril(r, -1) == 0)
@@ -18,6 +18,6 @@ def test_columns_are_orthonormal_and_give_the_matrix_back_however_alike_they_are
 
 def test_equal_columns_do_not_stop_it():
     tall = np.ones((50, 2))
-    q, r = orthonormal(tall)
+    q, r = qr_decomposition(tall)
     np.testing.assert_allclose(q @ r, tall, atol=1e-13)
     assert abs(r[1, 1]) < 1e-13

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.identification.response_only.modes import response_modes
-from modallab.identification.response_only.periodic import line_at, steady_lines, without, words
+from modallab.identification.response_only.periodic import line_at, lines_in_words, steady_lines, without_line
 
 RATE_HZ, SECONDS = 100.0, 400.0
 MODES, ZETA = np.array([4.0, 11.5, 19.0]), np.array([0.01, 0.012, 0.009])
@@ -59,12 +59,12 @@ def test_a_line_is_taken_out_to_its_ends():
     line = np.array([[1.0], [0.5]]) * np.cos(2 * np.pi * 7.3 * t + 0.4) + noise
     (hz,) = steady_lines(line, RATE_HZ, (1.0, 40.0))
     assert hz == pytest.approx(7.3, rel=1e-6)
-    assert np.abs(without(line, RATE_HZ, hz)).max() < 0.02
+    assert np.abs(without_line(line, RATE_HZ, hz)).max() < 0.02
 
 
 def test_orders_of_one_speed_are_said():
-    assert "(orders 1, 2, 3 of 6.25 Hz)" in words(LINES)
-    assert "orders" not in words([6.25, 9.1])
+    assert "(orders 1, 2, 3 of 6.25 Hz)" in lines_in_words(LINES)
+    assert "orders" not in lines_in_words([6.25, 9.1])
 
 
 def of_one(wander: float, noise: float, seed: int) -> np.ndarray:

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from modallab.identification.likelihood.basis import LineBlock
-from modallab.identification.likelihood.excitation import Grid, UnitExcitation
-from modallab.identification.likelihood.fit import Fit
-from modallab.identification.likelihood.projection import Parameters, Problem
-from modallab.identification.likelihood.search import search
+from modallab.identification.likelihood.excitation import BlockLines, UnitExcitation
+from modallab.identification.likelihood.fit import LikelihoodFit
+from modallab.identification.likelihood.projection import LikelihoodProblem, SearchParameters
+from modallab.identification.likelihood.search import search_minimum
 from modallab.identification.selection.prune import is_mode
 
 TRUE_HZ, ZETA = np.array([60.0, 100.0]), 0.005
@@ -20,8 +20,8 @@ def fitted(start_hz, seed):
     clean = rng.uniform(0.5, 1.5, (4, 2)) @ (s / (s**2 + 2 * ZETA * w * s + w**2))
     noise = 0.02 * np.sqrt(np.mean(np.abs(clean) ** 2)) * (rng.standard_normal((2, *clean.shape)) / np.sqrt(2))
     omega = 2 * np.pi * np.array(start_hz)
-    problem = Problem(
-        blocks=[LineBlock(UnitExcitation(Grid(2 * np.pi * f, 0, 0.0, 1)), clean + noise[0] + 1j * noise[1], 0)],
+    problem = LikelihoodProblem(
+        blocks=[LineBlock(UnitExcitation(BlockLines(2 * np.pi * f, 0, 0.0, 1)), clean + noise[0] + 1j * noise[1], 0)],
         powers=(-2, 0, 2),
         n_inputs=1,
         state_sigma=None,
@@ -29,8 +29,8 @@ def fitted(start_hz, seed):
         zeta_prior=np.tile([0.0, np.inf], (omega.size, 1)),
     )
     nothing = np.zeros((1, omega.size), complex)
-    start = Parameters(omega, np.full(omega.size, ZETA), nothing, np.zeros(1, complex))
-    return Fit(problem, search(problem, start), (None,), (4, 1))
+    start = SearchParameters(omega, np.full(omega.size, ZETA), nothing, np.zeros(1, complex))
+    return LikelihoodFit(problem, search_minimum(problem, start), (None,), (4, 1))
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Point, Rig
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.model.repeated_poles import split_repeated
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 
 POINTS = 6
 LINES = np.arange(1, 481) * 0.25
@@ -36,7 +36,7 @@ def _frf(frequency, zeta, lines=LINES, noise=0.005):
 
 def test_two_modes_at_one_frequency_are_both_found_from_two_forces():
     truth_hz, zeta = [30.0, 60.0, 60.0, 95.0], [0.006, 0.004, 0.009, 0.004]
-    model, _ = identify_frf(_frf(truth_hz, zeta), _rig(), Options())
+    model, _ = identify_frf(_frf(truth_hz, zeta), _rig(), IdentificationOptions())
     assert model.n_modes == 4
     assert np.all(np.abs(model.frequency_hz - truth_hz) < 5 * model.frequency_sigma_hz)
     np.testing.assert_allclose(np.sort(model.damping_ratio), sorted(zeta), rtol=0.02)
@@ -46,7 +46,7 @@ def test_equal_frequency_and_damping_are_two_modes_whose_shapes_span_the_true_pl
     rng = np.random.default_rng(3)
     truth_hz, zeta = [30.0, 60.0, 60.0, 95.0], [0.006, 0.005, 0.005, 0.004]
     phi = rng.standard_normal((4, POINTS))
-    model, _ = identify_frf(_frf(truth_hz, zeta, noise=0.002), _rig(), Options())
+    model, _ = identify_frf(_frf(truth_hz, zeta, noise=0.002), _rig(), IdentificationOptions())
     assert model.n_modes == 4
     np.testing.assert_allclose(model.frequency_hz, truth_hz, rtol=1e-4)
     assert model.frequency_hz[1] == model.frequency_hz[2]
@@ -64,7 +64,7 @@ def test_equal_frequency_and_damping_are_two_modes_whose_shapes_span_the_true_pl
 def test_one_force_sees_one_mode_where_two_share_a_pole():
     both = _frf([30.0, 60.0, 60.0, 95.0], [0.006, 0.005, 0.005, 0.004])
     one = replace(both, values=both.values[:, :1], input_points=both.input_points[:1])
-    model, _ = identify_frf(one, _rig(), Options())
+    model, _ = identify_frf(one, _rig(), IdentificationOptions())
     assert model.n_modes == 3
 
 
@@ -99,9 +99,9 @@ def test_misfit_as_large_in_each_further_direction_is_no_mode():
 def test_a_band_split_in_two_gives_what_the_whole_gives():
     truth_hz = [12.0, 25.0, 41.0, 70.0, 88.0, 104.0]
     frf = _frf(truth_hz, [0.005] * 6)
-    whole, _ = identify_frf(frf, _rig(), Options())
-    low, _ = identify_frf(frf, _rig(), Options(band_hz=(5.0, 55.0)))
-    high, _ = identify_frf(frf, _rig(), Options(band_hz=(55.0, 120.0)))
+    whole, _ = identify_frf(frf, _rig(), IdentificationOptions())
+    low, _ = identify_frf(frf, _rig(), IdentificationOptions(band_hz=(5.0, 55.0)))
+    high, _ = identify_frf(frf, _rig(), IdentificationOptions(band_hz=(55.0, 120.0)))
     frequency = np.concatenate([low.frequency_hz, high.frequency_hz])
     damping = np.concatenate([low.damping_ratio, high.damping_ratio])
     sigma = np.concatenate([low.damping_sigma, high.damping_sigma])
@@ -156,8 +156,8 @@ def test_a_single_frf_does_not_tell_a_second_pole_on_the_flank_of_a_first():
     """Half a half-width away and more, a resonance that is not quite that of a mode looks the same."""
     rig = _rig().model_copy(update={"channels": _rig().channels[:2]})
     beside = _alone([30.0, 60.0, 60.5], [0.006, 0.01, 0.01], [1.0, 1.0, 0.15])
-    model, _ = identify_frf(beside, rig, Options())
+    model, _ = identify_frf(beside, rig, IdentificationOptions())
     assert model.n_modes == 2
     apart = _alone([30.0, 60.0, 62.5], [0.006, 0.01, 0.01], [1.0, 1.0, 0.3])
-    model, _ = identify_frf(apart, rig, Options())
+    model, _ = identify_frf(apart, rig, IdentificationOptions())
     np.testing.assert_allclose(model.frequency_hz, [30.0, 60.0, 62.5], rtol=1e-3)

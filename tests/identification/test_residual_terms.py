@@ -9,8 +9,8 @@ import pytest
 from modallab.core.frf import Frf
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import identify_impact
-from modallab.identification.model.modal_model import receptance
-from modallab.identification.options import Options
+from modallab.identification.model.modal_model import receptance_of_model
+from modallab.identification.options import IdentificationOptions
 from modallab.signals.hit import find_hit, windowed_force
 from modallab.signals.signals import to_signals_of
 
@@ -21,8 +21,8 @@ def test_a_share_of_the_force_in_every_response_moves_no_damping():
     signals = to_signals_of(bench.impact_blocks(system, rng, points=(5,), hits=4), rig)
     share = np.linspace(-1e-2, 5e-2, 5)[:, None]
     mixed = [replace(s, responses=s.responses + share * windowed_force(s.force, find_hit(s.force))) for s in signals]
-    plain = identify_impact(signals, rig, Options())[0]
-    model = identify_impact(mixed, rig, Options())[0]
+    plain = identify_impact(signals, rig, IdentificationOptions())[0]
+    model = identify_impact(mixed, rig, IdentificationOptions())[0]
     np.testing.assert_allclose(model.damping_ratio, plain.damping_ratio, atol=0.5 * plain.damping_sigma.min())
     for found, sigma, true in zip(model.damping_ratio, model.damping_sigma, system.zeta, strict=True):
         assert abs(found - true) < 4 * sigma
@@ -63,9 +63,9 @@ def test_a_beam_is_known_below_its_first_mode_free_or_clamped(ends, noise):
     frf = _beam(ends, np.linspace(first / 10, 0.95 * above, 500))
     rng, size = np.random.default_rng(3), np.sqrt(np.mean(np.abs(frf.values) ** 2))
     error = noise * size / np.sqrt(2) * (rng.normal(size=frf.values.shape) + 1j * rng.normal(size=frf.values.shape))
-    model, _ = identify_frf(replace(frf, values=frf.values + error), bench.rig(4), Options())
+    model, _ = identify_frf(replace(frf, values=frf.values + error), bench.rig(4), IdentificationOptions())
     low = frf.frequency_hz < 0.5 * first
     s = 2j * np.pi * frf.frequency_hz[low]
-    off = receptance(model, frf.frequency_hz[low]) - frf.values[..., low] / s**2
+    off = receptance_of_model(model, frf.frequency_hz[low]) - frf.values[..., low] / s**2
     allowed = 0.01 * np.abs(frf.values[..., low] / s**2) + (1e-4 + 0.3 * noise) * size / np.abs(s) ** 2
     assert np.all(np.abs(off) < allowed)

@@ -11,7 +11,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.rig import Channel, Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
-from modallab.identification.response_only.covariances import bands
+from modallab.identification.response_only.covariances import covariances_by_band
 from modallab.identification.response_only.half_spectra import HalfSpectra
 from modallab.identification.response_only.looks import PLSCF
 from modallab.identification.response_only.modes import response_modes
@@ -104,7 +104,7 @@ def test_a_sum_over_cut_off_decays_is_rational_at_its_own_lines():
 
 
 def test_bands_divide_the_range_without_a_gap():
-    parts = list(bands([responses()], RATE, (1.0, 55.0)))
+    parts = list(covariances_by_band([responses()], RATE, (1.0, 55.0)))
     edges = [(b.low_hz, b.high_hz) for b in parts]
     assert edges[0][1] == pytest.approx(0.4 * RATE)
     assert [low for low, _ in edges[:-1]] == [high for _, high in edges[1:]]

@@ -9,7 +9,7 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Rig
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.setups.scatter import common_poles, random_effects, same_setup
 
 F, ZETA = np.array([31.0, 31.6, 47.0]), np.array([0.004, 0.003, 0.005])
@@ -39,7 +39,7 @@ def identified(**how):
     frf = measured(**how)
     channels = [Channel(index=0, name="force", quantity="force", unit="N")]
     channels += [Channel(index=i, name=n, quantity="acceleration", unit="m/s^2") for i, n in enumerate(frf.outputs, 1)]
-    return identify_frf(frf, Rig(name="roving", model="unknown", channels=tuple(channels)), Options())[0]
+    return identify_frf(frf, Rig(name="roving", model="unknown", channels=tuple(channels)), IdentificationOptions())[0]
 
 
 @pytest.mark.parametrize("transpose", [False, True])

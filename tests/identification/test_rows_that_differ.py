@@ -10,7 +10,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 
 F = np.arange(40.0, 140.0, 0.25)
 
@@ -34,7 +34,7 @@ def identified(values: NDArray[np.complex128]) -> ModalModel:
         output_points=tuple(range(1, rows + 1)),
         input_points=(1,),
     )
-    return identify_frf(frf, rig, Options())[0]
+    return identify_frf(frf, rig, IdentificationOptions())[0]
 
 
 def mode(hz: float, zeta: float) -> NDArray[np.complex128]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.identification.likelihood.equations import Equations, Own, covariance_of
+from modallab.identification.likelihood.equations import BlockEquations, NormalEquations, covariance_of
 
 
 def test_the_covariance_is_the_inverse_whatever_the_units():
@@ -31,8 +31,8 @@ def of_three_inputs(alike=False):
             part[:, 2:4] = part[:, :2]
     grams = [part.T @ part for part in parts]
     places = np.split(4 + rng.permutation(8), [5, 5])
-    inputs = [Own(at, g[4:, 4:], g[:4, 4:]) for at, g in zip(places, grams, strict=True)]
-    return Equations(sum(g[:4, :4] for g in grams), inputs, rng.standard_normal(12))
+    inputs = [BlockEquations(at, g[4:, 4:], g[:4, 4:]) for at, g in zip(places, grams, strict=True)]
+    return NormalEquations(sum(g[:4, :4] for g in grams), inputs, rng.standard_normal(12))
 
 
 def test_a_step_solves_the_equations_of_all_inputs_together():

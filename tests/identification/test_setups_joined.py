@@ -7,8 +7,8 @@ from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
 from modallab.identification.setups.compare import compare_setups
 from modallab.identification.setups.found import SetUpModel, same_modes
-from modallab.identification.setups.join import averaged, join_setups, require_same_points
-from modallab.identification.setups.readings import readings
+from modallab.identification.setups.join import join_setups, require_same_points, weighted_mean
+from modallab.identification.setups.readings import readings_of_setups
 
 FREQUENCY = np.array([5.0, 31.0, 88.0])
 PHI = np.array([np.sin(k * np.linspace(0.3, 1.4, 10)) + 0.1 * k for k in (1, 2, 3)])
@@ -67,7 +67,7 @@ def test_the_one_that_is_off_is_named_with_its_mass_and_the_sigma_grows() -> Non
     assert "is 0.12 % lower than in left (85 sigmas), and 2 more modes differ: the mass of a, b (10 g) moved" in said
     assert any("Set-ups that are off: right." in note for note in model.notes)
     assert np.all(np.abs(model.frequency_hz - FREQUENCY * 0.9988) < 2 * model.frequency_sigma_hz)
-    read = readings(found, modes, compared)
+    read = readings_of_setups(found, modes, compared)
     assert [bool(item.off.all()) for item in read] == [False, False, True]
     np.testing.assert_allclose(read[2].frequency_hz, FREQUENCY * 0.9988)
 
@@ -100,6 +100,6 @@ def test_set_ups_with_no_mode_in_common_are_not_joined() -> None:
 
 def test_the_scatter_between_set_ups_is_zero_where_they_agree() -> None:
     values, sigmas = np.array([[5.0], [5.0], [5.03]]), np.full((3, 1), 0.01)
-    agreed, sigma = averaged(np.full((3, 1), 5.0), sigmas)
+    agreed, sigma = weighted_mean(np.full((3, 1), 5.0), sigmas)
     assert (agreed[0], sigma[0]) == (5.0, 0.01)
-    assert averaged(values, sigmas)[1][0] > 0.015
+    assert weighted_mean(values, sigmas)[1][0] > 0.015

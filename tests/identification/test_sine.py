@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from modallab.core.errors import DataError, IdentificationError
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.sine import identify_sine
 from modallab.signals.signals import to_signals_of
 
@@ -17,7 +17,7 @@ def identified(seed, **how):
     rng = np.random.default_rng(seed)
     system, rig = bench.modes(rng), bench.rig(5)
     blocks = bench.sine_blocks(system, rng, LINES * (1 + 12e-6), **how)
-    return system, *identify_sine(to_signals_of(blocks, rig), rig, Options())
+    return system, *identify_sine(to_signals_of(blocks, rig), rig, IdentificationOptions())
 
 
 def test_true_poles_come_out_of_blocks_that_still_ring():
@@ -51,7 +51,7 @@ def test_the_generators_clock_is_found_and_said():
         type(b)(**{f: getattr(b, f) for f in b.__slots__} | {"frequency_hz": float(line)})
         for b, line in zip(blocks, LINES, strict=True)
     ]
-    model, _ = identify_sine(to_signals_of(reported, rig), rig, Options())
+    model, _ = identify_sine(to_signals_of(reported, rig), rig, IdentificationOptions())
     note = next(n for n in model.notes if "ppm" in n)
     assert 45 <= float(note.split("runs ")[1].split(" ppm")[0]) <= 55
 
@@ -61,7 +61,7 @@ def test_a_shaker_that_was_off_is_rejected():
     rig = bench.rig(5)
     block = bench.block("off", "sine", 0, 1000.0, 0.001 * rng.standard_normal((6, 1024)), 3, frequency_hz=10.0)
     with pytest.raises(DataError, match="no sine"):
-        identify_sine(to_signals_of([block], rig), rig, Options())
+        identify_sine(to_signals_of([block], rig), rig, IdentificationOptions())
 
 
 def test_too_few_frequencies_are_rejected():
@@ -69,7 +69,7 @@ def test_too_few_frequencies_are_rejected():
     system, rig = bench.modes(rng), bench.rig(5)
     blocks = bench.sine_blocks(system, rng, LINES[::8])
     with pytest.raises(IdentificationError):
-        identify_sine(to_signals_of(blocks, rig), rig, Options())
+        identify_sine(to_signals_of(blocks, rig), rig, IdentificationOptions())
 
 
 def test_two_drive_points_are_rejected():
@@ -77,4 +77,4 @@ def test_two_drive_points_are_rejected():
     system, rig = bench.modes(rng), bench.rig(5)
     blocks = bench.sine_blocks(system, rng, LINES[:4], point=3) + bench.sine_blocks(system, rng, LINES[4:8], point=5)
     with pytest.raises(DataError, match="points"):
-        identify_sine(to_signals_of(blocks, rig), rig, Options())
+        identify_sine(to_signals_of(blocks, rig), rig, IdentificationOptions())

@@ -9,7 +9,7 @@ from test_plscf import frf
 
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import identify_impact
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.start.bands import split_bands
 from modallab.signals.signals import to_signals_of
 
@@ -39,8 +39,8 @@ def test_bands_and_one_band_give_the_same_modes_within_sigma():
     truth_hz = 20.0 + 22.0 * np.arange(modes) + np.random.default_rng(8).uniform(-4, 4, modes)
     wide = noisy(frf(truth_hz, [0.004] * modes, shapes(modes), [0], np.arange(1, 1221) * 0.5, "mobility"), 0.003)
     assert len(split_bands(wide)) > 1
-    split, _ = identify_frf(wide, bench.rig(POINTS), Options())
-    whole, _ = identify_frf(wide, bench.rig(POINTS), Options(max_order=120))
+    split, _ = identify_frf(wide, bench.rig(POINTS), IdentificationOptions())
+    whole, _ = identify_frf(wide, bench.rig(POINTS), IdentificationOptions(max_order=120))
     assert split.n_modes == whole.n_modes == modes
     for one in (split, whole):
         assert np.abs((one.frequency_hz - truth_hz) / one.frequency_sigma_hz).max() < 4
@@ -53,7 +53,7 @@ def test_bands_and_one_band_give_the_same_modes_within_sigma():
 def test_one_mode_hardly_or_heavily_damped_among_others(zeta):
     truth_hz, truth_zeta = np.array([12.0, 25.03, 41.0]), np.array([0.005, zeta, 0.004])
     clean = frf(truth_hz, truth_zeta, shapes(3), [0], np.arange(20, 1200) * 0.05, "mobility")
-    model, _ = identify_frf(noisy(clean, 0.005), bench.rig(POINTS), Options())
+    model, _ = identify_frf(noisy(clean, 0.005), bench.rig(POINTS), IdentificationOptions())
     assert model.n_modes == 3
     assert np.abs((model.frequency_hz - truth_hz) / model.frequency_sigma_hz).max() < 4
     assert np.abs((model.damping_ratio - truth_zeta) / model.damping_sigma).max() < 4
@@ -67,7 +67,7 @@ def test_hits_on_a_structure_hardly_or_heavily_damped(zeta):
     system = bench.Modes(system.frequency_hz, np.array([0.005, zeta, 0.004]), system.phi)
     rig = bench.rig(5)
     signals = to_signals_of(bench.impact_blocks(system, rng, hits=3, noise=0.01), rig)
-    model, _ = identify_impact(signals, rig, Options(band_hz=(3.0, 1.3 * float(system.frequency_hz[2]))))
+    model, _ = identify_impact(signals, rig, IdentificationOptions(band_hz=(3.0, 1.3 * float(system.frequency_hz[2]))))
     assert model.n_modes == 3
     np.testing.assert_allclose(model.frequency_hz, system.frequency_hz, rtol=2e-3)
     assert np.abs((model.damping_ratio - system.zeta) / model.damping_sigma).max() < 4.5
@@ -81,7 +81,7 @@ def test_repeated_roots_are_as_many_modes_as_references_can_distinguish(referenc
         zeta = [0.006, *[0.005] * modes, 0.004]
         phi = np.random.default_rng(3).standard_normal((len(zeta), 8))
         clean = frf(truth_hz, zeta, phi, list(range(references)), np.arange(1, 481) * 0.25, "mobility")
-        model, _ = identify_frf(noisy(clean, 0.002), bench.rig(8), Options())
+        model, _ = identify_frf(noisy(clean, 0.002), bench.rig(8), IdentificationOptions())
         assert model.n_modes == modes + 2
         np.testing.assert_allclose(model.frequency_hz, truth_hz, rtol=2e-4)
         np.testing.assert_allclose(model.damping_ratio, zeta, rtol=0.02)
@@ -95,5 +95,5 @@ def test_repeated_roots_are_as_many_modes_as_references_can_distinguish(referenc
 def test_fewer_references_than_repeated_roots_see_as_many_as_they_are():
     phi = np.random.default_rng(3).standard_normal((5, 8))
     clean = frf([30.0, 60.0, 60.0, 60.0, 95.0], [0.005] * 5, phi, [0, 1], np.arange(1, 481) * 0.25, "mobility")
-    model, _ = identify_frf(noisy(clean, 0.002), bench.rig(8), Options())
+    model, _ = identify_frf(noisy(clean, 0.002), bench.rig(8), IdentificationOptions())
     assert model.n_modes == 4

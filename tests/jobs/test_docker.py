@@ -24,7 +24,7 @@ from waiting import ended
 
 from modallab.cli.parser import build_parser
 from modallab.jobs import Jobs
-from modallab.jobs.address import Tls
+from modallab.jobs.address import TlsFiles
 from modallab.jobs.runner import Runner
 
 ROOT = Path(__file__).parents[2]
@@ -272,7 +272,7 @@ def test_the_cluster_of_the_file_computes_a_job_over_tls(
         files = (
             environment[f"DASK_DISTRIBUTED__COMM__TLS__{key}"] for key in ("CA_FILE", "CLIENT__CERT", "CLIENT__KEY")
         )
-        monkeypatch.setattr(Tls, "configured", classmethod(lambda cls: cls(*map(Path, files))))
+        monkeypatch.setattr(TlsFiles, "configured", classmethod(lambda cls: cls(*map(Path, files))))
         job = jobs.submit("square", {"x": 9}, [])
         with Runner(jobs, kinds(tmp_path), command[command.index("--scheduler") + 1]):
             (done,) = ended(jobs, job)

@@ -13,7 +13,7 @@ from modallab.core.effects import Effect
 from modallab.core.errors import JobError, StorageError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.jobs import Jobs
 from modallab.jobs.runner import Runner
 from modallab.pipelines.identify import identify_campaign
@@ -40,7 +40,9 @@ def _campaign(inputs: tuple[str, ...]) -> Campaign:
 
 @pytest.mark.thorough("computes every kind of job in a worker")
 def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp_path: Path) -> None:
-    here = identify_campaign(_campaign(("hammer_5hits",)), Options(method="peak", band_hz=(500.0, 1500.0)))
+    here = identify_campaign(
+        _campaign(("hammer_5hits",)), IdentificationOptions(method="peak", band_hz=(500.0, 1500.0))
+    )
     with Runner(jobs, kinds(_campaign, tmp_path), workers=1):
         inputs = ["hammer_5hits"]
         identified, reported, wrong, absent, bad, estimated = ended(

@@ -15,7 +15,7 @@ from waiting import ended, until
 
 from modallab.core.errors import JobError
 from modallab.jobs import Jobs
-from modallab.jobs.address import Tls
+from modallab.jobs.address import TlsFiles
 from modallab.jobs.runner import Runner
 
 pytestmark = pytest.mark.thorough("starts schedulers and workers, and kills them")
@@ -98,11 +98,11 @@ def test_machines_with_certificates_of_one_authority_talk_and_others_do_not(jobs
     assert done.result["square"] == 144
 
 
-def _certificates(folder: Path) -> Tls:
+def _certificates(folder: Path) -> TlsFiles:
     folder.mkdir()
     authority = trustme.CA()
     own = authority.issue_cert("127.0.0.1", "localhost")
-    tls = Tls(folder / "ca.pem", folder / "cert.pem", folder / "key.pem")
+    tls = TlsFiles(folder / "ca.pem", folder / "cert.pem", folder / "key.pem")
     authority.cert_pem.write_to_path(str(tls.ca))
     own.private_key_pem.write_to_path(str(tls.key))
     for n, blob in enumerate(own.cert_chain_pems):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from modallab.core.block import Campaign
-from modallab.core.progress import count_progress, part, report, report_progress_to
+from modallab.core.progress import count_progress, part_of_progress, report_progress, report_progress_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.jobs import Kind
@@ -23,9 +23,9 @@ def listen(said: Said, share: float, stage: str) -> None:
 def test_a_part_of_the_work_is_that_part_of_the_whole() -> None:
     said: Said = []
     with report_progress_to(lambda share, stage: listen(said, share, stage)):
-        with part(0.0, 0.5, "first"):
-            report(0.5, "half of it")
-        with part(0.5, 1.0, "second"), part(0.0, 0.5):
+        with part_of_progress(0.0, 0.5, "first"):
+            report_progress(0.5, "half of it")
+        with part_of_progress(0.5, 1.0, "second"), part_of_progress(0.0, 0.5):
             assert list(count_progress("ab", 2, "letters")) == ["a", "b"]
     assert said == [
         (0.0, "first"), (0.25, "first: half of it"), (0.5, "first"),
@@ -35,8 +35,8 @@ def test_a_part_of_the_work_is_that_part_of_the_whole() -> None:
 
 
 def test_nobody_need_listen() -> None:
-    with part(0.0, 1.0):
-        report(0.5)
+    with part_of_progress(0.0, 1.0):
+        report_progress(0.5)
     assert list(count_progress([1], 1)) == [1]
 
 

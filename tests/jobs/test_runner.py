@@ -14,7 +14,7 @@ from waiting import ended, until
 
 from modallab.core.errors import JobError
 from modallab.jobs import Jobs
-from modallab.jobs.address import Tls, check_address
+from modallab.jobs.address import TlsFiles, check_address
 from modallab.jobs.cluster import Cluster, SchedulerLostError
 from modallab.jobs.runner import Runner
 
@@ -142,7 +142,7 @@ def test_tasks_go_to_another_machine_by_tls_only(jobs: Jobs) -> None:
         Runner(jobs, [], "tls://scheduler:8786")
     with pytest.raises(JobError, match="no address"):
         check_address("scheduler", None)
-    tls = Tls(Path("ca.pem"), Path("cert.pem"), Path("key.pem"))
+    tls = TlsFiles(Path("ca.pem"), Path("cert.pem"), Path("key.pem"))
     check_address("tls://scheduler:8786", tls)
     check_address("tcp://127.0.0.1:8786", None)
     with pytest.raises(JobError, match=r"no such certificate file: ca\.pem"):

@@ -8,7 +8,7 @@ import pytest
 from sqlalchemy import Engine, inspect, text
 
 from modallab.jobs import Jobs
-from modallab.jobs.leases import Leases, Taken, Watch
+from modallab.jobs.leases import Leases, MarkWatch, TakenJob
 
 
 class Clock:
@@ -31,7 +31,7 @@ def engine(each_engine: Engine) -> Engine:
 
 
 def test_a_time_out_is_counted_from_the_first_look_on(clock: Clock) -> None:
-    watch = Watch(10.0, clock)
+    watch = MarkWatch(10.0, clock)
     clock.now_s = 100.0
     assert watch.look({"a": (1, 7.0)}) == {}
     for _ in range(10):
@@ -42,7 +42,7 @@ def test_a_time_out_is_counted_from_the_first_look_on(clock: Clock) -> None:
 
 
 def test_every_sign_and_every_new_holder_begins_anew(clock: Clock) -> None:
-    watch = Watch(10.0, clock)
+    watch = MarkWatch(10.0, clock)
     # Backwards is a change as well: what the number says does not matter.
     marks = [(1, 7.0), (1, 8.0), (2, 8.0), (2, 3.0)]
     for mark in marks:
@@ -52,7 +52,7 @@ def test_every_sign_and_every_new_holder_begins_anew(clock: Clock) -> None:
 
 
 def test_a_watcher_that_slept_does_not_blame_the_holder(clock: Clock) -> None:
-    watch = Watch(10.0, clock)
+    watch = MarkWatch(10.0, clock)
     watch.look({"a": (1, 1.0)})
     for _ in range(4):
         clock.now_s += 3600.0
@@ -60,7 +60,7 @@ def test_a_watcher_that_slept_does_not_blame_the_holder(clock: Clock) -> None:
 
 
 def test_a_job_that_comes_back_is_a_new_one(clock: Clock) -> None:
-    watch = Watch(1.0, clock)
+    watch = MarkWatch(1.0, clock)
     for held in ({"a": (1, 1.0)}, {}, {"a": (1, 1.0)}, {"a": (1, 1.0)}):
         clock.now_s += 0.9
         assert watch.look(held) == {}
@@ -70,7 +70,7 @@ def test_of_two_who_saw_the_same_time_out_one_takes_the_job(engine: Engine) -> N
     job = Jobs(engine).submit("identify", {}, [])
     (dead,) = Leases(engine, "dead").take(["identify"], 1)
     heirs = [Leases(engine, name, lease_s=0.001) for name in ("one", "two")]
-    found: list[Taken] = []
+    found: list[TakenJob] = []
     barrier = threading.Barrier(len(heirs), timeout=60)
 
     def take(heir: Leases) -> None:

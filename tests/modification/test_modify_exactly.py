@@ -8,10 +8,10 @@ from chain import BARE, OTHER, Chain
 from scipy import linalg
 
 from modallab.core.errors import DataError
-from modallab.modification.attachments import Addition, Coupled, Element, RigidLink, TunedAbsorber
+from modallab.modification.attachments import AttachedPart, Coupled, Element, RigidLink, TunedAbsorber
 from modallab.modification.free_band import kept_free
-from modallab.modification.inverse import By, best_absorber, tuned
-from modallab.modification.known import Known
+from modallab.modification.inverse import By, best_absorber, changes_for_frequency
+from modallab.modification.known import KnownStructure
 from modallab.modification.structure import structure_of
 from modallab.reporting.modified_table import modified_rows
 
@@ -51,8 +51,8 @@ BETWEEN = [(2, 2, 1.0), (4, 4, 1.0), (2, 4, -1.0), (4, 2, -1.0)]
     ],
     ids=["mass", "mass removed", "spring", "damper", "spring between", "several"],
 )
-def test_elements_change_poles_and_frfs_as_their_matrices_say(changes: list[Addition], truth: Chain) -> None:
-    after = Known(BARE.model()).with_changes(changes)
+def test_elements_change_poles_and_frfs_as_their_matrices_say(changes: list[AttachedPart], truth: Chain) -> None:
+    after = KnownStructure(BARE.model()).with_changes(changes)
     expected = truth.poles()
     np.testing.assert_allclose(after.modes.frequency_hz, np.abs(expected) / (2 * np.pi), rtol=1e-9)
     np.testing.assert_allclose(after.modes.damping_ratio, -expected.real / np.abs(expected), rtol=1e-6)
@@ -61,7 +61,7 @@ def test_elements_change_poles_and_frfs_as_their_matrices_say(changes: list[Addi
 
 def test_shapes_after_a_change_give_its_frfs_again() -> None:
     truth = with_matrices(at((3, 3, 0.4)), NONE, NONE)
-    modes = Known(BARE.model()).with_changes([Element(3, mass=0.4)]).modes
+    modes = KnownStructure(BARE.model()).with_changes([Element(3, mass=0.4)]).modes
     poles = 2 * np.pi * modes.frequency_hz * (-modes.damping_ratio + 1j * np.sqrt(1 - modes.damping_ratio**2))
     pairs = np.einsum("ro,ri->roi", modes.psi, modes.psi)
     again = np.einsum("lr,roi->loi", 1 / (S[:, None] - poles), pairs)
@@ -79,7 +79,7 @@ def test_an_absorber_adds_a_mode_and_splits_the_one_it_is_tuned_to() -> None:
     damping[pair] += absorber.damper * np.array([[1, -1], [-1, 1]])
     stiffness[pair] += absorber.spring * np.array([[1, -1], [-1, 1]])
     truth = Chain(mass, damping, stiffness).poles()
-    modes = Known(BARE.model()).with_changes([absorber]).modes
+    modes = KnownStructure(BARE.model()).with_changes([absorber]).modes
     np.testing.assert_allclose(modes.frequency_hz, np.abs(truth) / (2 * np.pi), rtol=1e-9)
     np.testing.assert_allclose(modes.damping_ratio, -truth.real / np.abs(truth), rtol=1e-6)
 
@@ -89,10 +89,10 @@ def test_an_absorber_adds_a_mode_and_splits_the_one_it_is_tuned_to() -> None:
     [(RigidLink(2), [[0, 1, 0, 0]]), (RigidLink(1, 4), [[1, 0, 0, -1]])],
     ids=["ground", "rigid link"],
 )
-def test_a_rigid_link_takes_a_motion_away(change: Addition, ties: list[list[int]]) -> None:
+def test_a_rigid_link_takes_a_motion_away(change: AttachedPart, ties: list[list[int]]) -> None:
     free = linalg.null_space(np.array(ties, float))
     truth = Chain(*(free.T @ m @ free for m in (BARE.mass, BARE.damping, BARE.stiffness)))
-    modes = Known(BARE.model()).with_changes([change]).modes
+    modes = KnownStructure(BARE.model()).with_changes([change]).modes
     np.testing.assert_allclose(modes.frequency_hz, np.abs(truth.poles()) / (2 * np.pi), rtol=1e-9)
 
 
@@ -106,7 +106,7 @@ def test_two_structures_coupled_are_one_and_taken_apart_again_are_two(joint: flo
     else:
         truth = Chain(whole[0], whole[1], whole[2] + joint * apart.T @ apart)
     other = structure_of(OTHER.model())
-    both = Known(BARE.model()).with_changes([Coupled(other, [(4, 1)], joint)])
+    both = KnownStructure(BARE.model()).with_changes([Coupled(other, [(4, 1)], joint)])
     np.testing.assert_allclose(both.modes.frequency_hz, np.abs(truth.poles()) / (2 * np.pi), rtol=1e-8)
     again = both.with_changes([Coupled(other, [(4, 1)], joint, sign=-1)]) if joint is None else None
     if again is not None:
@@ -121,12 +121,12 @@ def test_a_measured_part_taken_away_leaves_the_rest_and_no_pole_of_its_antireson
         both[3:, 3:] += b
     part = OTHER.model()
     part = part.model_copy(update={"modal_constants": gain * part.modal_constants})
-    unsure = Known(part.model_copy(update={"modal_constant_sigma": 0.01 * np.abs(part.modal_constants)}))
+    unsure = KnownStructure(part.model_copy(update={"modal_constant_sigma": 0.01 * np.abs(part.modal_constants)}))
     taken = Coupled(unsure.structure, [(4, 1)], sign=-1, samples=unsure.samples)
     both = Chain(*whole).model()
     on_it = {"outputs": both.outputs[:4], "output_points": (1, 2, 3, 4), "residuals": both.residuals[:, :4]}
     arrays = {name: getattr(both, name)[:, :4] for name in ("modal_constants", "modal_constant_sigma")}
-    rest = Known(both.model_copy(update=on_it | arrays)).with_changes([taken])
+    rest = KnownStructure(both.model_copy(update=on_it | arrays)).with_changes([taken])
     near = 1e-6 if gain == 1 else 3e-3
     truth = np.abs(BARE.poles()) / (2 * np.pi)
     np.testing.assert_allclose(rest.modes.frequency_hz, truth, rtol=near)
@@ -139,7 +139,7 @@ def test_a_measured_part_taken_away_leaves_the_rest_and_no_pole_of_its_antireson
 
 
 def test_errors_at_a_joint_grow_by_what_the_two_receptances_cancel() -> None:
-    bare, other, low_high = Known(BARE.model()), structure_of(OTHER.model()), BARE.model().band_hz
+    bare, other, low_high = KnownStructure(BARE.model()), structure_of(OTHER.model()), BARE.model().band_hz
     s = 2j * np.pi * np.linspace(*low_high, 201)[1:]
     h, y = BARE.receptance(s)[:, 3, 3], OTHER.receptance(s)[:, 0, 0]
     assert bare.with_changes([Element(3, mass=0.1)]).conditioning is None
@@ -153,8 +153,8 @@ def test_two_joints_that_move_apart_grow_errors_as_the_worse_of_them() -> None:
     """Whatever the units of one of them are."""
     springs = Chain(np.eye(4), np.zeros((4, 4)), np.diag([1e4, 1e8, 1e4, 1e4]))
     part = structure_of(Chain(np.eye(2), np.zeros((2, 2)), np.diag([2e4, 2e8])).model())
-    alone = [Known(springs.model()).with_changes([Coupled(part, [(n, n)])]).conditioning for n in (1, 2)]
-    both = Known(springs.model()).with_changes([Coupled(part, [(1, 1), (2, 2)])]).conditioning
+    alone = [KnownStructure(springs.model()).with_changes([Coupled(part, [(n, n)])]).conditioning for n in (1, 2)]
+    both = KnownStructure(springs.model()).with_changes([Coupled(part, [(1, 1), (2, 2)])]).conditioning
     assert None not in alone
     assert both is not None
     assert max(alone) <= both * (1 + 1e-9)
@@ -168,15 +168,15 @@ def test_a_table_says_that_what_nearly_makes_the_whole_is_not_to_be_taken_away()
         for both, a, b in zip(whole, _matrices(BARE), _matrices(part), strict=True):
             both[:4, :4] += a
             both[3:, 3:] += b
-        joined = Known(Chain(*whole).model())
+        joined = KnownStructure(Chain(*whole).model())
         rest = joined.with_changes([Coupled(structure_of(part.model()), [(4, 1)], sign=-1)])
         said.append(modified_rows(rest, []).caption)
     assert ["Do not use" in caption for caption in said] == [False, True]
 
 
 def test_what_is_coupled_brings_its_own_uncertainty() -> None:
-    bare = Known(BARE.model())
-    unsure = Known(OTHER.model().model_copy(update={"frequency_sigma_hz": np.full(2, 0.05)}))
+    bare = KnownStructure(BARE.model())
+    unsure = KnownStructure(OTHER.model().model_copy(update={"frequency_sigma_hz": np.full(2, 0.05)}))
     one = bare.with_changes([Coupled(unsure.structure, [(4, 1)], samples=unsure.samples)])
     other = unsure.with_changes([Coupled(bare.structure, [(1, 4)], samples=bare.samples)])
     assert one.modes.frequency_sigma_hz.max() > 1e-3
@@ -187,7 +187,7 @@ def test_what_is_coupled_brings_its_own_uncertainty() -> None:
 
 def test_a_root_that_is_met_to_the_last_digit_stays() -> None:
     model = BARE.model()
-    unsure = Known(model.model_copy(update={"frequency_sigma_hz": 1e-3 * model.frequency_hz}))
+    unsure = KnownStructure(model.model_copy(update={"frequency_sigma_hz": 1e-3 * model.frequency_hz}))
     sigmas = [
         unsure.with_changes([Element(3, mass=mass)]).modes.frequency_sigma_hz for mass in 0.4 + 1e-4 * np.arange(8)
     ]
@@ -199,7 +199,7 @@ def test_what_is_uncertain_of_two_structures_has_nothing_in_common() -> None:
     for chain in (BARE, OTHER, BARE):
         model = chain.model()
         model = model.model_copy(update={"frequency_sigma_hz": 0.01 * model.frequency_hz})
-        drawn.append(Known(model).samples.poles[:, 0].imag)
+        drawn.append(KnownStructure(model).samples.poles[:, 0].imag)
     assert abs(np.corrcoef(drawn[0], drawn[1])[0, 1]) < 0.3
     np.testing.assert_array_equal(drawn[0], drawn[2])
 
@@ -215,7 +215,7 @@ def _parallel(s: np.ndarray) -> np.ndarray:
 
 def test_what_is_added_and_taken_away_again_is_no_change() -> None:
     bare = BARE.model()
-    again = Known(bare).with_changes([Element(3, mass=0.4)]).with_changes([Element(3, mass=-0.4)])
+    again = KnownStructure(bare).with_changes([Element(3, mass=0.4)]).with_changes([Element(3, mass=-0.4)])
     np.testing.assert_allclose(again.modes.frequency_hz, bare.frequency_hz, rtol=1e-10)
 
 
@@ -232,7 +232,7 @@ def test_a_heavy_mass_on_what_lies_outside_the_band_is_a_mode_more(mass: float) 
     )  # fmt: skip
     cut = {name: getattr(whole, name)[:kept] for name in names}
     cut |= {"band_hz": (0.1, high), "residual_powers": (0,), "residuals": outside.sum(axis=0)[None]}
-    found = Known(whole.model_copy(update=cut)).with_changes([Element(1, mass=mass)]).modes.frequency_hz
+    found = KnownStructure(whole.model_copy(update=cut)).with_changes([Element(1, mass=mass)]).modes.frequency_hz
     added = np.zeros((8, 8))
     added[0, 0] = mass
     truth = np.abs(Chain(chain.mass + added, chain.damping, chain.stiffness).poles()) / (2 * np.pi)
@@ -241,13 +241,13 @@ def test_a_heavy_mass_on_what_lies_outside_the_band_is_a_mode_more(mass: float) 
 
 def test_a_mass_at_a_node_of_a_mode_leaves_it_alone() -> None:
     even = Chain.of([1.0, 1.0, 1.0], [1e4] * 4)
-    modes = Known(even.model()).with_changes([Element(2, mass=0.5)]).modes
+    modes = KnownStructure(even.model()).with_changes([Element(2, mass=0.5)]).modes
     np.testing.assert_allclose(modes.frequency_hz[1], even.model().frequency_hz[1], rtol=1e-9)
     np.testing.assert_allclose(modes.psi[1, 1], 0, atol=1e-8)
 
 
 def test_a_model_without_a_driving_point_knows_measured_pairs_and_says_how_to_get_the_others() -> None:
-    blind = Known(BARE.model().model_copy(update={"output_points": (11, 12, 13, 14)}))
+    blind = KnownStructure(BARE.model().model_copy(update={"output_points": (11, 12, 13, 14)}))
     found = blind.frf(HZ, [12, 14], [1], "receptance", sigma=False).values[:, 0].T
     np.testing.assert_allclose(found, BARE.receptance(S)[:, [1, 3], 0], rtol=1e-9)
     for of_all in (lambda: blind.frf(HZ, [12], [14]), lambda: blind.with_changes([Element(12, mass=0.1)])):
@@ -257,7 +257,7 @@ def test_a_model_without_a_driving_point_knows_measured_pairs_and_says_how_to_ge
 
 def test_a_point_that_the_model_does_not_know_is_named_with_those_it_knows() -> None:
     with pytest.raises(DataError, match="1, 2, 3, 4"):
-        Known(BARE.model()).with_changes([Element(9, mass=0.1)])
+        KnownStructure(BARE.model()).with_changes([Element(9, mass=0.1)])
 
 
 @pytest.mark.parametrize(
@@ -269,15 +269,15 @@ def test_a_point_that_the_model_does_not_know_is_named_with_those_it_knows() -> 
         (TunedAbsorber, {"at": 1, "mass": 0, "frequency_hz": 5}),
     ],
 )
-def test_a_change_that_is_none_is_rejected(kind: Callable[..., Addition], numbers: dict[str, float]) -> None:
+def test_a_change_that_is_none_is_rejected(kind: Callable[..., AttachedPart], numbers: dict[str, float]) -> None:
     with pytest.raises(DataError):
         kind(**numbers)
 
 
 @pytest.mark.parametrize(("by", "to_hz"), [("mass", 10.5), ("spring", 14.0)])
 def test_the_size_that_brings_a_mode_to_a_frequency_does_so(by: By, to_hz: float) -> None:
-    known = Known(BARE.model())
-    for answer in tuned(known, 1, to_hz, by, [1, 2, 3]):
+    known = KnownStructure(BARE.model())
+    for answer in changes_for_frequency(known, 1, to_hz, by, [1, 2, 3]):
         assert answer.feasible
         after = known.with_changes([Element(answer.at, **{by: answer.size})]).modes
         np.testing.assert_allclose(after.frequency_hz[0], to_hz, rtol=1e-8)
@@ -287,13 +287,13 @@ def test_a_frequency_out_of_reach_has_no_answer_and_says_what_is_in_reach() -> N
     """No spring to ground brings a mode beyond the next one of the structure held there."""
     held = np.delete(np.delete(BARE.stiffness, 1, 0), 1, 1), np.delete(np.delete(BARE.mass, 1, 0), 1, 1)
     limit = float(np.sqrt(linalg.eigh(*held, eigvals_only=True)[0]) / (2 * np.pi))
-    (answer,) = tuned(Known(BARE.model()), 1, 1.05 * limit, "spring", [2])
+    (answer,) = changes_for_frequency(KnownStructure(BARE.model()), 1, 1.05 * limit, "spring", [2])
     assert not answer.feasible
     assert 0.9 * limit < answer.highest_hz < limit
 
 
 def test_the_best_absorber_of_a_structure_of_one_mode_is_den_hartogs() -> None:
-    one = Known(Chain.of([2.0], [1e4, 0.0], damping=1e-9).model())
+    one = KnownStructure(Chain.of([2.0], [1e4, 0.0], damping=1e-9).model())
     absorber, before, after, *_ = best_absorber(one, 1, 1, 0.1)
     ratio, own = 0.05, float(np.sqrt(1e4 / 2) / (2 * np.pi))
     # Of the mobility the best tuning lies between those of receptance and inertance, 1 / (1 + mu) and 1 / sqrt(1 + mu).
@@ -305,16 +305,16 @@ def test_the_best_absorber_of_a_structure_of_one_mode_is_den_hartogs() -> None:
 @pytest.mark.parametrize("links", [[RigidLink(2), RigidLink(2)], [RigidLink(3, 3)]], ids=["twice", "to itself"])
 def test_rigid_links_that_hold_one_motion_twice_are_rejected(links: list[RigidLink]) -> None:
     with pytest.raises(DataError, match="hold one motion twice"):
-        Known(BARE.model()).with_changes(links)
+        KnownStructure(BARE.model()).with_changes(links)
 
 
 def test_a_structure_held_everywhere_has_no_mode() -> None:
-    assert not Known(BARE.model()).with_changes([RigidLink(p) for p in (1, 2, 3, 4)]).modes.frequency_hz.size
+    assert not KnownStructure(BARE.model()).with_changes([RigidLink(p) for p in (1, 2, 3, 4)]).modes.frequency_hz.size
 
 
 @pytest.mark.parametrize("by", ["mass", "spring"])
 def test_the_smallest_size_that_frees_a_band_does_so_and_less_does_not(by: By) -> None:
-    known = Known(BARE.model())
+    known = KnownStructure(BARE.model())
     hz = known.modes.frequency_hz
     band = (float(0.93 * hz[1]), float(1.07 * hz[1]))
     found = kept_free(known, band, by, [1, 2, 3, 4])
@@ -329,7 +329,7 @@ def test_the_smallest_size_that_frees_a_band_does_so_and_less_does_not(by: By) -
 
 
 def test_a_band_that_a_mode_cannot_leave_names_the_mode() -> None:
-    known = Known(BARE.model())
+    known = KnownStructure(BARE.model())
     hz = known.modes.frequency_hz
     none = [a for a in kept_free(known, (1e-3 * hz[0], 1.01 * hz[0]), "mass", [3]) if not a.feasible]
     assert [a.stays for a in none] == [1]

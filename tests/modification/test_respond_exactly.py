@@ -7,11 +7,11 @@ from scipy import signal
 
 from modallab.core.model import ScaleUncertainty
 from modallab.core.units import Quantity
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 
 DT = 1 / 512
 N = 2048
-KNOWN = Known(BARE.model(driven=(1, 3)))
+KNOWN = KnownStructure(BARE.model(driven=(1, 3)))
 INVERSE = np.linalg.inv(BARE.mass)
 STATE = np.block([[np.zeros((4, 4)), np.eye(4)], [-INVERSE @ BARE.stiffness, -INVERSE @ BARE.damping]])
 
@@ -95,14 +95,16 @@ def test_the_deviation_of_a_response_is_that_of_what_is_uncertain() -> None:
     unsure = model.model_copy(update={"frequency_sigma_hz": share * model.frequency_hz * np.eye(4)[1]})
     for changes in ([], [Element(3, mass=0.4)]):
 
-        def moved(known: Known) -> np.ndarray:
+        def moved(known: KnownStructure) -> np.ndarray:
             return known.response(force, DT, [1], [1, 2, 3, 4])
 
         higher, lower = (
-            Known(model.model_copy(update={"frequency_hz": model.frequency_hz * (1 + side * share * np.eye(4)[1])}))
+            KnownStructure(
+                model.model_copy(update={"frequency_hz": model.frequency_hz * (1 + side * share * np.eye(4)[1])})
+            )
             for side in (1, -1)
         )
         slope = (moved(higher.with_changes(changes)) - moved(lower.with_changes(changes))) / 2
-        sigma = Known(unsure).with_changes(changes).deviation(moved)
+        sigma = KnownStructure(unsure).with_changes(changes).deviation(moved)
         np.testing.assert_allclose(sigma, np.abs(slope), rtol=0, atol=0.3 * np.abs(slope).max())
         assert np.linalg.norm(sigma) == pytest.approx(np.linalg.norm(slope), rel=0.25)

@@ -12,20 +12,20 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.formats.frf_file import bare_rig
-from modallab.modification.deflection import mode_deflection, operating_deflection, spatial
-from modallab.modification.known import Known
+from modallab.modification.deflection import mode_deflection, motion_in_space, operating_deflection
+from modallab.modification.known import KnownStructure
 from modallab.modification.nodes import places_of_modes
-from modallab.modification.participation import ModalParticipation, participation
+from modallab.modification.participation import ModalParticipation, modal_participation
 from modallab.reporting.figures.deflection import FRAMES, Drawing
 from modallab.reporting.understood_table import correlation_rows, node_rows
-from modallab.updating.correlation import correlate
+from modallab.updating.correlation import correlate_models
 
 FREEDOMS = tuple((p, "z") for p in (1, 2, 3, 4))
 
 
 def parts(band: tuple[float, float] | None = None, after: tuple[float, float] | None = None) -> ModalParticipation:
-    known = Known(BARE.model())
-    return participation(known.structure, known.samples.first(5), 1, 3, "velocity", band, after)
+    known = KnownStructure(BARE.model())
+    return modal_participation(known.structure, known.samples.first(5), 1, 3, "velocity", band, after)
 
 
 def test_shares_over_a_band_are_the_projections_of_the_modes_on_the_whole() -> None:
@@ -68,7 +68,7 @@ def test_a_band_beyond_the_model_and_a_time_before_the_hit_are_rejected() -> Non
         parts(after=(-1, 1))
 
 
-def string(modes: int = 4, points: int = 9) -> tuple[ModalModel, Known]:
+def string(modes: int = 4, points: int = 9) -> tuple[ModalModel, KnownStructure]:
     """A string from 0 to 10 m with sensors at 1 to 9 m: nodes of mode r are at 10 k / r."""
     x = np.arange(1.0, points + 1)
     phi = np.array([np.sin(np.pi * r * x / (points + 1)) for r in range(1, modes + 1)])
@@ -90,7 +90,7 @@ def string(modes: int = 4, points: int = 9) -> tuple[ModalModel, Known]:
             "half_power_floor": none,
         }
     )
-    return model, Known(model, bare_rig(model.outputs, range(1, points + 1), [1], "inertance"))
+    return model, KnownStructure(model, bare_rig(model.outputs, range(1, points + 1), [1], "inertance"))
 
 
 def test_nodes_between_points_lie_where_the_shape_is_zero() -> None:
@@ -117,7 +117,7 @@ def test_the_best_point_is_at_no_mode_s_node_and_the_words_name_the_points_that_
 
 
 def test_without_places_no_node_between_points_is_named() -> None:
-    known = Known(BARE.model())
+    known = KnownStructure(BARE.model())
     rows = node_rows(places_of_modes(known.structure, known.samples, known.model, None))
     assert rows.headings[-1] == "points near a node"
 
@@ -152,7 +152,7 @@ def test_a_mode_is_drawn_moving_once_to_and_fro(tmp_path: Path) -> None:
     found = mode_deflection(known.structure, known.samples, 2)
     np.testing.assert_allclose(np.abs(found.values), np.abs(np.sin(np.pi * np.arange(1, 10) / 5)), atol=1e-9)
     assert known.rig is not None
-    Drawing(known.rig, spatial(known.rig, found), "mode 2").save(tmp_path / "mode.gif")
+    Drawing(known.rig, motion_in_space(known.rig, found), "mode 2").save(tmp_path / "mode.gif")
     with Image.open(tmp_path / "mode.gif") as picture:
         assert getattr(picture, "n_frames", 1) == FRAMES
         assert picture.info["loop"] == 0
@@ -173,7 +173,7 @@ def test_modes_of_two_models_are_paired_by_their_shapes() -> None:
             "modal_constants": constants,
         }
     )
-    found = correlate(known, Known(other, known.rig))
+    found = correlate_models(known, KnownStructure(other, known.rig))
     assert found.pairs == ((0, 1), (1, 0), (2, 2))
     assert found.alone == ((3,), ())
     assert found.freedoms[int(np.argmin(found.comac))] == (4, "z")
@@ -184,4 +184,4 @@ def test_modes_of_two_models_are_paired_by_their_shapes() -> None:
 def test_models_without_common_points_are_not_compared() -> None:
     _, known = string()
     with pytest.raises(DataError, match="share 0 points"):
-        correlate(known, Known(BARE.model()))
+        correlate_models(known, KnownStructure(BARE.model()))

@@ -45,9 +45,9 @@ def test_arrays_give_the_modes_within_their_sigmas(model: ml.Model, twin: ml.Dia
 
 
 def ml_modes(twin: ml.DiagnosedTwin) -> np.ndarray:
-    from modallab.twin.modes import solve
+    from modallab.twin.modes import solve_modes
 
-    return solve(twin.twin.structure).frequency_hz[:3]
+    return solve_modes(twin.twin.structure).frequency_hz[:3]
 
 
 @pytest.mark.parametrize("shape", ["lines last", "lines first", "one input", "one FRF"])

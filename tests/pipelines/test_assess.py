@@ -7,7 +7,7 @@ import modal_bench as bench
 import numpy as np
 
 from modallab.core.block import Campaign
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import write_models
 
@@ -24,7 +24,7 @@ def verdicts(found):
 
 def test_a_linear_bench_passes_every_verdict(tmp_path):
     it = campaign()
-    found = identify_campaign(it, Options())
+    found = identify_campaign(it, IdentificationOptions())
     assert all(v.holds for v in verdicts(found).values())
     assert {"time invariance", "reciprocity", "driving point", "proportional damping"} <= set(verdicts(found))
     assessment = found.identified[0].assessment
@@ -42,7 +42,7 @@ def test_a_sensor_that_loses_sensitivity_is_no_constant_structure():
         samples[2] *= 0.8 if k % 2 else 1.0
         return replace(block, samples=samples)
 
-    verdict = verdicts(identify_campaign(campaign(change=tired), Options()))["time invariance"]
+    verdict = verdicts(identify_campaign(campaign(change=tired), IdentificationOptions()))["time invariance"]
     assert not verdict.holds
     assert 0.1 < verdict.value < 0.3
 
@@ -53,6 +53,6 @@ def test_a_sensor_with_the_wrong_sensitivity_breaks_reciprocity():
         samples[3] *= 1.3
         return replace(block, samples=samples)
 
-    verdict = verdicts(identify_campaign(campaign(change=wrong), Options()))["reciprocity"]
+    verdict = verdicts(identify_campaign(campaign(change=wrong), IdentificationOptions()))["reciprocity"]
     assert not verdict.holds
     assert 0.2 < verdict.value < 0.32

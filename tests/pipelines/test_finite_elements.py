@@ -14,8 +14,8 @@ from modallab.formats.fem.fem_file import FemModel
 from modallab.formats.fem.matrices import modes_of, symmetric
 from modallab.gap.modal.narrower import in_band
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
-from modallab.modification.synthesis import synthesised
+from modallab.identification.options import IdentificationOptions
+from modallab.modification.synthesis import receptances_of_model
 from modallab.updating.elements import frf_of_elements, mesh_of_elements, model_of_elements
 
 EI, PER_M, LENGTH, BAND = 70.0, 0.8, 0.9, (3.0, 250.0)
@@ -71,7 +71,7 @@ def test_in_the_band_it_answers_as_the_whole_model_does() -> None:
     assert -2 not in found.residual_powers
     for hz in (4.0, 70.0, 160.0, 245.0):
         exact = receptance(K, M, 2 * np.pi * hz)
-        made = synthesised(found, np.array([2j * np.pi * hz]))[0]
+        made = receptances_of_model(found, np.array([2j * np.pi * hz]))[0]
         # Without damping but for what it is believed to be, which is nothing away from the resonances.
         np.testing.assert_allclose(made.real, exact, atol=0.01 * np.abs(exact).max())
 
@@ -123,12 +123,12 @@ def test_it_holds_the_valleys_as_an_identification_does() -> None:
     measured = Frf(
         hz, np.einsum("ro,ri,rl->oil", at, at, kernel), "inertance", ("a0", "a1", "a2"), (1, 2, 3), (1, 2, 3)
     )
-    bench, _ = identify_frf(measured, rig(), Options())
+    bench, _ = identify_frf(measured, rig(), IdentificationOptions())
     computed = model_of_elements(
         replace(CLAMPED, modes=replace(CLAMPED.modes, damping_ratio=np.full(24, zeta))), rig(), BAND, (1, 2, 3)
     )
     valley = 2j * np.pi * np.array([4.0, 30.0, 90.0, 240.0])
-    np.testing.assert_allclose(synthesised(computed, valley), synthesised(bench, valley), rtol=2e-3)
+    np.testing.assert_allclose(receptances_of_model(computed, valley), receptances_of_model(bench, valley), rtol=2e-3)
 
 
 def test_in_a_narrower_band_a_mode_above_it_is_what_its_terms_hold() -> None:
@@ -136,7 +136,10 @@ def test_in_a_narrower_band_a_mode_above_it_is_what_its_terms_hold() -> None:
     narrower = in_band(found, band)
     assert narrower.n_modes == found.n_modes - 1
     s = 2j * np.pi * np.linspace(4.0, 175.0, 50)
-    off, size = synthesised(narrower, s) - synthesised(found, s), np.abs(synthesised(found, s))
+    off, size = (
+        receptances_of_model(narrower, s) - receptances_of_model(found, s),
+        np.abs(receptances_of_model(found, s)),
+    )
     assert np.max(np.abs(off) / size.max(axis=(1, 2), keepdims=True)) < 5e-3
 
 

@@ -15,7 +15,7 @@ from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
 from modallab.core.units import FrfEstimator
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.verification.verify import frac
 
@@ -55,7 +55,8 @@ def test_noise_on_a_random_force_lowers_the_modal_constants_of_h1_and_not_of_h2(
     campaign, power = random_campaign(), 1 + NOISE**2
     kinds: tuple[FrfEstimator, ...] = ("H1", "Hv", "H2")
     h1, hv, h2 = (
-        constant(identify_campaign(campaign, Options(band_hz=BAND, frf=kind)).identified[0].model) for kind in kinds
+        constant(identify_campaign(campaign, IdentificationOptions(band_hz=BAND, frf=kind)).identified[0].model)
+        for kind in kinds
     )
     assert h2 == pytest.approx(1.0, abs=0.05)
     assert hv / h2 == pytest.approx(power**-0.5, abs=0.03)
@@ -64,8 +65,8 @@ def test_noise_on_a_random_force_lowers_the_modal_constants_of_h1_and_not_of_h2(
 
 def test_hits_are_identified_from_h2_of_those_at_each_point() -> None:
     campaign = built(link(), tests=("impact",))
-    usual = identify_campaign(campaign, Options()).identified[0]
-    found = identify_campaign(campaign, Options(frf="H2")).identified[0]
+    usual = identify_campaign(campaign, IdentificationOptions()).identified[0]
+    found = identify_campaign(campaign, IdentificationOptions(frf="H2")).identified[0]
     assert found.model.test == "impact"
     assert any("H2 of the hits" in note for note in found.model.notes)
     np.testing.assert_allclose(found.model.frequency_hz[:3], usual.model.frequency_hz[:3], rtol=1e-3)
@@ -79,17 +80,17 @@ def test_one_hit_a_point_has_no_h2() -> None:
     campaign = built(link(), tests=("impact",))
     once = replace(campaign, blocks=tuple(b for b in campaign.blocks if b.name.endswith("_0")))
     with pytest.raises(DataError, match="H2 asks for several hits"):
-        identify_campaign(once, Options(frf="H2"))
+        identify_campaign(once, IdentificationOptions(frf="H2"))
 
 
 def test_sines_have_no_h2() -> None:
     with pytest.raises(DataError, match="ratio of two fitted amplitudes"):
-        identify_campaign(built(link(), tests=("sine",)), Options(frf="Hv"))
+        identify_campaign(built(link(), tests=("sine",)), IdentificationOptions(frf="Hv"))
 
 
 def test_an_frf_of_no_known_kind_is_rejected() -> None:
     with pytest.raises(IdentificationError, match="no FRF is called 'H3'"):
-        Options(frf="H3")
+        IdentificationOptions(frf="H3")
 
 
 @pytest.mark.thorough("records minutes of a random force")

@@ -6,8 +6,8 @@ import pytest
 
 from modallab.core.block import Campaign
 from modallab.frf.estimate import group_by_point, impact_frf
-from modallab.identification.options import Options
-from modallab.identification.selection.diagram import STABLE, Diagram
+from modallab.identification.options import IdentificationOptions
+from modallab.identification.selection.diagram import STABLE, StabilisationData
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import report_content
 from modallab.reporting.report import render
@@ -30,10 +30,10 @@ def diagram(campaign, options):
 
 @pytest.mark.thorough("identifies with every order, and draws")
 def test_modes_of_hits_stand_as_columns_of_the_diagram_and_the_page_draws_it(hits):
-    result = identify_campaign(hits, Options())
+    result = identify_campaign(hits, IdentificationOptions())
     content = report_content(hits, result, "a test")
     found = content.outcomes[0].diagram
-    assert isinstance(found, Diagram)
+    assert isinstance(found, StabilisationData)
     for hz in result.identified[0].model.frequency_hz:
         column = np.abs(found.frequency_hz / hz - 1) < 2e-3
         assert np.sum(found.standing[column] == STABLE) > 5
@@ -46,16 +46,16 @@ def test_modes_of_hits_stand_as_columns_of_the_diagram_and_the_page_draws_it(hit
 def test_peaks_of_given_frfs_are_drawn_beside_plscf(hits):
     frf = impact_frf(group_by_point(to_signals_of(hits.blocks, hits.rig)), hits.rig, (3.0, 200.0))
     outcome, model = diagram(
-        Campaign(rig=hits.rig, blocks=(), frfs=(frf,)), Options(method="peak", band_hz=(3.0, 200.0))
+        Campaign(rig=hits.rig, blocks=(), frfs=(frf,)), IdentificationOptions(method="peak", band_hz=(3.0, 200.0))
     )
     assert model.method == "peak"
-    assert isinstance(outcome.diagram, Diagram)
+    assert isinstance(outcome.diagram, StabilisationData)
 
 
 def test_a_stepped_sine_test_has_its_diagram():
     rng = np.random.default_rng(4)
     blocks = tuple(bench.sine_blocks(bench.modes(rng, 2), rng, FREQUENCIES))
-    outcome, model = diagram(Campaign(rig=bench.rig(5), blocks=blocks), Options(method="peak"))
-    assert isinstance(outcome.diagram, Diagram)
+    outcome, model = diagram(Campaign(rig=bench.rig(5), blocks=blocks), IdentificationOptions(method="peak"))
+    assert isinstance(outcome.diagram, StabilisationData)
     assert outcome.diagram.line_hz.size == FREQUENCIES.size
     assert model.n_modes

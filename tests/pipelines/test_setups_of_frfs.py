@@ -12,7 +12,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.setups import identify_setups, setup_names
 
 LINES = np.arange(5.0, 205.0, 0.25)
@@ -43,7 +43,7 @@ def set_up(roving: int) -> Campaign:
 
 
 def test_frfs_of_set_ups_are_joined_by_the_sensor_that_stays() -> None:
-    joined = identify_setups([set_up(k) for k in (2, 3, 4)], Options())
+    joined = identify_setups([set_up(k) for k in (2, 3, 4)], IdentificationOptions())
     model = joined.result.identified[0].model
     assert model.output_points == (1, 2, 3, 4)
     for mode, (f0, zeta, shape) in enumerate(MODES):
@@ -57,9 +57,9 @@ def test_set_ups_at_other_lines_or_named_twice_are_rejected() -> None:
     (frf,) = other.frfs
     fewer = replace(frf, frequency_hz=LINES[::2], values=frf.values[..., ::2])
     with pytest.raises(DataError, match="lines in the band are not the"):
-        identify_setups([one, replace(other, frfs=(fewer,))], Options())
+        identify_setups([one, replace(other, frfs=(fewer,))], IdentificationOptions())
     with pytest.raises(DataError, match=r"holds the same records as at2\.h5"):
-        identify_setups([one, replace(one, source="again.h5")], Options())
+        identify_setups([one, replace(one, source="again.h5")], IdentificationOptions())
 
 
 def test_a_set_up_is_named_at_import(tmp_path: Path) -> None:

@@ -8,12 +8,12 @@ import pytest
 from scipy.signal import chirp
 
 from modallab.core.block import Campaign
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.drive import TOO_FEW
 from modallab.pipelines.identify import identify_campaign
 
 RATE, SWEEP_S, FINER = 1000.0, 16.0, 4
-BAND = Options(band_hz=(3.0, 75.0))
+BAND = IdentificationOptions(band_hz=(3.0, 75.0))
 
 
 @functools.cache

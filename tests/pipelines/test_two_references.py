@@ -27,20 +27,20 @@ from modallab.formats.importer import import_sources
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.frf.broadband import broadband_frf, driven_band
-from modallab.frf.driven import on_own_clock
+from modallab.frf.driven import cut_to_own_clock
 from modallab.frf.joined import joined_frf
 from modallab.frf.settled_periods import without_decays
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.scale import with_scale
-from modallab.identification.options import Options
-from modallab.pipelines.identify import Identified, identify_campaign
+from modallab.identification.options import IdentificationOptions
+from modallab.pipelines.identify import IdentifiedTest, identify_campaign
 from modallab.signals.signals import Signals, to_signals, to_signals_of
 from modallab.storage import Store
 from modallab.storage.imported import keep_campaign
-from modallab.twin.modes import solve
-from modallab.twin.structure import MODES, Structure
+from modallab.twin.modes import solve_modes
+from modallab.twin.structure import MODES, TwinStructure
 from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.cantilever.draw import draw_damping
 
@@ -84,8 +84,10 @@ def recorded(
 @functools.cache
 def identified(
     signal: Broadband, shakers: str = "all", first: int = 4, second: int = 9, blocks: int = 20
-) -> Identified:
-    return identify_campaign(recorded(signal, shakers, first, second, blocks=blocks), Options()).identified[0]
+) -> IdentifiedTest:
+    return identify_campaign(
+        recorded(signal, shakers, first, second, blocks=blocks), IdentificationOptions()
+    ).identified[0]
 
 
 def of_twin(frf: Frf) -> np.ndarray:
@@ -96,8 +98,8 @@ def of_twin(frf: Frf) -> np.ndarray:
     bench.close()
     assert RIG.beam is not None
     believed = {name: getattr(true, name) for name in ("youngs_modulus_pa", "thickness_m", "density_kg_m3")}
-    structure = Structure.of(RIG.beam.model_copy(update=believed), 0.01)
-    modes = solve(replace(structure, zeta=draw_damping(SEED, MODES, ())))
+    structure = TwinStructure.of(RIG.beam.model_copy(update=believed), 0.01)
+    modes = solve_modes(replace(structure, zeta=draw_damping(SEED, MODES, ())))
     s = 2j * np.pi * frf.frequency_hz
     seen = np.array([RIG.x_of(point) for point in frf.output_points if point is not None])
     columns = []
@@ -115,7 +117,7 @@ def of_twin(frf: Frf) -> np.ndarray:
 def settled(signal: Broadband) -> list[Signals]:
     signals = to_signals_of(recorded(signal).blocks, RIG)
     band = driven_band(signals)
-    signals = on_own_clock(signals, band)
+    signals = cut_to_own_clock(signals, band)
     return without_decays(signals, poles_of(2 * np.pi * TRUE_HZ, TRUE_DAMPING), band)
 
 
@@ -179,7 +181,7 @@ def test_the_model_of_both_references_is_the_benchs(signal: Broadband) -> None:
 def test_what_still_fades_from_the_start_of_each_wave_is_no_change_of_the_structure() -> None:
     """The lowest mode of this bench rings for ten seconds: the first half of every wave holds more of it."""
     campaign = recorded("pseudo-random", url="sim://cantilever?seed=0", blocks=16)
-    assessment = identify_campaign(campaign, Options()).identified[0].assessment
+    assessment = identify_campaign(campaign, IdentificationOptions()).identified[0].assessment
     assert assessment is not None
     assert next(v for v in assessment.verdicts if v.assumption == "time invariance").value < 0.02
 
@@ -251,7 +253,7 @@ def test_what_knows_one_force_says_so(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="driven at other points"):
         broadband_frf(mixed, RIG, (10.0, 300.0))
     with pytest.raises(DataError, match="driven at other points"):
-        identify_campaign(replace(campaign, blocks=(*campaign.blocks[:8], *one_shaker[8:])), Options())
+        identify_campaign(replace(campaign, blocks=(*campaign.blocks[:8], *one_shaker[8:])), IdentificationOptions())
     with pytest.raises(DataError, match="3 forces drove, and the rig has 2 force channels"):
         to_signals(replace(campaign.blocks[0], also_driven=(9, 2)), RIG)
 

@@ -11,7 +11,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.core.verification import Verification
-from modallab.reporting.content import Hit, Outcome, ReportContent, Truth
+from modallab.reporting.content import ReportContent, ReportedHit, TestOutcome, TrueModes
 from modallab.signals.signals import Signals
 
 POINTS = tuple(range(1, 11))
@@ -210,10 +210,12 @@ def content(**changes: object) -> ReportContent:
     """Both tests, all there is to report."""
     impacts = [impact(i) for i in range(1, 6)]
     bursts = [sine(f, 10 + i) for i, f in enumerate(FREQUENCIES)]
-    hits = [Hit(s.block.name, 6, s.force, s.rate_hz) for s in impacts]
-    hits.insert(2, Hit("rejected_1", 6, impact(77, peak_n=6.0).force, 2000.0, False, "peak force 6.0 N is below 10 N"))
+    hits = [ReportedHit(s.block.name, 6, s.force, s.rate_hz) for s in impacts]
+    hits.insert(
+        2, ReportedHit("rejected_1", 6, impact(77, peak_n=6.0).force, 2000.0, False, "peak force 6.0 N is below 10 N")
+    )
     double = impact(78).force + np.roll(impact(79, peak_n=18.0).force, 60)
-    hits.insert(4, Hit("rejected_2", 6, double, 2000.0, False, "a second hit of 18.0 N, 30 ms after the first"))
+    hits.insert(4, ReportedHit("rejected_2", 6, double, 2000.0, False, "a second hit of 18.0 N, 30 ms after the first"))
     campaign = Campaign(
         rig(), tuple(s.block for s in impacts + bursts), provenance={"plan": "demo"}, source="demo/campaign.h5"
     )
@@ -222,15 +224,15 @@ def content(**changes: object) -> ReportContent:
     lines = np.fft.rfftfreq(example.force.size, 1 / example.rate_hz)
     window[:, (lines < 3) | (lines > 110)] *= 1e-3
     outcomes = (
-        Outcome("impact", model(), measured(impacts), verification(impacts), example,
+        TestOutcome("impact", model(), measured(impacts), verification(impacts), example,
                 np.fft.irfft(window, axis=1), tuple(hits)),
-        Outcome("sine", model("sine", 4, 4), None, sine_verification(FREQUENCIES), bursts[8]),
+        TestOutcome("sine", model("sine", 4, 4), None, sine_verification(FREQUENCIES), bursts[8]),
     )  # fmt: skip
     values: dict[str, object] = {
         "title": "Modal test of the elastic link",
         "campaign": campaign,
         "outcomes": outcomes,
-        "truth": Truth(FREQUENCY, DAMPING, "the simulated bench, seed 1"),
+        "truth": TrueModes(FREQUENCY, DAMPING, "the simulated bench, seed 1"),
         "notes": ("The bench is simulated.",),
         "provenance": {"modallab": "0.1.0", "seed": "1", "rig hash": "5f2a9c" * 8, "made at": "2024-05-31 14:05 UTC"},
     }

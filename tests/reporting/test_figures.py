@@ -11,24 +11,24 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from modallab.reporting.compare import modes
-from modallab.reporting.content import Truth
-from modallab.reporting.figures.all_points import all_points
+from modallab.reporting.compare import matched_modes
+from modallab.reporting.content import TrueModes
+from modallab.reporting.figures.all_points import mobility_panels
 from modallab.reporting.figures.blocks import impact_block, sine_block
-from modallab.reporting.figures.damping import damping, paper_value
-from modallab.reporting.figures.half_power_reading import half_power_reading, readings
-from modallab.reporting.figures.hits import cut, hits
+from modallab.reporting.figures.damping import damping_figure, paper_value
+from modallab.reporting.figures.half_power_reading import half_power_reading, half_power_readings
+from modallab.reporting.figures.hits import cut_pulse, hits_figure
 from modallab.reporting.figures.mode_shapes import mode_shapes
 from modallab.reporting.figures.one_point import one_point
 from modallab.reporting.figures.overview import frf_overview
-from modallab.reporting.figures.selection import example_block, farthest
+from modallab.reporting.figures.selection import example_block, farthest_sensor
 
 BOTH = ("impact", "sine")
 
 
 @pytest.fixture(scope="module")
 def found(content):
-    return modes(content.models, content.truth)
+    return matched_modes(content.models, content.truth)
 
 
 @pytest.fixture(scope="module")
@@ -39,12 +39,12 @@ def figures(content, found):
         "sine": sine_block(sine.example, 9, rig),
         "impact": impact_block(impact.example, 9, rig, impact.filtered),
         "shapes": mode_shapes(content.models, rig),
-        "all": all_points(impact.verification),
-        "all sine": all_points(sine.verification),
+        "all": mobility_panels(impact.verification),
+        "all sine": mobility_panels(sine.verification),
         "one": one_point(impact.verification, 9),
         "overview": frf_overview(impact.frf, 0, impact.model.frequency_hz),
-        "hits": hits(impact.hits, (3.0, 110.0)),
-        "damping": damping(found),
+        "hits": hits_figure(impact.hits, (3.0, 110.0)),
+        "damping": damping_figure(found),
         "resolution": half_power_reading(found[0], found[0].readings[0], 1.024, 0.05),
     }
 
@@ -106,8 +106,8 @@ def test_the_sine_block_nearest_to_the_papers_frequency_is_shown(content):
 
 
 def test_the_farthest_sensor_is_the_free_end(content):
-    assert farthest(content.rig, ("a03", "a10", "a09")) == 1
-    assert farthest(content.rig, ("x", "y")) == 1
+    assert farthest_sensor(content.rig, ("a03", "a10", "a09")) == 1
+    assert farthest_sensor(content.rig, ("x", "y")) == 1
 
 
 def test_mobility_is_compared_at_every_point_with_its_frac(content, figures):
@@ -193,7 +193,7 @@ def test_rejected_hits_are_dashed_and_every_hit_is_there(content, figures):
     lines = figures["hits"].axes[0].lines
     for line, hit in zip(lines, hits, strict=True):
         assert line.get_linestyle() == ("-" if hit.accepted else "--")
-        time, force = cut(hit)
+        time, force = cut_pulse(hit)
         np.testing.assert_array_equal(line.get_ydata(), force)
         assert time[np.argmax(force)] == 0
         assert force.max() == hit.force_n.max()
@@ -219,7 +219,7 @@ def test_only_the_papers_modes_have_the_papers_values(found):
 
 def test_half_power_reads_the_block_whatever_the_damping():
     light = np.array([1e-4, 1e-3, 5e-3, 1e-2])
-    plain, hann = (readings(4.8, light, 1.024, 0.05, window) for window in (False, True))
+    plain, hann = (half_power_readings(4.8, light, 1.024, 0.05, window) for window in (False, True))
     assert (plain > 0.06).all()
     assert (plain < 0.07).all()
     assert (hann > 0.118).all()
@@ -228,22 +228,22 @@ def test_half_power_reads_the_block_whatever_the_damping():
 
 def test_half_power_reads_the_beam_once_the_block_is_long():
     zeta = np.array([0.01, 0.02, 0.05])
-    np.testing.assert_allclose(readings(4.8, zeta, 60.0, 0.05, hann=False), zeta, rtol=0.02)
+    np.testing.assert_allclose(half_power_readings(4.8, zeta, 60.0, 0.05, hann=False), zeta, rtol=0.02)
 
 
 def test_unknown_sigmas_and_readings_are_drawn_without_them():
     model = figure_data.model(
         damping_sigma=[nan] * 3, half_power=[nan] * 3, half_power_floor=[nan] * 3, frequency_sigma_hz=[nan] * 3
     )
-    figure = damping(modes([model], Truth(figure_data.FREQUENCY, figure_data.DAMPING)))
+    figure = damping_figure(matched_modes([model], TrueModes(figure_data.FREQUENCY, figure_data.DAMPING)))
     assert isinstance(figure, Figure)
     assert not figure.axes[0].patches
 
 
 def test_the_same_figure_twice_is_the_same_file(content):
-    from modallab.reporting.figures.svg import panels
+    from modallab.reporting.figures.svg import svg_panels
 
-    made = [panels(all_points(content.outcomes[0].verification), "a", "alt", 3) for _ in range(2)]
+    made = [svg_panels(mobility_panels(content.outcomes[0].verification), "a", "alt", 3) for _ in range(2)]
     assert made[0] == made[1]
 
 
@@ -255,6 +255,6 @@ def test_no_warning_even_for_zeros(content):
     frac[3] = nan
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        figure = all_points(replace(check, measured=replace(check.measured, values=dead), frac=frac))
+        figure = mobility_panels(replace(check, measured=replace(check.measured, values=dead), frac=frac))
         figure.canvas.draw()
     assert figure.axes[3].get_title(loc="left") == "Point 4 · FRAC unknown"

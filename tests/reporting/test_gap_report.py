@@ -13,10 +13,10 @@ from modallab.core.effects import Effect
 from modallab.core.places import AlongBeam
 from modallab.core.rig import Rig
 from modallab.gap.words.effects import place_of
-from modallab.gap.words.verdicts import sentence
-from modallab.reporting.bars import Bar, bars
+from modallab.gap.words.verdicts import verdict_sentence
+from modallab.reporting.bars import Bar, scaled_bars
 from modallab.reporting.figures.gap_curves import gap_curves
-from modallab.reporting.gap_page import typeset
+from modallab.reporting.gap_page import typeset_sentence
 from modallab.reporting.gap_report import render
 
 MASS = Effect(effect="added_mass", parameters={"mass": 0.049321648}, place={"x": 0.8})
@@ -92,8 +92,8 @@ def test_channels_have_names(rig: Rig) -> None:
     found = made_diagnosis(rig, SWAP)
     names = [c.name for c in rig.channels]
     assert place_of(found.effects[0], names) == (f"on {names[3]} and {names[7]}", "")
-    assert f"on {names[3]} and {names[7]}" in sentence(found, names)
-    assert "on channels 3 and 7" in sentence(found)
+    assert f"on {names[3]} and {names[7]}" in verdict_sentence(found, names)
+    assert "on channels 3 and 7" in verdict_sentence(found)
 
 
 def test_an_answer_has_one_probability(page: str) -> None:
@@ -112,11 +112,14 @@ def test_the_gap_stands_in_noise_units_and_in_percent(page: str) -> None:
 
 
 def test_percent_and_minus_are_set_alike() -> None:
-    assert typeset("a02 reads -1.8% low, 50-120 Hz").replace("\u00a0", " ") == "a02 reads \u22121.8 % low, 50-120 Hz"
+    assert (
+        typeset_sentence("a02 reads -1.8% low, 50-120 Hz").replace("\u00a0", " ")
+        == "a02 reads \u22121.8 % low, 50-120 Hz"
+    )
 
 
 def test_bars_begin_at_zero_to_either_side() -> None:
-    drawn = str(bars([Bar("up", 0.75, "75 %", "ink"), Bar("down", -0.25, "-25 %", "ink")], "both"))
+    drawn = str(scaled_bars([Bar("up", 0.75, "75 %", "ink"), Bar("down", -0.25, "-25 %", "ink")], "both"))
     assert re.findall(r"left:([\d.]+)%;width:([\d.]+)%", drawn) == [("25.00", "75.00"), ("0.00", "25.00")]
 
 

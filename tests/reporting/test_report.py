@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from page_reader import Page
 
-from modallab.core.digits import alike, relative, with_sigma
+from modallab.core.digits import relative_difference, to_places_of_sigma, with_sigma
 from modallab.core.errors import StorageError
-from modallab.reporting.content import Hit, Outcome, ReportContent
-from modallab.reporting.figures.style import grid
-from modallab.reporting.figures.svg import panels
+from modallab.reporting.content import ReportContent, ReportedHit, TestOutcome
+from modallab.reporting.figures.style import panel_grid
+from modallab.reporting.figures.svg import svg_panels
 from modallab.reporting.report import render, write_report
 
 EVIL = "</title><script>alert(1)</script>\"'&$x^2$"
@@ -76,9 +76,9 @@ def test_the_table_holds_the_numbers_of_the_models(content, parsed):
         assert row[2] == with_sigma(model.frequency_hz[mode], model.frequency_sigma_hz[mode])
         assert row[3] == with_sigma(100 * model.damping_ratio[mode], 100 * model.damping_sigma[mode])
         assert float(row[4]) == pytest.approx(100 * model.half_power[mode], rel=5e-3)
-        assert row[5].startswith(alike(figure_data.FREQUENCY[mode], model.frequency_sigma_hz[mode]))
-        assert row[6].startswith(alike(100 * figure_data.DAMPING[mode], 100 * model.damping_sigma[mode]))
-        assert relative(model.damping_ratio[mode], figure_data.DAMPING[mode]) in row[6]
+        assert row[5].startswith(to_places_of_sigma(figure_data.FREQUENCY[mode], model.frequency_sigma_hz[mode]))
+        assert row[6].startswith(to_places_of_sigma(100 * figure_data.DAMPING[mode], 100 * model.damping_sigma[mode]))
+        assert relative_difference(model.damping_ratio[mode], figure_data.DAMPING[mode]) in row[6]
 
 
 def test_the_summary_is_one_sentence_with_the_modes_and_the_verdict(parsed):
@@ -189,7 +189,7 @@ def test_names_from_files_are_text_and_nothing_else(slim):
     channels = [c.model_copy(update={"serial": EVIL}) for c in rig.channels]
     campaign = replace(slim.campaign, rig=rig.model_copy(update={"channels": tuple(channels)}), source=EVIL)
     impact = slim.outcomes[0]
-    hit = Hit(EVIL, 6, impact.example.force, 2000.0, False, EVIL)
+    hit = ReportedHit(EVIL, 6, impact.example.force, 2000.0, False, EVIL)
     block = replace(impact.example.block, name=EVIL)
     model = impact.model.model_copy(update={"notes": (EVIL,)})
     outcome = replace(impact, model=model, hits=(hit,), example=replace(impact.example, block=block))
@@ -242,7 +242,7 @@ def test_one_sensor_at_no_place_and_no_sine_test(content):
         }
     )
     check = outcome.verification
-    lone = Outcome(
+    lone = TestOutcome(
         "impact",
         model,
         _first(outcome.frf),
@@ -286,7 +286,7 @@ def test_nothing_but_a_rig_still_makes_a_page(content):
 
 
 def test_a_failed_identification_is_reported_with_its_reason(content):
-    failed = Outcome("impact", missing="The impact test could not be identified: the force channel is dead.")
+    failed = TestOutcome("impact", missing="The impact test could not be identified: the force channel is dead.")
     parsed = Page(render(replace(content, outcomes=(failed,))))
     assert "the force channel is dead" in parsed.sections["absent"]
     assert "There are no time signals to draw for the impact test." in parsed.sections["absent"]
@@ -336,7 +336,7 @@ def test_long_facts_are_folded_away_whole(slim):
 def test_the_page_is_small_quick_and_the_same_again(page, content):
     assert len(page.encode()) < 1.5e6
     start = time.process_time()
-    panels(grid(10, 2)[0], "bare", "ten empty panels", 2)
+    svg_panels(panel_grid(10, 2)[0], "bare", "ten empty panels", 2)
     bare_s = time.process_time() - start
     again = render(content)
     assert time.process_time() - start - bare_s < 15 * bare_s, "it takes longer than its pictures need"

@@ -29,7 +29,7 @@ def reading(content: ReportContent, name: str, shift: float = 0.0, *, off: bool 
 @pytest.fixture
 def page(content: ReportContent) -> Page:
     found = (reading(content, "left"), reading(content, "middle"), reading(content, "right", -0.0012, off=True))
-    return Page(str(setups.section(replace(content, setups=found)).render()))
+    return Page(str(setups.setups_section(replace(content, setups=found)).render()))
 
 
 def test_every_set_up_stands_below_the_joined_value_of_each_mode(page: Page, content: ReportContent) -> None:
@@ -47,8 +47,8 @@ def test_the_set_up_that_is_off_is_named_with_its_modes(page: Page) -> None:
 
 def test_of_two_none_is_blamed(content: ReportContent) -> None:
     two = (reading(content, "left"), reading(content, "right", 0.001, off=True))
-    assert "cannot be said which one is off" in setups.section(replace(content, setups=two)).render()
+    assert "cannot be said which one is off" in setups.setups_section(replace(content, setups=two)).render()
 
 
 def test_one_set_up_needs_no_table(content: ReportContent) -> None:
-    assert setups.section(content).body is None
+    assert setups.setups_section(content).body is None

@@ -12,11 +12,11 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.diagnosis import Explained, explained_by_model
 from modallab.gap.words.effects import numbers_of
-from modallab.reporting.figures.structure_curves import worst
-from modallab.reporting.figures.structure_picture import Marked, structure_picture
-from modallab.reporting.figures.wireframe import projection
+from modallab.reporting.figures.structure_curves import worst_outputs
+from modallab.reporting.figures.structure_picture import MarkedPlaces, structure_picture
+from modallab.reporting.figures.wireframe import drawing_projection
 from modallab.reporting.structure_report import StructureGap, render
-from modallab.verification.verify import synthesised
+from modallab.verification.verify import synthesised_frf
 
 AT = (0.31, 0.17, 0.0)
 
@@ -35,7 +35,7 @@ def gap(bench: ModalModel) -> StructureGap:
 def heavy() -> StructureGap:
     bench = with_mass(0.06, AT[0], AT[1])
     hz = np.linspace(6.0, 80.0, 200)
-    return replace(gap(bench), records=synthesised(bench, hz, "mobility"), beside=("Other tests: sine.",))
+    return replace(gap(bench), records=synthesised_frf(bench, hz, "mobility"), beside=("Other tests: sine.",))
 
 
 def read(page: str) -> str:
@@ -82,19 +82,19 @@ def test_a_gap_that_is_none_marks_no_place() -> None:
 def test_a_wrong_gain_is_marked_where_its_sensor_stands() -> None:
     found = gap(model(OMEGA, shapes(X, Y), (1.0, 0.8, 1.0)))
     assert "a2: gain error" in render(found)
-    output, _ = worst(found.explained)[0]
+    output, _ = worst_outputs(found.explained)[0]
     assert found.explained.free.of.model.outputs[output] == "a2"
 
 
 def test_the_mark_stands_where_the_projection_puts_the_place() -> None:
     """Half way between two points in space it is half way between them on the drawing."""
-    drawn = str(structure_picture(netted(), Marked(np.array([[(X[0] + X[4]) / 2, Y[0], 0.0]]), label="here")))
+    drawn = str(structure_picture(netted(), MarkedPlaces(np.array([[(X[0] + X[4]) / 2, Y[0], 0.0]]), label="here")))
     found = re.findall(r'cx="([^"]*)" cy="([^"]*)" r="([^"]*)"', drawn)
     circles = [(float(x), float(y), float(r)) for x, y, r in found]
     points = [c for c in circles if c[2] == 3.5]
     (mark,) = [c for c in circles if c[2] == 11.0]
     np.testing.assert_allclose(mark[:2], (np.array(points[0][:2]) + points[4][:2]) / 2, atol=0.1)
-    across = np.array([X[4] - X[0], 0.0, 0.0]) @ projection()
+    across = np.array([X[4] - X[0], 0.0, 0.0]) @ drawing_projection()
     step = np.array(points[4][:2]) - points[0][:2]
     np.testing.assert_allclose(step / np.linalg.norm(step), across / np.linalg.norm(across), atol=0.02)
 

@@ -5,7 +5,7 @@ import figure_data
 import numpy as np
 from rich.console import Console
 
-from modallab.reporting.content import Truth
+from modallab.reporting.content import TrueModes
 from modallab.reporting.table import modal_table
 
 
@@ -19,7 +19,7 @@ def printed(*arguments, encoding: str = "utf-8") -> str:
 
 def test_the_table_says_what_the_models_say_and_fits_into_80_columns():
     models = [figure_data.model(), figure_data.model("sine", 4, 4)]
-    text = printed(models, Truth(figure_data.FREQUENCY, figure_data.DAMPING))
+    text = printed(models, TrueModes(figure_data.FREQUENCY, figure_data.DAMPING))
     assert all(len(line) <= 80 for line in text.splitlines())
     assert "…" not in text
     rows = [line.split() for line in text.splitlines() if line.split() and line.split()[0].isdigit()]
@@ -54,14 +54,14 @@ def test_seven_sharp_modes_fit_into_80_columns():
         half_power=np.full(n, 0.06943),
         half_power_floor=np.full(n, 0.06),
     )
-    text = printed([sharp], Truth(sharp.frequency_hz, sharp.damping_ratio), [np.full(n, 0.98)])
+    text = printed([sharp], TrueModes(sharp.frequency_hz, sharp.damping_ratio), [np.full(n, 0.98)])
     assert "612.768053(3)" in text
     assert "…" not in text
 
 
 def test_confidence_has_its_column_where_it_is_known_and_is_not_rounded_up_to_certainty():
     models = [figure_data.model(), figure_data.model("sine", 4, 4)]
-    text = printed(models, Truth(figure_data.FREQUENCY, figure_data.DAMPING), [np.array([0.999, 0.5, 0.0]), None])
+    text = printed(models, TrueModes(figure_data.FREQUENCY, figure_data.DAMPING), [np.array([0.999, 0.5, 0.0]), None])
     assert all(len(line) <= 80 for line in text.splitlines())
     rows = [line.split() for line in text.splitlines() if line.split() and line.split()[0].isdigit()]
     assert [r[-1] for r in rows] == ["0.99", "-", "0.50", "-", "0.00", "-"]

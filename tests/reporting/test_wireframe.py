@@ -8,14 +8,14 @@ from chain import BARE
 
 from modallab.formats.frf_file import bare_rig
 from modallab.modification.skeleton import motion_without_scale
-from modallab.reporting.figures.wireframe import MovingShape, shapes_of_model, wireframes
+from modallab.reporting.figures.wireframe import MovingShape, moving_wireframes, shapes_of_model
 
 CORNERS = {1: (0.0, 0.0, 0.0), 2: (1.0, 0.0, 0.0), 3: (1.0, 1.0, 0.0), 7: (0.0, 1.0, 0.0)}
 BENDING = MovingShape("Mode 1", 12.0, np.array([[0, 0, 0], [0, 0, 1], [0, 0, 1], [0, 0, 0]], complex))
 
 
 def test_faces_are_shaded_and_move_with_their_points() -> None:
-    drawn = str(wireframes(CORNERS, ((1, 2),), [BENDING], ((1, 2, 3, 7), (1, 2, 99))))
+    drawn = str(moving_wireframes(CORNERS, ((1, 2),), [BENDING], ((1, 2, 3, 7), (1, 2, 99))))
     (faces,) = re.findall(r'data-faces="([^"]*)"', drawn)
     assert json.loads(faces) == [[0, 1, 2, 3]]
     (path,) = re.findall(r'class="faces" d="M([^"]*)Z"', drawn)
@@ -27,7 +27,7 @@ def test_faces_are_shaded_and_move_with_their_points() -> None:
 
 
 def test_without_faces_nothing_is_shaded() -> None:
-    assert 'class="faces" d=""' in str(wireframes(CORNERS, ((1, 2),), [BENDING]))
+    assert 'class="faces" d=""' in str(moving_wireframes(CORNERS, ((1, 2),), [BENDING]))
 
 
 def test_a_sensor_across_the_drive_that_reads_against_its_axis_moves_the_other_way() -> None:

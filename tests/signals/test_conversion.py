@@ -7,7 +7,7 @@ from modallab.bench.protocol import Delivery
 from modallab.core.errors import DataError, RigError
 from modallab.core.rig import Channel, Converter, Rig
 from modallab.core.units import Test
-from modallab.signals.conversion import Conversion, peaks
+from modallab.signals.conversion import Conversion, largest_magnitudes
 
 
 def rig(**response: object) -> Rig:
@@ -52,7 +52,7 @@ def test_a_channels_own_range_counts_before_the_converters() -> None:
 
 
 def test_the_most_negative_count_has_its_magnitude() -> None:
-    assert peaks(np.array([[-32768, 5]], dtype=np.int16)).tolist() == [32768.0]
+    assert largest_magnitudes(np.array([[-32768, 5]], dtype=np.int16)).tolist() == [32768.0]
 
 
 def test_a_missing_sensitivity_and_a_wrong_unit_name_the_channel() -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Channel, Point, Rig
-from modallab.pipelines.sound import sound
+from modallab.pipelines.sound import undamaged_records
 from modallab.signals.faults.fault import Fault
 from modallab.signals.faults.found import faults_of
 
@@ -160,8 +160,8 @@ def test_a_spoilt_record_is_left_out_by_name_and_none_left_is_an_error() -> None
     good, bad = record("hit", 1), record("hit", 2)
     bad[0] = np.minimum(bad[0], 0.6 * bad[0].max())
     campaign = Campaign(RIG, (block(good, "good"), block(bad, "bad")), source="a.h5")
-    kept, notes = sound(campaign, campaign.blocks, "force")
+    kept, notes = undamaged_records(campaign, campaign.blocks, "force")
     assert [b.name for b in kept] == ["good"]
     assert "faults in their samples: bad, channel force: flat tops at" in notes[0]
     with pytest.raises(DataError, match="every record has a fault in its samples: bad, channel force: flat tops"):
-        sound(campaign, campaign.blocks[1:], "force")
+        undamaged_records(campaign, campaign.blocks[1:], "force")

@@ -9,7 +9,7 @@ import pytest
 from test_twin_agrees import LINES, RIG, SEED, measured, predicted, size, sound, sound_twin
 
 from modallab.core.effects import Effect
-from modallab.twin.nonlinear.element import Element, Law
+from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
 from modallab_simulators.cantilever.cracked import HALF_WIDTH
 from modallab_simulators.cantilever.trial import Operator
 
@@ -24,7 +24,7 @@ def test_the_gap_a_crack_opens_closes(share: float):
     crack = Effect(effect="breathing_crack", parameters={"EI_loss_open": share}, place={"x": X})
     intact = sound_twin()
     length = intact.structure.length_m
-    twin = replace(intact, element=Element(Law.CRACK, X * length, (share, HALF_WIDTH * length, 1.0)))
+    twin = replace(intact, element=NonlinearElement(NonlinearLaw.CRACK, X * length, (share, HALF_WIDTH * length, 1.0)))
     blocks = Operator(RIG, SEED, (crack,)).sines(LINES)
     for (y, expected), block in zip(sound("sine"), blocks, strict=False):
         found = measured(block) - (y - expected)

@@ -13,7 +13,7 @@ import modallab.twin.effects as twin
 import modallab_simulators.cantilever.effects as bench
 from modallab.core.rig import Beam
 from modallab.gap.report.inspected import INSPECTIONS
-from modallab.twin.effect_model import EffectModel, NoChange, Search
+from modallab.twin.effect_model import EffectModel, EffectSearch, NoChange
 from modallab_simulators.cantilever.effect_part import EffectPart
 
 BEAM = Beam(length_m=1.0, width_m=0.05, thickness_m=0.006, youngs_modulus_pa=2e11, density_kg_m3=7850.0)
@@ -63,7 +63,9 @@ def _of_model(name: str, model: EffectModel) -> list[str]:
         is not (model.search is None),
         "is predicted by no force: add an inspection to gap/report/inspected.py": inspected and name not in INSPECTIONS,
         "has an inspection in gap/report/inspected.py and a change of the twin": not inspected and name in INSPECTIONS,
-        "names rivals that are no effects": any(r.effect and r.effect not in twin.models() for r in model.rivals),
+        "names rivals that are no effects": any(
+            r.effect and r.effect not in twin.effect_models() for r in model.rivals
+        ),
         "has a rival without an experiment or a plan": any(not (r.experiment or r.plan) for r in model.rivals),
     }
     found = [f"{TWIN}/{name}.py {what}" for what, there in problems.items() if there]
@@ -75,7 +77,7 @@ def _of_model(name: str, model: EffectModel) -> list[str]:
     return found + (_of_search(name, model, model.search) if model.search is not None else [])
 
 
-def _of_search(name: str, model: EffectModel, search: Search) -> list[str]:
+def _of_search(name: str, model: EffectModel, search: EffectSearch) -> list[str]:
     slots = {s.name: s for s in search.slots(BEAM)}
     parameters = {p.name: p for p in model.kind.parameters}
     expected = {*parameters, *(["x"] if model.kind.place == "x" else [])}
@@ -156,7 +158,7 @@ def _lacking_alone() -> list[str]:
     assert isinstance(model, EffectModel)
     if model.kind.name != NAME:
         with pytest.raises(Exception, match="give the module the name of its effect"):
-            twin.models()
+            twin.effect_models()
         return [f"{TWIN}/{NAME}.py calls its effect {model.kind.name!r}: give file and effect one name"]
     return found + lacking(NAME)
 

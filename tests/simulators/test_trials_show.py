@@ -8,14 +8,14 @@ from modallab.core.effects import Effect
 from modallab.core.places import OneChannel
 from modallab.core.rig import Rig, Tolerance
 from modallab.formats.rig.rig_file import parse_rig
-from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.conditioning.reduce import reduce, thinned
+from modallab.gap.conditioning.prepare import prepare_campaign
+from modallab.gap.conditioning.reduce import reduce_blocks, thin_lines
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.report.initial_gap import free_of, weights_of
-from modallab.gap.report.inspected import inspected
-from modallab.gap.report.measure import squares
+from modallab.gap.report.inspected import inspect_effects
+from modallab.gap.report.measure import squared_residuals
 from modallab.gap.search.fitting import Bench
 from modallab_simulators.cantilever.trial import HITS, LAST_ORDER, LEVELS_N, make_trial
 
@@ -28,10 +28,10 @@ def link() -> Rig:
 
 def fitted(rig: Rig, seed: int, *effects: Effect):
     campaign, _ = make_trial(rig, seed, effects)
-    prepared = prepare(campaign)
-    data = reduce(campaign, prepared.blocks, weights_of(prepared))
+    prepared = prepare_campaign(campaign)
+    data = reduce_blocks(campaign, prepared.blocks, weights_of(prepared))
     free = nuisances(campaign.rig, 450.0)
-    bench = Bench(data, thinned(data, prepared.poles), free, prepared.poles, lambda _: True)
+    bench = Bench(data, thin_lines(data, prepared.poles), free, prepared.poles, lambda _: True)
     return prepared, baseline(bench)
 
 
@@ -42,7 +42,7 @@ AGAIN = pytest.mark.thorough("fits whole trials")
 def test_a_trial_without_effects_is_at_the_floor(link: Rig):
     prepared, fit = fitted(link, 11)
     assert 0.9 < fit.gap < 1.08
-    assert not inspected(prepared, fit.problem.twin(fit.u))
+    assert not inspect_effects(prepared, fit.problem.twin(fit.u))
     assert not prepared.masked
 
 
@@ -77,7 +77,7 @@ ALWAYS = ("residual_ringing",)
 )
 def test_what_no_force_predicts_is_seen_in_a_trial(link: Rig, effect: Effect, number: str, tolerance: float):
     prepared, fit = fitted(link, 21, effect)
-    found = inspected(prepared, fit.problem.twin(fit.u))
+    found = inspect_effects(prepared, fit.problem.twin(fit.u))
     assert [f.effect for f in found] == [effect.effect]
     assert found[0].parameters[number] == pytest.approx(effect.parameters[number], rel=tolerance)
     if isinstance(effect.place, OneChannel):
@@ -90,12 +90,12 @@ def test_what_a_shaking_floor_adds_is_as_large_as_stated_in_both_tests(link: Rig
     shaking = Effect(effect="floor_vibration", parameters={"rms_acc": rms_acc}, place={"where": "base"})
     as_built = link.model_copy(update={"tolerance": Tolerance.usual()})
     campaign, _ = make_trial(as_built, 31, (shaking,), "usual")
-    prepared = prepare(campaign)
+    prepared = prepare_campaign(campaign)
     # Below the resonances it rises as it falls: it is no noise of the converter that rises to low frequencies.
     assert prepared.rising_v2 < 1e-6
-    data = reduce(prepared.campaign, prepared.blocks, weights_of(prepared))
-    bench = Bench(data, thinned(data, prepared.poles), free_of(prepared.campaign), prepared.poles, lambda _: True)
-    left = squares(twin_of(baseline(bench), data), data)
+    data = reduce_blocks(prepared.campaign, prepared.blocks, weights_of(prepared))
+    bench = Bench(data, thin_lines(data, prepared.poles), free_of(prepared.campaign), prepared.poles, lambda _: True)
+    left = squared_residuals(twin_of(baseline(bench), data), data)
     by_test = left.by(left.tests)
     assert 0.9 < by_test["sine"] < 1.15
     # Resonances are as wide as a line: what they add to hits at one point is seldom its mean.

@@ -19,8 +19,8 @@ from modallab.gap.model.predicted_records import predict_record
 from modallab.signals.signals import to_signals
 from modallab.twin.bench import Twin
 from modallab.twin.effect_model import NoChange
-from modallab.twin.effects import apply, models
-from modallab.twin.structure import MODES, Structure
+from modallab.twin.effects import apply_effect, effect_models
+from modallab.twin.structure import MODES, TwinStructure
 from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.trial import LAST_ORDER, Operator, rigidly_clamped
 
@@ -94,7 +94,7 @@ def sound_twin() -> Twin:
             "density_kg_m3": true.density_kg_m3,
         }
     )
-    return Twin(replace(Structure.of(beam, 0.01), zeta=draw_damping(SEED, MODES, ())))
+    return Twin(replace(TwinStructure.of(beam, 0.01), zeta=draw_damping(SEED, MODES, ())))
 
 
 def records(test: Test, effects: tuple[Effect, ...]) -> list[Block]:
@@ -128,7 +128,7 @@ def size(y: np.ndarray) -> float:
 
 
 def test_every_effect_the_twin_predicts_is_held_here():
-    predicted = {name for name, model in models().items() if not isinstance(model.change, NoChange)}
+    predicted = {name for name, model in effect_models().items() if not isinstance(model.change, NoChange)}
     # What is stepped in time is held to closed forms in tests/twin/test_nonlinear.py.
     assert {e.effect for e in EFFECTS} == {name for name in predicted if catalogue()[name].linear}
 
@@ -143,7 +143,7 @@ def test_a_sound_bench_is_predicted(test: Test, tolerance: float):
 @pytest.mark.parametrize("test", ["impact", "sine"])
 @pytest.mark.parametrize("one", EFFECTS, ids=lambda e: e.effect)
 def test_the_gap_an_effect_opens_closes(one: Effect, test: Test):
-    twin = apply(sound_twin(), one, RIG)
+    twin = apply_effect(sound_twin(), one, RIG)
     gaps: list[float] = []
     for block, (y, expected) in zip(records(test, (one,)), sound(test), strict=True):
         # What is off on a sound bench already is none of the effect's.
@@ -157,7 +157,7 @@ def test_the_gap_an_effect_opens_closes(one: Effect, test: Test):
 @pytest.mark.parametrize("test", ["impact", "sine"])
 @pytest.mark.parametrize("one", LEARNED, ids=lambda e: f"{e.effect}_{min(e.parameters)}")
 def test_the_bench_carries_what_was_learned_as_the_twin_does(one: Effect, test: Test):
-    twin = apply(sound_twin(), one, RIG)
+    twin = apply_effect(sound_twin(), one, RIG)
     for block, (y, expected) in zip(records(test, (one,)), sound(test), strict=True):
         found = measured(block) - (y - expected)
         gap = size(found - predicted(sound_twin(), block))

@@ -18,8 +18,8 @@ from modallab.jobs import Jobs
 from modallab.jobs.leases import Leases
 from modallab.jobs.table import METADATA as JOBS_METADATA
 from modallab.storage import BlockNote, Recorder, Store
-from modallab.storage.backup import back_up, restore
-from modallab.storage.retention import Rule, find_removable, remove
+from modallab.storage.backup import back_up, restore_backup
+from modallab.storage.retention import RetentionRule, find_removable, remove_samples
 from modallab.storage.tables import BLOCKS, RUNS
 
 
@@ -62,7 +62,7 @@ def test_a_backup_is_restored_to_a_server_and_both_count_on(store: Store, tmp_pa
     job = Jobs(store.catalogue.engine).submit("identify", {}, [run])
     back_up(store, tmp_path / "backup", [JOBS_METADATA])
     url = postgresql.new_database()
-    restore(tmp_path / "backup", tmp_path / "new", url, [JOBS_METADATA])
+    restore_backup(tmp_path / "backup", tmp_path / "new", url, [JOBS_METADATA])
     with Store(tmp_path / "new") as new:
         assert new.catalogue.engine.dialect.name == "postgresql"
         assert [block.name for block in new.blocks(run)] == ["b0", "b1", "b2"]
@@ -73,7 +73,7 @@ def test_a_backup_is_restored_to_a_server_and_both_count_on(store: Store, tmp_pa
         assert len(jobs.list().jobs) == 2
         _record(new, 30)
     with pytest.raises(StorageError, match="has runs already"):
-        restore(tmp_path / "backup", tmp_path / "other", url, [JOBS_METADATA])
+        restore_backup(tmp_path / "backup", tmp_path / "other", url, [JOBS_METADATA])
 
 
 def test_a_backup_while_a_run_is_recorded_is_of_one_moment(any_store: Store, tmp_path: Path) -> None:
@@ -122,7 +122,7 @@ def _check_backup(store: Store, run: str, out: Path, kept: list[int]) -> int:
 
 def restore_to(backup: Path) -> Path:
     out = backup.with_name(backup.name + "-restored")
-    restore(backup, out)
+    restore_backup(backup, out)
     return out
 
 
@@ -139,7 +139,7 @@ def test_a_backup_is_never_written_over_anything(store: Store, tmp_path: Path, m
     with pytest.raises(StorageError, match="not empty"):
         back_up(store, store.folder)
     with pytest.raises(StorageError, match="is no data folder"):
-        restore(tmp_path / "nothing", tmp_path / "out")
+        restore_backup(tmp_path / "nothing", tmp_path / "out")
     usage = shutil.disk_usage(tmp_path)
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=10))
     with pytest.raises(DiskFullError, match="are needed"):
@@ -151,15 +151,15 @@ def test_retention_takes_invalid_runs_only_unless_it_is_asked_to(store: Store) -
     with begin(store) as active:
         active.record(noise(1), BlockNote("b", "impact", 0))
         rules = {
-            "default": Rule(),
-            "failed too": Rule(also_valid=True),
-            "all that ended": Rule(states=("done", "failed", "aborted"), also_valid=True),
-            "valid, not asked for": Rule(states=("done",)),
-            "old": Rule(older_than=timedelta(days=1), states=("done", "aborted"), also_valid=True),
+            "default": RetentionRule(),
+            "failed too": RetentionRule(also_valid=True),
+            "all that ended": RetentionRule(states=("done", "failed", "aborted"), also_valid=True),
+            "valid, not asked for": RetentionRule(states=("done",)),
+            "old": RetentionRule(older_than=timedelta(days=1), states=("done", "aborted"), also_valid=True),
         }
         found = {name: {item.run.id for item in find_removable(store, rule)} for name, rule in rules.items()}
         with pytest.raises(StorageError, match="acquiring still go on"):
-            find_removable(store, Rule(states=("acquiring",)))
+            find_removable(store, RetentionRule(states=("acquiring",)))
     assert found == {
         "default": {aborted},
         "failed too": {aborted, failed},
@@ -173,10 +173,10 @@ def test_retention_takes_invalid_runs_only_unless_it_is_asked_to(store: Store) -
 
 def test_what_retention_deleted_is_remembered(any_store: Store, tmp_path: Path) -> None:
     good, aborted = _record(any_store, 1), _record(any_store, 2, "aborted", valid=False)
-    found = find_removable(any_store, Rule())
-    freed = remove(any_store, found, "older than 90 days")
+    found = find_removable(any_store, RetentionRule())
+    freed = remove_samples(any_store, found, "older than 90 days")
     assert freed == found[0].size > 0
-    assert find_removable(any_store, Rule()) == ()
+    assert find_removable(any_store, RetentionRule()) == ()
     assert len(any_store.blocks(good)) == 3
     assert len(any_store.catalogue.blocks(aborted)) == 3
     with pytest.raises(StorageError, match=r"were deleted .*older than 90 days"):

@@ -14,7 +14,7 @@ from modallab.core.lease import Lease
 from modallab.storage import BlockNote, Store
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import file_system, require_local, require_space
-from modallab.storage.seal import lookup3, seal
+from modallab.storage.seal import lookup3_checksum, seal_file
 
 
 def recorded(store: Store, count: int = 3) -> tuple[str, Path]:
@@ -221,12 +221,12 @@ def test_a_killed_runs_file_that_is_also_cut_off_is_reported(store: Store, kept:
 
 def test_the_checksum_of_hdf5_is_jenkins_own() -> None:
     # The value its author published.
-    assert lookup3(b"Four score and seven years ago") == 0x17770551
+    assert lookup3_checksum(b"Four score and seven years ago") == 0x17770551
 
 
 def test_what_is_no_killed_hdf5_file_is_not_touched(tmp_path: Path) -> None:
     path = tmp_path / "other.h5"
     path.write_bytes(b"\x89HDF\r\n\x1a\n\x03" + bytes(100))
     before = path.read_bytes()
-    assert not seal(path)
+    assert not seal_file(path)
     assert path.read_bytes() == before

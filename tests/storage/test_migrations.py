@@ -12,7 +12,7 @@ from modallab.core.errors import FormatError
 from modallab.core.versions import STORE
 from modallab.storage import BlockNote, Store, campaign_of
 from modallab.storage.engine import open_engine
-from modallab.storage.migrate import STEPS, migrate
+from modallab.storage.migrate import STEPS, migrate_tables
 
 OLD = Path(__file__).parents[1] / "data" / "store_v1"
 TABLES = {"store", "runs", "blocks"}
@@ -74,7 +74,7 @@ def test_a_step_that_fails_leaves_the_folder_as_it_was(old: Path) -> None:
 
     engine = open_engine(f"sqlite:///{(old / 'modallab.db').as_posix()}")
     with pytest.raises(RuntimeError), engine.begin() as connection:
-        migrate(connection, "here", {2: half})
+        migrate_tables(connection, "here", {2: half})
     assert set(inspect(engine).get_table_names()) == TABLES
     assert _version(engine) == 1
     engine.dispose()
@@ -87,9 +87,9 @@ def test_steps_are_taken_in_order_from_where_the_folder_stands(old: Path) -> Non
     steps = {n: lambda _, n=n: taken.append(n) for n in (2, 3, 4)}
     engine = open_engine(f"sqlite:///{(old / 'modallab.db').as_posix()}")
     with engine.begin() as connection:
-        migrate(connection, "here", steps, 3)
+        migrate_tables(connection, "here", steps, 3)
     with engine.begin() as connection:
-        migrate(connection, "here", steps, 4)
+        migrate_tables(connection, "here", steps, 4)
     assert taken == [2, 3, 4]
     assert _version(engine) == 4
     engine.dispose()

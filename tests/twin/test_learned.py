@@ -5,14 +5,14 @@ import pytest
 from twin_campaign import bench, link
 
 from modallab.core.effects import Effect
-from modallab.twin.effects import apply
-from modallab.twin.modes import solve
+from modallab.twin.effects import apply_effect
+from modallab.twin.modes import solve_modes
 
 RIG = link()
 
 
 def hz(*effects: Effect) -> np.ndarray:
-    return solve(bench(RIG, effects).structure).frequency_hz
+    return solve_modes(bench(RIG, effects).structure).frequency_hz
 
 
 def test_a_mass_on_a_stiff_spring_is_a_mass_on_the_beam() -> None:
@@ -45,6 +45,6 @@ def test_an_even_bedding_adds_the_same_square_to_every_frequency() -> None:
 def test_an_operator_on_one_row_leaves_the_others() -> None:
     twin = bench(RIG, ())
     law = Effect(effect="row_filter", parameters={"gain": 0.5, "low_pass_hz": 80.0}, place={"channel": 4})
-    chain = apply(twin, law, RIG).chain
+    chain = apply_effect(twin, law, RIG).chain
     assert chain.gain == {4: 0.5}
     assert chain.low_pass_hz == ((4, 80.0),)

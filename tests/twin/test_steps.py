@@ -6,44 +6,46 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from modallab.twin.modes import solve
+from modallab.twin.modes import solve_modes
 from modallab.twin.nonlinear import records
-from modallab.twin.nonlinear.element import Element, Law, coupling
-from modallab.twin.nonlinear.in_band import Fine
+from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw, couple_to_modes
+from modallab.twin.nonlinear.in_band import FineSteps
 from modallab.twin.nonlinear.sampling import rising_sine
-from modallab.twin.nonlinear.steps import Steps
-from modallab.twin.structure import Structure
+from modallab.twin.nonlinear.steps import ModalSteps
+from modallab.twin.structure import TwinStructure
 
-BEAM = Structure(0.9, 0.05, 0.006, 2.05e11, 7850.0, np.full(15, 0.006))
+BEAM = TwinStructure(0.9, 0.05, 0.006, 2.05e11, 7850.0, np.full(15, 0.006))
 UNIT = BEAM.bending_stiffness / BEAM.length_m
 DT, N, SHAKER = 1e-3, 1024, 0.36
-SPRING = Element(Law.CUBIC, 0.63, (1e9,))
-JOINT = Element(Law.FRICTION, 0.0, (12 * UNIT, 0.05, 1.2))
-PLAY = Element(Law.PLAY, 0.0, (12 * UNIT, 1e-4))
-CRACK = Element(Law.CRACK, 0.2, (0.6, 0.036, 0.0))
-DRAG = Element(Law.DRAG, 0.0, (20.0, 5.0))
+SPRING = NonlinearElement(NonlinearLaw.CUBIC, 0.63, (1e9,))
+JOINT = NonlinearElement(NonlinearLaw.FRICTION, 0.0, (12 * UNIT, 0.05, 1.2))
+PLAY = NonlinearElement(NonlinearLaw.PLAY, 0.0, (12 * UNIT, 1e-4))
+CRACK = NonlinearElement(NonlinearLaw.CRACK, 0.2, (0.6, 0.036, 0.0))
+DRAG = NonlinearElement(NonlinearLaw.DRAG, 0.0, (20.0, 5.0))
 
 
-def in_sine(element: Element, hz: float, monkeypatch: pytest.MonkeyPatch | None = None, least: int = 0) -> Fine:
+def in_sine(
+    element: NonlinearElement, hz: float, monkeypatch: pytest.MonkeyPatch | None = None, least: int = 0
+) -> FineSteps:
     if monkeypatch is not None:
-        monkeypatch.setattr(records, "LEAST", dict.fromkeys(Law, least))
+        monkeypatch.setattr(records, "LEAST", dict.fromkeys(NonlinearLaw, least))
         monkeypatch.setattr(records, "MOST", least)
-    structure = replace(BEAM, root_rotation=1 / 8 if element.law in (Law.PLAY, Law.FRICTION) else 0.0)
-    modes = solve(structure)
-    steps = records.ready(modes, coupling(element, structure, modes), DT, SHAKER)
-    return records.in_sine(steps, element.law, 3 + 1j, hz, N, DT, 2.0, 0.5, False)
+    structure = replace(BEAM, root_rotation=1 / 8 if element.law in (NonlinearLaw.PLAY, NonlinearLaw.FRICTION) else 0.0)
+    modes = solve_modes(structure)
+    steps = records.prepared_steps(modes, couple_to_modes(element, structure, modes), DT, SHAKER)
+    return records.added_in_sine(steps, element.law, 3 + 1j, hz, N, DT, 2.0, 0.5, False)
 
 
-def felt(fine: Fine, order: int, hz: float) -> NDArray[np.complex128]:
+def felt(fine: FineSteps, order: int, hz: float) -> NDArray[np.complex128]:
     """What the element adds to the accelerations of the low modes at a multiple of the sine."""
     motion, _ = fine.on_lines(np.round(order * hz * N * DT) + np.arange(-2.0, 3.0))
     kept = len(motion) // 2
-    swing = solve(BEAM).poles[:4, None] ** 2
+    swing = solve_modes(BEAM).poles[:4, None] ** 2
     return swing * (motion[:4] + 1j * motion[kept : kept + 4])
 
 
 @pytest.mark.parametrize("element", [SPRING, JOINT, PLAY, CRACK, DRAG])
-def test_lines_straight_from_the_steps_are_those_of_the_samples(element: Element) -> None:
+def test_lines_straight_from_the_steps_are_those_of_the_samples(element: NonlinearElement) -> None:
     fine = in_sine(element, 23.4)
     lines = np.array([-24.0, 0.0, 23.0, 24.0, 25.0, 72.0])
     motion, force = fine.on_lines(lines)
@@ -54,10 +56,10 @@ def test_lines_straight_from_the_steps_are_those_of_the_samples(element: Element
 
 @pytest.mark.parametrize("element", [SPRING, JOINT, PLAY, CRACK, DRAG])
 @pytest.mark.parametrize("first", [10, 300])
-def test_lines_of_a_hit_are_those_of_its_samples(element: Element, first: int) -> None:
-    modes = solve(BEAM)
-    steps = records.ready(modes, coupling(element, BEAM, modes), DT, SHAKER)
-    fine = records.in_hit(steps, 40 * np.hanning(7), first, N)
+def test_lines_of_a_hit_are_those_of_its_samples(element: NonlinearElement, first: int) -> None:
+    modes = solve_modes(BEAM)
+    steps = records.prepared_steps(modes, couple_to_modes(element, BEAM, modes), DT, SHAKER)
+    fine = records.added_in_hit(steps, 40 * np.hanning(7), first, N)
     many, few = np.arange(1.0, 400.0), np.array([-24.0, 3.0, 24.0])
     modes_sampled, force_sampled = fine.sampled()
     whole = np.fft.fft(np.concatenate([modes_sampled.real, modes_sampled.imag, force_sampled.T]))
@@ -66,17 +68,20 @@ def test_lines_of_a_hit_are_those_of_its_samples(element: Element, first: int) -
         assert found == pytest.approx(whole[:, lines.astype(int)], abs=1e-10 * np.abs(whole).max())
 
 
-@pytest.mark.parametrize("element", [Element(Law.CUBIC, 0.63, (-1e14,)), Element(Law.DRAG, 0.0, (-1e9, 5.0))])
-def test_motion_that_grows_without_bound_has_no_lines(element: Element) -> None:
-    modes = solve(BEAM)
-    steps = records.ready(modes, coupling(element, BEAM, modes), DT, SHAKER)
-    for fine in (records.in_hit(steps, 400 * np.hanning(7), 300, N), in_sine(element, 23.4)):
+@pytest.mark.parametrize(
+    "element",
+    [NonlinearElement(NonlinearLaw.CUBIC, 0.63, (-1e14,)), NonlinearElement(NonlinearLaw.DRAG, 0.0, (-1e9, 5.0))],
+)
+def test_motion_that_grows_without_bound_has_no_lines(element: NonlinearElement) -> None:
+    modes = solve_modes(BEAM)
+    steps = records.prepared_steps(modes, couple_to_modes(element, BEAM, modes), DT, SHAKER)
+    for fine in (records.added_in_hit(steps, 400 * np.hanning(7), 300, N), in_sine(element, 23.4)):
         assert np.all(np.isnan(np.concatenate(fine.on_lines(np.array([23.0, 24.0])))))
 
 
 def test_the_state_that_a_known_force_leaves_is_that_of_all_its_steps() -> None:
-    modes = solve(BEAM)
-    steps = Steps.of(modes, coupling(SPRING, BEAM, modes), DT / 4, SHAKER)
+    modes = solve_modes(BEAM)
+    steps = ModalSteps.of(modes, couple_to_modes(SPRING, BEAM, modes), DT / 4, SHAKER)
     force, state = np.random.default_rng(0).normal(size=1300), np.zeros(steps.kept, dtype=complex)
     for f in force:
         state = steps.decay * state + steps.drive * f
@@ -103,7 +108,7 @@ def test_a_sine_rises_from_rest_to_its_amplitude(cosine: bool) -> None:
     ],
 )
 def test_as_fine_as_they_are_the_steps_agree_with_far_finer_ones(
-    element: Element, hz: float, least: int, off: float, monkeypatch: pytest.MonkeyPatch
+    element: NonlinearElement, hz: float, least: int, off: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     coarse = felt(in_sine(element, hz, monkeypatch, least), 1, hz)
     fine = felt(in_sine(element, hz, monkeypatch, 32), 1, hz)
@@ -113,9 +118,9 @@ def test_as_fine_as_they_are_the_steps_agree_with_far_finer_ones(
 @pytest.mark.parametrize("stiffness", [20.0, 400.0, 5000.0])
 def test_a_stiff_contact_does_not_swing(stiffness: float) -> None:
     structure = replace(BEAM, root_rotation=10.0)
-    modes = solve(structure)
-    own = coupling(Element(Law.PLAY, 0.0, (stiffness * UNIT, 0.0)), structure, modes)
+    modes = solve_modes(structure)
+    own = couple_to_modes(NonlinearElement(NonlinearLaw.PLAY, 0.0, (stiffness * UNIT, 0.0)), structure, modes)
     force = np.zeros(8000)
     force[5:20] = 3.0
-    pushed = Steps.of(modes, own, DT / 4, SHAKER).run(force, 0).forces[0]
+    pushed = ModalSteps.of(modes, own, DT / 4, SHAKER).run(force, 0).forces[0]
     assert np.abs(pushed[4000:]).max() < np.abs(pushed[:2000]).max()

@@ -7,20 +7,20 @@ import pytest
 from scipy.signal import cont2discrete, lfilter
 
 from modallab.core.rig import Beam
-from modallab.twin.bench import Chain, Mount, Twin, transfer
-from modallab.twin.modes import solve
+from modallab.twin.bench import MeasurementChain, Mount, Twin, chain_transfer
+from modallab.twin.modes import solve_modes
 from modallab.twin.predict import predict_hit, predict_sine
 from modallab.twin.response import SineStartUp
-from modallab.twin.structure import Structure
+from modallab.twin.structure import TwinStructure
 
 BEAM = Beam(length_m=1.0, width_m=0.05, thickness_m=0.006, youngs_modulus_pa=2.05e11, density_kg_m3=7850.0)
-TWIN = Twin(Structure.of(BEAM, 0.006))
+TWIN = Twin(TwinStructure.of(BEAM, 0.006))
 CHANNELS, X = (4, 10), np.array([0.4, 1.0])
 
 
 def integrate(twin: Twin, force: np.ndarray, dt: float, drive_x: float) -> np.ndarray:
     """Accelerations by exact steps of each mode between samples, force linear in between."""
-    modes = solve(twin.structure)
+    modes = solve_modes(twin.structure)
     total = np.zeros((len(X), len(force)))
     for p, pole in enumerate(modes.poles):
         omega, zeta = abs(pole), -pole.real / abs(pole)
@@ -79,7 +79,7 @@ def test_a_sine_switched_on_at_once_is_the_limit_of_both_rises() -> None:
 def test_the_twin_with_its_rest_bends_statically_as_the_whole_beam_does() -> None:
     for masses in ((), ((0.7, 0.3),)):
         structure = replace(TWIN.structure, masses=masses, root_rotation=1 / 13)
-        modes, s = solve(structure), structure
+        modes, s = solve_modes(structure), structure
         kept = 2 * np.real((modes.at(X) * modes.at(0.6)[0]) @ (-1 / modes.poles))
         x, a, ei = X, 0.6, s.bending_stiffness
         low, high = np.minimum(x, a), np.maximum(x, a)
@@ -95,7 +95,7 @@ def test_the_rest_adds_to_a_hit_what_the_force_itself_presses() -> None:
     whole, few = (predict_hit(twin, force, 2000.0, 0.6, CHANNELS, X, 0.0) for twin in twins)
     s = 2j * np.pi * np.fft.rfftfreq(512, 1 / 2000)
     pressed = np.fft.irfft(np.fft.rfft(force) * s**2, 512)
-    expected = np.outer(solve(TWIN.structure).remainder(X, 0.6), pressed)
+    expected = np.outer(solve_modes(TWIN.structure).remainder(X, 0.6), pressed)
     assert whole - few == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
 
@@ -116,13 +116,13 @@ def test_a_clock_that_runs_fast_makes_everything_look_slower() -> None:
 
 def test_the_chain_has_the_phases_its_words_promise() -> None:
     s = 2j * np.pi * np.array([10.0])
-    delay = transfer(Chain(delay_s=1e-3), CHANNELS, s)
+    delay = chain_transfer(MeasurementChain(delay_s=1e-3), CHANNELS, s)
     assert np.angle(delay[:, 0]) == pytest.approx([-2 * np.pi * 0.01] * 2)
-    skew = transfer(Chain(skew_s=1e-5), CHANNELS, s)
+    skew = chain_transfer(MeasurementChain(skew_s=1e-5), CHANNELS, s)
     assert np.angle(skew[:, 0]) == pytest.approx([2 * np.pi * 10 * 4e-5, 2 * np.pi * 10 * 1e-4])
-    corner = transfer(Chain(corner_hz=10.0), CHANNELS, s)
+    corner = chain_transfer(MeasurementChain(corner_hz=10.0), CHANNELS, s)
     assert np.abs(corner[0, 0]) == pytest.approx(1 / np.sqrt(2))
-    mount = transfer(Chain(mounts=(Mount(10, 10.0, 0.05),)), CHANNELS, s)
+    mount = chain_transfer(MeasurementChain(mounts=(Mount(10, 10.0, 0.05),)), CHANNELS, s)
     assert np.abs(mount[:, 0]) == pytest.approx([1.0, np.sqrt(1 + 0.1**2) / 0.1])
 
 
@@ -130,8 +130,8 @@ def test_a_swap_exchanges_rows_and_a_turned_sensor_its_sign() -> None:
     force = np.zeros(512)
     force[50:60] = 1.0
     plain = predict_hit(TWIN, force, 2000.0, 0.6, CHANNELS, X, 0.0)
-    swapped = predict_hit(replace(TWIN, chain=Chain(swap=(4, 10))), force, 2000.0, 0.6, CHANNELS, X, 0.0)
-    turned = predict_hit(replace(TWIN, chain=Chain(gain={10: -1.0})), force, 2000.0, 0.6, CHANNELS, X, 0.0)
+    swapped = predict_hit(replace(TWIN, chain=MeasurementChain(swap=(4, 10))), force, 2000.0, 0.6, CHANNELS, X, 0.0)
+    turned = predict_hit(replace(TWIN, chain=MeasurementChain(gain={10: -1.0})), force, 2000.0, 0.6, CHANNELS, X, 0.0)
     assert swapped == pytest.approx(plain[::-1])
     assert turned[1] == pytest.approx(-plain[1])
 

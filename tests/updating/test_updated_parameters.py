@@ -8,7 +8,7 @@ import pytest
 from modallab.core.errors import DataError
 from modallab.formats.fem.matrix_model import MatrixModel
 from modallab.updating.mode_data import ModeData
-from modallab.updating.posterior import update
+from modallab.updating.posterior import update_parameters
 from modallab.updating.prior import Prior
 
 N = 6
@@ -46,7 +46,7 @@ PRIORS = {
 
 
 def test_a_stiffness_that_is_wrong_as_a_whole_is_no_local_spring() -> None:
-    found = update(predict, PRIORS, measured(stiffness=0.97))
+    found = update_parameters(predict, PRIORS, measured(stiffness=0.97))
     assert found.numbers["stiffness"] == pytest.approx(0.97, abs=2e-3)
     assert abs(found.numbers["ground spring"]) < 100
     low, high = found.interval["ground spring"]
@@ -56,18 +56,18 @@ def test_a_stiffness_that_is_wrong_as_a_whole_is_no_local_spring() -> None:
 
 def test_modes_held_out_come_nearer_though_the_estimate_does_not_see_them() -> None:
     data = measured(**{"tip mass": 0.15, "ground spring": 3e3})
-    found = update(predict, PRIORS, data, held_out=(2, 5))
+    found = update_parameters(predict, PRIORS, data, held_out=(2, 5))
     before, after = found.rms_error((2, 5))
     assert after < before / 10
     hz = data.frequency_hz.copy()
     hz[1] *= 1.2
-    unseen = update(predict, PRIORS, replace(data, frequency_hz=hz), held_out=(2, 5))
+    unseen = update_parameters(predict, PRIORS, replace(data, frequency_hz=hz), held_out=(2, 5))
     assert unseen.numbers == found.numbers
 
 
 def test_stiffness_and_mass_alone_are_not_determined_by_shapes_without_a_scale() -> None:
     priors = {"stiffness": Prior(1.0, 0.02, True), "mass": Prior(1.0, 0.02, True)}
-    found = update(predict, priors, measured(1e-4, 10.0, stiffness=1.01))
+    found = update_parameters(predict, priors, measured(1e-4, 10.0, stiffness=1.01))
     assert found.together == (("mass", "stiffness"),)
     assert set(found.undetermined) == {"stiffness", "mass"}
     both = found.numbers["stiffness"] / found.numbers["mass"]
@@ -76,7 +76,9 @@ def test_stiffness_and_mass_alone_are_not_determined_by_shapes_without_a_scale()
 
 def test_what_moves_nothing_keeps_its_prior_and_is_named() -> None:
     priors = PRIORS | {"paint": Prior(3.0, 1.0)}
-    found = update(lambda p: predict({n: v for n, v in p.items() if n != "paint"}), priors, measured(stiffness=1.02))
+    found = update_parameters(
+        lambda p: predict({n: v for n, v in p.items() if n != "paint"}), priors, measured(stiffness=1.02)
+    )
     assert found.undetermined == ("paint",)
     assert found.interval["paint"] == pytest.approx((3 - 1.96, 3 + 1.96), abs=0.15)
 
@@ -89,7 +91,7 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say() -> None:
         noise = rng.standard_normal(len(data.covariance)) * np.sqrt(np.diag(data.covariance))
         shapes = data.shapes + data.size * noise[N:].reshape(N, N)
         noisy = replace(data, frequency_hz=data.frequency_hz * np.exp(noise[:N]), shapes=shapes)
-        found = update(predict, PRIORS, noisy)
+        found = update_parameters(predict, PRIORS, noisy)
         inside += [low <= true[n] <= high for n, (low, high) in found.interval.items()]
     assert sum(inside) >= 13
 
@@ -105,7 +107,7 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say() -> None:
 )
 def test_what_cannot_be_estimated_is_said(priors: dict[str, Prior], held_out: tuple[int, ...], said: str) -> None:
     with pytest.raises(DataError, match=said):
-        update(predict, priors, measured(), held_out)
+        update_parameters(predict, priors, measured(), held_out)
 
 
 def test_a_model_with_too_few_modes_says_so() -> None:
@@ -114,7 +116,7 @@ def test_a_model_with_too_few_modes_says_so() -> None:
         return hz[:3], shapes[:3]
 
     with pytest.raises(DataError, match="has 3 modes, and 6 were measured"):
-        update(short, PRIORS, measured())
+        update_parameters(short, PRIORS, measured())
 
 
 @pytest.mark.parametrize("wrong", [Prior, lambda v, s: Prior(v, s, True)])

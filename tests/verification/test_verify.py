@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from modallab.core.block import Campaign
-from modallab.frf.estimate import convert, group_by_point, impact_frf
+from modallab.frf.estimate import convert_frf, group_by_point, impact_frf
 from modallab.identification.impact import identify_impact
 from modallab.identification.likelihood.hit_blocks import moves_before
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import read_models, write_models
 from modallab.signals.signals import to_signals_of
 from modallab.verification.replay import replayed_hit
 from modallab.verification.reservations import mismatch_warning
-from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact
+from modallab.verification.verify import frac, synthesised_frf, verify_frf, verify_impact
 
 BAND = (2.9, 400.0)
 
@@ -29,7 +29,7 @@ def verified(noise=1e-4, seed=1):
     system, rig = bench.modes(rng), bench.rig(5)
     blocks = bench.impact_blocks(system, rng, points=(5, 3), hits=2, noise=noise, force_noise=noise)
     signals = to_signals_of(blocks, rig)
-    model, fit = identify_impact(signals, rig, Options(band_hz=BAND))
+    model, fit = identify_impact(signals, rig, IdentificationOptions(band_hz=BAND))
     return system, model, verify_impact(model, fit, group_by_point(signals), rig)
 
 
@@ -70,7 +70,7 @@ def test_noise_lowers_frac():
 
 def test_an_frf_made_from_the_model_agrees_with_it_inside_its_band():
     _, model, _ = verified()
-    frf = synthesised(model, np.linspace(1.0, 450.0, 600), "inertance")
+    frf = synthesised_frf(model, np.linspace(1.0, 450.0, 600), "inertance")
     found = verify_frf(model, frf)
     np.testing.assert_allclose(found.frac, 1, rtol=1e-12)
     assert found.measured.frequency_hz.min() >= model.band_hz[0]
@@ -80,7 +80,7 @@ def test_an_frf_made_from_the_model_agrees_with_it_inside_its_band():
 def test_drift_near_0_hz_does_not_hide_that_measured_inertances_are_repeated():
     _, model, _ = verified()
     lines = np.linspace(3.0, 400.0, 600)
-    frf = synthesised(model, lines, "inertance")
+    frf = synthesised_frf(model, lines, "inertance")
     drift = 0.1 * np.abs(frf.values).max(axis=-1, keepdims=True) * (lines < 5.0)
     found = verify_frf(model, replace(frf, values=frf.values + drift))
     assert frac(found.measured.values, found.regenerated.values).min() < 0.9
@@ -91,8 +91,8 @@ def test_drift_near_0_hz_does_not_hide_that_measured_inertances_are_repeated():
 def test_a_synthesised_frf_differentiates_the_receptance(quantity, power):
     _, model, _ = verified()
     f = np.linspace(5.0, 100.0, 20)
-    expected = synthesised(model, f, "receptance").values * (2j * np.pi * f) ** power
-    np.testing.assert_allclose(synthesised(model, f, quantity).values, expected)
+    expected = synthesised_frf(model, f, "receptance").values * (2j * np.pi * f) ** power
+    np.testing.assert_allclose(synthesised_frf(model, f, quantity).values, expected)
 
 
 NARROW = (60.0, 200.0)
@@ -104,7 +104,7 @@ def of_a_narrow_band():
     system, rig = bench.modes(rng), bench.rig(5)
     blocks = bench.impact_blocks(system, rng, points=(5, 3), hits=2, noise=1e-4, force_noise=1e-4)
     campaign = Campaign(rig=rig, blocks=tuple(blocks), source="made")
-    return campaign, identify_campaign(campaign, Options(band_hz=NARROW), "impact")
+    return campaign, identify_campaign(campaign, IdentificationOptions(band_hz=NARROW), "impact")
 
 
 def test_the_frac_of_a_narrow_band_is_that_of_the_written_model(tmp_path):
@@ -115,9 +115,9 @@ def test_the_frac_of_a_narrow_band_is_that_of_the_written_model(tmp_path):
     groups = group_by_point(to_signals_of(campaign.blocks, campaign.rig))
     moving = any(moves_before(s) for group in groups for s in group)
     again = [[replayed_hit(model, k, s, "inertance", moving=moving) for s in g] for k, g in enumerate(groups)]
-    sides = [convert(impact_frf(g, campaign.rig, NARROW), "mobility").values for g in (groups, again)]
+    sides = [convert_frf(impact_frf(g, campaign.rig, NARROW), "mobility").values for g in (groups, again)]
     np.testing.assert_allclose(written["models"][0]["frac"], frac(*sides), atol=1e-6)
-    own = synthesised(model, impact_frf(groups, campaign.rig, NARROW).frequency_hz, "mobility").values
+    own = synthesised_frf(model, impact_frf(groups, campaign.rig, NARROW).frequency_hz, "mobility").values
     np.testing.assert_allclose(written["frac_uncut"][0], frac(sides[0], own), atol=1e-6)
 
 

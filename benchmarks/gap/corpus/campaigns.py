@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from modallab.core.effects import catalogue
 from modallab.twin.effect_model import NoChange
-from modallab.twin.effects import models
+from modallab.twin.effects import effect_models
 
 LIST = Path(__file__).parent / "campaigns.csv"
 SECONDS = {"none": 5.0, "single": 35.0, "pair": 79.0, "unknown": 191.0, "stepped": 75.0, "structure": 6.0}
@@ -76,7 +76,7 @@ def kind_of_truth(names: Sequence[str]) -> str:
 
 def is_stepped(name: str) -> bool:
     """Whether the twin steps an effect in time: its law depends on the size of the motion."""
-    return not catalogue()[name].linear and not isinstance(models()[name].change, NoChange)
+    return not catalogue()[name].linear and not isinstance(effect_models()[name].change, NoChange)
 
 
 def chosen(listed: Iterable[Entry], only: Sequence[str]) -> list[Entry]:

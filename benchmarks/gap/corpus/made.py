@@ -14,7 +14,7 @@ from structures import Material
 
 from corpus.campaigns import Entry
 from corpus.sealed import SEALED, unsealed
-from modallab.blind.draw import Draw, make
+from modallab.blind.draw import TrialDraw, make_trial
 from modallab.blind.trial_bench import trial_bench
 from modallab.blind.trial_rigs import drawn_rig, with_other_mounting
 from modallab.core.block import Campaign
@@ -24,7 +24,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig, Tolerance
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.modification.mesh import Mesh
 
 ROOT = Path(__file__).parents[3]
@@ -101,7 +101,7 @@ def _of_own_bench(entry: Entry) -> Made:
 def measured(entry: Entry) -> tuple[Campaign, list[dict[str, Any]]]:
     """The campaign on the own bench with the effects as listed, or as its seed draws them where none are."""
     if entry.drawn is None:
-        draw = make(Draw(entry.id, entry.effect, int(entry.seed), entry.how), later=False)
+        draw = make_trial(TrialDraw(entry.id, entry.effect, int(entry.seed), entry.how), later=False)
         return draw.campaign, draw.truth["effects"]  # type: ignore[return-value]
     seed, rig = int(entry.seed), drawn_rig(int(entry.seed))
     if entry.how != "none":
@@ -130,12 +130,12 @@ def _structure(entry: Entry) -> Made:
     """As `other_structures.trial` makes it, up to the diagnosis."""
     bench, rng = benches()[entry.how.partition(" ")[0]], np.random.default_rng([int(entry.seed), 17])
     rig = bench.rig
-    before, _ = identify_frf(frf(bench, bench.make(Material()), rng, as_believed(bench)), rig, Options())
+    before, _ = identify_frf(frf(bench, bench.make(Material()), rng, as_believed(bench)), rig, IdentificationOptions())
     of, built = as_built(bench, rng)
     truth: list[dict[str, Any]] = []
     if entry.effect != "none":
         truth = [drawn(bench, entry.effect, rng)]
         of, built = put_in(bench, truth[0], of, built)
-    now, _ = identify_frf(frf(bench, of, rng, built), rig, Options())
+    now, _ = identify_frf(frf(bench, of, rng, built), rig, IdentificationOptions())
     model, mesh = computed(bench, now) if entry.how.endswith("computed") else (before, None)
     return Made(ModalTest(now, rig), Reference(model, mesh), truth, float(bench.points.max()))

@@ -8,7 +8,7 @@ simulators with a hidden defect (`foreign.py`) and benches with few sensors (`ne
 from collections.abc import Iterator
 
 from corpus.campaigns import Entry, kind_of_truth
-from modallab.blind.draw import PAIR, Draw, draw_trials, pair_names
+from modallab.blind.draw import PAIR, TrialDraw, draw_trials, pair_names
 from modallab.blind.request import BlindRequest
 from modallab.core.effects import catalogue, kind_of
 
@@ -56,17 +56,17 @@ def named() -> Iterator[Entry]:
     for seed, effects in STEPPED_0228.items():
         yield from (_own("0228", seed, draw) for draw in _only(seed, 4 * len(effects), effects))
     yield from (_own("0297", 909090, _only(909090, 30, LINEAR)[k]) for k in (0, 1, 21))
-    yield from (_own(page, seed, Draw(f"p{k:03d}", PAIR, seed * 1000 + k, "usual")) for page, seed, k in PAIRS)
-    yield from (_own("0310", seed, Draw(name, name, seed, "usual")) for name, seed in OUTSIDE_0310.items())
+    yield from (_own(page, seed, TrialDraw(f"p{k:03d}", PAIR, seed * 1000 + k, "usual")) for page, seed, k in PAIRS)
+    yield from (_own("0310", seed, TrialDraw(name, name, seed, "usual")) for name, seed in OUTSIDE_0310.items())
     for page, bench, change, seed in STRUCTURES:
         yield Entry(f"structure_{seed}", "decisions", "structure", bench, change, str(seed), "seen", page)
 
 
-def _only(seed: int, trials: int, effects: tuple[str, ...]) -> list[Draw]:
+def _only(seed: int, trials: int, effects: tuple[str, ...]) -> list[TrialDraw]:
     return draw_trials(BlindRequest(trials=trials, none=0, seed=seed, effects=effects, tolerances="usual", later=False))
 
 
-def _own(page: str, seed: int, draw: Draw) -> Entry:
+def _own(page: str, seed: int, draw: TrialDraw) -> Entry:
     names = pair_names(draw.seed) if draw.effect == PAIR else [draw.effect]
     name = f"seed_{seed}_{draw.name}"
     return Entry(name, "decisions", kind_of_truth(names), "usual", draw.effect, str(draw.seed), "seen", page)

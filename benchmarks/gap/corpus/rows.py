@@ -10,7 +10,7 @@ from other_structures import judged
 from corpus.campaigns import Entry, kind_of_truth
 from corpus.made import Made
 from corpus.results import Row
-from modallab.blind.score import SURE, Trial, parameter_errors, score
+from modallab.blind.score import SURE, Trial, parameter_errors, score_trials
 from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 
@@ -52,7 +52,7 @@ def _effects(effects: list[Found] | list[FoundChange]) -> Row:
 
 def _of_beam(entry: Entry, made: Made, said: Diagnosis, seconds: float) -> Row:
     trial = Trial(entry.id, made.effects, said, made.length_m, seconds)
-    figures = {f.name: f for f in score([trial])}
+    figures = {f.name: f for f in score_trials([trial])}
     errors = parameter_errors(trial)
     return {
         "right": int(trial.right),

@@ -21,7 +21,7 @@ from typing import Any
 from corpus.campaigns import Entry
 from modallab.blind.draw import NONE, PAIR
 from modallab.blind.seal import SEALED as FOLDER
-from modallab.blind.seal import open_truth, publish, seal
+from modallab.blind.seal import open_truth, publish_hashes, seal_truth
 from modallab.blind.trial_bench import trial_bench
 from modallab.core.effects import catalogue
 from modallab.core.errors import DataError
@@ -73,7 +73,7 @@ def unsealed(entry: Entry, file: Path = LIST) -> Entry:
     packed = next(row["packed"] for row in listed if row["id"] == entry.id)
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        publish(folder, {}, {row["id"]: row["hash"] for row in listed})
+        publish_hashes(folder, {}, {row["id"]: row["hash"] for row in listed})
         (folder / FOLDER).mkdir()
         (folder / FOLDER / f"{entry.id}.json").write_bytes(zlib.decompress(base64.b85decode(packed)))
         truth = open_truth(folder, entry.id)
@@ -100,9 +100,9 @@ def main() -> None:
     if LIST.exists():
         raise DataError("there are sealed campaigns", where=str(LIST), remedy="open them, or delete the file")
     with tempfile.TemporaryDirectory() as place:
-        hashes = {f"sealed_{n:02d}": seal(Path(place), f"sealed_{n:02d}", what) for n, what in enumerate(asked())}
+        hashes = {f"sealed_{n:02d}": seal_truth(Path(place), f"sealed_{n:02d}", what) for n, what in enumerate(asked())}
         write(LIST, Path(place), hashes)
-        print(f"{len(hashes)} sealed, SHA-256 {publish(Path(place), {}, hashes)}")
+        print(f"{len(hashes)} sealed, SHA-256 {publish_hashes(Path(place), {}, hashes)}")
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import numpy as np
 
 from corpus.campaigns import KINDS
 from corpus.results import read
-from modallab.blind.score import calibration
+from modallab.blind.score import calibration_of_claims
 
 Row = dict[str, str]
 COLUMNS = (
@@ -33,7 +33,7 @@ def figures(rows: Sequence[Row]) -> dict[str, tuple[float, int]]:
         "false alarms": _share([r for r in rows if not r["true"]], lambda r: r["verdict"] != "no_gap"),
         "unknown flagged": _share([r for r in rows if r["kind"] == "unknown"], lambda r: r["verdict"] == "unknown"),
         "precision above 0.9": _share([r for r in rows if r["claims_right"]], lambda r: r["claims_right"] == "1"),
-        "calibration error": (calibration(claims(rows))[0] if claims(rows) else nan, len(claims(rows))),
+        "calibration error": (calibration_of_claims(claims(rows))[0] if claims(rows) else nan, len(claims(rows))),
         "intervals hold": _held(rows),
         "place right": _share([r for r in rows if r["place_right"]], lambda r: r["place_right"] == "1"),
         "seconds median": (float(np.median(seconds)) if seconds else nan, len(seconds)),

@@ -4,7 +4,7 @@ from typing import cast
 
 from modallab.bench.protocol import Bench, BenchOpener, DeviceFinder, Found, OutputHandle, OutputOpener
 from modallab.core.errors import ConfigurationError
-from modallab.core.installed import installed
+from modallab.core.installed import installed_entry_points
 from modallab.core.rig import Rig
 
 GROUP = "modallab.backends"
@@ -19,7 +19,7 @@ def open_bench(url: str, rig: Rig) -> Bench:
         ConfigurationError: no scheme, or no installed driver for it.
     """
     scheme, separator, _ = url.partition("://")
-    known = {entry.name: entry for entry in installed(GROUP)}
+    known = {entry.name: entry for entry in installed_entry_points(GROUP)}
     if not separator or scheme not in known:
         raise ConfigurationError(
             f"no driver for the bench address {url!r}",
@@ -31,7 +31,7 @@ def open_bench(url: str, rig: Rig) -> Bench:
 
 def has_output(url: str) -> bool:
     """Whether the bench at `url` may have an output that outlives the process that drives it."""
-    return any(entry.name == url.partition("://")[0] for entry in installed(OUTPUTS))
+    return any(entry.name == url.partition("://")[0] for entry in installed_entry_points(OUTPUTS))
 
 
 def open_output(url: str, rig: Rig) -> OutputHandle | None:
@@ -41,7 +41,7 @@ def open_output(url: str, rig: Rig) -> OutputHandle | None:
         BenchError: it cannot be had.
     """
     scheme = url.partition("://")[0]
-    known = {entry.name: entry for entry in installed(OUTPUTS)}
+    known = {entry.name: entry for entry in installed_entry_points(OUTPUTS)}
     if scheme not in known:
         return None
     return cast("OutputOpener", known[scheme].load())(url, rig)
@@ -54,7 +54,7 @@ def find_devices(address: str = "") -> list[Found]:
         BenchError: what the address names can't be reached.
     """
     scheme = address.partition("://")[0]
-    finders = [e for e in installed(DEVICES) if not scheme or e.name == scheme]
+    finders = [e for e in installed_entry_points(DEVICES) if not scheme or e.name == scheme]
     if scheme and not finders:
         raise ConfigurationError(f"nothing to look for at {address!r}", remedy="give an address such as nidaqmx://")
     return [found for entry in finders for found in cast("DeviceFinder", entry.load())(address)]

@@ -28,17 +28,17 @@ def simulated_bench(rig: Rig, seed: int, effects: Sequence[str] = (), tolerances
     url = f"sim://cantilever?seed={seed}{built}"
     for effect in effects:
         try:
-            open_bench(f"{url}{_added(effect)}", rig).close()
+            open_bench(f"{url}{_added_effect(effect)}", rig).close()
         except ConfigurationError as error:
             raise ConfigurationError(
                 error.what.replace("\n", "; "), where=f"effect {effect}", remedy=_remedy(effect, rig)
             ) from error
-    url += "".join(map(_added, effects))
+    url += "".join(map(_added_effect, effects))
     open_bench(url, rig).close()
     return url
 
 
-def example(kind: EffectKind, rig: Rig) -> str:
+def example_effect(kind: EffectKind, rig: Rig) -> str:
     """An effect of this kind, of a size that shows: added_mass,mass=0.05,x=0.8."""
     words = [kind.name]
     for number in kind.parameters:
@@ -47,12 +47,12 @@ def example(kind: EffectKind, rig: Rig) -> str:
     return ",".join([*words, *([_PLACES[kind.place]] if kind.place in _PLACES else [])])
 
 
-def _added(effect: str) -> str:
+def _added_effect(effect: str) -> str:
     return f"&effect={quote(effect, safe=',=')}"
 
 
 def _remedy(effect: str, rig: Rig) -> str:
     name = effect.partition(",")[0].strip()
     if name in catalogue():
-        return f"write it as {example(catalogue()[name], rig)}; modallab gap effects {name} describes it"
+        return f"write it as {example_effect(catalogue()[name], rig)}; modallab gap effects {name} describes it"
     return "modallab demo --effect help lists them; write one as added_mass,mass=0.05,x=0.8"

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from modallab.blind.seal import hash_of
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError
-from modallab.core.progress import report
+from modallab.core.progress import report_progress
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.gap.diagnosis import diagnose
 
@@ -55,7 +55,7 @@ def answer_all(campaigns: dict[str, Path], out: Path, pool: Executor | None) -> 
     there = {answer.name for answer in read_answers(out)}
     left = [(name, path) for name, path in campaigns.items() if name not in there]
     with out.open("a", encoding="utf-8", newline="\n") as target:
-        for (name, _), entry in spread(pool, lambda pair: (answer_of, pair[1]), left, "diagnosed"):
+        for (name, _), entry in compute_in_pool(pool, lambda pair: (answer_of, pair[1]), left, "diagnosed"):
             target.write(json.dumps({"name": name} | entry) + "\n")
             target.flush()
     return hash_of(out.read_text(encoding="utf-8"))
@@ -71,10 +71,10 @@ def read_answers(file: Path) -> list[Answer]:
     if lines[-1]:
         # Whatever is written next begins a line of its own.
         file.write_text("".join(line + "\n" for line in lines[:-1]), encoding="utf-8", newline="\n")
-    return [_read(line, f"{file}, line {number}") for number, line in enumerate(lines[:-1], 1)]
+    return [_read_answer(line, f"{file}, line {number}") for number, line in enumerate(lines[:-1], 1)]
 
 
-def _read(line: str, where: str) -> Answer:
+def _read_answer(line: str, where: str) -> Answer:
     try:
         entry: dict[str, Any] = json.loads(line)
         diagnosis = Diagnosis.model_validate(entry["diagnosis"])
@@ -86,7 +86,7 @@ def _read(line: str, where: str) -> Answer:
         ) from error
 
 
-def spread(
+def compute_in_pool(
     pool: Executor | None,
     call: Callable[[Item], tuple[Callable[..., Given], Any]],
     items: Sequence[Item],
@@ -100,12 +100,14 @@ def spread(
         items: to be computed.
         stage: what is being done, in words.
     """
-    for number, pair in enumerate(_in_turn(call, items) if pool is None else _as_they_come(pool, call, items), 1):
-        report(number / len(items), f"{stage} {number} of {len(items)}")
+    for number, pair in enumerate(
+        _compute_in_turn(call, items) if pool is None else _compute_in_processes(pool, call, items), 1
+    ):
+        report_progress(number / len(items), f"{stage} {number} of {len(items)}")
         yield pair
 
 
-def _in_turn(
+def _compute_in_turn(
     call: Callable[[Item], tuple[Callable[..., Given], Any]], items: Sequence[Item]
 ) -> Iterator[tuple[Item, Given]]:
     for item in items:
@@ -113,7 +115,7 @@ def _in_turn(
         yield item, compute(given)
 
 
-def _as_they_come(
+def _compute_in_processes(
     pool: Executor, call: Callable[[Item], tuple[Callable[..., Given], Any]], items: Sequence[Item]
 ) -> Iterator[tuple[Item, Given]]:
     futures = {pool.submit(*call(item)): item for item in items}

@@ -17,7 +17,7 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect, catalogue
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.report.initial_gap import gap_before
-from modallab.twin.effects import models
+from modallab.twin.effects import effect_models
 
 NONE = "none"
 PAIR = "pair"
@@ -41,7 +41,7 @@ Truth = dict[str, object]
 
 
 @dataclass(frozen=True, slots=True)
-class Draw:
+class TrialDraw:
     """One trial to be made.
 
     Attributes:
@@ -58,7 +58,7 @@ class Draw:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Made:
+class MadeTrial:
     """A trial: what the operator has, a later campaign on the same bench if it was asked for, and what is true."""
 
     campaign: Campaign
@@ -66,7 +66,7 @@ class Made:
     truth: Truth
 
 
-def make(draw: Draw, later: bool = True) -> Made:
+def make_trial(draw: TrialDraw, later: bool = True) -> MadeTrial:
     """Measure a trial on the simulated bench, and if asked for once more later.
 
     Its truth holds the gap that its effect opens, in noise units.
@@ -74,22 +74,22 @@ def make(draw: Draw, later: bool = True) -> Made:
     bench, rig = trial_bench(), drawn_rig(draw.seed)
     if draw.tolerances != "none":
         rig = with_other_mounting(rig.model_copy(update={"tolerance": Tolerance.usual()}), draw.seed)
-    effects, more = _effects(bench, rig, draw)
+    effects, more = _draw_effects(bench, rig, draw)
     campaign, truth = bench.make_trial(rig, draw.seed, effects, draw.tolerances)
     again = bench.make_trial(rig, draw.seed, effects, draw.tolerances, session=1)[0] if later else None
-    return Made(campaign, again, truth | more)
+    return MadeTrial(campaign, again, truth | more)
 
 
-def _effects(bench: TrialBench, rig: Rig, draw: Draw) -> tuple[tuple[Effect, ...], Truth]:
+def _draw_effects(bench: TrialBench, rig: Rig, draw: TrialDraw) -> tuple[tuple[Effect, ...], Truth]:
     if draw.effect == NONE:
         return (), {}
     if draw.effect == PAIR:
-        return _pair(bench, rig, draw.seed), {}
-    drawn, more = (_ideal if draw.tolerances == "none" else _rough)(bench, rig, draw)
+        return _two_effects(bench, rig, draw.seed), {}
+    drawn, more = (_effect_on_ideal_bench if draw.tolerances == "none" else _effect_on_bench_as_built)(bench, rig, draw)
     return (drawn,), more
 
 
-def _ideal(bench: TrialBench, rig: Rig, draw: Draw) -> tuple[Effect, Truth]:
+def _effect_on_ideal_bench(bench: TrialBench, rig: Rig, draw: TrialDraw) -> tuple[Effect, Truth]:
     """An effect whose gap, nuisances fitted, is near the one that was drawn."""
     requested = aim = bench.draw_gap(draw.seed)
     met: list[tuple[float, float, Effect]] = []
@@ -106,26 +106,26 @@ def _ideal(bench: TrialBench, rig: Rig, draw: Draw) -> tuple[Effect, Truth]:
     return effect, {"gap_requested": requested, "gap": gap}
 
 
-def _rough(bench: TrialBench, rig: Rig, draw: Draw) -> tuple[Effect, Truth]:
+def _effect_on_bench_as_built(bench: TrialBench, rig: Rig, draw: TrialDraw) -> tuple[Effect, Truth]:
     """An effect far beyond its own tolerance that matters, drawn by the gap it would open on an ideal bench."""
     low, high = np.log(ROUGH_GAP)
     gap = float(np.exp(np.random.default_rng([draw.seed, 79]).uniform(low, high)))
     drawn = bench.draw_effect(rig, draw.seed, draw.effect, gap)
     for _ in range(ROUGH_TRIES):
-        if _exceeds(drawn.effect, rig) and drawn.moves > MATTERS * rig.tolerance.response:
+        if _exceeds_own_tolerance(drawn.effect, rig) and drawn.moves > MATTERS * rig.tolerance.response:
             break
         gap *= FURTHER
         drawn = bench.draw_effect(rig, draw.seed, draw.effect, gap)
     return drawn.effect, {"gap": drawn.gap, "moves": drawn.moves}
 
 
-def _exceeds(effect: Effect, rig: Rig) -> bool:
+def _exceeds_own_tolerance(effect: Effect, rig: Rig) -> bool:
     """Whether it is far beyond its own tolerance: what lies within is no gap, and rightly called none."""
-    search = models()[effect.effect].search if effect.effect in models() else None
+    search = effect_models()[effect.effect].search if effect.effect in effect_models() else None
     return search is None or search.tolerance.deviations(effect, rig) > EXCEEDING
 
 
-def _pair(bench: TrialBench, rig: Rig, seed: int) -> tuple[Effect, Effect]:
+def _two_effects(bench: TrialBench, rig: Rig, seed: int) -> tuple[Effect, Effect]:
     """Two effects of the catalogue, each of a size of its own."""
     rng = np.random.default_rng([seed, 78])
     names = _two_of(rng)
@@ -146,7 +146,7 @@ def _two_of(rng: np.random.Generator) -> list[str]:
     return [str(name) for name in rng.choice(sorted(catalogue()), 2, replace=False)]
 
 
-def draw_trials(request: BlindRequest) -> list[Draw]:
+def draw_trials(request: BlindRequest) -> list[TrialDraw]:
     """Trials in an order that says nothing of what is in them: those of one request are always the same."""
     rng = np.random.default_rng([request.seed, 81])
     names = list(request.effects or catalogue())
@@ -154,7 +154,7 @@ def draw_trials(request: BlindRequest) -> list[Draw]:
     inside = [names[(first + k) % len(names)] for k in range(request.trials)]
     inside += [NONE] * request.none + [PAIR] * request.pairs
     return [
-        Draw(f"trial_{place:04d}", inside[k], _seed_of(request.seed, k), request.tolerances)
+        TrialDraw(f"trial_{place:04d}", inside[k], _seed_of(request.seed, k), request.tolerances)
         for place, k in enumerate(rng.permutation(len(inside)).tolist())
     ]
 

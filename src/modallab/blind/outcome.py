@@ -6,11 +6,11 @@ from math import isfinite
 
 import numpy as np
 
-from modallab.blind.score import Figure, Trial, parameter_errors, reliability, score
+from modallab.blind.score import Figure, Trial, parameter_errors, reliability, score_trials
 from modallab.core.frozen import Frozen
 
 
-class Share(Frozen):
+class OutcomeFigure(Frozen):
     """A figure: a share or a number, of how many trials, and which of them missed.
 
     Attributes:
@@ -50,7 +50,7 @@ class OfEffect(Frozen):
     said: dict[str, int]
 
 
-class Shrunk(Frozen):
+class ShrinkageOutcome(Frozen):
     """The shrinkage of a trial, as predicted on records held out and as seen in a later campaign."""
 
     name: str
@@ -76,14 +76,14 @@ class BlindOutcome(Frozen):
     sealed: str | None
     answers: str
     trials: int
-    figures: list[Share]
+    figures: list[OutcomeFigure]
     effects: list[OfEffect]
     calibration_error: float
-    reliability: list[Share]
-    shrinkage: list[Shrunk]
+    reliability: list[OutcomeFigure]
+    shrinkage: list[ShrinkageOutcome]
 
 
-def outcome(trials: Sequence[Trial], sealed: str | None, answers: str) -> BlindOutcome:
+def sum_up_trials(trials: Sequence[Trial], sealed: str | None, answers: str) -> BlindOutcome:
     """Sum up trials whose truth has been read."""
     error, bins = reliability(trials)
     groups: dict[str, list[Trial]] = defaultdict(list)
@@ -93,12 +93,14 @@ def outcome(trials: Sequence[Trial], sealed: str | None, answers: str) -> BlindO
         sealed=sealed,
         answers=answers,
         trials=len(trials),
-        figures=[_share(figure) for figure in score(trials)],
-        effects=[_of_effect(name, groups[name]) for name in sorted(groups, key=lambda n: (n == "none", "+" in n, n))],
+        figures=[_outcome_figure(figure) for figure in score_trials(trials)],
+        effects=[
+            _outcome_of_effect(name, groups[name]) for name in sorted(groups, key=lambda n: (n == "none", "+" in n, n))
+        ],
         calibration_error=error,
-        reliability=[_share(figure) for figure in bins],
+        reliability=[_outcome_figure(figure) for figure in bins],
         shrinkage=[
-            Shrunk(name=t.name, effect=true_name(t), predicted=t.diagnosis.shrink.closed, seen=t.seen_closed)
+            ShrinkageOutcome(name=t.name, effect=true_name(t), predicted=t.diagnosis.shrink.closed, seen=t.seen_closed)
             for t in trials
             if t.diagnosis.shrink.closed is not None and t.seen_closed is not None
         ],
@@ -115,12 +117,12 @@ def said_name(trial: Trial) -> str:
     return "+".join(sorted(trial.said)) or trial.diagnosis.verdict.replace("_", " ")
 
 
-def _share(figure: Figure) -> Share:
+def _outcome_figure(figure: Figure) -> OutcomeFigure:
     value = figure.value if isfinite(figure.value) else None
-    return Share(name=figure.name, value=value, count=figure.count, misses=figure.misses)
+    return OutcomeFigure(name=figure.name, value=value, count=figure.count, misses=figure.misses)
 
 
-def _of_effect(name: str, trials: Sequence[Trial]) -> OfEffect:
+def _outcome_of_effect(name: str, trials: Sequence[Trial]) -> OfEffect:
     right = [t for t in trials if t.right]
     stages = sum(t.diagnosis.where.stage in {e["family"] for e in t.truth} for t in trials)
     return OfEffect(

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from modallab.blind.outcome import BlindOutcome, OfEffect, Share, Shrunk
-from modallab.core.digits import part_of, percent
-from modallab.reporting.gap_page import captioned_picture, page, section
-from modallab.reporting.markup import Markup, table, tag
+from modallab.blind.outcome import BlindOutcome, OfEffect, OutcomeFigure, ShrinkageOutcome
+from modallab.core.digits import part_of, percent_text
+from modallab.reporting.gap_page import captioned_picture, page_section, whole_page
+from modallab.reporting.markup import Markup, html_element, html_table
 
 SIDE = 320
 EDGE = 40
@@ -15,12 +15,12 @@ def render(found: BlindOutcome) -> str:
     """The whole page as text."""
     sealed = f"Their truths were sealed before the first answer, SHA-256 {found.sealed}. " if found.sealed else ""
     caption = f"{found.trials} campaigns were diagnosed without their truth. {sealed}Answers: SHA-256 {found.answers}."
-    return page(
+    return whole_page(
         "Blind trials of the diagnosis",
         caption,
-        _figures(found.figures),
-        _effects(found.effects),
-        _confusion(found.effects),
+        _figures_table(found.figures),
+        _effects_table(found.effects),
+        _confusion_table(found.effects),
         _reliability(found),
         _shrinkage(found.shrinkage),
     )
@@ -30,13 +30,13 @@ def _number(value: float | None) -> str:
     return "" if value is None else f"{value:.3g}"
 
 
-def _figures(figures: Sequence[Share]) -> Markup:
+def _figures_table(figures: Sequence[OutcomeFigure]) -> Markup:
     rows = [[f.name, _number(f.value), str(f.count), ", ".join(f.misses)] for f in figures]
     head = ["figure", "value", "of", "missed"]
-    return section("Figures", table("Figures of all trials", head, rows, numeric=(1, 2)))
+    return page_section("Figures", html_table("Figures of all trials", head, rows, numeric=(1, 2)))
 
 
-def _effects(effects: Sequence[OfEffect]) -> Markup:
+def _effects_table(effects: Sequence[OfEffect]) -> Markup:
     head = ["true effect", "trials", "right", "stage", "parameter off by", "gap closed", "later off by"]
     rows = [
         [
@@ -44,21 +44,23 @@ def _effects(effects: Sequence[OfEffect]) -> Markup:
             str(e.trials),
             str(e.right),
             "" if e.stage is None else str(e.stage),
-            "" if e.parameter is None else percent(e.parameter),
+            "" if e.parameter is None else percent_text(e.parameter),
             "" if e.closed is None else part_of(e.closed),
             _number(e.shrink_error),
         ]
         for e in effects
     ]
-    return section("Effect by effect", table("Medians over trials", head, rows, numeric=(1, 2, 3, 4, 5, 6)))
+    return page_section("Effect by effect", html_table("Medians over trials", head, rows, numeric=(1, 2, 3, 4, 5, 6)))
 
 
-def _confusion(effects: Sequence[OfEffect]) -> Markup:
+def _confusion_table(effects: Sequence[OfEffect]) -> Markup:
     caption = list(dict.fromkeys(name for e in effects for name in e.said))
     rows = [[e.effect.replace("_", " "), *(str(e.said.get(name, "")) for name in caption)] for e in effects]
     head = ["true", *(name.replace("_", " ") for name in caption)]
     numbers = tuple(range(1, len(head)))
-    return section("What was said of what", tag("div", table("Trials", head, rows, numeric=numbers), class_="scroll"))
+    return page_section(
+        "What was said of what", html_element("div", html_table("Trials", head, rows, numeric=numbers), class_="scroll")
+    )
 
 
 def _reliability(found: BlindOutcome) -> Markup | None:
@@ -69,10 +71,10 @@ def _reliability(found: BlindOutcome) -> Markup | None:
         f"Probability that was said, and the share of names that was right; on the line both are the same. Calibration "
         f"error {found.calibration_error:.3f}."
     )
-    return section("Reliability", captioned_picture(_square(points, "said", "right", 0.0), caption))
+    return page_section("Reliability", captioned_picture(_square_plot(points, "said", "right", 0.0), caption))
 
 
-def _shrinkage(shrinkage: Sequence[Shrunk]) -> Markup | None:
+def _shrinkage(shrinkage: Sequence[ShrinkageOutcome]) -> Markup | None:
     if not shrinkage:
         return None
     caption = (
@@ -80,20 +82,24 @@ def _shrinkage(shrinkage: Sequence[Shrunk]) -> Markup | None:
         "later campaign on the same bench, with the effect in the simulation. What lies below -1 is drawn at -1."
     )
     points = [(s.predicted, s.seen) for s in shrinkage]
-    return section("Shrinkage", captioned_picture(_square(points, "predicted", "seen", -1.0), caption))
+    return page_section("Shrinkage", captioned_picture(_square_plot(points, "predicted", "seen", -1.0), caption))
 
 
-def _square(points: Sequence[tuple[float, float]], along: str, up: str, low: float) -> Markup:
+def _square_plot(points: Sequence[tuple[float, float]], along: str, up: str, low: float) -> Markup:
     def at(value: float) -> float:
         return SIDE * (min(max(value, low), 1.0) - low) / (1.0 - low)
 
     def text(x: float, y: float, caption: str, anchor: str) -> Markup:
-        return tag("text", caption, x=f"{x:g}", y=f"{y:g}", text_anchor=anchor, font_size="13", fill="var(--ink)")
+        return html_element(
+            "text", caption, x=f"{x:g}", y=f"{y:g}", text_anchor=anchor, font_size="13", fill="var(--ink)"
+        )
 
-    frame = tag("rect", x=str(EDGE), y="10", width=str(SIDE), height=str(SIDE), fill="none", stroke="var(--soft)")
-    same = tag("line", x1=str(EDGE), y1=str(SIDE + 10), x2=str(SIDE + EDGE), y2="10", stroke="var(--soft)")
+    frame = html_element(
+        "rect", x=str(EDGE), y="10", width=str(SIDE), height=str(SIDE), fill="none", stroke="var(--soft)"
+    )
+    same = html_element("line", x1=str(EDGE), y1=str(SIDE + 10), x2=str(SIDE + EDGE), y2="10", stroke="var(--soft)")
     dots = [
-        tag("circle", cx=f"{EDGE + at(x):.1f}", cy=f"{SIDE + 10 - at(y):.1f}", r="4", fill="var(--second)")
+        html_element("circle", cx=f"{EDGE + at(x):.1f}", cy=f"{SIDE + 10 - at(y):.1f}", r="4", fill="var(--second)")
         for x, y in points
     ]
     words = [
@@ -101,7 +107,7 @@ def _square(points: Sequence[tuple[float, float]], along: str, up: str, low: flo
         text(EDGE - 6, 20, f"{up} 1", "end"),
         text(EDGE - 6, SIDE + 10, f"{low:g}", "end"),
     ]
-    return tag(
+    return html_element(
         "svg", frame, same, *dots, *words, viewBox=f"0 0 {SIDE + 2 * EDGE} {SIDE + EDGE}", width="420", role="img",
         aria_label=f"{up} against {along}",
     )  # fmt: skip

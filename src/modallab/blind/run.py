@@ -8,22 +8,22 @@ from typing import Any
 
 import yaml
 
-from modallab.blind.again import Again, diagnose_later
-from modallab.blind.answer import ANSWERS, Answer, answer_all, read_answers, spread
-from modallab.blind.draw import Draw, draw_trials, make
-from modallab.blind.outcome import BlindOutcome, outcome
+from modallab.blind.again import RepeatedCampaign, diagnose_later
+from modallab.blind.answer import ANSWERS, Answer, answer_all, compute_in_pool, read_answers
+from modallab.blind.draw import TrialDraw, draw_trials, make_trial
+from modallab.blind.outcome import BlindOutcome, sum_up_trials
 from modallab.blind.request import BlindRequest
 from modallab.blind.score import Trial
-from modallab.blind.seal import SEALED, open_truth, publish, published_hashes, seal, sealed_hash
+from modallab.blind.seal import SEALED, open_truth, publish_hashes, published_hashes, seal_truth, sealed_hash
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, FormatError
-from modallab.core.progress import part, report
+from modallab.core.progress import part_of_progress, report_progress
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 
 CAMPAIGNS = "campaigns"
 
 
-def blind(folder: Path, request: BlindRequest, pool: Executor | None = None) -> BlindOutcome:
+def run_blind_trials(folder: Path, request: BlindRequest, pool: Executor | None = None) -> BlindOutcome:
     """Make trials, seal their truth, diagnose them, open the seals, and sum up.
 
     Args:
@@ -39,25 +39,25 @@ def blind(folder: Path, request: BlindRequest, pool: Executor | None = None) -> 
 
 
 def blind_draws(
-    folder: Path, draws: Sequence[Draw], plan: dict[str, Any], later: bool, pool: Executor | None = None
+    folder: Path, draws: Sequence[TrialDraw], plan: dict[str, Any], later: bool, pool: Executor | None = None
 ) -> BlindOutcome:
     """The same of any trials; `plan` says in the published hashes which they are."""
     folder.mkdir(parents=True, exist_ok=True)
     _require_same(folder, plan)
-    with part(0.0, 0.3, "sealed"):
+    with part_of_progress(0.0, 0.3, "sealed"):
         left = [draw for draw in draws if sealed_hash(folder, draw.name) is None]
-        made = dict(spread(pool, lambda draw: (_seal, (folder, draw, later)), left, "trial"))
+        made = dict(compute_in_pool(pool, lambda draw: (_make_and_seal, (folder, draw, later)), left, "trial"))
         hashes = {draw.name: made.get(draw) or str(sealed_hash(folder, draw.name)) for draw in draws}
-    sealed = publish(folder, plan, hashes)
-    report(0.3, f"sealed, SHA-256 {sealed}")
+    sealed = publish_hashes(folder, plan, hashes)
+    report_progress(0.3, f"sealed, SHA-256 {sealed}")
     campaigns = {draw.name: _campaign_of(folder, draw.name) for draw in draws}
-    with part(0.3, 0.8, "blind"):
+    with part_of_progress(0.3, 0.8, "blind"):
         answers = answer_all(campaigns, folder / ANSWERS, pool)
-    with part(0.8, 1.0, "opened"):
+    with part_of_progress(0.8, 1.0, "opened"):
         found = {answer.name: answer for answer in read_answers(folder / ANSWERS)}
-        seen = _seen(folder, found, pool) if later else {}
-        trials = [_trial(found[name], open_truth(folder, name)["effects"], seen.get(name)) for name in hashes]
-    return outcome(trials, sealed, answers)
+        seen = _later_campaigns_seen(folder, found, pool) if later else {}
+        trials = [_trial_of_answer(found[name], open_truth(folder, name)["effects"], seen.get(name)) for name in hashes]
+    return sum_up_trials(trials, sealed, answers)
 
 
 def blind_folder(campaigns: Path, truths: Path | None, out: Path, pool: Executor | None = None) -> BlindOutcome | str:
@@ -67,7 +67,7 @@ def blind_folder(campaigns: Path, truths: Path | None, out: Path, pool: Executor
         campaigns: holds a folder, or a campaign file, for each.
         truths: holds `NAME/truth.yaml` or `NAME.yaml` with the list `effects` for each; None: there is none yet.
         out: folder for the answers; what it holds already is kept.
-        pool: as `blind`.
+        pool: as `run_blind_trials`.
 
     Returns:
         the outcome; without truths the SHA-256 of the answers.
@@ -78,12 +78,14 @@ def blind_folder(campaigns: Path, truths: Path | None, out: Path, pool: Executor
     """
     found = campaigns_in(campaigns)
     out.mkdir(parents=True, exist_ok=True)
-    with part(0.0, 1.0, "blind"):
+    with part_of_progress(0.0, 1.0, "blind"):
         answers = answer_all(found, out / ANSWERS, pool)
     if truths is None:
         return answers
     listed = {answer.name: answer for answer in read_answers(out / ANSWERS)}
-    return outcome([_trial(listed[name], _truth(truths, name), None) for name in found], None, answers)
+    return sum_up_trials(
+        [_trial_of_answer(listed[name], _truth_of_trial(truths, name), None) for name in found], None, answers
+    )
 
 
 def campaigns_in(folder: Path) -> dict[str, Path]:
@@ -106,7 +108,7 @@ def _is_campaign(folder: Path) -> bool:
     return (folder / "campaign.h5").exists() or (folder / "rig.yaml").exists()
 
 
-def _truth(truths: Path, name: str) -> list[dict[str, Any]]:
+def _truth_of_trial(truths: Path, name: str) -> list[dict[str, Any]]:
     place = next((p for p in (truths / name / "truth.yaml", truths / f"{name}.yaml") if p.exists()), None)
     if place is None:
         raise FormatError(f"there is no truth of {name}", where=str(truths), remedy=f"add {name}/truth.yaml")
@@ -135,17 +137,17 @@ def _later_of(folder: Path, name: str) -> Path:
     return folder / SEALED / f"{name}_later.h5"
 
 
-def _seal(what: tuple[Path, Draw, bool]) -> str:
+def _make_and_seal(what: tuple[Path, TrialDraw, bool]) -> str:
     """Make a trial and seal its truth; gives the hash."""
     folder, draw, later = what
-    made = make(draw, later)
+    made = make_trial(draw, later)
     for place in (folder / CAMPAIGNS, folder / SEALED):
         place.mkdir(parents=True, exist_ok=True)
     write_campaign(_anonymous(made.campaign, draw.name), _campaign_of(folder, draw.name))
     if made.later is not None:
         write_campaign(_anonymous(made.later, draw.name), _later_of(folder, draw.name))
     # Last of all: what has a seal is whole.
-    return seal(folder, draw.name, made.truth)
+    return seal_truth(folder, draw.name, made.truth)
 
 
 def _anonymous(campaign: Campaign, name: str) -> Campaign:
@@ -153,17 +155,21 @@ def _anonymous(campaign: Campaign, name: str) -> Campaign:
     return replace(campaign, rig=rig, provenance={}, source="")
 
 
-def _seen(folder: Path, found: Mapping[str, Answer], pool: Executor | None) -> dict[str, Again]:
+def _later_campaigns_seen(
+    folder: Path, found: Mapping[str, Answer], pool: Executor | None
+) -> dict[str, RepeatedCampaign]:
     known = [answer for answer in found.values() if answer.diagnosis.verdict == "known"]
-    later = spread(pool, lambda a: (_again, (_later_of(folder, a.name), a.diagnosis)), known, "later campaign")
+    later = compute_in_pool(
+        pool, lambda a: (_repeat_campaign, (_later_of(folder, a.name), a.diagnosis)), known, "later campaign"
+    )
     return {answer.name: seen for answer, seen in later}
 
 
-def _again(what: tuple[Path, Any]) -> Again:
+def _repeat_campaign(what: tuple[Path, Any]) -> RepeatedCampaign:
     return diagnose_later(*what)
 
 
-def _trial(answer: Answer, truth: list[dict[str, Any]], seen: Again | None) -> Trial:
+def _trial_of_answer(answer: Answer, truth: list[dict[str, Any]], seen: RepeatedCampaign | None) -> Trial:
     return Trial(
         answer.name,
         truth,

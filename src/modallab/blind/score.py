@@ -10,7 +10,7 @@ import numpy as np
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import kind_of
 from modallab.twin.effect_model import NoChange
-from modallab.twin.effects import models
+from modallab.twin.effects import effect_models
 
 X_TOLERANCE = 0.05
 """Share of the beam's length within which a place is right."""
@@ -18,8 +18,8 @@ SURE = 0.9
 """Probability from which a name is a claim."""
 
 
-def _modelled() -> frozenset[str]:
-    return frozenset(name for name, model in models().items() if model.change is not NoChange.NO_MODEL_YET)
+def _modelled_effects() -> frozenset[str]:
+    return frozenset(name for name, model in effect_models().items() if model.change is not NoChange.NO_MODEL_YET)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ class Trial:
     @property
     def names(self) -> frozenset[str]:
         """True effects that may be named: where the twin has no model, the right answer is that it does not know."""
-        return frozenset(str(e["effect"]) for e in self.truth if e["effect"] in _modelled() - self.withheld)
+        return frozenset(str(e["effect"]) for e in self.truth if e["effect"] in _modelled_effects() - self.withheld)
 
     @property
     def knowable(self) -> bool:
@@ -86,7 +86,7 @@ class Figure:
     misses: tuple[str, ...] = field(default_factory=tuple)
 
 
-def score(trials: Sequence[Trial]) -> list[Figure]:
+def score_trials(trials: Sequence[Trial]) -> list[Figure]:
     """The figures a diagnosis is judged by."""
     singles = [t for t in trials if len(t.truth) == 1 and t.knowable]
     doubles = [t for t in trials if len(t.truth) > 1 and t.knowable]
@@ -96,18 +96,20 @@ def score(trials: Sequence[Trial]) -> list[Figure]:
     return [
         _share("single effect named right", singles, lambda t: t.said == t.names),
         _share("two effects named right", doubles, lambda t: t.said == t.names),
-        _share("returned set of three holds the truth", singles, _in_set),
+        _share("returned set of three holds the truth", singles, _truth_in_set),
         _share("stage right", present, _stage_right),
-        _share("stage right by tests on the residual alone", [t for t in present if _tested(t)], _tested_right),
+        _share("stage right by tests on the residual alone", [t for t in present if _was_tested(t)], _tested_right),
         _share("channel right", [t for t in singles if _true_channels(t)], _channel_right),
         _share("place within 0.05 L", [t for t in singles if _true_x(t) is not None], _place_right),
         _median("parameter, median relative error", [e for t in (*singles, *doubles) for e in parameter_errors(t)]),
-        _share("precision where it names above 0.9", [t for t in present if _claims(t)], _claims_right),
+        _share("precision where it names above 0.9", [t for t in present if _claims_of_trial(t)], _claims_right),
         _share("false alarms", empty, lambda t: t.diagnosis.verdict != "no_gap", expected=False),
         _share("unknown flagged", strange, lambda t: t.diagnosis.verdict == "unknown"),
-        _median("gap closed on held-out records", _closed(t for t in singles if t.said == t.names)),
+        _median("gap closed on held-out records", _closed_shares(t for t in singles if t.said == t.names)),
         _median("shrinkage predicted less seen, median", [e for t in trials if (e := t.shrink_error) is not None]),
-        _share("gap shut in a later campaign", [t for t in present if t.shut is not None and t.right], _shut),
+        _share(
+            "gap shut in a later campaign", [t for t in present if t.shut is not None and t.right], _gap_closed_right
+        ),
         _median("seconds a diagnosis", [t.seconds for t in trials]),
     ]
 
@@ -129,10 +131,12 @@ def reliability(
     trials: Sequence[Trial], edges: Sequence[float] = (0.0, 0.5, 0.8, 0.95, 1.0)
 ) -> tuple[float, list[Figure]]:
     """Calibration error of the probabilities of named effects, and the share right in each bin."""
-    return calibration([(f.probability, f.effect in t.names) for t in trials for f in t.diagnosis.effects], edges)
+    return calibration_of_claims(
+        [(f.probability, f.effect in t.names) for t in trials for f in t.diagnosis.effects], edges
+    )
 
 
-def calibration(
+def calibration_of_claims(
     claims: Sequence[tuple[float, bool]], edges: Sequence[float] = (0.0, 0.5, 0.8, 0.95, 1.0)
 ) -> tuple[float, list[Figure]]:
     """The same of claims: the probability that was said, and whether it was right."""
@@ -158,7 +162,7 @@ def _median(name: str, values: Sequence[float]) -> Figure:
     return Figure(name, float(np.median(values)) if values else float("nan"), len(values))
 
 
-def _shut(trial: Trial) -> bool:
+def _gap_closed_right(trial: Trial) -> bool:
     return bool(trial.shut)
 
 
@@ -166,7 +170,7 @@ def _stage_right(trial: Trial) -> bool:
     return trial.diagnosis.where.stage in {e["family"] for e in trial.truth}
 
 
-def _tested(trial: Trial) -> bool:
+def _was_tested(trial: Trial) -> bool:
     return trial.diagnosis.where.tested_stage is not None
 
 
@@ -174,11 +178,11 @@ def _tested_right(trial: Trial) -> bool:
     return trial.diagnosis.where.tested_stage in {e["family"] for e in trial.truth}
 
 
-def _closed(trials: Iterable[Trial]) -> list[float]:
+def _closed_shares(trials: Iterable[Trial]) -> list[float]:
     return [t.diagnosis.shrink.closed for t in trials if t.diagnosis.shrink.closed is not None]
 
 
-def _in_set(trial: Trial) -> bool:
+def _truth_in_set(trial: Trial) -> bool:
     listed = [trial.said, *(frozenset(c.effects) for c in trial.diagnosis.candidates[:3])]
     return any(trial.names <= s for s in listed)
 
@@ -211,7 +215,7 @@ def _place_right(trial: Trial) -> bool:
     return x is not None and said is not None and abs(said / trial.length_m - x) <= X_TOLERANCE
 
 
-def _claims(trial: Trial) -> bool:
+def _claims_of_trial(trial: Trial) -> bool:
     return any(f.probability > SURE for f in trial.diagnosis.effects)
 
 

@@ -17,7 +17,7 @@ HASHES = "hashes.json"
 SEALED = "sealed"
 
 
-def seal(folder: Path, name: str, truth: dict[str, Any]) -> str:
+def seal_truth(folder: Path, name: str, truth: dict[str, Any]) -> str:
     """Keep a truth, and give its hash."""
     place = folder / SEALED / f"{name}.json"
     place.parent.mkdir(parents=True, exist_ok=True)
@@ -32,7 +32,7 @@ def sealed_hash(folder: Path, name: str) -> str | None:
     return hash_of(place.read_text(encoding="utf-8")) if place.exists() else None
 
 
-def publish(folder: Path, plan: dict[str, Any], hashes: dict[str, str]) -> str:
+def publish_hashes(folder: Path, plan: dict[str, Any], hashes: dict[str, str]) -> str:
     """Write down the hashes of all truths with the hash of them all, before anybody answers; gives the latter.
 
     Raises:

@@ -6,7 +6,7 @@ from typing import Protocol, cast
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect, EffectKind
 from modallab.core.errors import ConfigurationError
-from modallab.core.installed import installed
+from modallab.core.installed import installed_entry_points
 from modallab.core.rig import Rig
 
 GROUP = "modallab.trials"
@@ -60,7 +60,7 @@ def trial_bench() -> TrialBench:
     Raises:
         ConfigurationError: there is none.
     """
-    found = sorted(installed(GROUP), key=lambda entry: entry.name)
+    found = sorted(installed_entry_points(GROUP), key=lambda entry: entry.name)
     if not found:
         raise ConfigurationError("no simulated bench for blind trials is installed", remedy="install modallab again")
     return cast("TrialBench", found[0].load())

@@ -39,11 +39,11 @@ def drawn_rig(seed: int) -> Rig:
         points=tuple(Point(id=k, x_m=length * k / 10) for k in POINTS),
         converter=Converter(),
         limits=Limits(drive_v=5.0, slew_v_per_s=5000.0, force_n=20.0, acceleration_m_s2=95.0, max_burst_s=60.0),
-        channels=(_force(), *(_accelerometer(k) for k in POINTS)),
+        channels=(_force_channel(), *(_accelerometer(k) for k in POINTS)),
     )
 
 
-def _force() -> Channel:
+def _force_channel() -> Channel:
     return Channel(
         index=0,
         name="force",
@@ -73,10 +73,10 @@ def _accelerometer(k: int) -> Channel:
 def with_other_mounting(rig: Rig, seed: int) -> Rig:
     """The rig as labs write it down: some accelerometers are mounted against the drive, some are given in g."""
     rng = np.random.default_rng([seed, 80])
-    return rig.model_copy(update={"channels": tuple(_mounted(c, rng) for c in rig.channels)})
+    return rig.model_copy(update={"channels": tuple(_mount_channel(c, rng) for c in rig.channels)})
 
 
-def _mounted(channel: Channel, rng: np.random.Generator) -> Channel:
+def _mount_channel(channel: Channel, rng: np.random.Generator) -> Channel:
     turned, in_g = rng.random(2) < TURNED
     if channel.quantity != "acceleration":
         return channel

@@ -1,4 +1,5 @@
-"""`modallab backup`, `restore` and `retention`: a data folder is copied, made again, or relieved of old samples."""
+"""`modallab backup`, `restore` and `retention`: a data folder is copied, made again, or relieved of "
+"old samples."""
 
 import argparse
 from datetime import timedelta
@@ -11,8 +12,8 @@ from modallab.core.events import RunState
 from modallab.jobs.table import METADATA as JOBS
 from modallab.storage import Store
 from modallab.storage.address import ADDRESS, DATABASE
-from modallab.storage.backup import Copied, back_up, restore
-from modallab.storage.retention import Rule, find_removable, remove
+from modallab.storage.backup import CopiedData, back_up, restore_backup
+from modallab.storage.retention import RetentionRule, find_removable, remove_samples
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -28,7 +29,7 @@ def _backup(arguments: argparse.Namespace) -> int:
 
 
 def _restore(arguments: argparse.Namespace) -> int:
-    _notify(restore(arguments.backup, arguments.out, arguments.database, [JOBS]), arguments.out)
+    _notify(restore_backup(arguments.backup, arguments.out, arguments.database, [JOBS]), arguments.out)
     return 0
 
 
@@ -36,7 +37,7 @@ def _retention(arguments: argparse.Namespace) -> int:
     require_data(arguments.data)
     days = arguments.older_than
     states: tuple[RunState, ...] = tuple(arguments.state or ("failed", "aborted"))
-    rule = Rule(timedelta(days=days), states, arguments.valid)
+    rule = RetentionRule(timedelta(days=days), states, arguments.valid)
     console = Console()
     with Store(arguments.data) as store:
         found = find_removable(store, rule)
@@ -46,7 +47,7 @@ def _retention(arguments: argparse.Namespace) -> int:
             console.print(line, markup=False, highlight=False, soft_wrap=True)
         total = sum(item.size for item in found)
         if arguments.delete:
-            remove(store, found, f"retention: {', '.join(states)}, older than {days:g} days")
+            remove_samples(store, found, f"retention: {', '.join(states)}, older than {days:g} days")
     done = "deleted" if arguments.delete else "would be deleted, with --delete"
     console.print(f"{len(found)} runs, {total / 1e6:.1f} MB: {done}", markup=False, highlight=False)
     return 0
@@ -66,6 +67,6 @@ def require_data(folder: Path) -> None:
         )
 
 
-def _notify(copied: Copied, out: Path) -> None:
+def _notify(copied: CopiedData, out: Path) -> None:
     line = f"{copied.runs} runs, {copied.blocks} blocks, {copied.sample_bytes / 1e6:.1f} MB of samples: {out}"
     Console().print(line, markup=False, highlight=False, soft_wrap=True)

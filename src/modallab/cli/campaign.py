@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from modallab.cli.bench_mode.keys import KeyMap, listening
+from modallab.cli.bench_mode.keys import KeyMap, listen_to_keys
 from modallab.cli.bench_mode.operator import Operator
 from modallab.cli.identify import print_remarks, result_table, show_joined
 from modallab.core.block import Campaign
@@ -19,7 +19,7 @@ from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.plan_file import read_plans
 from modallab.formats.rig.rig_file import read_rig
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import report_content
 from modallab.pipelines.setups import identify_setups, setup_names
@@ -58,7 +58,7 @@ def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: 
         console.print(f"campaign {session.campaign.id} on {url}", markup=False, highlight=False)
         at_bench = Operator(console, keys, session, mute=arguments.mute)
         try:
-            with listening(keys, at_bench.pressed) as key_pressed:
+            with listen_to_keys(keys, at_bench.pressed) as key_pressed:
                 return session.run_all(
                     plans,
                     at_bench.notify,
@@ -70,7 +70,7 @@ def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: 
 
 
 def _identify(console: Console, store: Store, campaign: Campaign, runs: tuple[str, ...], report: Path | None) -> None:
-    result = identify_campaign(campaign, Options())
+    result = identify_campaign(campaign, IdentificationOptions())
     console.print(result_table(campaign, result))
     print_remarks(console, result)
     if report is not None:
@@ -85,10 +85,10 @@ def _identify_setups(console: Console, campaigns: Sequence[Campaign], arguments:
             write_campaign(campaign, arguments.out.with_stem(f"{arguments.out.stem}-{name}"))
     struck = [campaign for campaign in campaigns if campaign.of("impact")]
     if len(struck) > 1:
-        show_joined(console, identify_setups(struck, Options()), arguments.report)
+        show_joined(console, identify_setups(struck, IdentificationOptions()), arguments.report)
     for campaign in campaigns:
         others = replace(campaign, blocks=tuple(b for b in campaign.blocks if len(struck) < 2 or b.test != "impact"))
         if others.blocks:
-            result = identify_campaign(others, Options())
+            result = identify_campaign(others, IdentificationOptions())
             console.print(result_table(others, result))
             print_remarks(console, result)

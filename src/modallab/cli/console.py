@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from modallab.reporting.modified_table import TableRows
 
 
-class _Nowhere:
+class _DiscardedOutput:
     def write(self, text: str) -> int:
         return len(text)
 
@@ -24,7 +24,7 @@ class _Nowhere:
 def console_of(arguments: argparse.Namespace) -> Console:
     """Standard output; standard error where that takes JSON; nothing at all with `--quiet`."""
     if getattr(arguments, "hush", False):
-        return Console(file=_Nowhere())  # pyrefly: ignore[bad-argument-type]  # all of a file that rich asks for
+        return Console(file=_DiscardedOutput())  # pyrefly: ignore[bad-argument-type]  # all of a file that rich asks for
     return Console(stderr=getattr(arguments, "json", None) == OUT)
 
 

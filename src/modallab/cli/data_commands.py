@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modallab.cli.options import Commands, not_negative, positive
+from modallab.cli.options import Commands, not_negative, positive_number
 from modallab.core.units import FRF_ESTIMATORS
 from modallab.formats.format import writers
 
@@ -67,7 +67,7 @@ def _add_user(commands: Commands) -> None:
     for command in (add, token):
         command.add_argument("--rig", action="append", metavar="ID", help="work at this rig only; may be repeated")
         command.add_argument(
-            "--days", type=positive, metavar="N", help="valid for so many days (default: until revoked)"
+            "--days", type=positive_number, metavar="N", help="valid for so many days (default: until revoked)"
         )
         command.add_argument("--label", default="", help="where it is kept")
     listed = actions.add_parser("list", help="list users and tokens, without the secrets")

@@ -16,7 +16,7 @@ from modallab.formats.atomic import make_folder
 from modallab.service.campaigns.local_session import LocalCampaign, operator_here
 
 if TYPE_CHECKING:
-    from modallab.pipelines.identify import Identified
+    from modallab.pipelines.identify import IdentifiedTest
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -27,28 +27,28 @@ def run(arguments: argparse.Namespace) -> int:
             from modallab.cli import effects
 
             return effects.run(argparse.Namespace(names=[name] if name else []))
-    return _on_the_page(arguments) if arguments.serve else _at_the_terminal(arguments)
+    return _demo_on_page(arguments) if arguments.serve else _demo_at_terminal(arguments)
 
 
-def _on_the_page(arguments: argparse.Namespace) -> int:
+def _demo_on_page(arguments: argparse.Namespace) -> int:
     from modallab.cli import serve
 
     # In real time, so that a hit can be seen; twice as fast, since nobody waits ten minutes for a demonstration.
-    bench = f"{_bench(arguments, demo_rig())}&pace=1&speed=2&zeta=0.02"
+    bench = f"{_demo_bench(arguments, demo_rig())}&pace=1&speed=2&zeta=0.02"
     options = dict.fromkeys((*serve.OPTIONS, "rig"), None)
     data = arguments.out / "served"
     return serve.run(argparse.Namespace(**options | {"data": data}, bench=bench, open=True))
 
 
-def _bench(arguments: argparse.Namespace, rig: Rig) -> str:
+def _demo_bench(arguments: argparse.Namespace, rig: Rig) -> str:
     built = "none" if arguments.clean else "usual"
     return simulated_bench(rig, arguments.seed, arguments.effect or (), built)
 
 
-def _at_the_terminal(arguments: argparse.Namespace) -> int:
+def _demo_at_terminal(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.out
-    rig = demo_rig() if arguments.clean else _as_built(demo_rig())
-    url = _bench(arguments, rig)
+    rig = demo_rig() if arguments.clean else _rig_as_built(demo_rig())
+    url = _demo_bench(arguments, rig)
     make_folder(folder)
     console = console_of(arguments)
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
@@ -59,20 +59,20 @@ def _at_the_terminal(arguments: argparse.Namespace) -> int:
         runs = session.run_all([hammer], display.notify)
         struck = session.recorded(runs)
         # The bench computes in its own process: meanwhile this one need not wait.
-        computed = InAdvance(lambda: _identified(struck))
+        computed = InAdvance(lambda: _identify_demo(struck))
         campaign = session.recorded((*runs, *session.run_all(shaker, display.notify)))
-    from modallab.cli.demo_results import leave
+    from modallab.cli.demo_results import write_demo_results
 
-    leave(arguments, campaign, computed)
+    write_demo_results(arguments, campaign, computed)
     return 0
 
 
-def _identified(campaign: Campaign) -> "Identified":
+def _identify_demo(campaign: Campaign) -> "IdentifiedTest":
     from modallab.cli.demo_results import identify_test
 
     return identify_test(campaign, "impact")
 
 
-def _as_built(rig: Rig) -> Rig:
+def _rig_as_built(rig: Rig) -> Rig:
     """The rig with the tolerances of an ordinary lab: no real bench is clean."""
     return rig.model_copy(update={"tolerance": Tolerance.usual()})

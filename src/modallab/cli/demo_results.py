@@ -10,22 +10,22 @@ from modallab.core.block import Block, Campaign
 from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.rig.rig_file import write_rig
-from modallab.identification.options import Options
-from modallab.pipelines.identify import Identified, identify_campaign
+from modallab.identification.options import IdentificationOptions
+from modallab.pipelines.identify import IdentifiedTest, identify_campaign
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.report import report_content
 from modallab.reporting.report import write_report
-from modallab.reporting.waiting import waiting
+from modallab.reporting.waiting import waiting_line
 from modallab.storage import Store
 from modallab.storage.campaigns import rejected_blocks
 
 
-def identify_test(campaign: Campaign, test: Test) -> Identified:
+def identify_test(campaign: Campaign, test: Test) -> IdentifiedTest:
     """One test of a campaign. Raises as `identify_campaign`."""
-    return identify_campaign(campaign, Options(), test).identified[0]
+    return identify_campaign(campaign, IdentificationOptions(), test).identified[0]
 
 
-def leave(arguments: argparse.Namespace, campaign: Campaign, struck: InAdvance[Identified]) -> None:
+def write_demo_results(arguments: argparse.Namespace, campaign: Campaign, struck: InAdvance[IdentifiedTest]) -> None:
     """Identify what is left, write everything into the folder, and print the table.
 
     Args:
@@ -40,13 +40,13 @@ def leave(arguments: argparse.Namespace, campaign: Campaign, struck: InAdvance[I
     folder: Path = arguments.out
     console = console_of(arguments)
     console.print("identifying ...")
-    with waiting("identifying", progress=not arguments.hush):
-        result = identify_campaign(campaign, Options(), ahead={"impact": struck.result})
+    with waiting_line("identifying", progress=not arguments.hush):
+        result = identify_campaign(campaign, IdentificationOptions(), ahead={"impact": struck.result})
     write_rig(campaign.rig, folder / "rig.yaml")
     write_campaign(campaign, folder / "campaign.h5")
     write_models(folder / "models.json", campaign, result)
     title = f"Modal test of {campaign.rig.name}"
-    write_report(folder / "report.html", report_content(campaign, result, title, _rejected(folder, campaign)))
+    write_report(folder / "report.html", report_content(campaign, result, title, _write_rejected(folder, campaign)))
     console.print(result_table(campaign, result))
     print_remarks(console, result)
     console.print("\nwritten:")
@@ -54,6 +54,6 @@ def leave(arguments: argparse.Namespace, campaign: Campaign, struck: InAdvance[I
         console.print(f"  {folder / name}", markup=False, highlight=False)
 
 
-def _rejected(folder: Path, campaign: Campaign) -> list[tuple[Block, str]]:
+def _write_rejected(folder: Path, campaign: Campaign) -> list[tuple[Block, str]]:
     with Store(folder / "data") as store:
         return [pair for run_id in campaign.provenance["runs"].split() for pair in rejected_blocks(store, run_id)]

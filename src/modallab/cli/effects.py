@@ -14,26 +14,26 @@ def run(arguments: argparse.Namespace) -> int:
     console = Console(soft_wrap=True)
     for name in arguments.names or catalogue():
         model = model_of(name)
-        lines = _described(model) if arguments.names else [f"{name:<18} {model.kind.says}"]
+        lines = _describe_effect(model) if arguments.names else [f"{name:<18} {model.kind.says}"]
         for line in lines:
             console.print(line, markup=False, highlight=False)
     return 0
 
 
-def _described(model: EffectModel) -> list[str]:
+def _describe_effect(model: EffectModel) -> list[str]:
     kind = model.kind
     why = model.change.value if isinstance(model.change, NoChange) else ""
     known = f"No fit looks for it: {why}." if why else "A fit looks for it."
     return [
         f"{kind.name}: {kind.says}",
         f"  stage {kind.stage}, place {kind.place}, shows in {' and '.join(kind.tests)}",
-        *(f"  {_range(parameter)}" for parameter in kind.parameters),
+        *(f"  {_range_in_words(parameter)}" for parameter in kind.parameters),
         f"  {known}",
         f"  {model.experiment}",
     ]
 
 
-def _range(parameter: Parameter) -> str:
+def _range_in_words(parameter: Parameter) -> str:
     scale = "" if parameter.scale == "one" else f" times {parameter.scale}"
     sign = ", either sign" if parameter.signed else ""
     return (

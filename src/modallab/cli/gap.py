@@ -24,14 +24,14 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaig
 from modallab.formats.plan_file import read_plans
 from modallab.formats.prediction import read_prediction, write_prediction
 from modallab.formats.rig.rig_file import read_rig
-from modallab.gap.design.distinguishability import advice, distinguishability
-from modallab.gap.design.prediction import predict, predicted_campaign
+from modallab.gap.design.distinguishability import advice_on_plan, distinguishability_of_plan
+from modallab.gap.design.prediction import predict_records, predicted_campaign
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.simulations.compare import compare
-from modallab.gap.words.verdicts import in_percent, sentence, sentence_by_model, sentence_of_simulation
+from modallab.gap.simulations.compare import compare_simulation
+from modallab.gap.words.verdicts import gap_in_percent, sentence_by_model, sentence_of_simulation, verdict_sentence
 from modallab.reporting.gap_report import write_gap_report
 from modallab.reporting.simulation_report import write_simulation_report
-from modallab.reporting.waiting import waiting
+from modallab.reporting.waiting import waiting_line
 from modallab.service.campaigns.begin import require_reasonable
 
 _ANY_BENCH = BenchInfo(url="", devices=(), can_drive=True, real_time=False, facts={})
@@ -56,41 +56,41 @@ def _diagnose(arguments: argparse.Namespace) -> int:
     if arguments.simulation is not None:
         return _compare(console, campaign, arguments)
     if arguments.reference is not None:
-        return _by_model(console, campaign, arguments)
-    with waiting("reading the records", progress=not arguments.hush):
+        return _compare_with_model(console, campaign, arguments)
+    with waiting_line("reading the records", progress=not arguments.hush):
         diagnosis = diagnose(campaign, HoldOut.parse(arguments.hold_out))
-    console.print(sentence(diagnosis, [c.name for c in campaign.rig.channels]), markup=False)
+    console.print(verdict_sentence(diagnosis, [c.name for c in campaign.rig.channels]), markup=False)
     calibrate = diagnosis.budget.calibrate if diagnosis.budget is not None else []
     next_one = f"Next: {diagnosis.next_experiment}"
-    for line in (in_percent(diagnosis.gap), *diagnosis.where.why, *diagnosis.notes, *calibrate, next_one):
+    for line in (gap_in_percent(diagnosis.gap), *diagnosis.where.why, *diagnosis.notes, *calibrate, next_one):
         console.print(f"  {line}", markup=False)
-    return _kept(console, arguments, diagnosis, lambda report: write_gap_report(report, diagnosis, campaign))
+    return _keep_result(console, arguments, diagnosis, lambda report: write_gap_report(report, diagnosis, campaign))
 
 
 def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
     records = read_prediction(arguments.simulation, campaign.rig)
     known = None if arguments.diagnosis is None else read_diagnosis(arguments.diagnosis)
-    with waiting("reading the records", progress=not arguments.hush):
-        found = compare(campaign, records, known, HoldOut.parse(arguments.hold_out))
+    with waiting_line("reading the records", progress=not arguments.hush):
+        found = compare_simulation(campaign, records, known, HoldOut.parse(arguments.hold_out))
     for line in (sentence_of_simulation(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)
-    return _kept(console, arguments, found, lambda report: write_simulation_report(report, found))
+    return _keep_result(console, arguments, found, lambda report: write_simulation_report(report, found))
 
 
-def _by_model(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
+def _compare_with_model(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
     # Imported here: the other ways of a diagnosis need no identification, which takes a second to load.
     from modallab.pipelines.structure_gap import gap_against
     from modallab.reporting.structure_report import write_structure_report
 
-    with waiting("identifying", progress=not arguments.hush):
+    with waiting_line("identifying", progress=not arguments.hush):
         gap = gap_against(campaign, arguments.reference)
     found = gap.diagnosis
     for line in (sentence_by_model(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)
-    return _kept(console, arguments, found, lambda report: write_structure_report(report, gap))
+    return _keep_result(console, arguments, found, lambda report: write_structure_report(report, gap))
 
 
-def _kept(
+def _keep_result(
     console: Console, arguments: argparse.Namespace, found: Frozen, write_report: Callable[[Path], object]
 ) -> int:
     if arguments.json is not None:
@@ -105,7 +105,7 @@ def _predict(arguments: argparse.Namespace) -> int:
     diagnosis = read_diagnosis(arguments.diagnosis)
     read_campaign(arguments.campaign)
     other = read_campaign(arguments.on)
-    records = predict(diagnosis, other)
+    records = predict_records(diagnosis, other)
     write_prediction(arguments.out, other.rig, records)
     Console().print(f"predicted {len(records)} records: {arguments.out}", markup=False)
     if arguments.as_campaign is not None:
@@ -144,7 +144,7 @@ def read_diagnosis(path: Path) -> Diagnosis:
 def _distinguishability(arguments: argparse.Namespace) -> int:
     rig, plans = read_rig(arguments.rig), read_plans(arguments.plan)
     _require_plans(rig, plans)
-    found = distinguishability(rig, plans)
+    found = distinguishability_of_plan(rig, plans)
     console = Console()
     pairs = found.alike()
     table = Table("effect", "and", "cosine where they are most alike")
@@ -157,7 +157,7 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     for name, least in sorted(zip(found.effects, found.least.tolist(), strict=True), key=lambda pair: pair[1]):
         sizes.add_row(name, f"{least:.2g}")
     console.print(sizes)
-    for line in advice(found, plans):
+    for line in advice_on_plan(found, plans):
         console.print(line, markup=False)
     return 0
 

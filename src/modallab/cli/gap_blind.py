@@ -18,11 +18,11 @@ from modallab.blind.measured.score import MeasuredOutcome
 from modallab.blind.outcome import BlindOutcome
 from modallab.blind.page import render
 from modallab.blind.request import BlindRequest
-from modallab.blind.run import blind, blind_folder
+from modallab.blind.run import blind_folder, run_blind_trials
 from modallab.cli.options import only_with
 from modallab.core.errors import PlanError
 from modallab.core.extras import optional_package
-from modallab.core.field_errors import sentences
+from modallab.core.field_errors import error_sentences
 from modallab.core.progress import report_progress_to
 from modallab.formats.atomic import write_text
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
@@ -32,7 +32,7 @@ from modallab.formats.rig.rig_file import read_rig
 def run(arguments: argparse.Namespace) -> int:
     """Make, seal, answer and open trials, or answer the campaigns of a folder."""
     if arguments.on is not None:
-        return _on(arguments)
+        return _run_on_frfs(arguments)
     only_with("--on", rig=arguments.rig)
     console, out, folder = Console(), cast("Path", arguments.out), cast("Path | None", arguments.folder)
     if folder is None:
@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
         _pool(arguments) as pool,
     ):
         found = (
-            blind(out, _request(arguments), pool)
+            run_blind_trials(out, _request(arguments), pool)
             if folder is None
             else blind_folder(folder, arguments.truth, out, pool)
         )
@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _on(arguments: argparse.Namespace) -> int:
+def _run_on_frfs(arguments: argparse.Namespace) -> int:
     # Imported here: the other trials need no identification, which takes a second to load.
     from modallab.pipelines.structure_trials import trials_on
 
@@ -68,7 +68,9 @@ def _on(arguments: argparse.Namespace) -> int:
         console.status("blind trials") as status,
         report_progress_to(lambda share, words: status.update(f"{share:.0%} {words}")),
     ):
-        found = trials_on(read_campaign(arguments.on, rig), out, _measured(arguments.trials, none, arguments.seed))
+        found = trials_on(
+            read_campaign(arguments.on, rig), out, _measured_request(arguments.trials, none, arguments.seed)
+        )
     write_text(out / "blind.json", found.model_dump_json(indent=1) + "\n")
     for table in tables_of(found):
         console.print(table)
@@ -76,11 +78,13 @@ def _on(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _measured(trials: int, none: int, seed: int) -> MeasuredRequest:
+def _measured_request(trials: int, none: int, seed: int) -> MeasuredRequest:
     try:
         return MeasuredRequest(trials=trials, none=none, seed=seed)
     except ValidationError as error:
-        raise PlanError("; ".join(sentences(error)), remedy="correct the options of modallab gap blind") from error
+        raise PlanError(
+            "; ".join(error_sentences(error)), remedy="correct the options of modallab gap blind"
+        ) from error
 
 
 def _request(arguments: argparse.Namespace) -> BlindRequest:
@@ -97,7 +101,9 @@ def _request(arguments: argparse.Namespace) -> BlindRequest:
             later=not arguments.no_later,
         )
     except ValidationError as error:
-        raise PlanError("; ".join(sentences(error)), remedy="correct the options of modallab gap blind") from error
+        raise PlanError(
+            "; ".join(error_sentences(error)), remedy="correct the options of modallab gap blind"
+        ) from error
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modallab.cli.options import JSON_HELP, Commands, add_saying, count, positive
+from modallab.cli.options import JSON_HELP, Commands, add_saying, positive_integer, positive_number
 
 
 def add_gap_commands(commands: Commands) -> None:
@@ -109,7 +109,7 @@ def _add_blind(actions: Commands) -> None:
     command.add_argument(
         "--truth", type=Path, metavar="TRUTHS", help="true effects of --folder, read after all diagnoses are written"
     )
-    command.add_argument("--workers", type=count, metavar="N", help="processes (default: one a processor)")
+    command.add_argument("--workers", type=positive_integer, metavar="N", help="processes (default: one a processor)")
     command.add_argument("--scheduler", metavar="ADDRESS", help="of Dask, whose workers see the folder (default: none)")
     command.set_defaults(module="gap_blind", out_is_folder=True)
 
@@ -126,9 +126,11 @@ def _add_export(actions: Commands) -> None:
     )
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help=".npz, .mat, .xml or .uff")
     command.add_argument("--test", choices=("impact", "sine"), help="only this one (default: all, for mjcf the impact)")
-    command.add_argument("--rate", type=positive, metavar="HZ", help="npz and mat: in steps of this rate too")
+    command.add_argument("--rate", type=positive_number, metavar="HZ", help="npz and mat: in steps of this rate too")
     command.add_argument("--on", type=Path, metavar="CAMPAIGN", help="measure its gap to these records, in this form")
-    command.add_argument("--records", type=count, metavar="N", help="at most so many of them (default: all held out)")
+    command.add_argument(
+        "--records", type=positive_integer, metavar="N", help="at most so many of them (default: all held out)"
+    )
     command.add_argument("--json", type=Path, metavar="FILE", help="write what was measured as JSON")
     command.set_defaults(module="gap_export")
 

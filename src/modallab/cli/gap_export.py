@@ -5,13 +5,13 @@ import argparse
 from modallab.cli.console import console_of, write_json
 from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import only_with
-from modallab.core.digits import part_of, rounded
+from modallab.core.digits import part_of, three_digits
 from modallab.core.errors import PlanError
 from modallab.core.progress import report_progress_to
 from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.gap.exported.forms import FORMS, InForm, in_form, tests_of, write_form
+from modallab.gap.exported.forms import FORMS, InForm, measure_form, tests_of, write_form
 
 STEPPED = ("npz", "mat")
 """Forms that can hold the system in steps of time."""
@@ -37,17 +37,18 @@ def run(arguments: argparse.Namespace) -> int:
     if campaign is None:
         return 0
     with console.status("playing the records") as status, report_progress_to(lambda _, words: status.update(words)):
-        found = in_form(form, diagnosis, campaign, tests, arguments.records)
-    console.print(said(found), markup=False, soft_wrap=True)
+        found = measure_form(form, diagnosis, campaign, tests, arguments.records)
+    console.print(form_in_words(found), markup=False, soft_wrap=True)
     if arguments.json is not None:
         write_json(arguments.json, found.model_dump(mode="json"))
     return 0
 
 
-def said(found: InForm) -> str:
+def form_in_words(found: InForm) -> str:
     """How far the form is from the bench, in one sentence."""
     share = "" if found.closed is None else f", {part_of(found.closed)} closed"
     return (
-        f"In this form the gap is {rounded(found.before)} noise units before and {rounded(found.after)} after{share}; "
-        f"that of the twin itself is {rounded(found.twin_after)}. On {len(found.records)} records."
+        f"In this form the gap is {three_digits(found.before)} noise units before and "
+        f"{three_digits(found.after)} after{share}; "
+        f"that of the twin itself is {three_digits(found.twin_after)}. On {len(found.records)} records."
     )

@@ -11,17 +11,17 @@ from modallab.cli.options import only_with
 from modallab.cli.progress import Display
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.digits import percent, probability
+from modallab.core.digits import percent_text, probability_text
 from modallab.core.errors import PlanError, RigError
 from modallab.core.hold_out import SPREAD
 from modallab.core.progress import report_progress_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.gap.design.continued import continued
+from modallab.gap.design.continued import continue_campaign
 from modallab.gap.design.experiments import DECIDES, Experiment, next_experiments
 from modallab.gap.design.explanations import remaining_explanations
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.words.verdicts import sentence
+from modallab.gap.words.verdicts import verdict_sentence
 from modallab.service.campaigns.local_session import record_campaign
 
 SHOWN = 6
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
             where=campaign.rig.name,
             remedy=diagnosis.next_experiment or "add a sensor where the explanations differ",
         )
-    console.print(_said(found[0]), markup=False)
+    console.print(_experiment_in_words(found[0]), markup=False)
     return _go_on(console, campaign, diagnosis, found[0], arguments) if arguments.run_it else 0
 
 
@@ -58,25 +58,25 @@ def _go_on(
         raise RigError("names no bench", where=campaign.rig.name, remedy="give --bench ADDRESS, or a field bench")
     with Display(console) as display:
         later = record_campaign(url, campaign.rig, best.plans, arguments.data, display.notify)
-    whole = continued(campaign, later)
+    whole = continue_campaign(campaign, later)
     if arguments.out is not None:
         write_campaign(whole, arguments.out)
     with console.status("reading the records") as status, report_progress_to(lambda _, words: status.update(words)):
         diagnosis = diagnose(whole, SPREAD, known=remaining_explanations(before))
-    console.print(sentence(diagnosis, [c.name for c in whole.rig.channels]), markup=False)
+    console.print(verdict_sentence(diagnosis, [c.name for c in whole.rig.channels]), markup=False)
     if arguments.json is not None:
         write_json(arguments.json, diagnosis.model_dump(mode="json"))
     return 0
 
 
-def _said(best: Experiment) -> str:
+def _experiment_in_words(best: Experiment) -> str:
     return (
-        f"{best.says} Expected: the right explanation gets a probability of {probability(best.expected)};"
-        f" {_long(best.seconds)} at the bench."
+        f"{best.says} Expected: the right explanation gets a probability of {probability_text(best.expected)};"
+        f" {_duration_in_words(best.seconds)} at the bench."
     )
 
 
-def _long(seconds: float) -> str:
+def _duration_in_words(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 60:.0f} min"
 
 
@@ -90,5 +90,5 @@ def _table(found: list[Experiment]) -> Table:
         title=f"likeliest explanation so far: {now}",
     )
     for e in found[:SHOWN]:
-        table.add_row(e.name, _long(e.seconds), probability(e.expected), percent(e.alone))
+        table.add_row(e.name, _duration_in_words(e.seconds), probability_text(e.expected), percent_text(e.alone))
     return table

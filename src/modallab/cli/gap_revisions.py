@@ -9,15 +9,15 @@ from rich.table import Table
 
 from modallab.cli.console import console_of, write_json
 from modallab.cli.gap import read_diagnosis
-from modallab.core.digits import rounded
+from modallab.core.digits import three_digits
 from modallab.core.progress import report_progress_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig, write_rig
 from modallab.gap.revisions.apply import with_diagnosis
-from modallab.gap.revisions.history import Step, history
+from modallab.gap.revisions.history import RevisionStep, revision_history
 from modallab.reporting.revisions_report import write_revisions_report
 
-_STEPS: TypeAdapter[list[Step]] = TypeAdapter(list[Step])
+_STEPS: TypeAdapter[list[RevisionStep]] = TypeAdapter(list[RevisionStep])
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -40,7 +40,7 @@ def _history(arguments: argparse.Namespace) -> int:
     campaigns = [read_campaign(path, rig) for path in arguments.on or ()]
     console = console_of(arguments)
     with console.status("reading the records") as status, report_progress_to(lambda _, words: status.update(words)):
-        steps = history(rig, campaigns)
+        steps = revision_history(rig, campaigns)
     console.print(_table(steps))
     if arguments.json is not None:
         write_json(arguments.json, _STEPS.dump_python(steps, mode="json"))
@@ -50,9 +50,9 @@ def _history(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _table(steps: list[Step]) -> Table:
+def _table(steps: list[RevisionStep]) -> Table:
     table = Table("revision", "with", "gap when applied", *steps[0].measured)
     for step in steps:
-        gap = "" if step.gap is None else rounded(step.gap)
+        gap = "" if step.gap is None else three_digits(step.gap)
         table.add_row(str(step.number), step.effects, gap, *(f"{v:.3g}" for v in step.measured.values()))
     return table

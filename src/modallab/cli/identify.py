@@ -14,19 +14,19 @@ from modallab.core.errors import ConfigurationError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.estimator import USUAL
-from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
+from modallab.identification.options import USUAL_RESPONSE, IdentificationOptions, ResponseMethod
 from modallab.identification.selection.assumptions import CANNOT_BE_SAID
-from modallab.identification.setups.compare import Compared
+from modallab.identification.setups.compare import ComparedSetUp
 from modallab.identification.setups.readings import SetUpReading
-from modallab.pipelines.identify import Result
+from modallab.pipelines.identify import CampaignResult
 from modallab.pipelines.model_file import model_document
 from modallab.pipelines.report import report_content, truth_of
 from modallab.pipelines.response_only import identify_chosen
 from modallab.pipelines.response_setups import identify_response_setups
-from modallab.pipelines.setups import Joined, identify_setups
+from modallab.pipelines.setups import JoinedSetups, identify_setups
 from modallab.reporting.report import write_report
 from modallab.reporting.table import modal_table
-from modallab.reporting.waiting import waiting
+from modallab.reporting.waiting import waiting_line
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -38,12 +38,12 @@ def run(arguments: argparse.Namespace) -> int:
         _require_plain(arguments)
     if len(campaigns) > 1 and (arguments.response_only or all(c.rig.force is None for c in campaigns)):
         _, how = response_choice(arguments.response_only)
-        with waiting("identifying", progress=not arguments.hush):
+        with waiting_line("identifying", progress=not arguments.hush):
             merged = identify_response_setups(campaigns, options, arguments.test, how)
         _show(console, merged.campaign, merged.result, arguments, merged.readings)
         return 0
     if len(campaigns) > 1:
-        with waiting("identifying", progress=not arguments.hush):
+        with waiting_line("identifying", progress=not arguments.hush):
             joined = identify_setups(campaigns, options)
         show_joined(console, joined, arguments.report)
         if arguments.json is not None:
@@ -51,14 +51,14 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     (campaign,) = campaigns
     alone, how = response_choice(arguments.response_only)
-    with waiting("identifying", progress=not arguments.hush):
+    with waiting_line("identifying", progress=not arguments.hush):
         result = identify_chosen(campaign, options, arguments.test, response_only=alone, method=how)
     _show(console, campaign, result, arguments)
     return 0
 
 
-def _options(arguments: argparse.Namespace) -> Options:
-    return Options(
+def _options(arguments: argparse.Namespace) -> IdentificationOptions:
+    return IdentificationOptions(
         method=arguments.method,
         band_hz=None if arguments.band is None else (float(arguments.band[0]), float(arguments.band[1])),
         max_order=arguments.order,
@@ -72,7 +72,7 @@ def _options(arguments: argparse.Namespace) -> Options:
 def _show(
     console: Console,
     campaign: Campaign,
-    result: Result,
+    result: CampaignResult,
     arguments: argparse.Namespace,
     setups: Sequence[SetUpReading] = (),
 ) -> None:
@@ -111,7 +111,7 @@ def _require_plain(arguments: argparse.Namespace) -> None:
         )
 
 
-def show_joined(console: Console, joined: Joined, report: Path | None) -> None:
+def show_joined(console: Console, joined: JoinedSetups, report: Path | None) -> None:
     """The joined model of several set-ups, how far they agree, and the report if one is asked for."""
     console.print(result_table(joined.campaign, joined.result))
     console.print(setups_table(joined.compared))
@@ -122,7 +122,7 @@ def show_joined(console: Console, joined: Joined, report: Path | None) -> None:
         console.print(f"report: {report}", markup=False)
 
 
-def setups_table(compared: Sequence[Compared]) -> Table:
+def setups_table(compared: Sequence[ComparedSetUp]) -> Table:
     """Frequency shift of every mode in every set-up, and the amplitude that the reference reads, in % and sigmas."""
     table = Table("set-up", "against", "mode", "frequency [%]", "sigmas", "reference [%]", "sigmas")
     for item in compared:
@@ -140,14 +140,14 @@ def setups_table(compared: Sequence[Compared]) -> Table:
     return table
 
 
-def result_table(campaign: Campaign, result: Result) -> Table:
+def result_table(campaign: Campaign, result: CampaignResult) -> Table:
     """The modes of every test, with the truth where the campaign knows it."""
     items = result.identified
     confidence = [None if item.assessment is None else item.assessment.confidence for item in items]
     return modal_table([item.model for item in items], truth_of(campaign), confidence)
 
 
-def print_remarks(console: Console, result: Result) -> None:
+def print_remarks(console: Console, result: CampaignResult) -> None:
     """FRAC, notes and what is not available, a line each."""
     for item in result.identified:
         if item.verification is not None:

@@ -15,12 +15,12 @@ from modallab.formats.draft import assumptions, write_draft
 from modallab.formats.importer import import_recordings
 from modallab.formats.rig.rig_file import read_rig
 from modallab.pipelines.results import holds_results_only, import_results
-from modallab.reporting.waiting import waiting
+from modallab.reporting.waiting import waiting_line
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Read all sources, write the campaign, print what it holds."""
-    arguments.sources = [file for source in arguments.sources for file in _files(source)]
+    arguments.sources = [file for source in arguments.sources for file in _files_of_pattern(source)]
     out: Path = arguments.out
     said = {name: getattr(arguments, one.called or name) for name, one in ASKED.items()}
     said["array_map"] = None if arguments.map is None else read_map(arguments.map)
@@ -29,11 +29,11 @@ def run(arguments: argparse.Namespace) -> int:
         for line in import_results(arguments.sources[0], out):
             console.print(line, markup=False, highlight=False)
         return 0
-    with waiting("reading", progress=not arguments.hush):
+    with waiting_line("reading", progress=not arguments.hush):
         known = None if arguments.rig is None else read_rig(arguments.rig)
         campaign = import_recordings(arguments.sources, known, said)
     write_campaign(campaign, out)
-    console.print(_contents(campaign))
+    console.print(_contents_table(campaign))
     for note in campaign.provenance.get("notes", "").splitlines():
         console.print(f"note: {note}", markup=False, highlight=False)
     console.print(f"campaign: {out}", markup=False, highlight=False)
@@ -46,17 +46,17 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _files(source: Path) -> list[Path]:
+def _files_of_pattern(source: Path) -> list[Path]:
     """What a pattern stands for: the command prompt of Windows hands it on as it was typed."""
     if source.exists() or not any(mark in source.name for mark in "*?"):
         return [source]
     return sorted(source.parent.glob(source.name)) or [source]
 
 
-def _contents(campaign: Campaign) -> Table:
+def _contents_table(campaign: Campaign) -> Table:
     """One line for all blocks that are alike, one for each FRF matrix."""
     table = Table("blocks", "test", "channels", "rate Hz", "duration s", "units")
-    for row, count in Counter(_row(block) for block in campaign.blocks).items():
+    for row, count in Counter(_contents_row(block) for block in campaign.blocks).items():
         table.add_row(str(count), *row)
     for frf in campaign.frfs:
         outputs, inputs, lines = frf.values.shape
@@ -65,7 +65,7 @@ def _contents(campaign: Campaign) -> Table:
     return table
 
 
-def _row(block: Block) -> tuple[str, str, str, str, str]:
+def _contents_row(block: Block) -> tuple[str, str, str, str, str]:
     units = {unit: [c for c, u in zip(block.channels, block.units, strict=True) if u == unit] for unit in block.units}
     named = [f"{unit} ({names[0] if len(names) == 1 else len(names)})" for unit, names in units.items()]
     return block.test, f"{len(block.channels)}", f"{block.rate_hz:g}", f"{block.duration_s:g}", ", ".join(named)

@@ -2,20 +2,20 @@
 
 import argparse
 
-from modallab.cli.model_change import absorber, couple, free, modify, tune
+from modallab.cli.model_change import absorber, couple, free_band, modify, tune
 from modallab.cli.model_other import compare, update
 from modallab.cli.model_predicted import frf, response, state_space
-from modallab.cli.model_ready import ready
-from modallab.cli.model_understood import nodes, parts, shape
+from modallab.cli.model_ready import prepare_model
+from modallab.cli.model_understood import show_nodes, show_participation, show_shape
 from modallab.formats.rig.rig_file import read_rig
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Make the model ready, and do what was asked for."""
     rig = None if arguments.rig is None else read_rig(arguments.rig)
-    known, measured = ready(arguments.model, rig, arguments.test, progress=not arguments.hush)
+    known, measured = prepare_model(arguments.model, rig, arguments.test, progress=not arguments.hush)
     if arguments.action == "shape":
-        shape(known, measured, arguments)
+        show_shape(known, measured, arguments)
     else:
         ACTIONS[arguments.action](known, arguments)
     return 0
@@ -25,13 +25,13 @@ ACTIONS = {
     "modify": modify,
     "couple": couple,
     "tune": tune,
-    "free": free,
+    "free": free_band,
     "absorber": absorber,
     "frf": frf,
     "response": response,
     "state-space": state_space,
-    "participation": parts,
-    "nodes": nodes,
+    "participation": show_participation,
+    "nodes": show_nodes,
     "compare": compare,
     "update": update,
 }

@@ -7,18 +7,18 @@ from dataclasses import asdict
 import numpy as np
 
 from modallab.cli.console import console_of, show_rows, write_json
-from modallab.cli.model_ready import ready
+from modallab.cli.model_ready import prepare_model
 from modallab.core.errors import ConfigurationError
-from modallab.modification.attachments import Addition, Coupled, Element, RigidLink, TunedAbsorber
+from modallab.modification.attachments import AttachedPart, Coupled, Element, RigidLink, TunedAbsorber
 from modallab.modification.free_band import FreeBand, kept_free
-from modallab.modification.inverse import Answer, best_absorber, tuned
-from modallab.modification.known import Known
+from modallab.modification.inverse import ChangeAtPoint, best_absorber, changes_for_frequency
+from modallab.modification.known import KnownStructure
 from modallab.pipelines.structure_gap import read_reference
-from modallab.reporting.modified_table import checked, modified_rows
+from modallab.reporting.modified_table import check_predictions, modified_rows
 from modallab.reporting.tuned_table import absorber_rows, free_rows, tuned_rows
 
 
-def modify(known: Known, arguments: argparse.Namespace) -> None:
+def modify(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """The modes with what is added."""
     changes = list(_changes(arguments))
     if not changes:
@@ -28,21 +28,21 @@ def modify(known: Known, arguments: argparse.Namespace) -> None:
     _show_changed(known, changes, arguments)
 
 
-def couple(known: Known, arguments: argparse.Namespace) -> None:
+def couple(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """The modes with another structure held to it, or taken away."""
-    other, _ = ready(arguments.other, None, None, progress=not arguments.hush)
+    other, _ = prepare_model(arguments.other, None, None, progress=not arguments.hush)
     sign = -1 if arguments.remove else 1
     pairs = [(a, b) for a, b in arguments.pair]
     held = Coupled(other.structure, pairs, arguments.joint, sign, samples=other.samples)
     _show_changed(known, [held], arguments)
 
 
-def _show_changed(known: Known, changes: Sequence[Addition], arguments: argparse.Namespace) -> None:
+def _show_changed(known: KnownStructure, changes: Sequence[AttachedPart], arguments: argparse.Namespace) -> None:
     changed = known.with_changes(changes)
     m, words = changed.modes, [c.words for c in changes]
     show_rows(arguments, modified_rows(changed, words))
     if arguments.check is not None:
-        for one in checked(m, read_reference(arguments.check, known.stated_rig, known.model).model):
+        for one in check_predictions(m, read_reference(arguments.check, known.stated_rig, known.model).model):
             console_of(arguments).print(one.words, markup=False, highlight=False, soft_wrap=True)
     if arguments.json is not None:
         arrays = ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma", "outside", "mac")
@@ -51,7 +51,7 @@ def _show_changed(known: Known, changes: Sequence[Addition], arguments: argparse
         write_json(arguments.json, {"changes": words, **document})
 
 
-def _changes(arguments: argparse.Namespace) -> Iterator[Addition]:
+def _changes(arguments: argparse.Namespace) -> Iterator[AttachedPart]:
     a = arguments
     if a.mass or a.spring or a.damper:
         if a.at is None:
@@ -65,30 +65,30 @@ def _changes(arguments: argparse.Namespace) -> Iterator[Addition]:
         yield RigidLink(*a.link)
 
 
-def tune(known: Known, arguments: argparse.Namespace) -> None:
+def tune(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """The change that brings a mode to a frequency."""
     at = arguments.at or known.sensors
-    answers = tuned(known, arguments.mode, arguments.to, arguments.by, at)
+    answers = changes_for_frequency(known, arguments.mode, arguments.to, arguments.by, at)
     show_rows(arguments, tuned_rows(answers, arguments.by, arguments.mode, arguments.to))
     if arguments.json is not None:
-        write_json(arguments.json, {"answers": _documents(answers)})
+        write_json(arguments.json, {"answers": _print_documents(answers)})
 
 
-def free(known: Known, arguments: argparse.Namespace) -> None:
+def free_band(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """The change that leaves no mode in a band."""
     low, high = arguments.band
     answers = kept_free(known, (low, high), arguments.by, arguments.at or known.sensors)
     show_rows(arguments, free_rows(answers, arguments.by, (low, high)))
     if arguments.json is not None:
-        write_json(arguments.json, {"answers": _documents(answers)})
+        write_json(arguments.json, {"answers": _print_documents(answers)})
 
 
-def _documents(answers: Sequence[Answer] | Sequence[FreeBand]) -> list[dict[str, object]]:
+def _print_documents(answers: Sequence[ChangeAtPoint] | Sequence[FreeBand]) -> list[dict[str, object]]:
     unsaid = (None, float("inf"))
     return [{k: None if v != v or v in unsaid else v for k, v in asdict(a).items()} for a in answers]
 
 
-def absorber(known: Known, arguments: argparse.Namespace) -> None:
+def absorber(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """The absorber that leaves the least peak about a mode."""
     found = best_absorber(known, arguments.mode, arguments.at, arguments.mass)
     show_rows(arguments, absorber_rows(found, arguments.mode))

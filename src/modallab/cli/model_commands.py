@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from modallab.cli.model_predictions import MOTIONS, PREDICTED
-from modallab.cli.options import JSON_HELP, Commands, add_saying, count, positive
+from modallab.cli.options import JSON_HELP, Commands, add_saying, positive_integer, positive_number
 from modallab.core.units import TESTS
 
 
@@ -31,7 +31,9 @@ def _participation(actions: Commands) -> Any:
     command.add_argument("--at", type=int, required=True, metavar="POINT", help="of the force")
     command.add_argument("--of", type=int, required=True, metavar="POINT", help="of the motion")
     span = command.add_mutually_exclusive_group()
-    span.add_argument("--band", nargs=2, type=positive, metavar=("LO", "HI"), help="in Hz (default: the model's)")
+    span.add_argument(
+        "--band", nargs=2, type=positive_number, metavar=("LO", "HI"), help="in Hz (default: the model's)"
+    )
     span.add_argument("--after", nargs=2, type=float, metavar=("BEGIN", "END"), help="a time in s after a hit")
     command.add_argument("--quantity", choices=MOTIONS, default="velocity", help="of the motion")
     return command
@@ -45,7 +47,7 @@ def _shape(actions: Commands) -> Any:
     command = actions.add_parser("shape", help="the shape of a mode, or the deflection shape that was measured")
     which = command.add_mutually_exclusive_group(required=True)
     which.add_argument("--mode", type=int, metavar="N", help="from 1")
-    which.add_argument("--hz", type=positive, help="frequency of an operating deflection shape")
+    which.add_argument("--hz", type=positive_number, help="frequency of an operating deflection shape")
     command.add_argument("--at", type=int, metavar="POINT", help="of the force, with --hz")
     command.add_argument("--out", type=Path, metavar="FILE.gif", help="a picture that moves")
     return command
@@ -75,7 +77,7 @@ def _update(actions: Commands) -> Any:
         metavar=("NAME", "VALUE", "SIGMA"),
         help="of a parameter such as spring@8; 5%% is a deviation relative to the value",
     )
-    command.add_argument("--hold-out", nargs="+", type=count, metavar="MODE", help="modes that only check")
+    command.add_argument("--hold-out", nargs="+", type=positive_integer, metavar="MODE", help="modes that only check")
     return command
 
 

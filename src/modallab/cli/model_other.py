@@ -7,21 +7,21 @@ from modallab.cli.console import show_rows, write_json
 from modallab.core.errors import ConfigurationError, StorageError
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.pipelines.model_update import update_model
 from modallab.pipelines.structure_gap import read_reference
 from modallab.reporting.understood_table import correlation_rows
 from modallab.reporting.updated_table import parameter_rows, updated_document, updated_mode_rows
-from modallab.updating.correlation import Correlation, correlate
+from modallab.updating.correlation import ModelCorrelation, correlate_models
 from modallab.updating.prior import Prior
 
 
-def compare(known: Known, arguments: argparse.Namespace) -> None:
+def compare(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """Pairs of modes with another model."""
-    other = Known(read_reference(arguments.other, known.stated_rig, known.model).model, known.rig)
-    found = correlate(known, other)
+    other = KnownStructure(read_reference(arguments.other, known.stated_rig, known.model).model, known.rig)
+    found = correlate_models(known, other)
     if arguments.out is not None:
-        _draw(found, known.stated_rig, arguments.out)
+        _draw_pairs(found, known.stated_rig, arguments.out)
     show_rows(arguments, correlation_rows(found))
     about = {"pairs": [[i + 1, j + 1] for i, j in found.pairs], "freedoms": found.freedoms}
     arrays = {name: getattr(found, name).tolist() for name in ("mac", "frequency_hz", "damping_ratio", "comac")}
@@ -29,7 +29,7 @@ def compare(known: Known, arguments: argparse.Namespace) -> None:
         write_json(arguments.json, about | arrays)
 
 
-def _draw(found: Correlation, rig: Rig, path: Path) -> None:
+def _draw_pairs(found: ModelCorrelation, rig: Rig, path: Path) -> None:
     from modallab.reporting.figures.paired_shapes import paired_shapes
 
     if path.suffix not in (".svg", ".png"):
@@ -38,7 +38,7 @@ def _draw(found: Correlation, rig: Rig, path: Path) -> None:
         paired_shapes(found, rig).savefig(file, format=path.suffix[1:])
 
 
-def update(known: Known, arguments: argparse.Namespace) -> None:
+def update(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """Parameters of a model of the structure."""
     priors = dict(_prior(*given) for given in arguments.prior or ())
     found = update_model(known, arguments.fe, priors, arguments.hold_out or ())

@@ -14,13 +14,13 @@ from modallab.formats.frf_file import rig_of, write_frf
 from modallab.formats.time_series import read_columns, write_motion
 from modallab.modification.forces import force_samples
 from modallab.modification.frfs import lines_with_peaks
-from modallab.modification.known import Known
-from modallab.modification.motion import Motion
+from modallab.modification.known import KnownStructure
+from modallab.modification.motion import MotionOverTime
 from modallab.modification.structure import At
 from modallab.reporting.motion_table import motion_document, motion_rows
 
 
-def frf(known: Known, arguments: argparse.Namespace) -> None:
+def frf(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """FRFs as a file."""
     f = lines_with_peaks(known.model.band_hz, arguments.lines)
     found = known.frf(f, arguments.outputs, arguments.inputs, arguments.quantity)
@@ -30,10 +30,10 @@ def frf(known: Known, arguments: argparse.Namespace) -> None:
     console_of(arguments).print(summary, markup=False, highlight=False, soft_wrap=True)
 
 
-def response(known: Known, arguments: argparse.Namespace) -> None:
+def response(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """The motion that a force gives."""
     a = arguments
-    found = Motion.of(known, _force(a), a.step, a.at, a.of, a.quantity, a.between, _start(a))
+    found = MotionOverTime.of(known, _force_samples(a), a.step, a.at, a.of, a.quantity, a.between, _start_state(a))
     show_rows(a, motion_rows(found))
     if a.out is not None:
         write_motion(a.out, found.time, found.values, found.sigma, found.names, found.quantity)
@@ -42,16 +42,16 @@ def response(known: Known, arguments: argparse.Namespace) -> None:
         write_json(a.json, motion_document(found))
 
 
-def _force(a: argparse.Namespace) -> NDArray[np.float64]:
+def _force_samples(a: argparse.Namespace) -> NDArray[np.float64]:
     """(forces, samples) N."""
     if a.force is not None:
         return read_columns(a.force)
     if a.seconds is None:
         raise ConfigurationError("how long the force lasts is not said", remedy="add --seconds 10")
-    return force_samples(_kind(a), a.step, max(2, round(a.seconds / a.step)))[None]
+    return force_samples(_force_kind(a), a.step, max(2, round(a.seconds / a.step)))[None]
 
 
-def _kind(a: argparse.Namespace) -> ForceKind:
+def _force_kind(a: argparse.Namespace) -> ForceKind:
     try:
         if a.impulse is not None:
             return ImpulseForce(impulse_n_s=a.impulse)
@@ -65,7 +65,7 @@ def _kind(a: argparse.Namespace) -> ForceKind:
         raise DataError(f"this force cannot be: {first['msg']}", remedy="give finite numbers") from error
 
 
-def _start(a: argparse.Namespace) -> dict[Quantity, dict[At, float]] | None:
+def _start_state(a: argparse.Namespace) -> dict[Quantity, dict[At, float]] | None:
     given: dict[Quantity, list[list[float]] | None] = {"displacement": a.displaced, "velocity": a.moving}
     found: dict[Quantity, dict[At, float]] = {
         name: {int(point): value for point, value in pairs} for name, pairs in given.items() if pairs
@@ -73,7 +73,7 @@ def _start(a: argparse.Namespace) -> dict[Quantity, dict[At, float]] | None:
     return found or None
 
 
-def state_space(known: Known, arguments: argparse.Namespace) -> None:
+def state_space(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """A, B, C and D as a file."""
     of = arguments.of or known.sensors
     found = known.state_space(arguments.at, of, arguments.quantity)

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from modallab.cli.options import Commands, positive
+from modallab.cli.options import Commands, positive_number
 
 MOTIONS = ("displacement", "velocity", "acceleration")
 
@@ -18,8 +18,8 @@ def _response(actions: Commands) -> Any:
     force.add_argument("--sine", type=float, nargs=2, metavar=("HZ", "N"), help="from the first sample on")
     force.add_argument("--sweep", type=float, nargs=3, metavar=("HZ", "HZ", "N"), help="from, to, amplitude")
     force.add_argument("--random", type=Path, metavar="FILE", help="its spectrum: rows of Hz and N^2/Hz")
-    command.add_argument("--step", type=positive, required=True, metavar="S", help="between samples")
-    command.add_argument("--seconds", type=positive, help="how long a force lasts that is no file")
+    command.add_argument("--step", type=positive_number, required=True, metavar="S", help="between samples")
+    command.add_argument("--seconds", type=positive_number, help="how long a force lasts that is no file")
     command.add_argument("--seed", type=int, default=0, metavar="N", help="of --random (default: 0)")
     command.add_argument("--quantity", choices=MOTIONS, default="acceleration", help="of the motion")
     kinds = ("band-limited", "linear")
@@ -68,7 +68,7 @@ def _modify(actions: Commands) -> Any:
 def _tune(actions: Commands) -> Any:
     command = actions.add_parser("tune", help="the mass or spring that brings a mode to a frequency, at each point")
     command.add_argument("--mode", type=int, required=True, metavar="N", help="from 1")
-    command.add_argument("--to", type=positive, required=True, metavar="HZ", help="the frequency")
+    command.add_argument("--to", type=positive_number, required=True, metavar="HZ", help="the frequency")
     _add_by_and_at(command)
     return command
 
@@ -89,7 +89,9 @@ def _couple(actions: Commands) -> Any:
         metavar=("POINT", "OTHER"),
         help="points held together; repeat it for several",
     )
-    command.add_argument("--joint", type=positive, metavar="N/M", help="stiffness of each joint (default: rigid)")
+    command.add_argument(
+        "--joint", type=positive_number, metavar="N/M", help="stiffness of each joint (default: rigid)"
+    )
     command.add_argument("--remove", action="store_true", help="take it away from a measurement of both")
     _add_check(command)
     return command
@@ -97,7 +99,7 @@ def _couple(actions: Commands) -> Any:
 
 def _free(actions: Commands) -> Any:
     command = actions.add_parser("free", help="the mass or spring that leaves no mode in a band, at each point")
-    command.add_argument("--band", nargs=2, type=positive, required=True, metavar=("LO", "HI"), help="in Hz")
+    command.add_argument("--band", nargs=2, type=positive_number, required=True, metavar=("LO", "HI"), help="in Hz")
     _add_by_and_at(command)
     return command
 
@@ -106,7 +108,7 @@ def _absorber(actions: Commands) -> Any:
     command = actions.add_parser("absorber", help="the absorber that leaves the least peak about a mode")
     command.add_argument("--mode", type=int, required=True, metavar="N", help="from 1")
     command.add_argument("--at", type=int, required=True, metavar="POINT", help="where it hangs")
-    command.add_argument("--mass", type=positive, required=True, metavar="KG", help="of it")
+    command.add_argument("--mass", type=positive_number, required=True, metavar="KG", help="of it")
     return command
 
 

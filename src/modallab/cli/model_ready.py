@@ -9,15 +9,17 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.identification.options import Options
-from modallab.modification.known import Known
+from modallab.identification.options import IdentificationOptions
+from modallab.modification.known import KnownStructure
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import read_models
 from modallab.pipelines.model_use import known_of
-from modallab.reporting.waiting import waiting
+from modallab.reporting.waiting import waiting_line
 
 
-def ready(path: Path, rig: Rig | None, test: Test | None, *, progress: bool) -> tuple[Known, Frf | None]:
+def prepare_model(
+    path: Path, rig: Rig | None, test: Test | None, *, progress: bool
+) -> tuple[KnownStructure, Frf | None]:
     """A model ready for use, and the FRFs it was compared with where there are any.
 
     Args:
@@ -30,23 +32,23 @@ def ready(path: Path, rig: Rig | None, test: Test | None, *, progress: bool) -> 
         DataError: there is no model of the test, or nothing to read.
     """
     if path.suffix == ".json":
-        return Known(_chosen(read_models(path), test), rig or _beside(path)), None
+        return KnownStructure(_choose_model(read_models(path), test), rig or _rig_beside(path)), None
     campaign = read_campaign(path, rig)
     # The others take as long, and nobody asked for them.
     only = test if test and campaign.of(test) else None
-    with waiting("identifying", progress=progress):
-        result = identify_campaign(campaign, Options(), only)
-    model = _chosen([item.model for item in result.identified], test)
+    with waiting_line("identifying", progress=progress):
+        result = identify_campaign(campaign, IdentificationOptions(), only)
+    model = _choose_model([item.model for item in result.identified], test)
     verification = next(item.verification for item in result.identified if item.model is model)
     return known_of(campaign, model), None if verification is None else verification.measured
 
 
-def _beside(path: Path) -> Rig | None:
+def _rig_beside(path: Path) -> Rig | None:
     near = path.with_name("rig.yaml")
     return read_rig(near) if near.exists() else None
 
 
-def _chosen(models: tuple[ModalModel, ...] | list[ModalModel], test: str | None) -> ModalModel:
+def _choose_model(models: tuple[ModalModel, ...] | list[ModalModel], test: str | None) -> ModalModel:
     fitting = [m for m in models if test in (None, m.test)]
     if not fitting:
         there = ", ".join(str(m.test) for m in models) or "none"

@@ -9,11 +9,11 @@ from modallab.cli.console import console_of, show_rows, write_json
 from modallab.core.errors import ConfigurationError, DataError, StorageError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
-from modallab.modification.deflection import Deflection, mode_deflection, operating_deflection, spatial
+from modallab.modification.deflection import Deflection, mode_deflection, motion_in_space, operating_deflection
 from modallab.modification.freedoms import freedoms_of
-from modallab.modification.known import FRF_SAMPLES, Known
+from modallab.modification.known import FRF_SAMPLES, KnownStructure
 from modallab.modification.nodes import places_of_modes
-from modallab.modification.participation import participation
+from modallab.modification.participation import modal_participation
 from modallab.reporting.understood_table import (
     advice_of,
     deflection_rows,
@@ -22,11 +22,11 @@ from modallab.reporting.understood_table import (
 )
 
 
-def parts(known: Known, arguments: argparse.Namespace) -> None:
+def show_participation(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """Each mode's share of a response."""
     a = arguments
     band, after = (None if given is None else (given[0], given[1]) for given in (a.band, a.after))
-    found = participation(
+    found = modal_participation(
         known.between([a.of], [a.at]), known.samples.first(FRF_SAMPLES), a.at, a.of, a.quantity, band, after
     )
     show_rows(a, participation_rows(found, known.model.frequency_hz.tolist()))
@@ -34,7 +34,7 @@ def parts(known: Known, arguments: argparse.Namespace) -> None:
     _write(a, {name: getattr(found, name).tolist() for name in names} | {"outside": found.outside})
 
 
-def nodes(known: Known, arguments: argparse.Namespace) -> None:
+def show_nodes(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """Antinodes and nodes of each mode."""
     found = places_of_modes(known.structure, known.samples, known.model, known.rig)
     show_rows(arguments, node_rows(found))
@@ -44,9 +44,9 @@ def nodes(known: Known, arguments: argparse.Namespace) -> None:
     _write(arguments, about | motion | {"advice": advice_of(found)})
 
 
-def shape(known: Known, measured: Frf | None, arguments: argparse.Namespace) -> None:
+def show_shape(known: KnownStructure, measured: Frf | None, arguments: argparse.Namespace) -> None:
     """The shape of a mode, or an operating deflection shape."""
-    found = _deflection(known, measured, arguments)
+    found = _show_deflection(known, measured, arguments)
     if arguments.out is not None:
         _draw(found, known.stated_rig, arguments)
     show_rows(arguments, deflection_rows(found))
@@ -56,7 +56,7 @@ def shape(known: Known, measured: Frf | None, arguments: argparse.Namespace) -> 
     _write(arguments, about | values)
 
 
-def _deflection(known: Known, measured: Frf | None, arguments: argparse.Namespace) -> Deflection:
+def _show_deflection(known: KnownStructure, measured: Frf | None, arguments: argparse.Namespace) -> Deflection:
     if arguments.mode is not None:
         return mode_deflection(known.structure, known.samples, arguments.mode)
     if arguments.at is None:
@@ -72,7 +72,7 @@ def _draw(found: Deflection, rig: Rig, arguments: argparse.Namespace) -> None:
     path = arguments.out
     if path.suffix != ".gif":
         raise StorageError(f"{path.name} does not end with .gif", where=str(path), remedy="name it shape.gif")
-    Drawing(rig, spatial(rig, found), deflection_rows(found).caption).save(path)
+    Drawing(rig, motion_in_space(rig, found), deflection_rows(found).caption).save(path)
     console_of(arguments).print(f"moving picture: {path}", markup=False, highlight=False, soft_wrap=True)
 
 

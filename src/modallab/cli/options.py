@@ -22,9 +22,9 @@ def add_saying(command: Any) -> None:
     )
 
 
-def positive(text: str) -> float:
+def positive_number(text: str) -> float:
     """A number above 0, as the type of an option."""
-    value = _number(text)
+    value = _finite_number(text)
     if not 0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"is {text!r}; allowed: more than 0")
     return value
@@ -32,13 +32,13 @@ def positive(text: str) -> float:
 
 def not_negative(text: str) -> float:
     """A number from 0, as the type of an option."""
-    value = _number(text)
+    value = _finite_number(text)
     if not 0 <= value < float("inf"):
         raise argparse.ArgumentTypeError(f"is {text!r}; allowed: 0 or more")
     return value
 
 
-def count(text: str) -> int:
+def positive_integer(text: str) -> int:
     """A whole number from 1, as the type of an option."""
     try:
         value = int(text)
@@ -64,7 +64,7 @@ def only_with(needed: str, **given: object) -> None:
             raise UsageError(f"--{name} has no effect without {needed}", remedy=f"add {needed}, or leave out --{name}")
 
 
-def _number(text: str) -> float:
+def _finite_number(text: str) -> float:
     try:
         return float(text)
     except ValueError:

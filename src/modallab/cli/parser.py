@@ -7,14 +7,14 @@ from typing import Any
 from modallab.cli.data_commands import add_data_commands
 from modallab.cli.gap_commands import add_gap_commands
 from modallab.cli.model_commands import add_model_commands
-from modallab.cli.options import JSON_HELP, Commands, add_saying, count, not_negative, positive
+from modallab.cli.options import JSON_HELP, Commands, add_saying, not_negative, positive_integer, positive_number
 from modallab.cli.usage import Parser
 from modallab.core.units import FRF_ESTIMATORS, TESTS
 from modallab.formats.asked import ASKED, Asked, Kind
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
 
-_KINDS: dict[Kind, Any] = {"text": str, "number": positive, "count": count, "map": Path}
+_KINDS: dict[Kind, Any] = {"text": str, "number": positive_number, "count": positive_integer, "map": Path}
 
 
 def build_parser(version: str) -> argparse.ArgumentParser:
@@ -90,10 +90,10 @@ def _add_identify(commands: Commands) -> None:
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside the campaign")
     _add_estimation(command)
     command.add_argument(
-        "--pick", type=positive, nargs="+", metavar="HZ", help="keep only the modes within 2 %% of these"
+        "--pick", type=positive_number, nargs="+", metavar="HZ", help="keep only the modes within 2 %% of these"
     )
     command.add_argument(
-        "--drop", type=positive, nargs="+", metavar="HZ", help="leave out the modes within 2 %% of these"
+        "--drop", type=positive_number, nargs="+", metavar="HZ", help="leave out the modes within 2 %% of these"
     )
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
@@ -142,7 +142,7 @@ def _add_rig(commands: Commands) -> None:
     for command in (check, calibrate, mass):
         command.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
         command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
-        command.add_argument("--seconds", type=positive, default=3.0, help="length of the record in s")
+        command.add_argument("--seconds", type=positive_number, default=3.0, help="length of the record in s")
     reset = actions.add_parser("reset", help="reset a tripped rig, after somebody has looked at the bench")
     reset.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
     reset.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
@@ -171,7 +171,9 @@ def _add_calibration(calibrate: argparse.ArgumentParser) -> None:
     calibrate.add_argument(
         "--value", type=float, help="what the shunt stands for (SI), rms of the reference (SI), or the mass in kg"
     )
-    calibrate.add_argument("--frequency", type=positive, default=159.15, metavar="HZ", help="of the reference shaker")
+    calibrate.add_argument(
+        "--frequency", type=positive_number, default=159.15, metavar="HZ", help="of the reference shaker"
+    )
     calibrate.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
     calibrate.add_argument("--remark", default="", metavar="TEXT", help="goes into the history")
     calibrate.add_argument("--yes", action="store_true", help="do not wait for Enter")
@@ -180,7 +182,7 @@ def _add_calibration(calibrate: argparse.ArgumentParser) -> None:
 
 
 def _add_rigid_mass(mass: argparse.ArgumentParser) -> None:
-    mass.add_argument("--mass", type=positive, required=True, metavar="KG", help="with the accelerometer on it")
+    mass.add_argument("--mass", type=positive_number, required=True, metavar="KG", help="with the accelerometer on it")
     mass.add_argument("--when", required=True, choices=("before", "after"), help="the test")
     mass.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
     mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="of the campaign that it belongs to")

@@ -38,7 +38,9 @@ def run(arguments: argparse.Namespace) -> int:
         return _reset(url, arguments)
     bench = open_bench(url, rig)
     try:
-        return {"check": _check, "calibrate": _calibrate, "mass": _mass}[arguments.action](bench, rig, arguments)
+        return {"check": _check, "calibrate": _calibrate, "mass": _check_mass_ratio}[arguments.action](
+            bench, rig, arguments
+        )
     finally:
         bench.close()
 
@@ -100,7 +102,7 @@ def _calibrate(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
             remedy=f"choose one of {', '.join(c.name for c in rig.channels)}",
         )
     delivery = bench.configure(Request("impact", RATE_HZ))
-    found = _measure(bench, rig, delivery, channel, arguments)
+    found = _measure_calibration(bench, rig, delivery, channel, arguments)
     was = channel.sensitivity("impact")
     new = calibrate.with_calibration(rig, channel, arguments.method, found, date.today(), arguments.remark)  # noqa: DTZ011
     entry = new.history[-1]
@@ -114,11 +116,11 @@ def _calibrate(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _mass(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
+def _check_mass_ratio(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     console = Console()
     delivery = bench.configure(Request("impact", RATE_HZ))
     _wait_for(arguments, "strike or shake the free mass")
-    volts = _volts(bench, rig, delivery, arguments.seconds)
+    volts = _read_volts(bench, rig, delivery, arguments.seconds)
     sensor = _accelerometer(rig, arguments)
     ratio = measure_mass_ratio(rig, volts, sensor, arguments.mass, arguments.when, date.today())  # noqa: DTZ011
     judgements = judge_mass_ratios(add_mass_ratio(arguments.into, ratio))
@@ -155,31 +157,31 @@ def _accelerometer(rig: Rig, arguments: argparse.Namespace) -> Channel:
     )
 
 
-def _measure(
+def _measure_calibration(
     bench: Bench, rig: Rig, delivery: Delivery, channel: Channel, arguments: argparse.Namespace
 ) -> tuple[float, float]:
     def record(what: str) -> NDArray[np.float64]:
         _wait_for(arguments, what)
-        return _volts(bench, rig, delivery, arguments.seconds)
+        return _read_volts(bench, rig, delivery, arguments.seconds)
 
     row, value = channel.index, arguments.value
     if arguments.method == "turnover":
-        return calibrate.by_turnover(record("axis up")[row], record("axis down")[row])
+        return calibrate.sensitivity_by_turnover(record("axis up")[row], record("axis down")[row])
     if value is None:
         raise PlanError(f"the {arguments.method} calibration needs --value", remedy="see modallab rig calibrate --help")
     if arguments.method == "shunt":
-        return calibrate.by_step(record("shunt open")[row], record("shunt closed")[row], value)
+        return calibrate.sensitivity_by_step(record("shunt open")[row], record("shunt closed")[row], value)
     if arguments.method == "reference":
         volts = record("reference shaker on")[row]
-        return calibrate.by_reference(volts, delivery.rate_hz, arguments.frequency, value)
+        return calibrate.sensitivity_by_reference(volts, delivery.rate_hz, arguments.frequency, value)
     volts = record("shake the free mass")
     sensor = _accelerometer(rig, arguments)
     # Positive along the drive on both sides; the force channel's own direction turns its sensitivity back.
     acceleration = volts[sensor.index] / volts_per_si(rig, "impact")[sensor.index]
-    return calibrate.by_rigid_mass(sign_of(rig, channel) * volts[row], acceleration, value)
+    return calibrate.sensitivity_by_rigid_mass(sign_of(rig, channel) * volts[row], acceleration, value)
 
 
-def _volts(bench: Bench, rig: Rig, delivery: Delivery, seconds: float) -> NDArray[np.float64]:
+def _read_volts(bench: Bench, rig: Rig, delivery: Delivery, seconds: float) -> NDArray[np.float64]:
     bench.start()
     try:
         settle(bench, rig, delivery)

@@ -9,13 +9,13 @@ from pydantic import ValidationError
 
 from modallab.cli.demo_rig import demo_rig
 from modallab.core.errors import ConfigurationError, RigError
-from modallab.core.field_errors import sentences
+from modallab.core.field_errors import error_sentences
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.formats.rig.rig_file import read_rig
 from modallab.service.process.start_up import require_scheduler, require_token, settle_database, token_path
-from modallab.service.process.supervisor import Supervisor
-from modallab.service.process.tls import fingerprint, settle_tls
+from modallab.service.process.supervisor import ServiceSupervisor
+from modallab.service.process.tls import certificate_fingerprint, settle_tls
 from modallab.service.process.workers import set_up
 
 OPTIONS = (
@@ -34,12 +34,12 @@ def run(arguments: argparse.Namespace) -> int:
     settings = settle_tls(settings)
     settle_database(settings)
     require_scheduler(settings)
-    with Supervisor(settings, rigs, token) as supervisor:
+    with ServiceSupervisor(settings, rigs, token) as supervisor:
         signal.signal(signal.SIGTERM, lambda _number, _frame: supervisor.ask_to_close())
         place = supervisor.place
         print(f"modallab serves at {settings.scheme}://{place.host}:{place.port}/, the API is at /docs")
         if settings.tls_self_signed and settings.tls_cert is not None:
-            print(f"certificate:       {settings.tls_cert}, SHA-256 {fingerprint(settings.tls_cert)}")
+            print(f"certificate:       {settings.tls_cert}, SHA-256 {certificate_fingerprint(settings.tls_cert)}")
         print(f"emergency stop:    curl -X POST {settings.scheme}://{place.host}:{place.stop_port}/emergency-stop")
         print(f"token:             {'as set' if settings.token else token_path(settings)}")
         if arguments.open:
@@ -55,7 +55,8 @@ def _settings(given: dict[str, Any]) -> Settings:
         return Settings(**given)
     except ValidationError as error:
         raise ConfigurationError(
-            "; ".join(sentences(error)), remedy="change the option, or the variable MODALLAB_... of the environment"
+            "; ".join(error_sentences(error)),
+            remedy="change the option, or the variable MODALLAB_... of the environment",
         ) from error
 
 

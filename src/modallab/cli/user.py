@@ -10,7 +10,7 @@ from rich.console import Console
 from modallab.cli.backup import require_data
 from modallab.core.documents.users import TokenNew, UserNew
 from modallab.core.errors import DataError
-from modallab.core.field_errors import sentences
+from modallab.core.field_errors import error_sentences
 from modallab.service.records.users import Users
 from modallab.storage import Store
 
@@ -24,13 +24,13 @@ def run(arguments: argparse.Namespace) -> int:
             {"add": _add, "token": _token, "list": _list, "revoke": _revoke}[arguments.action](users, arguments)
         except ValidationError as error:
             raise DataError(
-                "; ".join(sentences(error)), where=f"user {arguments.action}", remedy="change the option"
+                "; ".join(error_sentences(error)), where=f"user {arguments.action}", remedy="change the option"
             ) from error
     return 0
 
 
 def _add(users: Users, arguments: argparse.Namespace) -> None:
-    users.add(UserNew(name=arguments.name, role=arguments.role), _who())
+    users.add(UserNew(name=arguments.name, role=arguments.role), _operator_name())
     _token(users, arguments)
 
 
@@ -38,7 +38,7 @@ def _token(users: Users, arguments: argparse.Namespace) -> None:
     role = arguments.role if arguments.action == "token" else None
     rigs = tuple(arguments.rig or ())
     new = TokenNew(label=arguments.label, role=role, rigs=rigs, ttl_days=arguments.days)
-    made = users.make_token(arguments.name, new, _who())
+    made = users.make_token(arguments.name, new, _operator_name())
     until = f", until {made.about.expires_utc}" if made.about.expires_utc else ""
     _print([f"token {made.about.id} of {arguments.name}, {made.about.role}{until}; shown this once:", made.token])
 
@@ -56,14 +56,14 @@ def _list(users: Users, _: argparse.Namespace) -> None:
 
 def _revoke(users: Users, arguments: argparse.Namespace) -> None:
     if arguments.token is None:
-        users.revoke(arguments.name, _who())
+        users.revoke(arguments.name, _operator_name())
         _print([f"{arguments.name}: no token counts any more"])
     else:
-        users.revoke_token(arguments.name, arguments.token, _who())
+        users.revoke_token(arguments.name, arguments.token, _operator_name())
         _print([f"token {arguments.token} of {arguments.name} does not count any more"])
 
 
-def _who() -> str:
+def _operator_name() -> str:
     return f"{getpass.getuser()} at the terminal"
 
 

@@ -5,7 +5,7 @@ from modallab.core.documents.campaigns import CampaignView
 from modallab.core.documents.runs import RunView
 
 
-def hidden(*, archived: bool, deleted: bool) -> dict[str, str]:
+def query_for_hidden(*, archived: bool, deleted: bool) -> dict[str, str]:
     """The query that lists what is hidden otherwise."""
     return {name: "true" for name, wanted in (("archived", archived), ("deleted", deleted)) if wanted}
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue
 
-from modallab.client.archive_calls import ArchiveCalls, hidden
+from modallab.client.archive_calls import ArchiveCalls, query_for_hidden
 from modallab.client.connection import AGAIN_S
 from modallab.client.held_lease import HeldLease
 from modallab.client.problem import require_good
@@ -93,11 +93,11 @@ class Client(ArchiveCalls, QueueCalls, UserCalls):
 
     def campaigns(self, *, archived: bool = False, deleted: bool = False) -> tuple[CampaignView, ...]:
         """All campaigns, the newest first; those that are archived or deleted only where they are asked for."""
-        return tuple(self._all(CampaignView, "/campaigns", hidden(archived=archived, deleted=deleted)))
+        return tuple(self._all(CampaignView, "/campaigns", query_for_hidden(archived=archived, deleted=deleted)))
 
     def runs(self, campaign: str, *, archived: bool = False, deleted: bool = False) -> tuple[RunView, ...]:
         """The runs of a campaign, the oldest first; archived or deleted ones only where they are asked for."""
-        query = hidden(archived=archived, deleted=deleted)
+        query = query_for_hidden(archived=archived, deleted=deleted)
         return tuple(self._all(RunView, f"/campaigns/{campaign}/runs", query))
 
     def campaign(self, campaign: str) -> CampaignView:

@@ -19,7 +19,7 @@ TRIES = 5
 _BROKEN = (httpx.ConnectError, httpx.ReadError, httpx.WriteError, httpx.RemoteProtocolError)
 
 
-class Held(Protocol):
+class RenewedLease(Protocol):
     """A lease, renewed or not."""
 
     @property
@@ -73,7 +73,7 @@ class Connection:
         return kind.model_validate_json(self._send("GET", path, query=query).content)
 
     def _post(
-        self, kind: type[Document], path: str, body: BaseModel | None = None, lease: Held | None = None
+        self, kind: type[Document], path: str, body: BaseModel | None = None, lease: RenewedLease | None = None
     ) -> Document:
         return kind.model_validate_json(self._send("POST", path, body, lease).content)
 
@@ -82,7 +82,7 @@ class Connection:
         method: str,
         path: str,
         body: BaseModel | None = None,
-        lease: Held | None = None,
+        lease: RenewedLease | None = None,
         query: Mapping[str, str] | None = None,
     ) -> httpx.Response:
         headers = {} if lease is None else {"Modallab-Lease": lease.id}

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from modallab.client.connection import Connection, Held
+from modallab.client.connection import Connection, RenewedLease
 from modallab.core.documents.queue import ConsentNew, QueueItem, QueueItemNew, QueueOrder, QueueReason, QueueView
 from modallab.core.plan import Plan
 
@@ -31,11 +31,11 @@ class QueueCalls(Connection):
         """Have nothing begin; a run that is on goes on."""
         return self._post(QueueView, f"/rigs/{rig}/queue/pause", QueueReason(reason=reason))
 
-    def resume_queue(self, rig: str, lease: Held) -> QueueView:
+    def resume_queue(self, rig: str, lease: RenewedLease) -> QueueView:
         """Let it go on."""
         return self._post(QueueView, f"/rigs/{rig}/queue/resume", None, lease)
 
-    def consent(self, rig: str, lease: Held, *, drive: bool = False, at_bench: bool = False) -> QueueView:
+    def consent(self, rig: str, lease: RenewedLease, *, drive: bool = False, at_bench: bool = False) -> QueueView:
         """Let what waits now begin by itself: with `drive` tests that move the output, with `at_bench` impact tests."""
         new = ConsentNew(drive=drive, at_bench=at_bench)
         return QueueView.model_validate_json(self._send("PUT", f"/rigs/{rig}/queue/consent", new, lease).content)

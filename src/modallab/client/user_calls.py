@@ -39,15 +39,15 @@ class UserCalls(Connection):
 
     def change_user(self, name: str, role: Role) -> UserView:
         """Give a user another role."""
-        return UserView.model_validate_json(self._send("PATCH", _of(name), UserChange(role=role)).content)
+        return UserView.model_validate_json(self._send("PATCH", _path_of_user(name), UserChange(role=role)).content)
 
     def revoke_user(self, name: str) -> UserView:
         """Have no token of a user count any more."""
-        return UserView.model_validate_json(self._send("DELETE", _of(name)).content)
+        return UserView.model_validate_json(self._send("DELETE", _path_of_user(name)).content)
 
     def tokens(self, name: str) -> tuple[TokenView, ...]:
         """The tokens of a user."""
-        return self._get(Page[TokenView], f"{_of(name)}/tokens").items
+        return self._get(Page[TokenView], f"{_path_of_user(name)}/tokens").items
 
     def make_token(
         self,
@@ -59,12 +59,12 @@ class UserCalls(Connection):
     ) -> TokenMade:
         """Make a token for a user; it is shown this once."""
         new = TokenNew(label=label, role=role, rigs=tuple(rigs), ttl_days=ttl_days)
-        return self._post(TokenMade, f"{_of(name)}/tokens", new)
+        return self._post(TokenMade, f"{_path_of_user(name)}/tokens", new)
 
     def revoke_token(self, name: str, token: str) -> TokenView:
         """Have a token not count any more; `token` is its id."""
-        return TokenView.model_validate_json(self._send("DELETE", f"{_of(name)}/tokens/{token}").content)
+        return TokenView.model_validate_json(self._send("DELETE", f"{_path_of_user(name)}/tokens/{token}").content)
 
 
-def _of(name: str) -> str:
+def _path_of_user(name: str) -> str:
     return f"/users/{quote(name, safe='')}"

@@ -20,12 +20,12 @@ MIN_STEP = 10.0
 """A step must stand so many times above what its mean is known to."""
 
 
-def by_turnover(up: Volts, down: Volts) -> tuple[float, float]:
+def sensitivity_by_turnover(up: Volts, down: Volts) -> tuple[float, float]:
     """V per m/s^2 and its sigma from (n,) volts with the sensor's axis up, then down: twice gravity apart."""
-    return by_step(down, up, 2 * STANDARD_GRAVITY)
+    return sensitivity_by_step(down, up, 2 * STANDARD_GRAVITY)
 
 
-def by_step(without: Volts, with_: Volts, step: float) -> tuple[float, float]:
+def sensitivity_by_step(without: Volts, with_: Volts, step: float) -> tuple[float, float]:
     """V per unit and its sigma from (n,) volts without and with a known step, as a shunt resistor makes one.
 
     Raises:
@@ -41,7 +41,7 @@ def by_step(without: Volts, with_: Volts, step: float) -> tuple[float, float]:
     return found / step, sigma / abs(step)
 
 
-def by_reference(volts: Volts, rate_hz: float, frequency_hz: float, rms: float) -> tuple[float, float]:
+def sensitivity_by_reference(volts: Volts, rate_hz: float, frequency_hz: float, rms: float) -> tuple[float, float]:
     """V per unit and its sigma from (n,) volts on a reference shaker of a known rms value.
 
     Raises:
@@ -55,7 +55,7 @@ def by_reference(volts: Volts, rate_hz: float, frequency_hz: float, rms: float) 
     return amplitude / (rms * np.sqrt(2)), float(sigma) / (rms * np.sqrt(2))
 
 
-def by_rigid_mass(force_volts: Volts, acceleration: Volts, mass_kg: float) -> tuple[float, float]:
+def sensitivity_by_rigid_mass(force_volts: Volts, acceleration: Volts, mass_kg: float) -> tuple[float, float]:
     """V per N and its sigma from (n,) volts of a force transducer that shakes a free mass, and its m/s^2.
 
     Least squares of the volts on m a, as F = m a.

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.commissioning.calibrate import by_rigid_mass
+from modallab.commissioning.calibrate import sensitivity_by_rigid_mass
 from modallab.core.metrology import MassRatio
 from modallab.core.rig import Channel, Rig
 from modallab.signals.conversion import volts_per_si
@@ -23,7 +23,7 @@ def measure_mass_ratio(
     per_si = volts_per_si(rig, "impact")
     force = rig.force_channel.index
     acceleration = volts[sensor.index] / per_si[sensor.index]
-    slope, sigma = by_rigid_mass(volts[force], acceleration, mass_kg)
+    slope, sigma = sensitivity_by_rigid_mass(volts[force], acceleration, mass_kg)
     believed = abs(per_si[force])
     return MassRatio(
         date=on,

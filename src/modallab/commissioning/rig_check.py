@@ -40,7 +40,7 @@ def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[Finding]:
         bench.stop()
     volts = samples * volts_per_count(rig, "impact", delivery.units, delivery.scale)[:, None]
     for channel, row, flag in zip(rig.channels, volts, over, strict=True):
-        findings += _of_channel(channel, rig, row, bool(flag))
+        findings += _check_channel(channel, rig, row, bool(flag))
     return findings
 
 
@@ -58,7 +58,7 @@ def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[F
     settle(bench, rig, delivery)
     sensors = [c for c in rig.responses if c.point is not None and c.quantity == "acceleration"]
     try:
-        return [_tap(bench, delivery, conversion, channel, ask) for channel in sensors]
+        return [_check_by_tap(bench, delivery, conversion, channel, ask) for channel in sensors]
     finally:
         bench.stop()
 
@@ -114,7 +114,7 @@ def _read(bench: Bench, delivery: Delivery, seconds: float) -> tuple[NDArray[np.
     return take(bench, delivery.rate_hz, seconds)
 
 
-def _of_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bool) -> list[Finding]:
+def _check_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bool) -> list[Finding]:
     noise, offset = float(volts.std()), float(volts.mean())
     believed = rig.converter.noise_rms_v if rig.converter else 0.0
     range_v = channel.range_v or (rig.converter.range_v if rig.converter else np.inf)
@@ -159,7 +159,7 @@ def _known_of(channel: Channel, sensed: dict[str, float]) -> str:
     return "; ".join(named)
 
 
-def _tap(
+def _check_by_tap(
     bench: Bench, delivery: Delivery, conversion: Conversion, channel: Channel, ask: Callable[[int], None]
 ) -> Finding:
     assert channel.point is not None

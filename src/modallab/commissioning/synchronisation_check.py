@@ -36,7 +36,7 @@ RAMP_S = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class Delay:
+class ChannelDelay:
     """By how much one channel lags another."""
 
     seconds: float
@@ -82,7 +82,7 @@ def check_common_signal(bench: Bench, rig: Rig, names: tuple[str, str], volts: f
     Raises:
         PlanError: no such channel.
     """
-    rows = [_row(rig, name) for name in names]
+    rows = [_row_of_channel(rig, name) for name in names]
     delivery = bench.configure(Request("impact", RATE_HZ))
     bench.start()
     try:
@@ -103,7 +103,7 @@ def check_common_signal(bench: Bench, rig: Rig, names: tuple[str, str], volts: f
     return Finding(between, "phase", value, "good" if abs(phase) + 2 * sigma <= LIMIT_DEGREES else sure)
 
 
-def delay_between(one: NDArray[np.float64], other: NDArray[np.float64], rate_hz: float) -> Delay | None:
+def delay_between(one: NDArray[np.float64], other: NDArray[np.float64], rate_hz: float) -> ChannelDelay | None:
     """By how much the (n,) samples `other` lag `one`, by their cross-spectrum; None where they share no signal.
 
     Lines count by their coherence; the variance of the phase of a line is (1 - c) / (2 c m) for coherence c over m
@@ -130,7 +130,7 @@ def delay_between(one: NDArray[np.float64], other: NDArray[np.float64], rate_hz:
     # Neighbouring lines of a Hann window share 1.5 lines of noise.
     information = float(weight @ omega**2) / 1.5
     slope = float((weight * omega) @ np.angle(cross[used])) / float(weight @ omega**2)
-    return Delay(slope + whole / rate_hz, information**-0.5)
+    return ChannelDelay(slope + whole / rate_hz, information**-0.5)
 
 
 def _whole_samples(one: NDArray[np.float64], other: NDArray[np.float64]) -> int:
@@ -143,7 +143,7 @@ def _whole_samples(one: NDArray[np.float64], other: NDArray[np.float64]) -> int:
     return int(peaks[np.argmin(np.abs(peaks))])
 
 
-def _row(rig: Rig, name: str) -> int:
+def _row_of_channel(rig: Rig, name: str) -> int:
     for channel in rig.channels:
         if channel.name == name:
             return channel.index

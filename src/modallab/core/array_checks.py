@@ -70,8 +70,8 @@ def check_signals(
     _check_shape(samples, channels, where)
     findings = _not_finite(samples, channels)
     if not findings:
-        findings = _dead(samples, channels, force, moving)
-    _reject(findings, where)
+        findings = _dead_channels(samples, channels, force, moving)
+    _reject_findings(findings, where)
 
 
 def identical_channels(samples: NDArray[Any], channels: Sequence[str]) -> tuple[tuple[str, str], ...]:
@@ -117,11 +117,11 @@ def check_frf(
         findings = [f for name, frf in zip(outputs, values, strict=True) for f in _frf_findings(name, frf)]
     else:
         findings = [_Finding(f"the FRF is {_real_kind(values)}: its phase is missing", _PHASE)]
-    _reject(findings, where)
+    _reject_findings(findings, where)
 
 
 def _frf_findings(name: str, frf: NDArray[np.complex128]) -> list[_Finding]:
-    if not _within(frf):
+    if not _values_within(frf):
         bad = ~((np.abs(frf.real) <= LARGEST) & (np.abs(frf.imag) <= LARGEST))
         what = f"beyond {LARGEST:g}" if np.isfinite(frf).all() else "NaN or infinite"
         return [_Finding(f"channel {name}: {int(bad.sum())} lines of its FRF are {what}", _RECORD_AGAIN)]
@@ -133,7 +133,7 @@ def _frf_findings(name: str, frf: NDArray[np.complex128]) -> list[_Finding]:
     return []
 
 
-def _within(frf: NDArray[np.complex128]) -> bool:
+def _values_within(frf: NDArray[np.complex128]) -> bool:
     # A largest and a smallest number show it without an array for every step; NaN compares as false.
     parts = np.ascontiguousarray(frf, np.complex128).view(np.float64)
     return float(parts.max()) <= LARGEST and float(parts.min()) >= -LARGEST
@@ -176,7 +176,9 @@ def _not_finite(samples: NDArray[Any], channels: Sequence[str]) -> list[_Finding
     return findings
 
 
-def _dead(samples: NDArray[Any], channels: Sequence[str], force: str | None, moving: Collection[str]) -> list[_Finding]:
+def _dead_channels(
+    samples: NDArray[Any], channels: Sequence[str], force: str | None, moving: Collection[str]
+) -> list[_Finding]:
     constant = (samples == samples[:, :1]).all(axis=1)
     if not constant.any():
         return []
@@ -204,7 +206,7 @@ def moving_channels(records: Iterable[tuple[Sequence[str], NDArray[Any]]]) -> fr
     )
 
 
-def _reject(findings: Sequence[_Finding], where: str) -> None:
+def _reject_findings(findings: Sequence[_Finding], where: str) -> None:
     if findings:
         remedies = dict.fromkeys(finding.remedy for finding in findings)
         raise DataError("\n  ".join(f.what for f in findings), where=where, remedy="; ".join(remedies))

@@ -36,14 +36,14 @@ def one_thread() -> Generator[None]:
     if any(os.environ.get(name) for name in VARIABLES):
         yield
         return
-    _enter()
+    _enter_one_thread()
     try:
         yield
     finally:
-        _leave()
+        _leave_one_thread()
 
 
-def _enter() -> None:
+def _enter_one_thread() -> None:
     global _within  # noqa: PLW0603
     with _lock:
         _within += 1
@@ -51,7 +51,7 @@ def _enter() -> None:
             _limits.append(threadpool_limits(limits=1, user_api="blas"))
 
 
-def _leave() -> None:
+def _leave_one_thread() -> None:
     global _within  # noqa: PLW0603
     with _lock:
         _within -= 1

@@ -7,16 +7,16 @@ from pydantic import Field, PositiveInt, model_validator
 
 from modallab.core.bounds import Finite, NonNegative, Positive
 from modallab.core.errors import RigError
-from modallab.core.frozen import Frozen, unstated
+from modallab.core.frozen import Frozen, is_unstated
 from modallab.core.metrology import Certificate
 from modallab.core.rig_checks import channel_problems
-from modallab.core.rig_problem import reject
+from modallab.core.rig_problem import reject_problems
 from modallab.core.units import BROADBAND, Quantity, Test
 
 Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 
 
-def _at_zero(value: object) -> bool:
+def _is_at_zero(value: object) -> bool:
     """Whether a coordinate is where points on a beam have it: then it is not written."""
     return value == 0
 
@@ -33,8 +33,8 @@ class Point(Frozen):
 
     id: PositiveInt
     x_m: Finite
-    y_m: Finite = Field(default=0.0, exclude_if=_at_zero)
-    z_m: Finite = Field(default=0.0, exclude_if=_at_zero)
+    y_m: Finite = Field(default=0.0, exclude_if=_is_at_zero)
+    z_m: Finite = Field(default=0.0, exclude_if=_is_at_zero)
 
 
 class Channel(Frozen):
@@ -69,7 +69,7 @@ class Channel(Frozen):
     point: PositiveInt | None = None
     direction: Direction = "+z"
     mass_kg: NonNegative = 0.0
-    sensitivity_v_per_unit: Finite | dict[Test, Finite] | None = Field(default=None, exclude_if=unstated)
+    sensitivity_v_per_unit: Finite | dict[Test, Finite] | None = Field(default=None, exclude_if=is_unstated)
     coupling: Literal["DC", "AC", "IEPE", "bridge"] = "DC"
     range_v: Positive | None = None
     serial: str = ""
@@ -80,7 +80,7 @@ class Channel(Frozen):
     ac_corner_hz: NonNegative = 0.0
     delay_s: NonNegative = 0.0
     skew_s: NonNegative = 0.0
-    certificate: Certificate | None = Field(default=None, exclude_if=unstated)
+    certificate: Certificate | None = Field(default=None, exclude_if=is_unstated)
 
     def sensitivity(self, test: Test) -> float:
         """Volts per unit in a test; the preamplifier may stand differently in each."""
@@ -102,7 +102,7 @@ class Channel(Frozen):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        reject(channel_problems(self.model_dump()))
+        reject_problems(channel_problems(self.model_dump()))
         return self
 
 

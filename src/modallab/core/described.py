@@ -4,7 +4,7 @@ from pydantic import Field
 
 from modallab.core.effects import Effect
 from modallab.core.frozen import Frozen
-from modallab.core.places import NO_PLACE, Place, as_shares
+from modallab.core.places import NO_PLACE, Place, place_as_shares
 
 
 class Learned(Frozen):
@@ -26,7 +26,7 @@ class Learned(Frozen):
 
     def as_effect(self) -> Effect:
         """The element for the twin."""
-        return Effect(effect=self.element, parameters=self.parameters, place=as_shares(self.place))
+        return Effect(effect=self.element, parameters=self.parameters, place=place_as_shares(self.place))
 
 
 class Alternative(Frozen):

@@ -9,7 +9,7 @@ from modallab.core.budget import Budget
 from modallab.core.described import Alternative, Learned
 from modallab.core.effects import Effect, Stage
 from modallab.core.frozen import Frozen
-from modallab.core.places import Place, as_shares
+from modallab.core.places import Place, place_as_shares
 from modallab.core.versions import DIAGNOSIS
 
 Verdict = Literal["no_gap", "known", "unknown"]
@@ -130,7 +130,7 @@ class Found(Frozen):
 
     def as_effect(self) -> Effect:
         """The effect for the twin."""
-        return Effect(effect=self.effect, parameters=self.parameters, place=as_shares(self.place))
+        return Effect(effect=self.effect, parameters=self.parameters, place=place_as_shares(self.place))
 
 
 class Shrink(Frozen):

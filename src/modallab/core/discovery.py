@@ -17,7 +17,7 @@ def declared_names(package: str) -> tuple[str, ...]:
     return tuple(sorted(module.name for module in iter_modules(import_module(package).__path__)))
 
 
-def declaration(package: str, name: str, attribute: str, kind: type[Declared]) -> Declared:
+def declaration_in_module(package: str, name: str, attribute: str, kind: type[Declared]) -> Declared:
     """What one module of a package declares under `attribute`; importing the module is all it costs.
 
     Raises:
@@ -37,6 +37,7 @@ def declaration(package: str, name: str, attribute: str, kind: type[Declared]) -
     return found
 
 
-def declared(package: str, attribute: str, kind: type[Declared]) -> dict[str, Declared]:
-    """Module -> what it declares, for each module of a package, in alphabetical order; errors as `declaration`."""
-    return {name: declaration(package, name, attribute, kind) for name in declared_names(package)}
+def declarations_in_package(package: str, attribute: str, kind: type[Declared]) -> dict[str, Declared]:
+    """Module -> what it declares, for each module of a package, in alphabetical order; errors as "
+    "`declaration_in_module`."""
+    return {name: declaration_in_module(package, name, attribute, kind) for name in declared_names(package)}

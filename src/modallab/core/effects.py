@@ -12,7 +12,7 @@ from typing import Literal, cast, get_args
 
 from modallab.core.effect import Effect
 from modallab.core.errors import FormatError
-from modallab.core.installed import installed
+from modallab.core.installed import installed_entry_points
 from modallab.core.places import AllAlongBeam, AllChannels, AlongBeam, FixedPlace, NoPlace, OneChannel, Place
 from modallab.core.rig import Beam, Rig
 from modallab.core.units import Test
@@ -143,7 +143,7 @@ def kind_of(name: str) -> EffectKind:
 @cache
 def catalogue() -> Mapping[str, EffectKind]:
     """Every effect with a name, in the order of the stages."""
-    loaded = (cast("Callable[[], Iterable[EffectKind]]", entry.load())() for entry in installed(GROUP))
+    loaded = (cast("Callable[[], Iterable[EffectKind]]", entry.load())() for entry in installed_entry_points(GROUP))
     kinds = sorted((kind for some in loaded for kind in some), key=lambda kind: STAGES.index(kind.stage))
     return MappingProxyType({kind.name: kind for kind in kinds})
 

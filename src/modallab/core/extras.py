@@ -19,7 +19,7 @@ EXTRAS = {
 """Package -> the extra that brings it."""
 
 
-def remedy(package: str) -> str:
+def how_to_install(package: str) -> str:
     """How a package that is missing is installed."""
     return f"pip install 'modallab[{EXTRAS[package]}]'"
 
@@ -32,7 +32,7 @@ def require_package(package: str, purpose: str) -> None:
     """
     if find_spec(package) is None:
         raise MissingPackageError(
-            f"{purpose} needs the package {package}, which is not installed", remedy=remedy(package)
+            f"{purpose} needs the package {package}, which is not installed", remedy=how_to_install(package)
         )
 
 

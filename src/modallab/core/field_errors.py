@@ -34,7 +34,7 @@ ALLOWED = {
 """Kind of error -> what the field may hold."""
 
 
-def allowed(detail: ErrorDetails) -> str:
+def allowed_values(detail: ErrorDetails) -> str:
     """What the field may hold."""
     template = ALLOWED.get(detail["type"])
     if template is not None:
@@ -52,7 +52,7 @@ def short_of_wrong_entries(detail: ErrorDetails, details: Sequence[ErrorDetails]
     )
 
 
-def shown(value: object) -> str:
+def quoted_value(value: object) -> str:
     """A value as a message quotes it."""
     if value is None:
         return "nothing"
@@ -60,19 +60,19 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def sentences(error: ValidationError) -> list[str]:
+def error_sentences(error: ValidationError) -> list[str]:
     """Each wrong field once: `hits is -1; allowed: more than 0`."""
     details = error.errors()
     kept = [d for d in details if not short_of_wrong_entries(d, details)]
-    return list(dict.fromkeys(_sentence(detail) for detail in kept))
+    return list(dict.fromkeys(_error_sentence(detail) for detail in kept))
 
 
-def _sentence(detail: ErrorDetails) -> str:
+def _error_sentence(detail: ErrorDetails) -> str:
     field = ".".join(map(str, detail["loc"]))
     if detail["type"] == "missing":
         return f"{field} is missing"
     if detail["type"] == "extra_forbidden":
         return f"{field} is no field here"
     if detail["type"] == "value_error":
-        return f"{field}: {allowed(detail)}" if field else allowed(detail)
-    return f"{field} is {shown(detail['input'])}; allowed: {allowed(detail)}"
+        return f"{field}: {allowed_values(detail)}" if field else allowed_values(detail)
+    return f"{field} is {quoted_value(detail['input'])}; allowed: {allowed_values(detail)}"

@@ -46,14 +46,14 @@ class Frozen(BaseModel):
     def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler, /) -> JsonSchemaValue:
         schema = handler(core_schema)
         own = handler.resolve_ref_schema(schema)
-        own["description"], of_fields = described(cls)
+        own["description"], of_fields = described_fields(cls)
         for name, text in (_OF_ALL | of_fields).items():
             if name in own.get("properties", {}):
                 own["properties"][name].setdefault("description", text)
         return schema
 
 
-def described(cls: type) -> tuple[str, dict[str, str]]:
+def described_fields(cls: type) -> tuple[str, dict[str, str]]:
     """What a class's docstring says of itself, and what it and those of its bases say of each attribute."""
     fields: dict[str, str] = {}
     for base in reversed(cls.__mro__):
@@ -74,53 +74,56 @@ Truth = Annotated[bool, Strict()]
 """What someone asks for or agrees to: true or false, and neither 1, "yes" nor "on", which may be a slip."""
 
 
-def absent(value: object) -> bool:
-    """Whether there is no array: one cannot be compared as `unstated` does."""
+def is_absent(value: object) -> bool:
+    """Whether there is no array: one cannot be compared as `is_unstated` does."""
     return value is None
 
 
-def unstated(value: object) -> bool:
+def is_unstated(value: object) -> bool:
     """Whether an optional field holds nothing: then it is not written, as in documents from before there was one."""
     return value is None or value == ()
 
 
-def _real(value: object) -> NDArray[np.float64]:
+def _real_array(value: object) -> NDArray[np.float64]:
     # JSON has no NaN: an unknown number is written as null and read back as NaN, as float() does for None in NumPy.
     array = np.array(value, dtype=object).astype(np.float64)
     array.flags.writeable = False
     return array
 
 
-def _complex(value: object) -> NDArray[np.complex128]:
+def _complex_array(value: object) -> NDArray[np.complex128]:
     if isinstance(value, Mapping):
         parts = cast("Mapping[str, object]", value)
-        array = _real(parts["re"]) + 1j * _real(parts["im"])
+        array = _real_array(parts["re"]) + 1j * _real_array(parts["im"])
     else:
         array = np.array(value, dtype=np.complex128)
     array.flags.writeable = False
     return array
 
 
-def _plain(array: NDArray[np.float64]) -> list[Any]:
+def _array_as_lists(array: NDArray[np.float64]) -> list[Any]:
     listed = array.astype(object)
     listed[~np.isfinite(array)] = None
     return listed.tolist()
 
 
 def _plain_complex(array: NDArray[np.complex128]) -> dict[str, Any]:
-    return {"re": _plain(array.real), "im": _plain(array.imag)}
+    return {"re": _array_as_lists(array.real), "im": _array_as_lists(array.imag)}
 
 
 _NUMBERS = {"type": "array", "items": {}}
 
 RealArray = Annotated[
-    NDArray[np.float64], BeforeValidator(_real), PlainSerializer(_plain), WithJsonSchema(cast("Any", _NUMBERS))
+    NDArray[np.float64],
+    BeforeValidator(_real_array),
+    PlainSerializer(_array_as_lists),
+    WithJsonSchema(cast("Any", _NUMBERS)),
 ]
 """A real array; in JSON nested lists, null where unknown."""
 
 ComplexArray = Annotated[
     NDArray[np.complex128],
-    BeforeValidator(_complex),
+    BeforeValidator(_complex_array),
     PlainSerializer(_plain_complex),
     WithJsonSchema({"type": "object", "properties": {"re": cast("Any", _NUMBERS), "im": cast("Any", _NUMBERS)}}),
 ]

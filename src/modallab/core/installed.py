@@ -5,7 +5,7 @@ from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 
 
-def installed(group: str) -> tuple[EntryPoint, ...]:
+def installed_entry_points(group: str) -> tuple[EntryPoint, ...]:
     """The entry points of a group, such as `modallab.backends`.
 
     The files of all installed packages are read once for each path that is searched: to read them takes longer than to

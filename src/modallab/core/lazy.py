@@ -5,7 +5,7 @@ from importlib import import_module
 from typing import Any
 
 
-def lazily(package: str, places: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
+def lazy_getattr(package: str, places: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
     """A package's `__getattr__`, which imports a public name from its module on first use.
 
     Args:

@@ -95,7 +95,7 @@ def judge_mass_ratios(ratios: Sequence[MassRatio]) -> list[Judgement]:
         last = {ratio.when: ratio for ratio in ratios if ratio.channel == channel}
         found += [_against_one(ratio) for ratio in last.values()]
         if "before" in last and "after" in last:
-            found.append(_drift(last["before"], last["after"]))
+            found.append(_sensitivity_drift(last["before"], last["after"]))
     return found
 
 
@@ -105,7 +105,7 @@ def _against_one(ratio: MassRatio) -> Judgement:
     return Judgement(f"{what} +- {ratio.sigma:.1g}; {allowed}", abs(ratio.ratio - 1) <= MOST_ERROR)
 
 
-def _drift(before: MassRatio, after: MassRatio) -> Judgement:
+def _sensitivity_drift(before: MassRatio, after: MassRatio) -> Judgement:
     drift = after.ratio / before.ratio - 1
     what = f"rigid-mass ratio of {before.channel} from before to after: {100 * drift:+.2f} %"
     return Judgement(f"{what}; {100 * MOST_DRIFT:g} % are allowed", abs(drift) <= MOST_DRIFT)

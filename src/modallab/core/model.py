@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.core.frozen import ComplexArray, Frozen, RealArray, absent, unstated
+from modallab.core.frozen import ComplexArray, Frozen, RealArray, is_absent, is_unstated
 from modallab.core.units import Test
 from modallab.core.versions import MODEL
 
@@ -115,10 +115,10 @@ class ModalModel(Frozen):
     half_power: RealArray
     half_power_floor: RealArray
     notes: tuple[str, ...] = Field(default=())
-    scale_uncertainty: ScaleUncertainty | None = Field(default=None, exclude_if=unstated)
-    operating_shapes: ComplexArray | None = Field(default=None, exclude_if=absent)
-    operating_shape_sigma: RealArray | None = Field(default=None, exclude_if=absent)
-    backbone: Backbone | None = Field(default=None, exclude_if=absent)
+    scale_uncertainty: ScaleUncertainty | None = Field(default=None, exclude_if=is_unstated)
+    operating_shapes: ComplexArray | None = Field(default=None, exclude_if=is_absent)
+    operating_shape_sigma: RealArray | None = Field(default=None, exclude_if=is_absent)
+    backbone: Backbone | None = Field(default=None, exclude_if=is_absent)
 
     @property
     def n_modes(self) -> int:

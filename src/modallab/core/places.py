@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationError, ValidatorFunctionWrapHandler, WrapValidator
 from pydantic_core import PydanticCustomError
 
-from modallab.core.frozen import Frozen, unstated
+from modallab.core.frozen import Frozen, is_unstated
 
 
 class NoPlace(Frozen):
@@ -24,7 +24,7 @@ class AlongBeam(Frozen):
     """
 
     x: float
-    x_m: float | None = Field(default=None, exclude_if=unstated)
+    x_m: float | None = Field(default=None, exclude_if=is_unstated)
 
 
 class AllAlongBeam(Frozen):
@@ -46,7 +46,7 @@ class OneChannel(Frozen):
     """
 
     channel: int
-    level_v: float | None = Field(default=None, exclude_if=unstated)
+    level_v: float | None = Field(default=None, exclude_if=is_unstated)
 
 
 class TwoChannels(Frozen):
@@ -109,7 +109,7 @@ class NearPoint(Frozen):
 
     point: int
     at_m: tuple[float, float, float]
-    axis: str | None = Field(default=None, exclude_if=unstated)
+    axis: str | None = Field(default=None, exclude_if=is_unstated)
 
 
 class BetweenPoints(Frozen):
@@ -160,11 +160,11 @@ def x_m_of(place: Place) -> float | None:
     return place.x_m if isinstance(place, AlongBeam) else None
 
 
-def in_metres(place: Place, length_m: float) -> Place:
+def place_in_metres(place: Place, length_m: float) -> Place:
     """The same as a diagnosis reports it, on a beam of this length."""
     return place.model_copy(update={"x_m": place.x * length_m}) if isinstance(place, AlongBeam) else place
 
 
-def as_shares(place: Place) -> Place:
+def place_as_shares(place: Place) -> Place:
     """The same as the catalogue has it."""
     return AlongBeam(x=place.x) if isinstance(place, AlongBeam) else place

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, PositiveFloat, PositiveInt
 
-from modallab.core.frozen import Frozen, Truth, unstated
+from modallab.core.frozen import Frozen, Truth, is_unstated
 from modallab.core.units import Broadband, Test
 
 BLOCK_S = 1.024
@@ -108,9 +108,9 @@ class ImpactPlan(Frozen):
     hit_timeout_s: PositiveFloat = 300.0
     max_rejections: PositiveInt = 20
     acceptance: HitAcceptance = HitAcceptance()
-    setups: tuple[SetUp, ...] = Field(default=(), exclude_if=unstated)
+    setups: tuple[SetUp, ...] = Field(default=(), exclude_if=is_unstated)
     operator_decides: Literal["never", "rejected", "every"] = Field(default="never", exclude_if=lambda v: v == "never")
-    precision: Precision | None = Field(default=None, exclude_if=unstated)
+    precision: Precision | None = Field(default=None, exclude_if=is_unstated)
 
 
 class KnownMode(Frozen):

@@ -36,7 +36,7 @@ def report_progress_to(listener: Listener) -> Generator[None]:
 
 
 @contextmanager
-def part(begin: float, end: float, stage: str = "") -> Generator[None]:
+def part_of_progress(begin: float, end: float, stage: str = "") -> Generator[None]:
     """What is computed in this is the work from `begin` to `end` of the whole; it is in `stage` unless it says more."""
     outer = _LISTENER.get()
     if outer is None:
@@ -52,7 +52,7 @@ def part(begin: float, end: float, stage: str = "") -> Generator[None]:
         scaled(1.0, "")
 
 
-def report(share: float, stage: str = "") -> None:
+def report_progress(share: float, stage: str = "") -> None:
     """So much of the work is done; this is being done now."""
     listener = _LISTENER.get()
     if listener is not None:
@@ -62,5 +62,5 @@ def report(share: float, stage: str = "") -> None:
 def count_progress(items: Iterable[Item], total: int, stage: str = "") -> Generator[Item]:
     """Pass items on; after each, so many of `total` are done."""
     for n, item in enumerate(items, 1):
-        report(n / total, f"{stage}, {n} of {total}")
+        report_progress(n / total, f"{stage}, {n} of {total}")
         yield item

@@ -10,10 +10,10 @@ from modallab.core.bounds import Positive
 from modallab.core.channel import Channel, Converter, Direction, Point
 from modallab.core.effect import Effect, Revision
 from modallab.core.errors import RigError
-from modallab.core.frozen import Frozen, unstated
+from modallab.core.frozen import Frozen, is_unstated
 from modallab.core.hardware import Calibration, Excitation, Shaker, Synchronisation
 from modallab.core.rig_checks import cross_problems
-from modallab.core.rig_problem import reject
+from modallab.core.rig_problem import reject_problems
 from modallab.core.versions import RIG
 
 __all__ = [
@@ -92,17 +92,17 @@ class Rig(Frozen):
     gravity_axis: Direction = "-y"
     drive_direction: Direction = "+z"
     points: tuple[Point, ...] = ()
-    lines: tuple[tuple[PositiveInt, PositiveInt], ...] = Field(default=(), exclude_if=unstated)
-    surfaces: tuple[Surface, ...] = Field(default=(), exclude_if=unstated)
+    lines: tuple[tuple[PositiveInt, PositiveInt], ...] = Field(default=(), exclude_if=is_unstated)
+    surfaces: tuple[Surface, ...] = Field(default=(), exclude_if=is_unstated)
     channels: Annotated[tuple[Channel, ...], Field(min_length=1)]
     converter: Converter | None = None
     shaker_point: PositiveInt | None = None
     limits: Limits | None = None
     excitation: Excitation | None = None
-    shakers: tuple[Shaker, ...] = Field(default=(), exclude_if=unstated)
+    shakers: tuple[Shaker, ...] = Field(default=(), exclude_if=is_unstated)
     history: tuple[Calibration, ...] = ()
-    synchronisation: Synchronisation | None = Field(default=None, exclude_if=unstated)
-    revisions: tuple[Revision, ...] = Field(default=(), exclude_if=unstated)
+    synchronisation: Synchronisation | None = Field(default=None, exclude_if=is_unstated)
+    revisions: tuple[Revision, ...] = Field(default=(), exclude_if=is_unstated)
 
     @model_validator(mode="before")
     @classmethod
@@ -111,7 +111,7 @@ class Rig(Frozen):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        reject(cross_problems(self.model_dump()))
+        reject_problems(cross_problems(self.model_dump()))
         return self
 
     @property
@@ -185,11 +185,11 @@ def _with_force_direction(content: Mapping[str, object]) -> Mapping[str, object]
     if not isinstance(channels, Sequence) or isinstance(channels, str):
         return content
     drive = content.get("drive_direction", "+z")
-    listed = [_along(channel, drive, old) for channel in cast("Sequence[object]", channels)]
+    listed = [_convert_direction(channel, drive, old) for channel in cast("Sequence[object]", channels)]
     return {**content, "channels": listed, **({"format_version": RIG} if old else {})}
 
 
-def _along(channel: object, drive: object, old: bool) -> object:
+def _convert_direction(channel: object, drive: object, old: bool) -> object:
     if isinstance(channel, Channel):
         stated = "direction" in channel.model_fields_set
         if channel.quantity != "force" or (stated and not old):

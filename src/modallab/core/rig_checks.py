@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final, cast
 
-from modallab.core.rig_problem import INVALID, Problem, entries, number, repeated_entries, shown
+from modallab.core.rig_problem import INVALID, Problem, list_entries, number_or_none, repeated_entries, value_in_message
 from modallab.core.units import TO_SI
 
 BEAM_RANGES: Final = {
@@ -24,7 +24,7 @@ def cross_problems(content: Mapping[str, object]) -> list[Problem]:
     Args:
         content: the rig as plain lists and mappings, with `INVALID` for each field that is wrong on its own.
     """
-    points, channels = entries(content, "points"), entries(content, "channels")
+    points, channels = list_entries(content, "points"), list_entries(content, "channels")
     problems = [*_beam_problems(content), *_point_problems(content, points)]
     for place, channel in enumerate(channels):
         problems += channel_problems(channel, f"channels[{place}].")
@@ -33,9 +33,9 @@ def cross_problems(content: Mapping[str, object]) -> list[Problem]:
         *problems,
         *_drawn_problems(content, points, "lines", "two ids of points of this rig"),
         *_drawn_problems(content, points, "surfaces", "three or more ids of points of this rig"),
-        *_channel_set_problems(channels, entries(content, "shakers"), needs_force=needs_force),
+        *_channel_set_problems(channels, list_entries(content, "shakers"), needs_force=needs_force),
         *_reference_problems(content, points, channels),
-        *shaker_problems(content, channels, entries(content, "shakers")),
+        *shaker_problems(content, channels, list_entries(content, "shakers")),
     ]
 
 
@@ -50,7 +50,7 @@ def channel_problems(channel: Mapping[str, object], prefix: str = "") -> list[Pr
     value = channel.get("sensitivity_v_per_unit", 1.0)
     named = cast("Mapping[object, object]", value).items() if isinstance(value, Mapping) else (("", value),)
     for test, stated in named:
-        if number(stated) == 0:
+        if number_or_none(stated) == 0:
             field = f"{prefix}sensitivity_v_per_unit{f'.{test}' if test else ''}"
             problems.append(Problem(field, f"found {stated}", "any number but 0 (negative for a turned sensor)"))
     return problems
@@ -66,16 +66,16 @@ def _beam_problems(content: Mapping[str, object]) -> list[Problem]:
     return [
         Problem(f"beam.{name}", f"found {value:g}", f"{low:g} to {high:g} {unit}")
         for name, (low, high, unit) in BEAM_RANGES.items()
-        if (value := number(fields.get(name))) is not None and not low <= value <= high
+        if (value := number_or_none(fields.get(name))) is not None and not low <= value <= high
     ]
 
 
 def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str, object]]) -> list[Problem]:
-    problems = repeated_entries("points", "id", [number(point.get("id")) for point in points])
+    problems = repeated_entries("points", "id", [number_or_none(point.get("id")) for point in points])
     beam = content.get("beam")
-    length = number(cast("Mapping[str, object]", beam).get("length_m")) if isinstance(beam, Mapping) else None
+    length = number_or_none(cast("Mapping[str, object]", beam).get("length_m")) if isinstance(beam, Mapping) else None
     for place, point in enumerate(points):
-        x = number(point.get("x_m"))
+        x = number_or_none(point.get("x_m"))
         if x is not None and length is not None and not 0 <= x <= length * (1 + _ROUNDING):
             problems.append(Problem(f"points[{place}].x_m", f"found {x:g}", f"0 to beam.length_m = {length:g}"))
     return problems
@@ -85,7 +85,7 @@ def _drawn_problems(
     content: Mapping[str, object], points: Sequence[Mapping[str, object]], what: str, allowed: str
 ) -> list[Problem]:
     """Lines or surfaces between points that are none."""
-    drawn, ids = content.get(what), [number(point.get("id")) for point in points]
+    drawn, ids = content.get(what), [number_or_none(point.get("id")) for point in points]
     if not isinstance(drawn, Sequence) or isinstance(drawn, str) or None in ids:
         return []
     named = [(n, cast("Sequence[object]", ends)) for n, ends in enumerate(cast("Sequence[object]", drawn))]
@@ -94,7 +94,7 @@ def _drawn_problems(
         for n, ends in named
         if isinstance(ends, Sequence) and not isinstance(ends, str)
         for end in ends
-        if number(end) is not None and number(end) not in ids
+        if number_or_none(end) is not None and number_or_none(end) not in ids
     ]
 
 
@@ -108,7 +108,7 @@ def _channel_set_problems(
         "channels", "input", [name if isinstance(name, str) and name else None for name in inputs]
     )
     for place, channel in enumerate(channels):
-        index = number(channel.get("index"))
+        index = number_or_none(channel.get("index"))
         if index is not None and index != place:
             problems.append(
                 Problem(
@@ -132,7 +132,7 @@ def _channel_set_problems(
 def _reference_problems(
     content: Mapping[str, object], points: Sequence[Mapping[str, object]], channels: Sequence[Mapping[str, object]]
 ) -> list[Problem]:
-    ids = [number(point.get("id")) for point in points]
+    ids = [number_or_none(point.get("id")) for point in points]
     if None in ids or content.get("points") is INVALID:
         return []
     named = [(f"channels[{place}].point", channel.get("point")) for place, channel in enumerate(channels)]
@@ -142,12 +142,12 @@ def _reference_problems(
     return [
         Problem(field, f"found {value}", allowed)
         for field, value in [*named, ("shaker_point", content.get("shaker_point")), *_shaker_points(content)]
-        if number(value) is not None and number(value) not in ids
+        if number_or_none(value) is not None and number_or_none(value) not in ids
     ]
 
 
 def _shaker_points(content: Mapping[str, object]) -> list[tuple[str, object]]:
-    return [(f"shakers[{place}].point", s.get("point")) for place, s in enumerate(entries(content, "shakers"))]
+    return [(f"shakers[{place}].point", s.get("point")) for place, s in enumerate(list_entries(content, "shakers"))]
 
 
 def shaker_problems(
@@ -160,7 +160,7 @@ def shaker_problems(
     first = content.get("shaker_point")
     if first is None:
         problems.append(Problem("shaker_point", "missing", "the point of the first shaker, where others are listed"))
-    points = [number(first), *(number(shaker.get("point")) for shaker in shakers)]
+    points = [number_or_none(first), *(number_or_none(shaker.get("point")) for shaker in shakers)]
     excitation = content.get("excitation")
     wired = cast("Mapping[str, object]", excitation).get("output") if isinstance(excitation, Mapping) else ""
     problems += _repeated_of_shakers("point", points)
@@ -193,7 +193,7 @@ def _force_channel_problems(
 def _repeated_of_shakers(field: str, values: Sequence[str | float | None]) -> list[Problem]:
     """Values of the first shaker and of those listed that occur twice; None: not known."""
     return [
-        Problem(f"shakers[{place - 1}].{field}", f"found {shown(value)}, as of another shaker", "each once")
+        Problem(f"shakers[{place - 1}].{field}", f"found {value_in_message(value)}, as of another shaker", "each once")
         for place, value in enumerate(values)
         if value is not None and values.index(value) < place
     ]

@@ -18,7 +18,7 @@ class Problem(NamedTuple):
         return f"{self.field}: {self.found}; allowed: {self.allowed}"
 
 
-def reject(problems: Sequence[Problem]) -> None:
+def reject_problems(problems: Sequence[Problem]) -> None:
     """Reject a document in which something is wrong, all of it at once.
 
     Raises:
@@ -31,18 +31,22 @@ def reject(problems: Sequence[Problem]) -> None:
 def repeated_entries(group: str, field: str, values: Sequence[str | float | None]) -> list[Problem]:
     """What occurs twice in a field of a group of entries; None: not known."""
     return [
-        Problem(f"{group}[{place}].{field}", f"found {shown(value)}, as in {group}[{values.index(value)}]", "each once")
+        Problem(
+            f"{group}[{place}].{field}",
+            f"found {value_in_message(value)}, as in {group}[{values.index(value)}]",
+            "each once",
+        )
         for place, value in enumerate(values)
         if value is not None and values.index(value) < place
     ]
 
 
-def shown(value: str | float) -> str:
+def value_in_message(value: str | float) -> str:
     """A value as it is written in a message."""
     return repr(value) if isinstance(value, str) else f"{value:g}"
 
 
-def entries(content: Mapping[str, object], key: str) -> list[Mapping[str, object]]:
+def list_entries(content: Mapping[str, object], key: str) -> list[Mapping[str, object]]:
     """The entries of a list of the rig; a wrong entry keeps its place."""
     entries = content.get(key)
     if not isinstance(entries, Sequence) or isinstance(entries, str):
@@ -53,7 +57,7 @@ def entries(content: Mapping[str, object], key: str) -> list[Mapping[str, object
     return [cast("Mapping[str, object]", e) if isinstance(e, Mapping) else nothing for e in listed]
 
 
-def number(value: object) -> float | None:
+def number_or_none(value: object) -> float | None:
     """A number, or None where the field holds none."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return None

@@ -9,7 +9,7 @@ from modallab.core.plan import ImpactPlan, SetUp
 from modallab.core.rig import Rig
 
 
-class Move(NamedTuple):
+class SensorMove(NamedTuple):
     """One sensor to be moved: channel name, the point where it stands, the point where it belongs."""
 
     channel: str
@@ -23,11 +23,13 @@ def rig_of(rig: Rig, setup: SetUp) -> Rig:
     return Rig.model_validate(rig.model_copy(update={"channels": tuple(channels)}).model_dump())
 
 
-def moves(before: Rig, after: Rig) -> tuple[Move, ...]:
+def sensor_moves(before: Rig, after: Rig) -> tuple[SensorMove, ...]:
     """The sensors that stand elsewhere in `after`, the same rig in another set-up."""
     pairs = zip(before.channels, after.channels, strict=True)
     return tuple(
-        Move(new.name, old.point, new.point) for old, new in pairs if new.point is not None and new.point != old.point
+        SensorMove(new.name, old.point, new.point)
+        for old, new in pairs
+        if new.point is not None and new.point != old.point
     )
 
 
@@ -54,7 +56,7 @@ def setup_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
     own = [problem for setup in plan.setups for problem in _own_problems(setup, rig)]
     if own:
         return [*problems, *own]
-    return [*problems, *_unjoined(plan, [_points(rig_of(rig, setup)) for setup in plan.setups])]
+    return [*problems, *_unjoined_setups(plan, [_points(rig_of(rig, setup)) for setup in plan.setups])]
 
 
 def _own_problems(setup: SetUp, rig: Rig) -> list[str]:
@@ -68,10 +70,10 @@ def _own_problems(setup: SetUp, rig: Rig) -> list[str]:
     ]
     if problems:
         return problems
-    return _crowded(where, rig, setup)
+    return _doubled_sensors(where, rig, setup)
 
 
-def _crowded(where: str, rig: Rig, setup: SetUp) -> list[str]:
+def _doubled_sensors(where: str, rig: Rig, setup: SetUp) -> list[str]:
     """Two sensors at one point in one direction, unless the rig file has them so."""
     taken: dict[tuple[int, str], str] = {}
     problems: list[str] = []
@@ -88,7 +90,7 @@ def _points(rig: Rig) -> frozenset[int]:
     return frozenset(c.point for c in rig.responses if c.point is not None)
 
 
-def _unjoined(plan: ImpactPlan, standing: Sequence[frozenset[int]]) -> list[str]:
+def _unjoined_setups(plan: ImpactPlan, standing: Sequence[frozenset[int]]) -> list[str]:
     """Neighbouring set-ups that share neither a sensor's point nor, by reciprocity, two struck points."""
     struck = frozenset(plan.points)
     return [

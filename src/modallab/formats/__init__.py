@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from modallab.core.lazy import lazily
+from modallab.core.lazy import lazy_getattr
 
 if TYPE_CHECKING:
     from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
@@ -38,7 +38,7 @@ __all__ = [
     "writers",
 ]
 
-__getattr__ = lazily(
+__getattr__ = lazy_getattr(
     __name__,
     {
         "campaign.campaign_hdf5": ("read_campaign", "write_campaign"),

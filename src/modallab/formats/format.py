@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from modallab.core.discovery import declaration, declared_names
+from modallab.core.discovery import declaration_in_module, declared_names
 from modallab.core.errors import ConfigurationError, DataError
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def all_formats() -> tuple[Format, ...]:
     Raises:
         ConfigurationError: a file declares nothing, or not all.
     """
-    return tuple(declaration(PACKAGE, name, "FORMAT", Format) for name in declared_names(PACKAGE))
+    return tuple(declaration_in_module(PACKAGE, name, "FORMAT", Format) for name in declared_names(PACKAGE))
 
 
 def readers() -> tuple[Format, ...]:

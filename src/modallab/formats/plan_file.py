@@ -10,7 +10,7 @@ from pydantic_core import ErrorDetails
 from yaml.composer import ComposerError
 
 from modallab.core.errors import PlanError
-from modallab.core.field_errors import allowed, short_of_wrong_entries, shown
+from modallab.core.field_errors import allowed_values, quoted_value, short_of_wrong_entries
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 
 _PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
@@ -86,12 +86,12 @@ def _problem(kind: str, error: ErrorDetails) -> str:
     if error["type"] == "missing":
         return f"{field} is missing"
     if error["type"] == "value_error":
-        return f"{field}: {allowed(error)}"
-    return f"{field} is {shown(error['input'])}; allowed: {_allowed(error)}"
+        return f"{field}: {allowed_values(error)}"
+    return f"{field} is {quoted_value(error['input'])}; allowed: {_allowed(error)}"
 
 
 def _allowed(error: ErrorDetails) -> str:
-    return "a list, such as [10, 6]" if error["type"] == "tuple_type" else allowed(error)
+    return "a list, such as [10, 6]" if error["type"] == "tuple_type" else allowed_values(error)
 
 
 def _first_line(error: Exception) -> str:

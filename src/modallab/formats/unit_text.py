@@ -41,6 +41,8 @@ _ALIASES = {
     "sec": "s",
     "S": "s",
     "msec": "ms",
+    **dict.fromkeys(("°", "Deg", "DEG", "degree", "Degree", "degrees", "Degrees"), "deg"),
+    **dict.fromkeys(("Rad", "RAD", "radian", "Radian", "radians", "Radians"), "rad"),
 }
 _WHOLE_FRF: dict[str, FrfQuantity] = {
     **{unit: quantity for quantity, unit in UNIT.items()},

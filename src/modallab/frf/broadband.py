@@ -12,7 +12,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
-from modallab.frf.estimate import combine, lines, output_quantity
+from modallab.frf.estimate import combine_spectra, lines_of_band, output_quantity
 from modallab.frf.references import estimate_frf
 from modallab.frf.sums import Estimator, check_averages
 from modallab.signals.block_sets import check_outputs, check_test
@@ -61,13 +61,13 @@ def broadband_frf(
             f"blocks of {', '.join(sorted(tests))} make no broadband FRF", remedy="give the blocks of one signal"
         )
     n, rate = first.n_samples, first.rate_hz
-    chosen = lines(n, rate, band_hz)
+    chosen = lines_of_band(n, rate, band_hz)
     if first.block.test in PERIODIC:
         chosen = driven_lines(chosen, driven_by or signals)
-    window = _window(n, hann=first.block.test == "random")
-    force = np.stack([_spectrum(s.forces, window)[:, chosen] for s in signals])
-    response = np.stack([_spectrum(s.responses, window)[:, chosen] for s in signals])
-    values, coherence, variance = _estimated(force, response, estimator)
+    window = _data_window(n, hann=first.block.test == "random")
+    force = np.stack([_windowed_spectrum(s.forces, window)[:, chosen] for s in signals])
+    response = np.stack([_windowed_spectrum(s.responses, window)[:, chosen] for s in signals])
+    values, coherence, variance = _estimate_frf(force, response, estimator)
     return Frf(
         frequency_hz=chosen * rate / n,
         values=values,
@@ -81,7 +81,9 @@ def broadband_frf(
     )
 
 
-def _estimated(force: Complex128, response: Complex128, estimator: Estimator) -> tuple[Complex128, Real, Real | None]:
+def _estimate_frf(
+    force: Complex128, response: Complex128, estimator: Estimator
+) -> tuple[Complex128, Real, Real | None]:
     """(outputs, inputs, lines) FRF, coherence and variance; one force needs no second block, which shows no variance.
 
     Args:
@@ -90,7 +92,7 @@ def _estimated(force: Complex128, response: Complex128, estimator: Estimator) ->
         estimator: H1, H2 or Hv.
     """
     if force.shape[1] == 1:
-        values, coherence = combine(force[:, 0], response, estimator)
+        values, coherence = combine_spectra(force[:, 0], response, estimator)
         return values[:, None], coherence[:, None], None
     found = estimate_frf(force, response, estimator)
     coherence = np.repeat(found.coherence[:, None], force.shape[1], axis=1)
@@ -106,8 +108,8 @@ def driven_band(signals: Sequence[Signals]) -> tuple[float, float]:
     check_test(signals)
     n, rate = signals[0].n_samples, signals[0].rate_hz
     # Leakage of a plain cut would reach far beyond the band; a window would take the ends off a chirp.
-    window = _window(n, hann=signals[0].block.test in ("random", "burst-random"))
-    powers = np.mean([np.abs(_spectrum(s.forces, window)) ** 2 for s in signals], axis=0)
+    window = _data_window(n, hann=signals[0].block.test in ("random", "burst-random"))
+    powers = np.mean([np.abs(_windowed_spectrum(s.forces, window)) ** 2 for s in signals], axis=0)
     edges = [_driven_edges(power) for power in powers]
     low, high = max(first for first, _ in edges), min(last for _, last in edges)
     return low * rate / n, max(low + 4, ceil(high)) * rate / n
@@ -128,7 +130,7 @@ def driven_lines(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDArr
     Raises:
         DataError: fewer than 4.
     """
-    powers = np.mean([np.abs(_spectrum(s.forces, np.ones(s.n_samples))) ** 2 for s in signals], axis=0)
+    powers = np.mean([np.abs(_windowed_spectrum(s.forces, np.ones(s.n_samples))) ** 2 for s in signals], axis=0)
     nearby = ndimage.maximum_filter1d(powers, SMOOTHED, axis=-1)
     used = chosen[np.all(powers[:, chosen] > LEFT_OUT * nearby[:, chosen], axis=0)]
     if used.size < 4:
@@ -136,16 +138,16 @@ def driven_lines(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDArr
     return used
 
 
-def of_one_level(signals: Sequence[Signals]) -> list[Signals]:
+def blocks_of_one_level(signals: Sequence[Signals]) -> list[Signals]:
     """The blocks of the level that has most: FRFs of different levels are compared, never averaged."""
     levels = [s.block.level for s in signals]
     most = max(levels, key=levels.count, default=None)
     return [s for s in signals if s.block.level == most]
 
 
-def _window(n: int, *, hann: bool) -> NDArray[np.float64]:
+def _data_window(n: int, *, hann: bool) -> NDArray[np.float64]:
     return np.hanning(n + 1)[:-1] if hann else np.ones(n)
 
 
-def _spectrum(values: NDArray[np.float64], window: NDArray[np.float64]) -> NDArray[np.complex128]:
+def _windowed_spectrum(values: NDArray[np.float64], window: NDArray[np.float64]) -> NDArray[np.complex128]:
     return np.fft.rfft((values - values.mean(axis=-1, keepdims=True)) * window)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.frf.broadband import PERIODIC, driven_lines
-from modallab.frf.estimate import lines
+from modallab.frf.estimate import lines_of_band
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
 
@@ -62,7 +62,7 @@ class Distortions:
         )
 
 
-def distortions(signals: Sequence[Signals], band_hz: tuple[float, float]) -> Distortions:
+def estimate_distortions(signals: Sequence[Signals], band_hz: tuple[float, float]) -> Distortions:
     """Distortions from blocks of one level, each a settled period of one of several random-phase multisines.
 
     Args:
@@ -79,7 +79,7 @@ def distortions(signals: Sequence[Signals], band_hz: tuple[float, float]) -> Dis
             f"the blocks of a {first.block.test} drive have no period", remedy="drive with pseudo-random waves"
         )
     n, rate = first.force.size, first.rate_hz
-    chosen = _of_every_wave(driven_lines(lines(n, rate, band_hz), signals), signals)
+    chosen = _of_every_wave(driven_lines(lines_of_band(n, rate, band_hz), signals), signals)
     force = np.stack([np.fft.rfft(s.force)[chosen] for s in signals])
     response = np.stack([np.fft.rfft(s.responses)[:, chosen] for s in signals])
     waves = waves_of(force)

@@ -13,7 +13,7 @@ from scipy.interpolate import make_interp_spline
 
 from modallab.core.arrays import Real
 from modallab.frf.distortions import ALIKE
-from modallab.frf.joined import contiguous
+from modallab.frf.joined import contiguous_blocks
 from modallab.signals.signals import Signals
 
 DEGREE = 7
@@ -33,7 +33,7 @@ def clock_of_drive(signals: Sequence[Signals], lines: NDArray[np.int64]) -> floa
         lines: of the DFT, that are driven.
     """
     turned = weight = 0.0
-    for run in contiguous(signals):
+    for run in contiguous_blocks(signals):
         # (blocks, inputs, lines)
         force = np.stack([np.fft.rfft(s.forces)[:, lines] for s in run])
         unit = force / np.linalg.norm(force, axis=(1, 2), keepdims=True)
@@ -45,7 +45,7 @@ def clock_of_drive(signals: Sequence[Signals], lines: NDArray[np.int64]) -> floa
     return turned / weight if weight else 0.0
 
 
-def on_clock_of_drive(signals: Sequence[Signals], lines: NDArray[np.int64]) -> list[Signals]:
+def resample_to_drive_clock(signals: Sequence[Signals], lines: NDArray[np.int64]) -> list[Signals]:
     """The blocks resampled so that each is one period of the drive; their rate says so, in the converter's seconds.
 
     Args:
@@ -55,10 +55,10 @@ def on_clock_of_drive(signals: Sequence[Signals], lines: NDArray[np.int64]) -> l
     clock = clock_of_drive(signals, lines)
     if abs(clock) < LEAST:
         return list(signals)
-    return [one for run in contiguous(signals) for one in _resampled(run, clock)]
+    return [one for run in contiguous_blocks(signals) for one in _resample_to_clock(run, clock)]
 
 
-def _resampled(run: Sequence[Signals], clock: float) -> list[Signals]:
+def _resample_to_clock(run: Sequence[Signals], clock: float) -> list[Signals]:
     n, inputs = run[0].n_samples, len(run[0].forces)
     rows = np.concatenate([np.vstack([s.forces, s.responses]) for s in run], axis=1)
     at = np.arange(rows.shape[1], dtype=np.float64)

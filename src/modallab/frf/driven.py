@@ -5,9 +5,9 @@ from dataclasses import replace
 
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
-from modallab.frf.broadband import PERIODIC, broadband_frf, driven_lines, of_one_level
-from modallab.frf.drive_clock import on_clock_of_drive
-from modallab.frf.estimate import lines
+from modallab.frf.broadband import PERIODIC, blocks_of_one_level, broadband_frf, driven_lines
+from modallab.frf.drive_clock import resample_to_drive_clock
+from modallab.frf.estimate import lines_of_band
 from modallab.frf.joined import joined_frf
 from modallab.frf.sums import Estimator
 from modallab.signals.signals import Signals
@@ -15,12 +15,14 @@ from modallab.signals.signals import Signals
 RANDOM = ("random", "burst-random")
 
 
-def on_own_clock(signals: Sequence[Signals], band_hz: tuple[float, float]) -> list[Signals]:
+def cut_to_own_clock(signals: Sequence[Signals], band_hz: tuple[float, float]) -> list[Signals]:
     """The blocks, of a periodic drive as its own clock would have cut them: else its lines leak into one another."""
     first = signals[0]
     if first.block.test not in PERIODIC:
         return list(signals)
-    return on_clock_of_drive(signals, driven_lines(lines(first.n_samples, first.rate_hz, band_hz), signals))
+    return resample_to_drive_clock(
+        signals, driven_lines(lines_of_band(first.n_samples, first.rate_hz, band_hz), signals)
+    )
 
 
 def driven_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator = "H1") -> Frf:
@@ -29,12 +31,12 @@ def driven_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
     Raises:
         DataError: a band without lines, or one block of a periodic drive for H2 or Hv.
     """
-    used = of_one_level(signals)
+    used = blocks_of_one_level(signals)
     # A block of random drive is cut out of what never ends: only the blocks together are long enough.
     made = joined_frf if used[0].block.test in RANDOM else broadband_frf
     return made(used, rig, band_hz, estimator=estimator)
 
 
-def alike(frf: Frf) -> Frf:
+def with_even_weights(frf: Frf) -> Frf:
     """With lines that count alike: what varies from line to line is the drive's own level, which another look lacks."""
     return replace(frf, coherence=None, variance=None)

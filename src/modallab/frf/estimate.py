@@ -34,7 +34,7 @@ def output_quantity(rig: Rig) -> FrfQuantity:
     return by_derivative[DERIVATIVE[quantity]]
 
 
-def convert(frf: Frf, quantity: FrfQuantity) -> Frf:
+def convert_frf(frf: Frf, quantity: FrfQuantity) -> Frf:
     """The same FRF as receptance, mobility or inertance: times a power of s = damping_shift + j omega.
 
     Raises:
@@ -75,7 +75,7 @@ def _check_shape(frf: Frf) -> None:
         )
 
 
-def lines(n: int, rate_hz: float, band_hz: tuple[float, float]) -> NDArray[np.int64]:
+def lines_of_band(n: int, rate_hz: float, band_hz: tuple[float, float]) -> NDArray[np.int64]:
     """Indices of the DFT lines of an n-sample block inside a band, never the line at 0 Hz.
 
     Raises:
@@ -99,7 +99,7 @@ def lines(n: int, rate_hz: float, band_hz: tuple[float, float]) -> NDArray[np.in
     return np.arange(first, last + 1)
 
 
-def combine(
+def combine_spectra(
     force: NDArray[np.complex128], response: NDArray[np.complex128], estimator: Estimator = "H1"
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """One input's FRF and ordinary coherence from the spectra of its blocks, as `PowerSums` gives them.
@@ -148,7 +148,7 @@ def impact_frf(
     first = groups[0][0]
     check_outputs(first, rig)
     n, rate = first.force.size, first.rate_hz
-    chosen = lines(n, rate, band_hz)
+    chosen = lines_of_band(n, rate, band_hz)
     found = [
         reduce(PowerSums.plus, (hit_sums(s, chosen, damping_shift) for s in group)).frf(estimator) for group in groups
     ]

@@ -15,7 +15,7 @@ from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
-from modallab.frf.estimate import lines, output_quantity
+from modallab.frf.estimate import lines_of_band, output_quantity
 from modallab.frf.noisy_force import one_force_frf
 from modallab.frf.sums import Estimator
 from modallab.signals.block_sets import check_outputs, check_test
@@ -91,10 +91,10 @@ def joined_spectra(signals: Sequence[Signals], band_hz: tuple[float, float]) -> 
     Raises:
         DataError: a band without lines.
     """
-    first, runs = signals[0], contiguous(signals)
+    first, runs = signals[0], contiguous_blocks(signals)
     rate, long = first.rate_hz, max(sum(s.n_samples for s in run) for run in runs)
     n = min(long, max(first.n_samples, int(MOST_LINES * rate / (band_hz[1] - band_hz[0]))))
-    chosen = lines(n, rate, band_hz)
+    chosen = lines_of_band(n, rate, band_hz)
     force, response = (
         np.concatenate([_spectrum(np.concatenate(rows, axis=1), n)[..., chosen] for rows in of_runs])
         for of_runs in ([[s.forces for s in run] for run in runs], [[s.responses for s in run] for run in runs])
@@ -141,7 +141,7 @@ def check_followed(frf: Frf) -> None:
         )
 
 
-def contiguous(signals: Sequence[Signals]) -> list[list[Signals]]:
+def contiguous_blocks(signals: Sequence[Signals]) -> list[list[Signals]]:
     """The blocks in order, those together that follow each other without a gap."""
     runs: list[list[Signals]] = []
     for item in sorted(signals, key=lambda s: s.block.order):

@@ -19,7 +19,7 @@ from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.frf.broadband import LEFT_OUT, SMOOTHED, driven_lines
 from modallab.frf.distortions import waves_of
-from modallab.frf.estimate import lines
+from modallab.frf.estimate import lines_of_band
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
 
@@ -30,7 +30,7 @@ LEAST = 4
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class LeftOut:
+class UndrivenDistortions:
     """Even and odd distortion of each output, at lines that the drive leaves out: rms over that of the response.
 
     Attributes:
@@ -85,11 +85,11 @@ def leaves_lines_out(signals: Sequence[Signals], band_hz: tuple[float, float]) -
         band_hz: lines to look at.
     """
     first = signals[0]
-    driven = driven_lines(lines(first.force.size, first.rate_hz, band_hz), signals)
+    driven = driven_lines(lines_of_band(first.force.size, first.rate_hz, band_hz), signals)
     return bool(np.all(driven // np.gcd.reduce(driven) % 2 == 1))
 
 
-def left_out(signals: Sequence[Signals], band_hz: tuple[float, float]) -> LeftOut:
+def distortions_at_undriven_lines(signals: Sequence[Signals], band_hz: tuple[float, float]) -> UndrivenDistortions:
     """Distortions from blocks of one level, each a settled period of a drive that leaves lines out.
 
     Args:
@@ -103,7 +103,7 @@ def left_out(signals: Sequence[Signals], band_hz: tuple[float, float]) -> LeftOu
     """
     check_test(signals)
     first = signals[0]
-    seen = _seen(signals, driven_lines(lines(first.force.size, first.rate_hz, band_hz), signals))
+    seen = _spectra_of_waves(signals, driven_lines(lines_of_band(first.force.size, first.rate_hz, band_hz), signals))
     ever, always = seen.driven.any(axis=0), seen.driven.all(axis=0)
     odd = (seen.order % 2 == 1) & ever & ~always
     even = (seen.order > 0) & (seen.order % 2 == 0) & ~ever
@@ -114,12 +114,14 @@ def left_out(signals: Sequence[Signals], band_hz: tuple[float, float]) -> LeftOu
             remedy="drive with detection_lines, four waves or more",
         )
     share = seen.driven.mean(axis=0)
-    response = _mean(np.abs(seen.power), seen.driven) * share
+    response = _mean_of_waves(np.abs(seen.power), seen.driven) * share
     in_odd, in_all = response[:, odd].sum(axis=1), response[:, ever].sum(axis=1)
-    odd_level, odd_sigma = _level(seen.power[..., odd], ~seen.driven[:, odd], share[odd], in_odd)
-    even_level, even_sigma = _level(seen.power[..., even], ~seen.driven[:, even], np.ones(even.sum()), in_all)
+    odd_level, odd_sigma = _distortion_level(seen.power[..., odd], ~seen.driven[:, odd], share[odd], in_odd)
+    even_level, even_sigma = _distortion_level(
+        seen.power[..., even], ~seen.driven[:, even], np.ones(even.sum()), in_all
+    )
     noise = np.sum(share[ever] * seen.noise.mean(axis=0)[:, ever], axis=1)
-    return LeftOut(
+    return UndrivenDistortions(
         odd=odd_level,
         even=even_level,
         odd_sigma=odd_sigma,
@@ -130,7 +132,7 @@ def left_out(signals: Sequence[Signals], band_hz: tuple[float, float]) -> LeftOu
     )
 
 
-def _seen(signals: Sequence[Signals], driven: NDArray[np.int64]) -> _Waves:
+def _spectra_of_waves(signals: Sequence[Signals], driven: NDArray[np.int64]) -> _Waves:
     chosen = np.arange(driven[0], driven[-1] + 1)
     force = np.stack([np.fft.rfft(s.force)[chosen] for s in signals])
     response = np.stack([np.fft.rfft(s.responses)[:, chosen] for s in signals])
@@ -140,9 +142,9 @@ def _seen(signals: Sequence[Signals], driven: NDArray[np.int64]) -> _Waves:
             f"there are {len(waves)} different waves of two periods or more",
             remedy="play four waves or more, two blocks of each or more",
         )
-    held = np.stack([_held(np.abs(force[w].mean(axis=0)) ** 2) for w in waves])
+    held = np.stack([_usable_waves(np.abs(force[w].mean(axis=0)) ** 2) for w in waves])
     # What the force holds where it should hold nothing, by a shaker that distorts itself, the structure answers too.
-    answered = response - _between(force, response, driven - driven[0], chosen.size) * force[:, None]
+    answered = response - _frf_between_lines(force, response, driven - driven[0], chosen.size) * force[:, None]
     power, noise = [], []
     for w, holds in zip(waves, held, strict=True):
         own = np.where(holds, response[w], answered[w])
@@ -154,25 +156,25 @@ def _seen(signals: Sequence[Signals], driven: NDArray[np.int64]) -> _Waves:
     return _Waves(order, held, np.stack(power), np.stack(noise), min(map(len, waves)))
 
 
-def _held(power: Real) -> Flags:
+def _usable_waves(power: Real) -> Flags:
     return np.asarray(power > LEFT_OUT * ndimage.maximum_filter1d(power, SMOOTHED))
 
 
-def _between(force: Complex128, response: Complex128, driven: NDArray[np.int64], count: int) -> Complex128:
+def _frf_between_lines(force: Complex128, response: Complex128, driven: NDArray[np.int64], count: int) -> Complex128:
     """(outputs, lines) H1 of all blocks at the lines that are driven, and straight lines between them."""
     h = np.sum(response * force[:, None].conj(), axis=0)[:, driven] / np.sum(np.abs(force) ** 2, axis=0)[driven]
     at = np.arange(count)
     return np.stack([np.interp(at, driven, one.real) + 1j * np.interp(at, driven, one.imag) for one in h])
 
 
-def _mean(values: Real, of: Flags) -> Real:
+def _mean_of_waves(values: Real, of: Flags) -> Real:
     """(outputs, lines) mean of (waves, outputs, lines) over the waves that count at a line."""
     return np.sum(values * of[:, None], axis=0) / np.maximum(of.sum(axis=0), 1)
 
 
-def _level(power: Real, undriven: Flags, share: Real, response: Real) -> tuple[Real, Real]:
+def _distortion_level(power: Real, undriven: Flags, share: Real, response: Real) -> tuple[Real, Real]:
     """Rms over that of the response, and its standard deviation: at random phases a line's power scatters by itself."""
-    square = np.maximum(np.sum(share * _mean(power, undriven), axis=1), 0) / response
-    scatter = share**2 * _mean(power**2, undriven) / 2 / np.maximum(undriven.sum(axis=0), 1)
+    square = np.maximum(np.sum(share * _mean_of_waves(power, undriven), axis=1), 0) / response
+    scatter = share**2 * _mean_of_waves(power**2, undriven) / 2 / np.maximum(undriven.sum(axis=0), 1)
     level = np.sqrt(square)
     return level, np.sqrt(square + np.sqrt(np.sum(scatter, axis=1)) / response) - level

@@ -60,11 +60,11 @@ def local_polynomial_frf(
         window = np.clip(line - half, 0, lines - width)[:, None] + np.arange(width)
         power = ((window - line[:, None]) / half)[..., None] ** np.arange(order + 1)
         there = force[..., window].transpose(2, 0, 3, 1), response[..., window].transpose(2, 0, 3, 1)
-        frf[..., line], variance[:, line] = _at_lines(*there, power, poles)
+        frf[..., line], variance[:, line] = _frf_in_windows(*there, power, poles)
     return frf, variance
 
 
-def _at_lines(
+def _frf_in_windows(
     force: Complex128, response: Complex128, power: NDArray[np.float64], poles: int
 ) -> tuple[Complex128, NDArray[np.float64]]:
     """FRF (outputs, inputs, lines) in the middle of windows, and the variance (outputs, lines) of the noise in each.
@@ -77,7 +77,7 @@ def _at_lines(
     """
     lines, blocks, width, inputs = force.shape
     rows = response.reshape(lines, blocks * width, -1)
-    columns, scale = _scaled(_shared(force, power))
+    columns, scale = _scaled_columns(_shared_columns(force, power))
     q, r = np.linalg.qr(columns)
     if np.linalg.svd(r, compute_uv=False).min() < DISTINGUISHED:
         raise DataError(
@@ -97,7 +97,7 @@ def _at_lines(
     return found.transpose(2, 1, 0), (np.sum(np.abs(left) ** 2, axis=1) / free).T
 
 
-def _shared(force: Complex128, power: NDArray[np.float64]) -> Complex128:
+def _shared_columns(force: Complex128, power: NDArray[np.float64]) -> Complex128:
     """(lines, rows, columns) what all responses have: each force and each block's transient, times the polynomials."""
     lines, blocks, width, _ = force.shape
     by_force = force[..., None] * power[:, None, :, None, :]
@@ -115,7 +115,7 @@ def _denominators(q: Complex128, rows: Complex128, with_powers: Complex128) -> C
     lines, outputs, rows_each, poles = with_powers.shape
     if not poles:
         return np.zeros((lines, outputs, 0), complex)
-    own, scale = _scaled(-with_powers)
+    own, scale = _scaled_columns(-with_powers)
     all_rows = np.concatenate([rows.transpose(0, 2, 1)[..., None], own], axis=3)
     columns = all_rows.transpose(0, 2, 1, 3).reshape(lines, rows_each, -1)
     columns = columns - q @ (q.conj().transpose(0, 2, 1) @ columns)
@@ -126,7 +126,7 @@ def _denominators(q: Complex128, rows: Complex128, with_powers: Complex128) -> C
     return (vh.conj().swapaxes(2, 3) @ along)[..., 0] / scale
 
 
-def _scaled(columns: Complex128) -> tuple[Complex128, NDArray[np.float64]]:
+def _scaled_columns(columns: Complex128) -> tuple[Complex128, NDArray[np.float64]]:
     """Columns of length 1, and the lengths that they had; a column of zeros stays."""
     length = np.linalg.norm(columns, axis=-2)
     length = np.where(length > 0, length, 1)

@@ -13,7 +13,7 @@ import numpy as np
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
-from modallab.frf.estimate import convert
+from modallab.frf.estimate import convert_frf
 
 
 def without_mass(frf: Frf, mass_kg: Sequence[float]) -> Frf:
@@ -30,12 +30,12 @@ def without_mass(frf: Frf, mass_kg: Sequence[float]) -> Frf:
         DataError: masses that are none or not one an input, no sensor at the driven point, or a mass that is more than
             the transducer felt: 1 - m A vanishes.
     """
-    inertance = convert(frf, "inertance")
+    inertance = convert_frf(frf, "inertance")
     _check(mass_kg, len(frf.input_points))
     factor = np.ones((len(mass_kg), frf.frequency_hz.size), complex)
     for k, (mass, point) in enumerate(zip(mass_kg, frf.input_points, strict=True)):
         if mass > 0:
-            factor[k] = 1 - mass * inertance.values[_driving(frf.output_points, point), k]
+            factor[k] = 1 - mass * inertance.values[_driving_index(frf.output_points, point), k]
     if np.any(factor == 0):
         raise DataError("the masses take all of the force at some line", remedy="check the masses, in kg")
     cleared = replace(
@@ -43,7 +43,7 @@ def without_mass(frf: Frf, mass_kg: Sequence[float]) -> Frf:
         values=inertance.values / factor,
         variance=None if inertance.variance is None else inertance.variance / np.abs(factor) ** 2,
     )
-    return convert(cleared, frf.quantity)
+    return convert_frf(cleared, frf.quantity)
 
 
 def _check(mass_kg: Sequence[float], inputs: int) -> None:
@@ -52,7 +52,7 @@ def _check(mass_kg: Sequence[float], inputs: int) -> None:
         raise DataError(found, remedy="give one mass an input in kg, 0 for none")
 
 
-def _driving(points: Sequence[int | None], point: int | None) -> int:
+def _driving_index(points: Sequence[int | None], point: int | None) -> int:
     if point is None or point not in points:
         raise DataError(
             f"no sensor stands at the driven point {'(unknown)' if point is None else point}",

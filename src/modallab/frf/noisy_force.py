@@ -42,9 +42,9 @@ def one_force_frf(
     h1, variance = local_polynomial_frf(force, response, half_width=half)
     inverse = [local_polynomial_frf(response[:, o : o + 1], force, half_width=half)[0][0] for o in range(len(h1))]
     h2: Complex128 = np.reciprocal(np.stack(inverse))
-    return h2 if estimator == "H2" else _between(h1, h2), variance
+    return h2 if estimator == "H2" else _h2_over_h1(h1, h2), variance
 
 
-def _between(h1: Complex128, h2: Complex128) -> Complex128:
+def _h2_over_h1(h1: Complex128, h2: Complex128) -> Complex128:
     middle: Complex128 = h1 * np.sqrt(h2 / h1)
     return middle

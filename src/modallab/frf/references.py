@@ -63,8 +63,8 @@ def estimate_frf(
     Raises:
         DataError: shapes that do not fit, NaN, too few blocks, or forces that cannot be distinguished.
     """
-    independent = _checked(force, response, estimator, averages)
-    scale_f, scale_y = _level(force), _level(response)
+    independent = _number_of_averages(force, response, estimator, averages)
+    scale_f, scale_y = _rms_level(force), _rms_level(response)
     f, y = np.moveaxis(force / scale_f[:, None], -1, 0), np.moveaxis(response / scale_y[:, None], -1, 0)
     # (lines, inputs, inputs), (lines, outputs, inputs), (lines, outputs, outputs): means over the blocks.
     ff, yf = f.transpose(0, 2, 1) @ f.conj() / len(force), y.transpose(0, 2, 1) @ f.conj() / len(force)
@@ -114,13 +114,13 @@ def _hv(ff: Complex128, yf: Complex128, power: Real) -> Complex128:
     return np.where(np.abs(last) > 0, -least[..., :-1] / safe, 0) * root[..., -1:] / root[..., :-1]
 
 
-def _level(spectra: Complex128) -> Real:
+def _rms_level(spectra: Complex128) -> Real:
     """(channels,) RMS, 1 for one that is zero: responses and forces may differ by many powers of ten."""
     size = np.sqrt(np.mean(np.abs(spectra) ** 2, axis=(0, 2)))
     return np.where(size > 0, size, 1.0)
 
 
-def _checked(force: Complex128, response: Complex128, estimator: Estimator, averages: float | None) -> float:
+def _number_of_averages(force: Complex128, response: Complex128, estimator: Estimator, averages: float | None) -> float:
     """The number of independent averages."""
     check_spectra(force, response)
     blocks, inputs, _ = force.shape

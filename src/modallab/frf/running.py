@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Rig
-from modallab.frf.estimate import hit_sums, lines, output_quantity
+from modallab.frf.estimate import hit_sums, lines_of_band, output_quantity
 from modallab.frf.sums import Estimator, PowerSums, check_averages
 from modallab.signals.block_sets import check_outputs
 from modallab.signals.signals import Signals
@@ -29,7 +29,7 @@ class RunningFrf:
         check_outputs(first, rig)
         self._rig = rig
         self._shape = first.force.size, first.rate_hz
-        self._lines: NDArray[np.int64] = lines(*self._shape, band_hz)
+        self._lines: NDArray[np.int64] = lines_of_band(*self._shape, band_hz)
         self._quantity: FrfQuantity = output_quantity(rig)
         self._sums: dict[int | None, PowerSums] = {}
 

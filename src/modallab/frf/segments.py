@@ -19,7 +19,7 @@ Window = Literal["none", "hann"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Stretches:
+class SegmentSpectra:
     """Spectra of stretches of one record.
 
     Attributes:
@@ -33,7 +33,9 @@ class Stretches:
     averages: float
 
 
-def stretches(values: Real, rate_hz: float, length: int, overlap: float = 0.5, window: Window = "hann") -> Stretches:
+def segment_spectra(
+    values: Real, rate_hz: float, length: int, overlap: float = 0.5, window: Window = "hann"
+) -> SegmentSpectra:
     """Spectra of the stretches of a record, each without its mean.
 
     A Hann window keeps leakage low and widens every peak by a line and a half: damping read off such a peak is too
@@ -66,10 +68,10 @@ def stretches(values: Real, rate_hz: float, length: int, overlap: float = 0.5, w
     every = slice(1, (length + 1) // 2)
     spectra: NDArray[np.complex128] = np.fft.rfft(cut)[..., every]
     frequency = np.arange(length // 2 + 1)[every] * rate_hz / length
-    return Stretches(frequency, spectra, _independent(shape, step, len(starts)))
+    return SegmentSpectra(frequency, spectra, _independent_averages(shape, step, len(starts)))
 
 
-def _independent(shape: NDArray[Any], step: int, count: int) -> float:
+def _independent_averages(shape: NDArray[Any], step: int, count: int) -> float:
     """Welch's count: K / (1 + 2 sum (1 - k / K) rho_k), rho_k the squared correlation of windows k steps apart."""
     power = float(shape @ shape)
     apart = [k for k in range(1, count) if k * step < shape.size]

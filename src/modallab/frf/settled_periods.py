@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import Complex128, Real
-from modallab.frf.joined import contiguous
+from modallab.frf.joined import contiguous_blocks
 from modallab.signals.signals import Signals
 
 
@@ -25,33 +25,33 @@ def without_decays(signals: Sequence[Signals], poles: Complex128, band_hz: tuple
         band_hz: lines by which the decays' sizes are found.
     """
     found: list[Signals] = []
-    for run in contiguous(signals):
-        found += _settled(run, poles, band_hz) if len(run) > 1 else list(run)
+    for run in contiguous_blocks(signals):
+        found += _settle_run(run, poles, band_hz) if len(run) > 1 else list(run)
     return found
 
 
-def _settled(run: Sequence[Signals], poles: Complex128, band_hz: tuple[float, float]) -> list[Signals]:
+def _settle_run(run: Sequence[Signals], poles: Complex128, band_hz: tuple[float, float]) -> list[Signals]:
     n, rate, inputs = run[0].n_samples, run[0].rate_hz, len(run[0].forces)
     rows = np.stack([np.vstack([s.forces, s.responses]) for s in run])
-    decays = _decays(poles, len(run), n, rate)
+    decays = _decays_of_poles(poles, len(run), n, rate)
     first, last = (round(edge * n / rate) for edge in band_hz)
     chosen = np.arange(max(1, first), min(n // 2, last) + 1)
     spectra = np.fft.rfft(rows)[..., chosen]
     # (blocks, 2 modes, lines): of the real and the imaginary part of each state.
     basis = np.fft.rfft(decays)[..., chosen]
-    size = _sizes(spectra - spectra.mean(axis=0), basis - basis.mean(axis=0))
+    size = _sizes_of_decays(spectra - spectra.mean(axis=0), basis - basis.mean(axis=0))
     left = rows - np.einsum("bmn,mo->bon", decays, size)
     return [replace(s, forces=r[:inputs], responses=r[inputs:]) for s, r in zip(run, left, strict=True)]
 
 
-def _decays(poles: Complex128, blocks: int, n: int, rate_hz: float) -> Real:
+def _decays_of_poles(poles: Complex128, blocks: int, n: int, rate_hz: float) -> Real:
     """(blocks, 2 modes, samples) real decays: of a state's real part, then of its imaginary part."""
     time = np.arange(blocks * n) / rate_hz
     decay: Complex128 = np.exp(np.outer(poles, time)).reshape(poles.size, blocks, n).transpose(1, 0, 2)
     return np.concatenate([decay.real, -decay.imag], axis=1)
 
 
-def _sizes(differences: Complex128, basis: Complex128) -> Real:
+def _sizes_of_decays(differences: Complex128, basis: Complex128) -> Real:
     """(2 modes, rows) by least squares over all blocks and lines."""
 
     def flat(values: Complex128) -> Real:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from modallab.frf.broadband import PERIODIC
-from modallab.frf.joined import contiguous
+from modallab.frf.joined import contiguous_blocks
 from modallab.frf.sums import Estimator
 from modallab.signals.signals import Signals
 
@@ -21,7 +21,7 @@ def least_blocks(signals: Sequence[Signals], estimator: Estimator) -> int:
     return one if len(first.forces) == 1 else 2 * len(first.forces)
 
 
-def shares(signals: Sequence[Signals], count: int) -> list[list[Signals]]:
+def split_blocks(signals: Sequence[Signals], count: int) -> list[list[Signals]]:
     """The blocks in so many parts of one size, in the order of time; what is left over at the end is in none.
 
     Several periodic forces are distinguished by their waves: there a part has its share of each, of about one size.
@@ -31,7 +31,7 @@ def shares(signals: Sequence[Signals], count: int) -> list[list[Signals]]:
         each = len(ordered) // count
         return [ordered[k * each : (k + 1) * each] for k in range(count)]
     found: list[list[Signals]] = [[] for _ in range(count)]
-    for run in contiguous(ordered):
+    for run in contiguous_blocks(ordered):
         for place, one in enumerate(run):
             found[place * count // len(run)].append(one)
     return found

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
-from modallab.frf.estimate import combine, output_quantity
+from modallab.frf.estimate import combine_spectra, output_quantity
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
 from modallab.signals.tone_fit import fit_at
@@ -83,7 +83,9 @@ def frf_of_lines(lines: Sequence[Line], rig: Rig) -> Frf:
     for line in sorted(lines, key=lambda one: one.requested_hz):
         at.setdefault(line.requested_hz, []).append(line)
     values = [
-        combine(np.array([[m.force] for m in members]), np.stack([m.response[:, None] for m in members]))[0][:, 0]
+        combine_spectra(np.array([[m.force] for m in members]), np.stack([m.response[:, None] for m in members]))[0][
+            :, 0
+        ]
         for members in at.values()
     ]
     return Frf(

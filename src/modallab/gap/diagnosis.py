@@ -7,20 +7,20 @@ from modallab.core.blas_threads import one_thread
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis
 from modallab.core.hold_out import MIXED, HoldOut
-from modallab.core.progress import part, report
-from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.conditioning.reduce import reduce
-from modallab.gap.conditioning.split import split
-from modallab.gap.documented import SearchInput, ShownEffects, documented, harmless
+from modallab.core.progress import part_of_progress, report_progress
+from modallab.gap.conditioning.prepare import prepare_campaign
+from modallab.gap.conditioning.reduce import reduce_blocks
+from modallab.gap.conditioning.split import split_held_out
+from modallab.gap.documented import SearchInput, ShownEffects, document_diagnosis, is_harmless
 from modallab.gap.model.nuisances import beam_of
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.restored import begin_of
+from modallab.gap.model.restored import first_fit_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import bench_of, free_of, weights_of
-from modallab.gap.report.inspected import inspected, known_already, shown
-from modallab.gap.report.locate import locate
+from modallab.gap.report.inspected import effects_on_records, inspect_effects, known_already
+from modallab.gap.report.locate import locate_gap
 from modallab.gap.search.choose import Choice
-from modallab.gap.searched import searched
+from modallab.gap.searched import search_explanation
 from modallab.gap.unknown.describe import describe
 
 
@@ -46,47 +46,47 @@ def diagnose(
     """
     # First of all: without one no record is of use, whatever else it lacks.
     beam_of(campaign.rig)
-    split(campaign.blocks, hold_out)
-    report(0.0, "noise, hum and ring-down")
+    split_held_out(campaign.blocks, hold_out)
+    report_progress(0.0, "noise, hum and ring-down")
     ready = _made_ready(campaign, hold_out, allowed, known)
-    with part(0.06, 0.7, "search"):
-        search = searched(ready.bench, ready.prepared, ready.matters, ready.unseen, ready.held)
+    with part_of_progress(0.06, 0.7, "search"):
+        search = search_explanation(ready.bench, ready.prepared, ready.matters, ready.unseen, ready.held)
     choice = search.choice
-    report(0.7, "where the gap lies and what it is made of")
-    report(0.72, "location")
-    location = None if choice.flat else locate(ready.bench, ready.prepared, choice.base)
-    effects = _shown(ready, choice)
-    with part(0.8, 0.96, "what it behaves like"):
+    report_progress(0.7, "where the gap lies and what it is made of")
+    report_progress(0.72, "location")
+    location = None if choice.flat else locate_gap(ready.bench, ready.prepared, choice.base)
+    effects = _effects_on_records(ready, choice)
+    with part_of_progress(0.8, 0.96, "what it behaves like"):
         described = describe(
             ready.bench, ready.prepared, choice, location, ready.everything, ready.unseen, ready.held, search.behaves
         )
-    report(0.96, "budget")
-    return documented(ready, choice, location, effects).model_copy(update={"described": described})
+    report_progress(0.96, "budget")
+    return document_diagnosis(ready, choice, location, effects).model_copy(update={"described": described})
 
 
 def _made_ready(
     campaign: Campaign, hold_out: HoldOut, allowed: Callable[[str], bool], known: Sequence[CandidateSet]
 ) -> SearchInput:
-    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
+    prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
     free = free_of(prepared.campaign)
-    fitted, held = split(prepared.blocks, hold_out)
+    fitted, held = split_held_out(prepared.blocks, hold_out)
     weights = weights_of(prepared)
     bench = bench_of(prepared, fitted, free, allowed)
-    bench = replace(bench, known=tuple(begin_of(c, bench.data, free) for c in known if c.twin is not None))
+    bench = replace(bench, known=tuple(first_fit_of(c, bench.data, free) for c in known if c.twin is not None))
     unseen = held or fitted
     return SearchInput(
         prepared=prepared,
         bench=bench,
         held=[b.name for b in held],
         of_unseen=unseen,
-        everything=reduce(prepared.campaign, prepared.blocks, weights),
-        unseen=reduce(prepared.campaign, unseen, weights),
+        everything=reduce_blocks(prepared.campaign, prepared.blocks, weights),
+        unseen=reduce_blocks(prepared.campaign, unseen, weights),
         stated=campaign.rig.tolerance.stated,
     )
 
 
-def _shown(ready: SearchInput, choice: Choice) -> ShownEffects:
+def _effects_on_records(ready: SearchInput, choice: Choice) -> ShownEffects:
     prepared, allowed = ready.prepared, ready.bench.allowed
-    named = [f for f in inspected(prepared, twin_of(choice.believed, ready.everything)) if allowed(f.effect)]
-    seen = [f for f in named if not harmless(prepared, f) and not known_already(f, ready.rig)]
-    return ShownEffects(named, seen, [name for name in shown(prepared) if not allowed(name)])
+    named = [f for f in inspect_effects(prepared, twin_of(choice.accepted_fit, ready.everything)) if allowed(f.effect)]
+    seen = [f for f in named if not is_harmless(prepared, f) and not known_already(f, ready.rig)]
+    return ShownEffects(named, seen, [name for name in effects_on_records(prepared) if not allowed(name)])

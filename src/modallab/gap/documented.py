@@ -7,31 +7,31 @@ import numpy as np
 
 from modallab.core.block import Block
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, Percent, Shrink, Verdict
-from modallab.core.digits import percent
+from modallab.core.digits import percent_text
 from modallab.core.effects import kind_of
-from modallab.core.places import in_metres
+from modallab.core.places import place_in_metres
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared
-from modallab.gap.conditioning.records import as_recorded
-from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.prepare import ONE_LEVEL, PreparedCampaign
+from modallab.gap.conditioning.records import records_as_recorded
+from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import discrepancies, left
-from modallab.gap.report.budget import budget
-from modallab.gap.report.calibrated import calibrated
-from modallab.gap.report.contradictions import contradictions
+from modallab.gap.model.share import discrepancies, relative_residuals
+from modallab.gap.report.budget import budget_of_gap
+from modallab.gap.report.calibrated import calibrated_twin
+from modallab.gap.report.contradictions import contradiction_sentences
 from modallab.gap.report.initial_gap import squares_as_recorded
-from modallab.gap.report.inspected import harm, known_already
-from modallab.gap.report.locate import Location
-from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
+from modallab.gap.report.inspected import harm_to_response, known_already
+from modallab.gap.report.locate import GapLocation
+from modallab.gap.report.measure import band_of, nearest_mode, shares_by_frequency, squared_residuals
 from modallab.gap.report.next_step import next_experiment
-from modallab.gap.report.shrinkage import closed, shrink
-from modallab.gap.report.where import where
+from modallab.gap.report.shrinkage import closed_share, shrinkage_with_interval
+from modallab.gap.report.where import where_gap_lies
 from modallab.gap.search.choose import Choice, probabilities
-from modallab.gap.search.fitting import Bench, ordinary
+from modallab.gap.search.fitting import Bench, within_tolerances
 from modallab.gap.search.intervals import intervals
 from modallab.twin.bench import Twin
 
@@ -57,7 +57,7 @@ class SearchInput:
         stated: whether the rig file states tolerances of its own.
     """
 
-    prepared: Prepared
+    prepared: PreparedCampaign
     bench: Bench
     held: list[str]
     of_unseen: Sequence[Block]
@@ -91,41 +91,44 @@ class ShownEffects:
     withheld: list[str]
 
 
-def documented(ready: SearchInput, choice: Choice, location: Location | None, effects: ShownEffects) -> Diagnosis:
+def document_diagnosis(
+    ready: SearchInput, choice: Choice, location: GapLocation | None, effects: ShownEffects
+) -> Diagnosis:
     """What was found, as a document."""
     prepared, everything = ready.prepared, ready.everything
     nonlinear = location is not None and location.nonlinear
     ranked = probabilities(choice)
-    found = [*_found(choice, ranked), *effects.seen]
-    verdict = _verdict(choice, effects.seen, effects.withheld)
+    found = [*_found_effects(choice, ranked), *effects.seen]
+    verdict = _diagnosis_verdict(choice, effects.seen, effects.withheld)
     return Diagnosis(
         rig=ready.rig.name,
         verdict=verdict,
-        gap=_gap(prepared, choice, everything),
-        where=where(verdict, found, effects.withheld, location, choice, everything, prepared),
+        gap=_gap_document(prepared, choice, everything),
+        where=where_gap_lies(verdict, found, effects.withheld, location, choice, everything, prepared),
         effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
-        candidates=_candidates(ranked, effects.seen, choice, everything),
-        shrink=_shrink(choice, _as_found(ready, effects.seen), ready.unseen, ready.held),
+        candidates=_candidates_document(ranked, effects.seen, choice, everything),
+        shrink=_shrinkage_document(choice, _held_out_as_recorded(ready, effects.seen), ready.unseen, ready.held),
         next_experiment=next_experiment(verdict, ranked, prepared.campaign, nonlinear),
-        twin=calibrated(choice.believed, everything),
-        budget=budget(choice.believed, everything, _resonances_hz(prepared), usual=not ready.stated),
-        notes=_notes(ready, choice, effects.named, nonlinear),
+        twin=calibrated_twin(choice.accepted_fit, everything),
+        budget=budget_of_gap(choice.accepted_fit, everything, _resonances_hz(prepared), usual=not ready.stated),
+        notes=_diagnosis_notes(ready, choice, effects.named, nonlinear),
     )
 
 
-def _notes(ready: SearchInput, choice: Choice, shows: list[Found], nonlinear: bool) -> list[str]:
+def _diagnosis_notes(ready: SearchInput, choice: Choice, shows: list[Found], nonlinear: bool) -> list[str]:
     prepared = ready.prepared
     return [
         *([] if ready.stated else [USUAL]),
         *(n for n in prepared.notes if not (nonlinear and n == ONE_LEVEL)),
-        *contradictions(choice, prepared),
+        *contradiction_sentences(choice, prepared),
         *(d.why for d in choice.dismissed),
         *([] if choice.tolerated is None else [TOLERATED.format(choice.tolerated)]),
-        *([LOOSE_ASSEMBLY] if choice.flat and not ordinary(choice.base) else []),
+        *([LOOSE_ASSEMBLY] if choice.flat and not within_tolerances(choice.base) else []),
         *(
-            f"Does no harm: {f.effect.replace('_', ' ')}, {percent(harm(prepared, f))} of the response."
+            f"Does no harm: {f.effect.replace('_', ' ')}, {percent_text(harm_to_response(prepared, f))} of "
+            "the response."
             for f in shows
-            if harmless(prepared, f)
+            if is_harmless(prepared, f)
         ),
         *(
             f"As the rig's revisions know: {f.effect.replace('_', ' ')}."
@@ -135,19 +138,19 @@ def _notes(ready: SearchInput, choice: Choice, shows: list[Found], nonlinear: bo
     ]
 
 
-def harmless(prepared: Prepared, found: Found) -> bool:
+def is_harmless(prepared: PreparedCampaign, found: Found) -> bool:
     """Whether an effect that the records show is too small to matter on this rig."""
     tolerance = prepared.campaign.rig.tolerance
-    return tolerance.of_assembly and harm(prepared, found) < tolerance.response
+    return tolerance.of_assembly and harm_to_response(prepared, found) < tolerance.response
 
 
-def _verdict(choice: Choice, seen: list[Found], withheld: list[str]) -> Verdict:
+def _diagnosis_verdict(choice: Choice, seen: list[Found], withheld: list[str]) -> Verdict:
     if withheld or not choice.explained:
         return "unknown"
     return "no_gap" if choice.flat and not seen else "known"
 
 
-def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
+def _found_effects(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
     fit = choice.fit
     if not fit.problem.candidates or not choice.explained:
         return []
@@ -163,13 +166,13 @@ def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
                 parameters=effect.parameters,
                 interval=believed.within,
                 not_known=believed.not_known,
-                place=in_metres(effect.place, length),
+                place=place_in_metres(effect.place, length),
             )
         )
     return found
 
 
-def _candidates(
+def _candidates_document(
     ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choice, data: Reduced
 ) -> list[CandidateSet]:
     more = [f.effect for f in seen]
@@ -179,7 +182,7 @@ def _candidates(
             probability=float(p),
             gap=f.gap,
             fitted=f.effects,
-            twin=calibrated(f, data),
+            twin=calibrated_twin(f, data),
         )
         for f, p in ranked[:8]
         # What leaves more than no effect does explains nothing.
@@ -190,14 +193,14 @@ def _candidates(
     return listed
 
 
-def _gap(prepared: Prepared, choice: Choice, data: Reduced) -> Gap:
+def _gap_document(prepared: PreparedCampaign, choice: Choice, data: Reduced) -> Gap:
     twin = twin_of(choice.base, data)
     raw = squares_as_recorded(prepared, twin)
     thirds = np.minimum((raw.order * 3).astype(int), 2)
     hz = _resonances_hz(prepared)
     names = [data.rig.channels[c].name for c in raw.channels]
-    fitted = twin_of(choice.believed, data)
-    after = squares(fitted, data)
+    fitted = twin_of(choice.accepted_fit, data)
+    after = squared_residuals(fitted, data)
     return Gap(
         before=raw.gap,
         floor=1.0,
@@ -207,27 +210,27 @@ def _gap(prepared: Prepared, choice: Choice, data: Reduced) -> Gap:
         by_level=raw.by(raw.levels),
         by_channel=raw.by(names),
         after_by_channel=after.by(names),
-        by_band=by_frequency(twin, data, band_of),
-        by_mode=by_frequency(twin, data, nearest_mode(hz)),
+        by_band=shares_by_frequency(twin, data, band_of),
+        by_mode=shares_by_frequency(twin, data, nearest_mode(hz)),
         by_order=raw.by([("first third", "middle third", "last third")[i] for i in thirds]),
         poles_hz=hz,
-        share_nominal=_percent(choice.fit.problem.free.build(np.zeros(choice.fit.problem.free.size)), data, hz),
-        share_before=_percent(twin, data, hz),
-        share_after=_percent(fitted, data, hz),
-        discrepancy=_discrepancy(fitted, data),
+        share_nominal=_gap_in_percent(choice.fit.problem.free.build(np.zeros(choice.fit.problem.free.size)), data, hz),
+        share_before=_gap_in_percent(twin, data, hz),
+        share_after=_gap_in_percent(fitted, data, hz),
+        discrepancy=_model_discrepancy(fitted, data),
     )
 
 
-def _resonances_hz(prepared: Prepared) -> list[float]:
+def _resonances_hz(prepared: PreparedCampaign) -> list[float]:
     return [float(f) for f in np.abs(prepared.poles) / (2 * np.pi)]
 
 
-def _percent(twin: Twin, data: Reduced, resonances_hz: list[float]) -> Percent:
-    at, away = left(data, forward(twin, data), np.array(resonances_hz))
+def _gap_in_percent(twin: Twin, data: Reduced, resonances_hz: list[float]) -> Percent:
+    at, away = relative_residuals(data, forward(twin, data), np.array(resonances_hz))
     return Percent(at_resonance=at, away=away)
 
 
-def _discrepancy(twin: Twin, data: Reduced) -> Discrepancy | None:
+def _model_discrepancy(twin: Twin, data: Reduced) -> Discrepancy | None:
     found = discrepancies(data, forward(twin, data))
     if not found:
         return None
@@ -235,7 +238,7 @@ def _discrepancy(twin: Twin, data: Reduced) -> Discrepancy | None:
     return Discrepancy(median=float(np.median(list(found.values()))), worst=found[worst], record=worst)
 
 
-def _as_found(ready: SearchInput, seen: list[Found]) -> Reduced:
+def _held_out_as_recorded(ready: SearchInput, seen: list[Found]) -> Reduced:
     """Records held out, before an explanation: as they came, where that is of the records themselves.
 
     Noise that the rig file does not promise is no gap that an effect of the twin could close.
@@ -244,22 +247,24 @@ def _as_found(ready: SearchInput, seen: list[Found]) -> Reduced:
         return ready.unseen
     prepared = ready.prepared
     full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
-    blocks = as_recorded(prepared.campaign, ready.of_unseen)
-    return reduce(prepared.campaign, blocks, Weights(prepared.believed_v, full_scales, doubt=prepared.driven.doubt))
+    blocks = records_as_recorded(prepared.campaign, ready.of_unseen)
+    return reduce_blocks(
+        prepared.campaign, blocks, Weights(prepared.believed_v, full_scales, doubt=prepared.driven.doubt)
+    )
 
 
-def _shrink(choice: Choice, raw: Reduced, clean: Reduced, held: list[str]) -> Shrink:
-    before = squares(twin_of(choice.base, clean), raw)
+def _shrinkage_document(choice: Choice, raw: Reduced, clean: Reduced, held: list[str]) -> Shrink:
+    before = squared_residuals(twin_of(choice.base, clean), raw)
     # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.
-    after = squares(twin_of(choice.believed, clean), clean)
-    rival = _rival(choice, clean, before.gap)
-    return shrink(held, before, after, rival, np.random.default_rng(SEED))
+    after = squared_residuals(twin_of(choice.accepted_fit, clean), clean)
+    rival = _strongest_rival(choice, clean, before.gap)
+    return shrinkage_with_interval(held, before, after, rival, np.random.default_rng(SEED))
 
 
-def _rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
+def _strongest_rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
     for fit in choice.rivals:
         if before**2 - 1 > 0.02 and fit.problem.candidates:
-            after = squares(twin_of(fit, clean), clean).gap
+            after = squared_residuals(twin_of(fit, clean), clean).gap
             # What leaves more than no effect closes nothing.
-            return {"+".join(c.effect for c in fit.problem.candidates): max(closed(before, after), 0.0)}
+            return {"+".join(c.effect for c in fit.problem.candidates): max(closed_share(before, after), 0.0)}
     return {}

@@ -3,26 +3,32 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.agreement import agreement_of
 from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.select import Level, StepwiseSelection
-from modallab.gap.model.fit import Fit, seen
-from modallab.gap.report.harmonics import out_of_proportion
+from modallab.gap.model.fit import Fit, evaluated
+from modallab.gap.report.harmonics import channels_out_of_proportion
 from modallab.gap.report.levels import some_levels_differ
-from modallab.gap.search.beside_known import beside_known, knows_element
+from modallab.gap.search.beside_known import knows_element, linear_beside_known
 from modallab.gap.search.choose import Choice, choose
-from modallab.gap.search.clock import clock_shows
-from modallab.gap.search.fitting import Bench, completed
+from modallab.gap.search.clock import clock_error_visible
+from modallab.gap.search.fitting import Bench, converged
 from modallab.gap.search.law_by_hits import law_by_hits
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description, cost_per_number, fit_cost
-from modallab.gap.unknown.rival import Alone, channel_alone, loses_samples, near, rivals
+from modallab.gap.unknown.rival import (
+    LoneChannel,
+    leaves_noise_only,
+    lone_channel,
+    loses_samples,
+    nameless_explanations,
+)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Searched:
+class SearchOutcome:
     """What a search has come to.
 
     Attributes:
@@ -34,9 +40,9 @@ class Searched:
     behaves: tuple[Description, ...] = ()
 
 
-def searched(
-    bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced, held: Sequence[str]
-) -> Searched:
+def search_explanation(
+    bench: Bench, prepared: PreparedCampaign, matters: Reduced | None, unseen: Reduced, held: Sequence[str]
+) -> SearchOutcome:
     """What explains the gap.
 
     Args:
@@ -47,14 +53,14 @@ def searched(
         held: their names.
     """
     view, found = without_effects(bench)
-    base = completed(bench, seen(found.problem, found.u))
+    base = converged(bench, evaluated(found.problem, found.u))
     if knows_element(base):
-        return Searched(beside_known(bench, base, matters))
-    overtones = out_of_proportion(prepared) if base.gap > bench.flat else None
+        return SearchOutcome(linear_beside_known(bench, base, matters))
+    overtones = channels_out_of_proportion(prepared) if base.gap > bench.flat else None
     if overtones is not None:
-        return Searched(search_stepped(bench, prepared, base, overtones, matters, unseen))
+        return SearchOutcome(search_stepped(bench, prepared, base, overtones, matters, unseen))
     agreement = agreement_of(bench, view, found)
-    alone = channel_alone(bench, prepared, agreement, held) if base.gap > bench.flat else None
+    alone = lone_channel(bench, prepared, agreement, held) if base.gap > bench.flat else None
     if alone is not None:
         # Where all others agree with a sound bench, the cause stands in this channel.
         bench = replace(bench, row=alone.row)
@@ -62,39 +68,43 @@ def searched(
     first = selection.rounds(1)[0]
     choice = choose(bench, [first], matters)
     if choice.flat:
-        return Searched(choice)
+        return SearchOutcome(choice)
     if choice.explained and not loses_samples(prepared, choice.fit):
         # Most of the gap has a name; what is left may have one too.
-        return Searched(choose(bench, selection.rounds(), matters))
-    behaves = () if clock_shows(bench) else _without_name(bench, prepared, selection, alone, unseen, held)
+        return SearchOutcome(choose(bench, selection.rounds(), matters))
+    behaves = () if clock_error_visible(bench) else _without_name(bench, prepared, selection, alone, unseen, held)
     if behaves:
-        return Searched(Choice(base, base, first.fits, False, False), behaves)
+        return SearchOutcome(Choice(base, base, first.fits, False, False), behaves)
     choice = choose(bench, selection.rounds(), matters)
     if choice.explained or alone is not None:
-        return Searched(choice)
-    return Searched(_by_level(bench, prepared, selection, choice, matters, unseen))
+        return SearchOutcome(choice)
+    return SearchOutcome(_search_nonlinear(bench, prepared, selection, choice, matters, unseen))
 
 
 def _without_name(
     bench: Bench,
-    prepared: Prepared,
+    prepared: PreparedCampaign,
     selection: StepwiseSelection,
-    alone: Alone | None,
+    alone: LoneChannel | None,
     unseen: Reduced,
     held: Sequence[str],
 ) -> tuple[Description, ...]:
     """Elements without a name that explain what no single effect does, unless two effects do with as few numbers."""
     first = selection.levels[0] if selection.levels else Level(selection.best, ())
-    behaves = rivals(bench, prepared, first, alone, unseen, held)
+    behaves = nameless_explanations(bench, prepared, first, alone, unseen, held)
     if not behaves or (alone is not None and alone.loses):
         return behaves
     pair = selection.rounds(2)[-1].fits
-    return () if pair and near(bench, pair[0]) and fit_cost(pair[0]) <= cost_per_number(behaves[0]) else behaves
+    return (
+        ()
+        if pair and leaves_noise_only(bench, pair[0]) and fit_cost(pair[0]) <= cost_per_number(behaves[0])
+        else behaves
+    )
 
 
-def _by_level(
+def _search_nonlinear(
     bench: Bench,
-    prepared: Prepared,
+    prepared: PreparedCampaign,
     selection: StepwiseSelection,
     linear: Choice,
     matters: Reduced | None,

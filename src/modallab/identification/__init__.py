@@ -2,32 +2,32 @@
 
 from typing import TYPE_CHECKING
 
-from modallab.core.lazy import lazily
+from modallab.core.lazy import lazy_getattr
 
 if TYPE_CHECKING:
     from modallab.identification.estimate import PoleEstimate, estimate_poles
-    from modallab.identification.estimator import Estimator, Order, estimator_names, find_estimator
+    from modallab.identification.estimator import Estimator, ModelOrder, estimator_names, find_estimator
     from modallab.identification.frf_model import identify_frf
     from modallab.identification.impact import default_band, identify_impact
-    from modallab.identification.likelihood.fit import Fit
-    from modallab.identification.model.modal_model import receptance
-    from modallab.identification.options import Options
+    from modallab.identification.likelihood.fit import LikelihoodFit
+    from modallab.identification.model.modal_model import receptance_of_model
+    from modallab.identification.options import IdentificationOptions
     from modallab.identification.selection.criteria import auto_mac, comac, mac, mpc, mpd
-    from modallab.identification.selection.diagram import Diagram, stabilisation_diagram
+    from modallab.identification.selection.diagram import StabilisationData, stabilisation_diagram
     from modallab.identification.sine import identify_sine
     from modallab.identification.start.mode_indicators import cmif, mmif
-    from modallab.identification.start.stabilisation import OrderPoles, StablePole, Tolerance, stable_poles
+    from modallab.identification.start.stabilisation import OrderPoles, StabilityLimits, StablePole, stable_poles
 
 __all__ = [
-    "Diagram",
     "Estimator",
-    "Fit",
-    "Options",
-    "Order",
+    "IdentificationOptions",
+    "LikelihoodFit",
+    "ModelOrder",
     "OrderPoles",
     "PoleEstimate",
+    "StabilisationData",
+    "StabilityLimits",
     "StablePole",
-    "Tolerance",
     "auto_mac",
     "cmif",
     "comac",
@@ -42,25 +42,25 @@ __all__ = [
     "mmif",
     "mpc",
     "mpd",
-    "receptance",
+    "receptance_of_model",
     "stabilisation_diagram",
     "stable_poles",
 ]
 
-__getattr__ = lazily(
+__getattr__ = lazy_getattr(
     __name__,
     {
         "estimate": ("PoleEstimate", "estimate_poles"),
-        "estimator": ("Estimator", "Order", "estimator_names", "find_estimator"),
+        "estimator": ("Estimator", "ModelOrder", "estimator_names", "find_estimator"),
         "frf_model": ("identify_frf",),
         "impact": ("default_band", "identify_impact"),
-        "likelihood.fit": ("Fit",),
-        "model.modal_model": ("receptance",),
-        "options": ("Options",),
+        "likelihood.fit": ("LikelihoodFit",),
+        "model.modal_model": ("receptance_of_model",),
+        "options": ("IdentificationOptions",),
         "selection.criteria": ("auto_mac", "comac", "mac", "mpc", "mpd"),
-        "selection.diagram": ("Diagram", "stabilisation_diagram"),
+        "selection.diagram": ("StabilisationData", "stabilisation_diagram"),
         "sine": ("identify_sine",),
         "start.mode_indicators": ("cmif", "mmif"),
-        "start.stabilisation": ("OrderPoles", "StablePole", "Tolerance", "stable_poles"),
+        "start.stabilisation": ("OrderPoles", "StablePole", "StabilityLimits", "stable_poles"),
     },
 )

@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 from modallab.core.arrays import Complex128, Real
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import Backbone, ModalModel
-from modallab.frf.estimate import convert
+from modallab.frf.estimate import convert_frf
 from modallab.identification.likelihood.poles import poles_of
 from modallab.signals.signals import Signals
 
@@ -76,15 +76,15 @@ def backbone_of(model: ModalModel, levels: Sequence[DriveLevel]) -> FollowedMode
         sensor = int(np.argmax(np.abs(model.modal_constants[r]).max(axis=1)))
         sensors.append(model.outputs[sensor])
         for k, level in enumerate(levels):
-            band = _band(r, poles, pole)
-            if not _enough(level.frf, band):
+            band = _band_around_pole(r, poles, pole)
+            if not _has_enough_lines(level.frf, band):
                 break
             pole, sigma = nearest_pole(level.frf, pole, band)
             frequency[r, k], damping[r, k] = abs(pole) / (2 * np.pi), -pole.real / abs(pole)
             sigma_hz[r, k], sigma_zeta[r, k] = sigma
-            away.append([_relative(nearest_pole(one, pole, band, near=True)[0], pole) for one in level.repeats])
+            away.append([_relative_shift(nearest_pole(one, pole, band, near=True)[0], pole) for one in level.repeats])
             amplitude[r, k] = amplitude_of(level, pole, band, sensor)
-        scatter = _scatter(away)
+        scatter = _scatter_of_levels(away)
         sigma_hz[r] = np.hypot(sigma_hz[r], frequency[r] * scatter[0])
         sigma_zeta[r] = np.hypot(sigma_zeta[r], damping[r] * scatter[1])
     found = Backbone(
@@ -96,7 +96,7 @@ def backbone_of(model: ModalModel, levels: Sequence[DriveLevel]) -> FollowedMode
         damping_ratio=damping,
         damping_sigma=sigma_zeta,
     )
-    first = np.array([_band(r, poles, pole) for r, pole in enumerate(poles)]) / (2 * np.pi)
+    first = np.array([_band_around_pole(r, poles, pole) for r, pole in enumerate(poles)]) / (2 * np.pi)
     return FollowedModes(found, ~((frequency[:, 0] < first[:, 0]) | (frequency[:, 0] > first[:, 1])))
 
 
@@ -113,7 +113,7 @@ def nearest_pole(
         band: in rad/s.
         near: whether it is where it stood.
     """
-    receptance = convert(frf, "receptance")
+    receptance = convert_frf(frf, "receptance")
     omega = 2 * np.pi * receptance.frequency_hz
     inside = (omega > band[0]) & (omega < band[1])
     s = (receptance.damping_shift + 1j * omega[inside]).astype(np.complex128)
@@ -122,7 +122,7 @@ def nearest_pole(
     measured = np.vstack([rows.real, rows.imag])
 
     def rest(at: Real) -> Real:
-        return _residual(s, measured, _pole(start, at)).ravel()
+        return _residual_of_pole(s, measured, _fit_pole(start, at)).ravel()
 
     grid = [(0.0, 0.0)] if near else [(np.log(f), np.log(z)) for f in _FREQUENCIES for z in _DAMPINGS]
     best = min(grid, key=lambda at: float(np.sum(rest(np.array(at)) ** 2)))
@@ -130,7 +130,7 @@ def nearest_pole(
     freedom = max(1, measured.size - 4 * measured.shape[1] - 2)
     slopes = np.asarray(found.jac, np.float64)
     covariance = np.linalg.pinv(slopes.T @ slopes) * 2 * float(found.cost) / freedom
-    pole = _pole(start, found.x)
+    pole = _fit_pole(start, found.x)
     relative = np.sqrt(np.diag(covariance))
     return pole, (float(relative[0] * abs(pole) / (2 * np.pi)), float(relative[1] * -pole.real / abs(pole)))
 
@@ -145,12 +145,12 @@ def amplitude_of(level: DriveLevel, pole: complex, band: tuple[float, float], se
         analytic = np.fft.ifft(2 * spectrum * ((omega > band[0]) & (omega < band[1])))
         power = np.abs(analytic / abs(pole) ** DERIVATIVES[level.frf.quantity]) ** 2
         weight = float(np.sum(power))
-        squares += weight * _square(power, level.frf.damping_shift / record.rate_hz)
+        squares += weight * _square_of_amplitude(power, level.frf.damping_shift / record.rate_hz)
         weights += weight
     return float(np.sqrt(squares / weights)) if weights else 0.0
 
 
-def _square(power: Real, shift: float) -> float:
+def _square_of_amplitude(power: Real, shift: float) -> float:
     """The square of the amplitude that the frequency of a linear fit belongs to.
 
     Args:
@@ -191,13 +191,13 @@ def backbone_notes(found: Backbone) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _relative(pole: complex, of: complex) -> Real:
+def _relative_shift(pole: complex, of: complex) -> Real:
     """How far frequency and damping ratio of a pole are from those of another, as shares of these."""
     zeta, other = -pole.real / abs(pole), -of.real / abs(of)
     return np.array([abs(pole) / abs(of) - 1, zeta / other - 1])
 
 
-def _scatter(away: Sequence[Sequence[Real]]) -> Real:
+def _scatter_of_levels(away: Sequence[Sequence[Real]]) -> Real:
     """(2, levels) by how much the means of levels may be off as records of one level differ, as shares."""
     freedom = sum(len(each) - 1 for each in away if each)
     if freedom < 1 or len(away) < 1:
@@ -207,12 +207,12 @@ def _scatter(away: Sequence[Sequence[Real]]) -> Real:
     return np.sqrt(squares / freedom)[:, None] / np.sqrt(counts)
 
 
-def _enough(frf: Frf, band: tuple[float, float]) -> bool:
+def _has_enough_lines(frf: Frf, band: tuple[float, float]) -> bool:
     omega = 2 * np.pi * frf.frequency_hz
     return int(np.count_nonzero((omega > band[0]) & (omega < band[1]))) >= LEAST_LINES
 
 
-def _band(mode: int, poles: Complex128, pole: complex) -> tuple[float, float]:
+def _band_around_pole(mode: int, poles: Complex128, pole: complex) -> tuple[float, float]:
     """Around a pole, up to half way to its neighbours, in rad/s."""
     low, high = (1 - NEAR) * abs(pole), (1 + NEAR) * abs(pole)
     others = np.abs(np.delete(poles, mode))
@@ -221,12 +221,12 @@ def _band(mode: int, poles: Complex128, pole: complex) -> tuple[float, float]:
     return max(low, middle[0]), min(high, middle[1])
 
 
-def _pole(start: complex, at: Real) -> complex:
+def _fit_pole(start: complex, at: Real) -> complex:
     zeta = min(-start.real / abs(start) * float(np.exp(at[1])), 0.5)
     return complex(poles_of(np.array([abs(start) * np.exp(at[0])]), np.array([zeta]))[0])
 
 
-def _residual(s: Complex128, measured: Real, pole: complex) -> Real:
+def _residual_of_pole(s: Complex128, measured: Real, pole: complex) -> Real:
     """What the modal constant and two rest terms of each FRF leave; the constants follow from the pole."""
     one, other = s**2 / (s - pole), s**2 / (s - pole.conjugate())
     columns = np.stack([one + other, 1j * (one - other), s**2, np.ones_like(s)], axis=1)

@@ -81,7 +81,7 @@ class LikelyLaw:
     at_point: float
 
 
-def _play(gap: float) -> Shape:
+def _clearance_law(gap: float) -> Shape:
     def shape(a: Real, _: Real) -> tuple[Real, Real]:
         share = np.minimum(gap * float(np.nanmedian(a)) / np.maximum(a, 1e-300), 1.0)
         return 1 - 2 / np.pi * (np.arcsin(share) + share * np.sqrt(1 - share**2)), 0 * a
@@ -89,11 +89,11 @@ def _play(gap: float) -> Shape:
     return shape
 
 
-def _joint(power: float, ratio: float) -> Shape:
+def _joint_law(power: float, ratio: float) -> Shape:
     return lambda a, _: (-(a**power), ratio * a**power)
 
 
-def _slips(limit: float) -> Shape:
+def _slipping_law(limit: float) -> Shape:
     """A spring in series with dry friction (Jenkins)."""
 
     def shape(a: Real, _: Real) -> tuple[Real, Real]:
@@ -104,13 +104,13 @@ def _slips(limit: float) -> Shape:
     return shape
 
 
-_JOINTS = (*(_joint(p, r) for p in POWERS for r in (0.1, 0.3, 1.0)), *(_slips(float(x)) for x in SLIPS))
+_JOINTS = (*(_joint_law(p, r) for p in POWERS for r in (0.1, 0.3, 1.0)), *(_slipping_law(float(x)) for x in SLIPS))
 
 
 LAWS = (
     Law("a hardening spring", (lambda a, _: (a**2, 0 * a),)),
     Law("a softening spring", (lambda a, _: (-(a**2), 0 * a),)),
-    Law("play between stops", tuple(_play(float(g)) for g in GAPS)),
+    Law("play between stops", tuple(_clearance_law(float(g)) for g in GAPS)),
     Law("a bolted joint", _JOINTS),
     Law("dry friction", (lambda a, _: (0 * a, 1 / a),)),
     Law("drag", (lambda a, omega: (0 * a, a * omega**2),)),
@@ -140,10 +140,12 @@ def likely_law(found: Backbone, model: ModalModel) -> LikelyLaw | None:
     if found.frequency_hz.shape[1] < 3 or not known.any():
         return None
     scores = {
-        (one.names, point): np.logaddexp.reduce([_evidence(found, known, each, phi, at) for each in one.together])
+        (one.names, point): np.logaddexp.reduce(
+            [_evidence_of_elements(found, known, each, phi, at) for each in one.together]
+        )
         + np.log(one.prior / len(one.together))
         for one in HYPOTHESES
-        for point, phi, at in _places(found, model, known)
+        for point, phi, at in _places_of_element(found, model, known)
     }
     total = np.logaddexp.reduce(list(scores.values()))
     each = {key: float(np.exp(value - total)) for key, value in scores.items()}
@@ -173,7 +175,9 @@ def law_note(likely: LikelyLaw | None) -> tuple[str, ...]:
     )
 
 
-def _places(found: Backbone, model: ModalModel, known: NDArray[np.bool_]) -> Iterator[tuple[int | None, Real, Real]]:
+def _places_of_element(
+    found: Backbone, model: ModalModel, known: NDArray[np.bool_]
+) -> Iterator[tuple[int | None, Real, Real]]:
     """Points with (modes,) squares of the shapes there, and amplitudes there over those of the backbone."""
     rows = [model.outputs.index(name) for name in found.sensors]
     first = np.abs(model.modal_constants[:, :, 0])
@@ -186,7 +190,9 @@ def _places(found: Backbone, model: ModalModel, known: NDArray[np.bool_]) -> Ite
         yield point, (first[:, o] ** 2 / first[:, driven[0]])[known], (first[:, o] / seen)[known]
 
 
-def _evidence(found: Backbone, known: NDArray[np.bool_], shapes: tuple[Shape, ...], phi: Real, at: Real) -> float:
+def _evidence_of_elements(
+    found: Backbone, known: NDArray[np.bool_], shapes: tuple[Shape, ...], phi: Real, at: Real
+) -> float:
     """Logarithm of the evidence of elements, each open up to where it alone would be all of the change."""
     omega = 2 * np.pi * found.frequency_hz[known]
     zeta, amplitude = found.damping_ratio[known], found.amplitude_m[known] * np.maximum(at, 1e-6)[:, None]

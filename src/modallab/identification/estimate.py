@@ -9,10 +9,10 @@ from modallab.core.array_checks import check_frf
 from modallab.core.arrays import Complex128
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
-from modallab.identification.estimator import Order, find_estimator
-from modallab.identification.start.bands import Band, split_bands
+from modallab.identification.estimator import ModelOrder, find_estimator
+from modallab.identification.start.bands import SearchBand, split_bands
 from modallab.identification.start.peak_poles import half_power_pole, poles_of_peaks
-from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
+from modallab.identification.start.stabilisation import OrderPoles, StabilityLimits, stable_poles
 
 CROWDED = 0.4
 """Where stable poles take up this share of what the highest order can hold, the range is cut into bands."""
@@ -20,8 +20,8 @@ CROWDED = 0.4
 
 FEW_ORDERS = 30
 """Up to so many orders, a pole need not have held over five of them to be looked at."""
-DAMPED = Tolerance(max_zeta=0.2)
-BRIEFLY = Tolerance(frequency=5e-3, damping=2e-2, min_run=2, min_share=0.1)
+DAMPED = StabilityLimits(max_zeta=0.2)
+BRIEFLY = StabilityLimits(frequency=5e-3, damping=2e-2, min_run=2, min_share=0.1)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -38,7 +38,7 @@ class PoleEstimate:
 
 
 def estimate_poles(
-    frf: Frf, method: str, max_order: int | None = None, tolerance: Tolerance | None = None
+    frf: Frf, method: str, max_order: int | None = None, tolerance: StabilityLimits | None = None
 ) -> PoleEstimate:
     """Poles of FRFs by one of the estimators.
 
@@ -57,14 +57,14 @@ def estimate_poles(
     if max_order is not None and max_order < 1:
         raise IdentificationError(f"order {max_order} holds no mode", remedy="ask for an order of at least 2")
     check_frf(frf.frequency_hz, frf.values, frf.outputs, even=used.grid == "even")
-    frf = of_few_inputs(frf)
+    frf = with_fewer_inputs(frf)
     if used.poles is not None:
         return PoleEstimate(used.poles(frf))
     assert used.order is not None
-    return _of_orders(frf, used.order, max_order, tolerance)
+    return _poles_of_orders(frf, used.order, max_order, tolerance)
 
 
-def alone(frf: Frf, estimate: PoleEstimate) -> Complex128:
+def poles_without_stability(frf: Frf, estimate: PoleEstimate) -> Complex128:
     """Poles that may be looked at where none is stable, as such stand.
 
     That are poles damped by more than usual; and in lines too few for orders to rise, as those of a mode alone in a
@@ -74,14 +74,14 @@ def alone(frf: Frf, estimate: PoleEstimate) -> Complex128:
         frf: what was estimated from.
         estimate: without poles.
     """
-    held = _stable(estimate.orders, DAMPED)
+    held = _stable_poles(estimate.orders, DAMPED)
     if held.size or len(estimate.orders) > FEW_ORDERS:
         return held
-    held = _stable(estimate.orders, BRIEFLY)
+    held = _stable_poles(estimate.orders, BRIEFLY)
     return held if held.size else poles_of_peaks(frf, half_power_pole)
 
 
-def of_few_inputs(frf: Frf) -> Frf:
+def with_fewer_inputs(frf: Frf) -> Frf:
     """The FRFs with outputs and inputs exchanged where there are more inputs than outputs: the poles are the same.
 
     An order shared among many inputs is too low for the modes there are.
@@ -101,23 +101,29 @@ def of_few_inputs(frf: Frf) -> Frf:
     )
 
 
-def _of_orders(frf: Frf, order: Order, max_order: int | None, tolerance: Tolerance | None) -> PoleEstimate:
+def _poles_of_orders(
+    frf: Frf, order: ModelOrder, max_order: int | None, tolerance: StabilityLimits | None
+) -> PoleEstimate:
     orders = order.solve(frf, max_order or order.suits(frf))
-    whole = PoleEstimate(_stable(orders, tolerance), tuple(orders))
+    whole = PoleEstimate(_stable_poles(orders, tolerance), tuple(orders))
     if max_order is not None or whole.poles.size < CROWDED * orders[-1].order * order.modes(frf):
         return whole
     bands = split_bands(frf)
-    return whole if len(bands) == 1 else _joined([_in_band(frf, band, order, tolerance) for band in bands])
+    return (
+        whole
+        if len(bands) == 1
+        else _join_estimates([_estimate_in_band(frf, band, order, tolerance) for band in bands])
+    )
 
 
-def _in_band(frf: Frf, band: Band, order: Order, tolerance: Tolerance | None) -> PoleEstimate:
+def _estimate_in_band(frf: Frf, band: SearchBand, order: ModelOrder, tolerance: StabilityLimits | None) -> PoleEstimate:
     inside = band.cut(frf)
     orders = order.solve(inside, order.suits(inside))
     own = tuple(OrderPoles(o.order, band.own(o.poles)) for o in orders)
-    return PoleEstimate(band.own(_stable(orders, tolerance)), own)
+    return PoleEstimate(band.own(_stable_poles(orders, tolerance)), own)
 
 
-def _joined(parts: Sequence[PoleEstimate]) -> PoleEstimate:
+def _join_estimates(parts: Sequence[PoleEstimate]) -> PoleEstimate:
     every = sorted({o.order for part in parts for o in part.orders})
     orders = [
         OrderPoles(n, np.concatenate([o.poles for part in parts for o in part.orders if o.order == n])) for n in every
@@ -125,5 +131,5 @@ def _joined(parts: Sequence[PoleEstimate]) -> PoleEstimate:
     return PoleEstimate(np.concatenate([part.poles for part in parts]), tuple(orders))
 
 
-def _stable(orders: Sequence[OrderPoles], tolerance: Tolerance | None) -> Complex128:
+def _stable_poles(orders: Sequence[OrderPoles], tolerance: StabilityLimits | None) -> Complex128:
     return np.array([p.pole for p in stable_poles(orders, tolerance)], dtype=np.complex128)

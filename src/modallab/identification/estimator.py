@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from modallab.core.discovery import declaration, declared_names
+from modallab.core.discovery import declaration_in_module, declared_names
 from modallab.core.errors import ConfigurationError, IdentificationError
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ PACKAGE = "modallab.identification.estimators"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Order:
+class ModelOrder:
     """The one parameter of an estimator that solves rising orders; the poles that hold over them are taken.
 
     Attributes:
@@ -95,7 +95,7 @@ class Estimator:
     grid: Literal["even", "any"]
     refined: bool
     damping: bool = True
-    order: Order | None = None
+    order: ModelOrder | None = None
     poles: Callable[[Frf], NDArray[np.complex128]] | None = None
     model: Callable[[Frf, Test | None], ModalModel] | None = None
 
@@ -140,7 +140,7 @@ def find_estimator(name: str) -> Estimator:
         raise IdentificationError(
             f"there is no estimator {name!r}", remedy=f"ask for one of {', '.join(estimator_names())}"
         )
-    return declaration(PACKAGE, name, "ESTIMATOR", Estimator)
+    return declaration_in_module(PACKAGE, name, "ESTIMATOR", Estimator)
 
 
 def estimator_of(method: str) -> Estimator | None:

@@ -10,27 +10,27 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.frf.estimate import convert
+from modallab.frf.estimate import convert_frf
 from modallab.frf.joined import RecordSpectra
-from modallab.identification.estimate import PoleEstimate, alone, estimate_poles
-from modallab.identification.likelihood.even_noise import WORDS, evenest
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.estimate import PoleEstimate, estimate_poles, poles_without_stability
+from modallab.identification.likelihood.even_noise import WORDS, quantity_of_even_noise
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.line_weights import line_weights
 from modallab.identification.likelihood.out_of_band import stand_ins_after
 from modallab.identification.likelihood.search import FIRST_LOOK, MIN_ZETA, NOT_SETTLED
-from modallab.identification.model.modal_model import Seen, model_of_fit, without_sigma
-from modallab.identification.on_records import on_records
-from modallab.identification.options import Options
+from modallab.identification.model.modal_model import FitReadings, model_of_fit, without_sigma
+from modallab.identification.on_records import fit_on_records
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.readings import half_power_readings
 from modallab.identification.selection.lost_modes import with_lost
-from modallab.identification.selection.operator_choice import chosen, in_fit, start_poles
-from modallab.identification.setups.agreed import agreed
+from modallab.identification.selection.operator_choice import chosen_modes, poles_to_search, start_poles
+from modallab.identification.setups.agreed import agreed_modes
 
 NOT_FROM_RECORDS = "Identified from FRFs, not from time records: what a block's end cut off could not be modelled."
 
 
-def in_band(frf: Frf, band_hz: tuple[float, float] | None) -> Frf:
+def frf_in_band(frf: Frf, band_hz: tuple[float, float] | None) -> Frf:
     """The FRF at the lines of a band, None for all of them; never at 0 Hz, where mobility has no receptance.
 
     Raises:
@@ -57,7 +57,7 @@ def in_band(frf: Frf, band_hz: tuple[float, float] | None) -> Frf:
     return used
 
 
-def identify_given_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
+def identify_given_frf(frf: Frf, rig: Rig, options: IdentificationOptions) -> tuple[ModalModel, LikelihoodFit]:
     """Modal model of FRFs of which nobody says what was measured: the same in whatever quantity they are given.
 
     Where nothing says how well each line is known, noise is taken as even in the quantity in which what is left is.
@@ -66,7 +66,7 @@ def identify_given_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel
         DataError, IdentificationError: as `identify_frf`; or they are complex conjugates.
     """
     try:
-        return _in_evenest(frf, rig, options)
+        return _in_quantity_of_even_noise(frf, rig, options)
     except IdentificationError:
         if not _turns_back(frf, rig, options):
             raise
@@ -76,7 +76,7 @@ def identify_given_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel
     )
 
 
-def _turns_back(frf: Frf, rig: Rig, options: Options) -> bool:
+def _turns_back(frf: Frf, rig: Rig, options: IdentificationOptions) -> bool:
     """Whether the conjugates of FRFs without modes have modes."""
     try:
         identify_frf(replace(frf, values=frf.values.conj()), rig, options)
@@ -85,21 +85,23 @@ def _turns_back(frf: Frf, rig: Rig, options: Options) -> bool:
     return True
 
 
-def _in_evenest(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
-    used = in_band(frf, options.band_hz)
+def _in_quantity_of_even_noise(frf: Frf, rig: Rig, options: IdentificationOptions) -> tuple[ModalModel, LikelihoodFit]:
+    used = frf_in_band(frf, options.band_hz)
     if not options.refined or line_weights(used) is not None:
         return identify_frf(frf, rig, options)
     try:
-        _, fit = found = identify_frf(convert(used, "inertance"), rig, options)
+        _, fit = found = identify_frf(convert_frf(used, "inertance"), rig, options)
     except IdentificationError:
         return identify_frf(frf, rig, options)
-    quantity = evenest(fit)
-    model, fit = found if quantity == "inertance" else identify_frf(convert(used, quantity), rig, options)
+    quantity = quantity_of_even_noise(fit)
+    model, fit = found if quantity == "inertance" else identify_frf(convert_frf(used, quantity), rig, options)
     note = WORDS.format(quantity=quantity)
     return model.model_copy(update={"notes": (*model.notes, note)}), fit
 
 
-def identify_frf(frf: Frf, rig: Rig, options: Options, records: RecordSpectra | None = None) -> tuple[ModalModel, Fit]:
+def identify_frf(
+    frf: Frf, rig: Rig, options: IdentificationOptions, records: RecordSpectra | None = None
+) -> tuple[ModalModel, LikelihoodFit]:
     """Modal model of measured FRFs, taken as those of the structure: how they were truncated is not known.
 
     Where nothing says how well each line is known, noise is taken as even in the quantity that they are given in.
@@ -109,31 +111,33 @@ def identify_frf(frf: Frf, rig: Rig, options: Options, records: RecordSpectra | 
         DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
         IdentificationError: no stable pole.
     """
-    used = in_band(frf, options.band_hz)
+    used = frf_in_band(frf, options.band_hz)
     band = (float(used.frequency_hz[0]), float(used.frequency_hz[-1]))
     estimate = estimate_poles(used, options.method, options.max_order)
-    fit = fit_frf(used, _start(used, estimate, band, options), FIRST_LOOK if options.refined else 0)
-    points = agreed(used, fit, options) if options.refined else None
+    fit = fit_frf(used, _start_poles(used, estimate, band, options), FIRST_LOOK if options.refined else 0)
+    points = agreed_modes(used, fit, options) if options.refined else None
     if points is not None:
         keep = np.isinf(points.fit.problem.zeta_prior[:, 1])
         said = (NOT_FROM_RECORDS,), points.notes
-        return _model(used, points.fit, keep, rig, band, options, said, points.seen), points.fit
-    fit, keep, lost = _selected(used, fit, estimate, band, options)
+        return _model_of_kept(used, points.fit, keep, rig, band, options, said, points.seen), points.fit
+    fit, keep, lost = _select_modes(used, fit, estimate, band, options)
     source, seen = (NOT_FROM_RECORDS,), None
     if records is not None and options.refined:
-        better = on_records(used, fit, keep, records, options.frf)
+        better = fit_on_records(used, fit, keep, records, options.frf)
         # A pole that the records move out of the band stands for modes outside it.
         fit, keep, seen = better.fit, keep[better.stay] & better.fit.inside(band), better.seen
         source = better.notes
     said = source, (*lost, *(() if fit.refined.settled or not options.refined else (NOT_SETTLED,)))
-    return _model(used, fit, keep, rig, band, options, said, seen), fit
+    return _model_of_kept(used, fit, keep, rig, band, options, said, seen), fit
 
 
-def _start(frf: Frf, estimate: PoleEstimate, band_hz: tuple[float, float], options: Options) -> NDArray[np.complex128]:
+def _start_poles(
+    frf: Frf, estimate: PoleEstimate, band_hz: tuple[float, float], options: IdentificationOptions
+) -> NDArray[np.complex128]:
     """(poles,) where the search begins: the stable ones and those picked, else the one that stands alone."""
     poles = start_poles(estimate.poles, estimate.orders, options)
     if poles.size == 0 and options.refined:
-        poles = alone(frf, estimate)
+        poles = poles_without_stability(frf, estimate)
     if poles.size == 0:
         raise IdentificationError(
             f"no pole of {options.estimator.called} between {band_hz[0]:.4g} and {band_hz[1]:.4g} Hz is stable",
@@ -142,33 +146,33 @@ def _start(frf: Frf, estimate: PoleEstimate, band_hz: tuple[float, float], optio
     return poles
 
 
-def _selected(
-    frf: Frf, fit: Fit, estimate: PoleEstimate, band_hz: tuple[float, float], options: Options
-) -> tuple[Fit, NDArray[np.bool_], tuple[str, ...]]:
+def _select_modes(
+    frf: Frf, fit: LikelihoodFit, estimate: PoleEstimate, band_hz: tuple[float, float], options: IdentificationOptions
+) -> tuple[LikelihoodFit, NDArray[np.bool_], tuple[str, ...]]:
     """The fit of the poles that are modes, which these are, and what is to be said of modes lost on the way."""
-    keep = chosen(fit, band_hz, options, first=True)
+    keep = chosen_modes(fit, band_hz, options, first=True)
     if options.refined and np.any(keep) and not (np.all(keep[:-1]) and fit.refined.settled):
-        at, stay = fit.point.parameters, in_fit(fit, keep, band_hz, options)
+        at, stay = fit.point.parameters, poles_to_search(fit, keep, band_hz, options)
         start = -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay]
         fit = fit_frf(frf, start, stand_ins=stand_ins_after(at.omega, band_hz[1]))
-        keep = chosen(fit, band_hz, options, first=False)
+        keep = chosen_modes(fit, band_hz, options, first=False)
     lost: tuple[str, ...] = ()
     if options.refined and not options.pick_hz and not options.drop_hz:
         fit, keep, lost = with_lost(frf, fit, keep, estimate.orders, band_hz)
     if not np.any(keep):
-        raise _no_mode(fit, band_hz)
+        raise _no_mode_error(fit, band_hz)
     return fit, keep, lost
 
 
-def _model(
+def _model_of_kept(
     frf: Frf,
-    fit: Fit,
+    fit: LikelihoodFit,
     keep: NDArray[np.bool_],
     rig: Rig,
     band_hz: tuple[float, float],
-    options: Options,
+    options: IdentificationOptions,
     said: tuple[tuple[str, ...], tuple[str, ...]],
-    seen: Seen | None,
+    seen: FitReadings | None,
 ) -> ModalModel:
     """The model of the kept poles; `said` stands before and behind what is said of an exponential window."""
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
@@ -178,7 +182,7 @@ def _model(
     return model if options.refined else without_sigma(model)
 
 
-def _no_mode(fit: Fit, band: tuple[float, float]) -> IdentificationError:
+def _no_mode_error(fit: LikelihoodFit, band: tuple[float, float]) -> IdentificationError:
     what = f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz"
     at = fit.point.parameters
     undamped = np.sort(at.omega[fit.inside(band) & (at.zeta <= 2 * MIN_ZETA)]) / (2 * np.pi)

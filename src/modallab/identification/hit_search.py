@@ -8,24 +8,24 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Complex128
 from modallab.core.frf import Frf
-from modallab.core.progress import part
+from modallab.core.progress import part_of_progress
 from modallab.identification.estimate import PoleEstimate
-from modallab.identification.likelihood.fit import Fit
-from modallab.identification.likelihood.hit_blocks import Groups, Hits
-from modallab.identification.likelihood.impact_search import again, first_look
-from modallab.identification.options import Options
-from modallab.identification.selection.confidence import MODEL_ERROR_FROM, least_strength, strength
-from modallab.identification.selection.lost_modes import overlooked
-from modallab.identification.selection.operator_choice import chosen, in_fit
+from modallab.identification.likelihood.fit import LikelihoodFit
+from modallab.identification.likelihood.hit_blocks import Groups, HitBlocks
+from modallab.identification.likelihood.impact_search import first_look, search_again
+from modallab.identification.options import IdentificationOptions
+from modallab.identification.selection.confidence import MODEL_ERROR_FROM, least_strength, strength_of_modes
+from modallab.identification.selection.lost_modes import overlooked_poles
+from modallab.identification.selection.operator_choice import chosen_modes, poles_to_search
 from modallab.identification.selection.pre_trigger_noise import model_error
 from modallab.signals.signals import Signals
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Found:
+class FoundModes:
     """End of a search: the fit, which of its poles (poles,) are modes, and its residual over the pre-trigger noise."""
 
-    fit: Fit
+    fit: LikelihoodFit
     keep: NDArray[np.bool_]
     misfit: float
 
@@ -48,13 +48,13 @@ class HitSearch:
         options: what the operator picks or drops.
     """
 
-    unknown: Hits
+    unknown: HitBlocks
     groups: Groups
     signals: Sequence[Signals]
     band: tuple[float, float]
-    options: Options
+    options: IdentificationOptions
 
-    def found(self, frf: Frf, estimate: PoleEstimate, poles: Complex128) -> Found:
+    def found(self, frf: Frf, estimate: PoleEstimate, poles: Complex128) -> FoundModes:
         """The modes from these start poles; where they leave more than noise, also those that only some orders show.
 
         Args:
@@ -66,7 +66,7 @@ class HitSearch:
         explained = first.misfit <= MODEL_ERROR_FROM
         if self._by_hand or explained or not np.any(first.keep):
             return first
-        more = overlooked(frf, first.fit, first.keep, estimate.orders, self.band)
+        more = overlooked_poles(frf, first.fit, first.keep, estimate.orders, self.band)
         if not more.size:
             return first
         second = self._from(np.concatenate([first.poles, more]))
@@ -76,16 +76,16 @@ class HitSearch:
     def _by_hand(self) -> bool:
         return bool(self.options.pick_hz or self.options.drop_hz)
 
-    def _from(self, poles: Complex128) -> Found:
-        with part(0.0, 0.5, "first search"):
+    def _from(self, poles: Complex128) -> FoundModes:
+        with part_of_progress(0.0, 0.5, "first search"):
             fit = first_look(self.unknown, poles, self.groups, self.band)
-        keep = chosen(fit, self.band, self.options, first=True)
-        with part(0.5, 0.8, "search"):
+        keep = chosen_modes(fit, self.band, self.options, first=True)
+        with part_of_progress(0.5, 0.8, "search"):
             found = self._until_all_stand(fit, keep)
-        with part(0.8, 1.0, "poles that stand for errors"):
+        with part_of_progress(0.8, 1.0, "poles that stand for errors"):
             return self._without_errors(found)
 
-    def _until_all_stand(self, fit: Fit, keep: NDArray[np.bool_]) -> Found:
+    def _until_all_stand(self, fit: LikelihoodFit, keep: NDArray[np.bool_]) -> FoundModes:
         """The fit of the kept poles, searched again while some turn out to be none: these share what others are.
 
         Where the operator has picked or dropped modes, it is searched once.
@@ -93,19 +93,19 @@ class HitSearch:
         begun = 0
         while np.any(keep) and np.count_nonzero(keep) != begun:
             begun = np.count_nonzero(keep)
-            fit = again(self.unknown, fit, in_fit(fit, keep, self.band, self.options), self.band)
-            keep = chosen(fit, self.band, self.options, first=False)
+            fit = search_again(self.unknown, fit, poles_to_search(fit, keep, self.band, self.options), self.band)
+            keep = chosen_modes(fit, self.band, self.options, first=False)
             if self._by_hand:
                 break
-        return Found(fit, keep, model_error(fit, self.signals))
+        return FoundModes(fit, keep, model_error(fit, self.signals))
 
-    def _without_errors(self, found: Found) -> Found:
+    def _without_errors(self, found: FoundModes) -> FoundModes:
         """The fit without poles that may stand for what is wrong with the model.
 
         Where the operator has picked or dropped modes, nothing more is taken away.
         """
         fit, keep = found.fit, found.keep
-        doubtful = keep & (strength(fit) < least_strength(fit, found.misfit))
+        doubtful = keep & (strength_of_modes(fit) < least_strength(fit, found.misfit))
         if self._by_hand or not np.any(doubtful) or np.array_equal(doubtful, keep):
             return found
         return self._until_all_stand(fit, keep & ~doubtful)

@@ -12,17 +12,17 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.sums import Estimator
-from modallab.identification.estimate import PoleEstimate, alone, estimate_poles
+from modallab.identification.estimate import PoleEstimate, estimate_poles, poles_without_stability
 from modallab.identification.hit_search import HitSearch
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.hit_blocks import Groups, line_blocks
 from modallab.identification.likelihood.hit_scatter import factors_by_scatter
-from modallab.identification.likelihood.impact_search import as_estimated
+from modallab.identification.likelihood.impact_search import fit_of_estimate
 from modallab.identification.likelihood.search import NOT_SETTLED
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.readings import floor_of_block, half_power_readings
-from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.identification.selection.operator_choice import chosen_modes, start_poles
 from modallab.identification.selection.pre_trigger_noise import model_error_notes
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
@@ -37,7 +37,9 @@ FORCE_DROP_DB = 40.0
 """Default upper edge: where the hit's spectrum has fallen by this much for good."""
 
 
-def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
+def identify_impact(
+    signals: Sequence[Signals], rig: Rig, options: IdentificationOptions
+) -> tuple[ModalModel, LikelihoodFit]:
     """Modal model of the hits.
 
     Args:
@@ -57,9 +59,9 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
     poles = _start_poles(frf, estimate, band, options)
     unknown, notes = line_blocks(groups, rig, band)
     if not options.refined:
-        fit = as_estimated(unknown, poles, groups, band)
-        keep = chosen(fit, band, options, first=True)
-        readings = _readings(fit, groups, rig, band, keep)
+        fit = fit_of_estimate(unknown, poles, groups, band)
+        keep = chosen_modes(fit, band, options, first=True)
+        readings = _half_power_of_modes(fit, groups, rig, band, keep)
         return without_sigma(model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method)), fit
     found = HitSearch(unknown, groups, signals, band, options).found(frf, estimate, poles)
     fit, keep, ratio = found.fit, found.keep, found.misfit
@@ -74,7 +76,7 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
     notes = (*notes, *model_error_notes(ratio, widened=bool(np.any(factors[keep] > 1))))
     notes = (*notes, *_scatter_notes(factors[keep]))
     fit = replace(fit, by_scatter=factors)
-    readings = _readings(fit, groups, rig, band, keep)
+    readings = _half_power_of_modes(fit, groups, rig, band, keep)
     return model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method), fit
 
 
@@ -89,8 +91,8 @@ def _scatter_notes(factors: NDArray[np.float64]) -> tuple[str, ...]:
     )
 
 
-def _readings(
-    fit: Fit, groups: Groups, rig: Rig, band: tuple[float, float], keep: NDArray[np.bool_]
+def _half_power_of_modes(
+    fit: LikelihoodFit, groups: Groups, rig: Rig, band: tuple[float, float], keep: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     measured = impact_frf(groups, rig, band)
     found = np.sort(fit.point.parameters.omega[keep] / (2 * np.pi))
@@ -120,11 +122,11 @@ def start_frf(groups: Groups, rig: Rig, band_hz: tuple[float, float], estimator:
 
 
 def _start_poles(
-    frf: Frf, estimate: PoleEstimate, band: tuple[float, float], options: Options
+    frf: Frf, estimate: PoleEstimate, band: tuple[float, float], options: IdentificationOptions
 ) -> NDArray[np.complex128]:
     found = start_poles(estimate.poles, estimate.orders, options)
     if not found.size and options.refined:
-        found = alone(frf, estimate)
+        found = poles_without_stability(frf, estimate)
     if not found.size:
         sought = (
             f"stable pole between {band[0]:.4g} and {band[1]:.4g} Hz up to order {estimate.orders[-1].order}"

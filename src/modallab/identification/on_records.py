@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from modallab.core.frf import Frf
 from modallab.core.units import FrfEstimator
 from modallab.frf.joined import RecordSpectra
-from modallab.identification.likelihood.driven_records import OF_H2, Driven, DrivenFit
-from modallab.identification.likelihood.equations import Covariance
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.driven_records import OF_H2, DrivenFit, DrivenModel
+from modallab.identification.likelihood.equations import ParameterCovariance
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.model.modal_model import Seen, seen_by
+from modallab.identification.model.modal_model import FitReadings, seen_by
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -27,14 +27,14 @@ class OnRecords:
         notes: what is to be said of the noise on the force.
     """
 
-    fit: Fit
+    fit: LikelihoodFit
     stay: NDArray[np.int64]
-    seen: Seen
+    seen: FitReadings
     notes: tuple[str, ...]
 
 
-def on_records(
-    frf: Frf, fit: Fit, keep: NDArray[np.bool_], records: RecordSpectra, estimator: FrfEstimator
+def fit_on_records(
+    frf: Frf, fit: LikelihoodFit, keep: NDArray[np.bool_], records: RecordSpectra, estimator: FrfEstimator
 ) -> OnRecords:
     """The most likely model of records, without the modes that only the fit of the FRFs needs.
 
@@ -53,10 +53,10 @@ def on_records(
     found = driven.search(at.omega, at.zeta, fit.point.groups[0].coefficients)
     found, stay = driven.needed(found, keep)
     there, n = fit_frf(frf, poles_of(found.omega, found.zeta), 0, stand_ins=()), 2 * stay.size
-    covariance = Covariance.of_poles(found.covariance[:n, :n])
+    covariance = ParameterCovariance.of_poles(found.covariance[:n, :n])
     refined = replace(there.refined, covariance=covariance, settled=True)
     better = replace(there, refined=refined)
-    constants, sigma = _constants(found)
+    constants, sigma = _modal_constants(found)
     noise = float(np.median(1 - driven.true_share(found.force_noise)))
     parts = _with_bias(constants, sigma, noise, estimator)
     seen = replace(seen_by(better), constants=constants, sigma_of_parts=parts, terms=found.coefficients[n:, :, None])
@@ -64,8 +64,8 @@ def on_records(
     return OnRecords(better, stay, seen, _noise_note(noise, estimator, known))
 
 
-def _constants(found: Driven) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Modal constants and their sigmas, each (modes, outputs, 1), as `Fit.modal_constants` has them."""
+def _modal_constants(found: DrivenModel) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Modal constants and their sigmas, each (modes, outputs, 1), as `LikelihoodFit.modal_constants` has them."""
     n, size = 2 * found.omega.size, found.coefficients.size
     sigma = np.sqrt(np.diag(found.covariance)[n : n + size]).reshape(found.coefficients.shape[::-1]).T
     scale = 2 * poles_of(found.omega, found.zeta).imag[:, None, None]

@@ -18,7 +18,7 @@ USUAL_RESPONSE: ResponseMethod = "ssi_cov"
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class IdentificationOptions:
     """Parameters of an identification.
 
     Attributes:

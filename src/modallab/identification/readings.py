@@ -6,24 +6,24 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.frf import Frf
-from modallab.frf.estimate import convert
+from modallab.frf.estimate import convert_frf
 from modallab.identification.likelihood.excitation import HitExcitation
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.start.half_power import reading_near, summed_amplitude
 
 
 def half_power_readings(frf: Frf, found_hz: Real) -> Real:
     """Damping ratios (modes,) that half-power reads in measured FRFs, one for each frequency."""
-    amplitude = summed_amplitude(convert(frf, "mobility"))
+    amplitude = summed_amplitude(convert_frf(frf, "mobility"))
     return np.array([reading_near(frf.frequency_hz, amplitude, f) for f in found_hz])
 
 
-def floor_of_block(fit: Fit, frequency_hz: Real, found_hz: Real) -> Real:
+def floor_of_block(fit: LikelihoodFit, frequency_hz: Real, found_hz: Real) -> Real:
     """Readings (modes,) in the first block of an impact test of each mode alone, had it no damping at all.
 
     NaN where the force has no content at a line.
     """
-    return np.array([_undamped(fit, frequency_hz, f) for f in found_hz])
+    return np.array([_undamped_reading(fit, frequency_hz, f) for f in found_hz])
 
 
 def floor_of_steps(frequency_hz: Real, found_hz: Real) -> Real:
@@ -32,7 +32,7 @@ def floor_of_steps(frequency_hz: Real, found_hz: Real) -> Real:
     return (frequency_hz[above] - frequency_hz[above - 1]) / (2 * found_hz)
 
 
-def _undamped(fit: Fit, frequency_hz: Real, requested_hz: float) -> float:
+def _undamped_reading(fit: LikelihoodFit, frequency_hz: Real, requested_hz: float) -> float:
     excitation = fit.problem.blocks[0].excitation
     if not isinstance(excitation, HitExcitation):
         return float("nan")

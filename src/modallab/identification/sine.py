@@ -16,24 +16,30 @@ from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.frf.estimate import lines, output_quantity
+from modallab.frf.estimate import lines_of_band, output_quantity
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.estimate import estimate_poles
 from modallab.identification.likelihood.basis import LineBlock
-from modallab.identification.likelihood.excitation import Grid
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.excitation import BlockLines
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.out_of_band import StartPoles, with_stand_ins
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.projection import Parameters, Problem
-from modallab.identification.likelihood.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
-from modallab.identification.likelihood.sine_block import tone
+from modallab.identification.likelihood.projection import LikelihoodProblem, SearchParameters
+from modallab.identification.likelihood.search import (
+    FIRST_LOOK,
+    MAX_ITERATIONS,
+    NOT_SETTLED,
+    SearchLimits,
+    search_minimum,
+)
+from modallab.identification.likelihood.sine_block import tone_excitation
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.readings import floor_of_steps, half_power_readings
-from modallab.identification.selection.operator_choice import chosen, in_fit, start_poles
+from modallab.identification.selection.operator_choice import chosen_modes, poles_to_search, start_poles
 from modallab.identification.start.missed_modes import with_missing
-from modallab.identification.start.refine_start import polished
-from modallab.identification.start.stabilisation import Tolerance
+from modallab.identification.start.refine_start import polish_poles
+from modallab.identification.start.stabilisation import StabilityLimits
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
 
@@ -48,11 +54,13 @@ START_ZETA, ANY_ZETA = (1e-3, 0.05), (1e-6, 0.5)
 BAND_MARGIN = 1.05
 CLOCK_PPM = 5.0
 """Two good clocks differ by less than this; it changes no frequency by more than its sigma."""
-START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.06, min_zeta=2e-4, min_run=2, min_share=0.15)
+START = StabilityLimits(frequency=0.02, damping=0.03, max_zeta=0.06, min_zeta=2e-4, min_run=2, min_share=0.15)
 """Few frequencies and decaying blocks: the start poles are rough."""
 
 
-def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
+def identify_sine(
+    signals: Sequence[Signals], rig: Rig, options: IdentificationOptions
+) -> tuple[ModalModel, LikelihoodFit]:
     """Modal model of a stepped sine test.
 
     Args:
@@ -73,23 +81,23 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
     frf = stepped_frf(used, rig)
     _require_lines(frf, band)
     start = _start_poles(frf, options, band)
-    fit = _refined(used, rig, start, band, FIRST_LOOK if options.refined else 0)
-    keep = chosen(fit, band, options, first=True)
+    fit = _refine_model(used, rig, start, band, FIRST_LOOK if options.refined else 0)
+    keep = chosen_modes(fit, band, options, first=True)
     if not options.refined:
-        readings = _readings(frf, fit, keep)
+        readings = _sine_readings(frf, fit, keep)
         model = model_of_fit(fit, keep, rig, "sine", band, readings, clock_notes(used), options.method)
         return without_sigma(model), fit
     inside = fit.point.parameters.omega < 2 * np.pi * band[1]
     if np.any(keep) and not (np.array_equal(keep, inside) and fit.refined.settled):
-        at, stay = fit.point.parameters, in_fit(fit, keep, band, options)
-        fit = _refined(used, rig, -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay], band)
-        keep = chosen(fit, band, options, first=False)
+        at, stay = fit.point.parameters, poles_to_search(fit, keep, band, options)
+        fit = _refine_model(used, rig, -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay], band)
+        keep = chosen_modes(fit, band, options, first=False)
     if not np.any(keep):
         raise IdentificationError(
             f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz",
             remedy="add frequencies near the resonances, or drive harder",
         )
-    readings = _readings(frf, fit, keep)
+    readings = _sine_readings(frf, fit, keep)
     notes = (*(() if fit.refined.settled else (NOT_SETTLED,)), *clock_notes(used))
     return model_of_fit(fit, keep, rig, "sine", band, readings, notes, options.method), fit
 
@@ -120,13 +128,13 @@ def highest_order(frf: Frf) -> int:
     return max(2, frf.frequency_hz.size // 2 - 1)
 
 
-def _start_poles(frf: Frf, options: Options, band: tuple[float, float]) -> NDArray[np.complex128]:
+def _start_poles(frf: Frf, options: IdentificationOptions, band: tuple[float, float]) -> NDArray[np.complex128]:
     estimate = estimate_poles(frf, options.method, options.max_order or highest_order(frf), START)
     found = estimate.poles
     inside = found[(np.abs(found) > 2 * np.pi * band[0]) & (np.abs(found) < 2 * np.pi * band[1])]
     if options.refined:
         # Only a start that is to be refined is moved, and looked at for what it has missed.
-        inside = with_missing(frf, polished(frf, inside, band), band)
+        inside = with_missing(frf, polish_poles(frf, inside, band), band)
     start = start_poles(inside, estimate.orders, options)
     if start.size == 0:
         raise IdentificationError(
@@ -136,34 +144,40 @@ def _start_poles(frf: Frf, options: Options, band: tuple[float, float]) -> NDArr
     return start
 
 
-def _refined(
+def _refine_model(
     signals: Sequence[Signals],
     rig: Rig,
     start: NDArray[np.complex128],
     band: tuple[float, float],
     max_iterations: int = MAX_ITERATIONS,
-) -> Fit:
+) -> LikelihoodFit:
     first = signals[0]
     n, rate = first.force.size, first.rate_hz
-    chosen = lines(n, rate, (LOWEST_LINE * rate / n, min(1.1 * band[1], 0.4 * rate)))
-    grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
+    chosen = lines_of_band(n, rate, (LOWEST_LINE * rate / n, min(1.1 * band[1], 0.4 * rate)))
+    grid = BlockLines(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
     # What stands for the modes above has died out before a block begins.
-    excitations = [tone(grid, s.tone.frequency_hz, complex(s.tone.amplitude[0]), len(STAND_INS)) for s in signals]
+    excitations = [
+        tone_excitation(grid, s.tone.frequency_hz, complex(s.tone.amplitude[0]), len(STAND_INS)) for s in signals
+    ]
     blocks = [LineBlock(e, np.fft.rfft(s.responses)[:, chosen], 0) for e, s in zip(excitations, signals, strict=True)]
     begin = with_stand_ins(start, band[1], STAND_INS, START_ZETA if max_iterations else ANY_ZETA)
-    problem = _problem(signals, blocks, begin)
+    problem = _sine_problem(signals, blocks, begin)
     poles = poles_of(begin.omega, begin.zeta)
     steady = np.stack([e.steady_state(poles)[0] for e in excitations])
-    parameters = Parameters(begin.omega, begin.zeta, steady, np.zeros(len(blocks), complex))
+    parameters = SearchParameters(begin.omega, begin.zeta, steady, np.zeros(len(blocks), complex))
     if max_iterations:
         # Free from the beginning, what stands in for the modes above may take the place of a mode whose start is rough.
         held = replace(problem, fixed=np.arange(begin.omega.size) >= start.size)
-        parameters = search(held, parameters, Effort(FIRST_LOOK, states_first=STATES_FIRST)).point.parameters
-    found = search(problem, parameters, Effort(max_iterations, states_first=0 if max_iterations else STATES_FIRST))
-    return Fit(problem, found, (first.block.drive_point,))
+        parameters = search_minimum(
+            held, parameters, SearchLimits(FIRST_LOOK, states_first=STATES_FIRST)
+        ).point.parameters
+    found = search_minimum(
+        problem, parameters, SearchLimits(max_iterations, states_first=0 if max_iterations else STATES_FIRST)
+    )
+    return LikelihoodFit(problem, found, (first.block.drive_point,))
 
 
-def _problem(signals: Sequence[Signals], blocks: Sequence[LineBlock], begin: StartPoles) -> Problem:
+def _sine_problem(signals: Sequence[Signals], blocks: Sequence[LineBlock], begin: StartPoles) -> LikelihoodProblem:
     n = signals[0].force.size
     force = np.array([np.abs(s.tone.amplitude[0]) for s in signals])
     noise = np.array([s.tone.residual_rms[0] for s in signals]) * np.sqrt(2 / n)
@@ -171,7 +185,7 @@ def _problem(signals: Sequence[Signals], blocks: Sequence[LineBlock], begin: Sta
     state_sigma: Real = np.repeat(100 * force[:, None], begin.omega.size, axis=1)
     # What stands in for the modes above the band has died out long before the block.
     state_sigma[:, -begin.stand_ins :] = 1e-9
-    return Problem(
+    return LikelihoodProblem(
         blocks=blocks,
         powers=(0, 2, 4),
         n_inputs=1,
@@ -181,7 +195,7 @@ def _problem(signals: Sequence[Signals], blocks: Sequence[LineBlock], begin: Sta
     )
 
 
-def _readings(frf: Frf, fit: Fit, keep: NDArray[np.bool_]) -> tuple[Real, Real]:
+def _sine_readings(frf: Frf, fit: LikelihoodFit, keep: NDArray[np.bool_]) -> tuple[Real, Real]:
     found = np.sort(fit.point.parameters.omega[keep] / (2 * np.pi))
     return half_power_readings(frf, found), floor_of_steps(frf.frequency_hz, found)
 

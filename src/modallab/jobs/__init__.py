@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from modallab.core.lazy import lazily
+from modallab.core.lazy import lazy_getattr
 
 if TYPE_CHECKING:
     from modallab.jobs.job import Job, JobPage, JobState
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Computed", "Job", "JobPage", "JobState", "Jobs", "Kind", "Notify"]
 
-__getattr__ = lazily(
+__getattr__ = lazy_getattr(
     __name__,
     {
         "job": ("Job", "JobPage", "JobState"),

@@ -13,7 +13,7 @@ from modallab.core.errors import JobError
 
 
 @dataclass(frozen=True, slots=True)
-class Tls:
+class TlsFiles:
     """Certificate files of one's own machines: each side shows its own and demands one by the same authority."""
 
     ca: Path
@@ -39,7 +39,7 @@ class Tls:
         return Security(require_encryption=True, **files)
 
 
-def check_address(scheduler: str, tls: Tls | None) -> None:
+def check_address(scheduler: str, tls: TlsFiles | None) -> None:
     """Reject an address that would send recordings, and code, in the open.
 
     Raises:

@@ -12,8 +12,8 @@ from distributed.scheduler import KilledWorker
 
 from modallab.core.errors import DatabaseLostError, JobError, ModallabError
 from modallab.jobs.kind import Computed, Kind
-from modallab.jobs.leases import Leases, Taken
-from modallab.jobs.task import compute, interrupt
+from modallab.jobs.leases import Leases, TakenJob
+from modallab.jobs.task import compute_attempt, interrupt_computation
 
 MACHINE_LOST = (KilledWorker, CommClosedError, CancelledError, TimeoutError, OSError)
 """What says that a machine failed, not the computation: the job is tried again."""
@@ -23,7 +23,7 @@ AGAIN_S = 0.5
 class Attempt:
     """A job while this runner holds it. `progress` and `stage` are what its worker last said."""
 
-    def __init__(self, taken: Taken, kind: Kind, leases: Leases, client: Client) -> None:
+    def __init__(self, taken: TakenJob, kind: Kind, leases: Leases, client: Client) -> None:
         self.taken = taken
         self.progress, self.stage = 0.0, ""
         self._kind = kind
@@ -74,7 +74,7 @@ class Attempt:
             self._interrupted = True
         if self._future is None or self._client.status != "running":
             return
-        self._client.run(interrupt, self.taken.attempt, wait=False, on_error="ignore")
+        self._client.run(interrupt_computation, self.taken.attempt, wait=False, on_error="ignore")
         self._future.cancel(force=True, msg="interrupted")
 
     def _compute(self, payload: Any) -> None:
@@ -99,7 +99,7 @@ class Attempt:
         with self._lock:
             if self._interrupted:
                 return "interrupted", ""
-            future = self._client.submit(compute, name, self._kind.compute, payload, key=name, pure=False)
+            future = self._client.submit(compute_attempt, name, self._kind.compute, payload, key=name, pure=False)
             self._future = future
         try:
             return future.result()

@@ -14,7 +14,7 @@ import psutil
 from dask import config
 from distributed import Client, Nanny, SpecCluster
 
-from modallab.jobs.address import Tls
+from modallab.jobs.address import TlsFiles
 from modallab.jobs.scheduler_process import HOST, SchedulerProcess
 
 LOOK_S = 0.1
@@ -26,7 +26,7 @@ class SchedulerLostError(ConnectionError):
     """The scheduler did not answer, and will not."""
 
 
-def ask(
+def ask_in_loop(
     client: Client, question: Coroutine[Any, Any, Any], alive: Callable[[], bool], patience_s: float = ASK_S
 ) -> Any:
     """The answer to `question`, which is asked by the client's own loop.
@@ -86,7 +86,7 @@ class Cluster:
         self.patience_s = ASK_S
 
     @classmethod
-    def connect(cls, scheduler: str | None, tls: Tls | None, workers: int) -> Self:
+    def connect(cls, scheduler: str | None, tls: TlsFiles | None, workers: int) -> Self:
         """Connect, or start `workers` processes on the loopback if no scheduler is named.
 
         Raises:
@@ -96,13 +96,13 @@ class Cluster:
         if scheduler is not None:
             security = None if tls is None else tls.security()
             return cls(Client(scheduler, security=security, timeout=CONNECT_S, set_as_default=False))
-        own = _local(workers)
+        own = _local_cluster(workers)
         return cls(Client(own, timeout=CONNECT_S, set_as_default=False), own, workers)
 
     @property
     def alive(self) -> bool:
         """Whether the scheduler is there, as far as is known without asking it."""
-        return self.client.status == "running" and (self._own is None or _process(self._own).pid is not None)
+        return self.client.status == "running" and (self._own is None or _process_of_cluster(self._own).pid is not None)
 
     @property
     def threads(self) -> int:
@@ -130,7 +130,7 @@ class Cluster:
         if self._own is None:
             return {}
         workers = {f"worker {name}": nanny.pid for name, nanny in list(self._own.workers.items())}
-        found = {"scheduler": _process(self._own).pid} | workers
+        found = {"scheduler": _process_of_cluster(self._own).pid} | workers
         return {name: pid for name, pid in found.items() if pid is not None}
 
     def worn(self, idle: bool) -> bool:
@@ -145,7 +145,7 @@ class Cluster:
 
     def close(self) -> None:
         """Leave, and end what was started here."""
-        if self._own is not None and _process(self._own).pid is None:
+        if self._own is not None and _process_of_cluster(self._own).pid is None:
             # Nobody is there to be notified, and Dask would try until its patience is over.
             self._own.shutdown_scheduler = False
             # Nor do its workers have anything to bring any more; Dask would wait four seconds for what they compute.
@@ -162,18 +162,18 @@ class Cluster:
                 continue
         if self._own is not None:
             # One that is frozen has heard nothing of this.
-            _process(self._own).end()
+            _process_of_cluster(self._own).end()
 
     def _ask(self, what: str) -> Any:
         scheduler: Any = self.client.scheduler
         try:
             if scheduler is None:
                 raise SchedulerLostError("the scheduler ended")
-            return ask(self.client, getattr(scheduler, what)(workers=None), lambda: self.alive, self.patience_s)
+            return ask_in_loop(self.client, getattr(scheduler, what)(workers=None), lambda: self.alive, self.patience_s)
         except SchedulerLostError:
             if self._own is not None:
                 # Frozen, it would keep whoever closes it waiting; it holds nothing that is not in the table.
-                _process(self._own).kill()
+                _process_of_cluster(self._own).kill()
             raise
 
     def __enter__(self) -> Self:
@@ -185,7 +185,7 @@ class Cluster:
         self.close()
 
 
-def _local(workers: int) -> SpecCluster:
+def _local_cluster(workers: int) -> SpecCluster:
     one_thread = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     options = {"host": HOST, "nthreads": 1, "dashboard": False, "silence_logs": logging.CRITICAL, "env": one_thread}
     # The level is what Dask wants here, whatever its types say.
@@ -197,7 +197,7 @@ def _local(workers: int) -> SpecCluster:
     )
 
 
-def _process(cluster: SpecCluster) -> SchedulerProcess:
+def _process_of_cluster(cluster: SpecCluster) -> SchedulerProcess:
     scheduler: Any = cluster.scheduler
     return scheduler
 

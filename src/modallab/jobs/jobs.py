@@ -60,7 +60,7 @@ class Jobs:
         """
         key = job_key(kind, parameters, inputs, revision, __version__)
         row = {
-            "id": _name(kind),
+            "id": _kind_name(kind),
             "key": key,
             "kind": kind,
             "parameters": parameters,
@@ -151,13 +151,13 @@ class Jobs:
         Raises:
             JobError: the cursor is none that was given out, or the limit is below 1.
         """
-        query = select(*_BUT_RESULTS).order_by(JOBS.c.n.desc()).limit(_limit(limit) + 1)
+        query = select(*_BUT_RESULTS).order_by(JOBS.c.n.desc()).limit(_limited(limit) + 1)
         if state is not None:
             query = query.where(JOBS.c.state == state)
         if kind is not None:
             query = query.where(JOBS.c.kind == kind)
         if cursor is not None:
-            query = query.where(JOBS.c.n < _place(cursor))
+            query = query.where(JOBS.c.n < _place_of_cursor(cursor))
         with self._reading() as connection:
             rows = connection.execute(query).mappings().all()
         more = len(rows) > limit
@@ -230,17 +230,17 @@ def utc_now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
-def _name(kind: str) -> str:
+def _kind_name(kind: str) -> str:
     return f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{kind}-{secrets.token_hex(4)}"
 
 
-def _limit(limit: int) -> int:
+def _limited(limit: int) -> int:
     if limit < 1:
         raise JobError(f"a page of {limit} jobs was asked for", where="limit", remedy="ask for at least 1")
     return limit
 
 
-def _place(cursor: str) -> int:
+def _place_of_cursor(cursor: str) -> int:
     if not (cursor.isascii() and cursor.isdigit() and len(cursor) < 19):
         raise JobError(f"{cursor!r} is no cursor", where="cursor", remedy="use the one of the page before")
     return int(cursor)

@@ -17,7 +17,7 @@ Mark = tuple[int, float]
 """Fence and beat of a job that is held: one of them changes with every sign of its holder."""
 
 
-class Watch:
+class MarkWatch:
     """Times how long each job's mark has stayed the same.
 
     No clock on the wall is asked, neither the machine's nor the database's: a clock that is set ends no lease and
@@ -49,7 +49,7 @@ LEASE_S = 15.0
 
 
 @dataclass(frozen=True, slots=True)
-class Taken:
+class TakenJob:
     """A job under lease. `fence` distinguishes this attempt from all others."""
 
     job: Job
@@ -71,14 +71,14 @@ class Leases:
         self._engine = engine
         self._owner = owner
         self.lease_s = lease_s
-        self._watch = Watch(lease_s)
+        self._watch = MarkWatch(lease_s)
 
     def any_free(self) -> bool:
         """Whether a job waits or its owner is gone; takes no lock, and counts time without a sign as `take` does."""
         waiting, timed_out = self._look()
         return waiting or bool(timed_out)
 
-    def take(self, kinds: Collection[str], limit: int) -> list[Taken]:
+    def take(self, kinds: Collection[str], limit: int) -> list[TakenJob]:
         """Lease up to `limit` jobs that wait or whose owner is gone: what somebody waits for first, then the oldest.
 
         A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
@@ -91,7 +91,7 @@ class Leases:
         with self._writing() as connection:
             query = (
                 select(JOBS)
-                .where(_free(timed_out))
+                .where(_is_free(timed_out))
                 .order_by(JOBS.c.priority, JOBS.c.n)
                 .limit(limit)
                 .with_for_update(skip_locked=True)
@@ -114,15 +114,15 @@ class Leases:
                     lost.add(job)
         return lost
 
-    def done(self, taken: Taken, result: JsonValue) -> bool:
+    def done(self, taken: TakenJob, result: JsonValue) -> bool:
         """Commit a result; False if the job was cancelled or taken by another meanwhile, and nothing was written."""
         return self._end(taken, state="done", progress=1.0, stage="", result=result)
 
-    def failed(self, taken: Taken, error: str) -> bool:
+    def failed(self, taken: TakenJob, error: str) -> bool:
         """Commit a failure that would come again; False as for `done`."""
         return self._end(taken, state="failed", error=error)
 
-    def give_back(self, taken: Taken, why: str, *, counts: bool) -> bool:
+    def give_back(self, taken: TakenJob, why: str, *, counts: bool) -> bool:
         """Let another attempt be made; False as for `done`.
 
         Args:
@@ -145,7 +145,7 @@ class Leases:
         held = {row.id: (row.fence, row.beat) for row in rows if row.state == "running"}
         return len(rows) > len(held), self._watch.look(held)
 
-    def _lease(self, connection: Connection, row: Mapping[Any, Any], kinds: Collection[str]) -> Taken | None:
+    def _lease(self, connection: Connection, row: Mapping[Any, Any], kinds: Collection[str]) -> TakenJob | None:
         fence, attempts = row["fence"] + 1, row["attempts"] + 1
         error = None
         if row["kind"] not in kinds:
@@ -158,9 +158,9 @@ class Leases:
             values = {"state": "running", "owner": self._owner, "fence": fence, "attempts": attempts}
             values |= {"progress": 0.0, "stage": ""}
         connection.execute(update(JOBS).where(JOBS.c.id == row["id"]).values(values))
-        return Taken(job_of(dict(row) | values), fence) if error is None else None
+        return TakenJob(job_of(dict(row) | values), fence) if error is None else None
 
-    def _end(self, taken: Taken, **values: Any) -> bool:
+    def _end(self, taken: TakenJob, **values: Any) -> bool:
         with self._writing() as connection:
             return self._change(connection, taken.job.id, taken.fence, owner="", ended_utc=utc_now(), **values)
 
@@ -174,7 +174,7 @@ class Leases:
         return connection.execute(update(JOBS).where(mine).values(values)).rowcount == 1
 
 
-def _free(timed_out: Mapping[str, Mark]) -> Any:
+def _is_free(timed_out: Mapping[str, Mark]) -> Any:
     # Whoever gave a sign since the look, or took the job, has changed its mark.
     theirs = (
         and_(JOBS.c.id == job, JOBS.c.fence == fence, JOBS.c.beat == beat) for job, (fence, beat) in timed_out.items()

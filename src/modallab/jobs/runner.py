@@ -11,12 +11,12 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Literal, Self
 
 from modallab.core.errors import StorageError
-from modallab.jobs.address import Tls, check_address
+from modallab.jobs.address import TlsFiles, check_address
 from modallab.jobs.attempt import Attempt
 from modallab.jobs.cluster import Cluster, default_workers
 from modallab.jobs.jobs import Jobs
 from modallab.jobs.kind import Kind
-from modallab.jobs.leases import LEASE_S, Leases, Taken
+from modallab.jobs.leases import LEASE_S, Leases, TakenJob
 from modallab.jobs.task import TOPIC
 
 Status = Literal["stopped", "connecting", "running"]
@@ -36,7 +36,7 @@ class Runner:
         kinds: Iterable[Kind],
         scheduler: str | None = None,
         *,
-        tls: Tls | None = None,
+        tls: TlsFiles | None = None,
         workers: int | None = None,
         lease_s: float = LEASE_S,
     ) -> None:
@@ -55,7 +55,7 @@ class Runner:
             JobError: an address that would not be safe.
         """
         if scheduler is not None:
-            tls = tls or Tls.configured()
+            tls = tls or TlsFiles.configured()
             check_address(scheduler, tls)
         self._kinds = {kind.name: kind for kind in kinds}
         self._address = (scheduler, tls, workers or default_workers())
@@ -132,7 +132,7 @@ class Runner:
         self._ask_next_s = time.monotonic() + CLUSTER_S
         return cluster.worn(not self._attempts)
 
-    def _take(self, cluster: Cluster) -> list[Taken]:
+    def _take(self, cluster: Cluster) -> list[TakenJob]:
         try:
             if not self._leases.any_free():
                 return []
@@ -144,7 +144,7 @@ class Runner:
             _LOG.warning("the table of jobs: %s", error)
             return []
 
-    def _run(self, taken: Taken, cluster: Cluster) -> None:
+    def _run(self, taken: TakenJob, cluster: Cluster) -> None:
         attempt = Attempt(taken, self._kinds[taken.job.kind], self._leases, cluster.client)
         with self._lock:
             self._attempts[taken.attempt] = attempt

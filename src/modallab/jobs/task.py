@@ -58,17 +58,19 @@ def _raise_in(thread: int, error: type[BaseException] | None) -> None:
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), target)
 
 
-async def interrupt(attempt: str) -> bool:
+async def interrupt_computation(attempt: str) -> bool:
     """Interrupt a computation of this process; False if it is not here. Asynchronous, so that Dask need not wait."""
     return _RUNNING.interrupt(attempt)
 
 
-def compute(attempt: str, work: Callable[[Any, Notify], Computed], payload: Any) -> tuple[Verdict, Computed | str]:
+def compute_attempt(
+    attempt: str, work: Callable[[Any, Notify], Computed], payload: Any
+) -> tuple[Verdict, Computed | str]:
     """Run one computation on a worker. What it raises is its result: only the loss of a worker is an error to Dask."""
     try:
         _RUNNING.enter(attempt)
         try:
-            return "done", work(payload, _notifier(attempt))
+            return "done", work(payload, _progress_notifier(attempt))
         finally:
             _RUNNING.leave(attempt)
     except Interrupted:
@@ -80,7 +82,7 @@ def compute(attempt: str, work: Callable[[Any, Notify], Computed], payload: Any)
         return "failed", f"{type(error).__name__}: {error}"
 
 
-def _notifier(attempt: str) -> Notify:
+def _progress_notifier(attempt: str) -> Notify:
     worker = get_worker()
     last = -_NOTIFY_EVERY_S
 

@@ -17,7 +17,7 @@ from modallab.core.errors import DataError
 from modallab.modification.structure import At, Structure
 
 
-class Matrices(NamedTuple):
+class AttachmentMatrices(NamedTuple):
     """Of motions (links + own) along the links and of what the attachment has besides.
 
     Attributes:
@@ -33,7 +33,7 @@ class Matrices(NamedTuple):
     constraint: NDArray[np.floating[Any]]
 
 
-class Addition(Protocol):
+class AttachedPart(Protocol):
     """What is hung on a structure."""
 
     def links(self, structure: Structure) -> Real:
@@ -50,7 +50,7 @@ class Addition(Protocol):
         ...
 
     @property
-    def matrices(self) -> Matrices:
+    def matrices(self) -> AttachmentMatrices:
         """To begin a search of poles."""
         ...
 
@@ -64,13 +64,13 @@ NO_POLES: Complex = np.zeros(0, np.complex128)
 NO_CONSTRAINT: Real = np.zeros((0, 1))
 
 
-def _along(structure: Structure, at: At, to: At | None) -> Real:
+def _motion_between(structure: Structure, at: At, to: At | None) -> Real:
     """(freedoms, 1) motion at a place, over that at another one if there is one."""
     one = structure.columns([at])
     return one if to is None else one - structure.columns([to])
 
 
-def _number(value: float, name: str, unit: str) -> None:
+def _finite_number(value: float, name: str, unit: str) -> None:
     if not isfinite(value) or value == 0:
         raise DataError(f"{name}={value!r} {unit} is no change", remedy=f"give a number other than 0 in {unit}")
 
@@ -102,16 +102,16 @@ class Element:
         given = {"mass": (self.mass, "kg"), "spring": (self.spring, "N/m"), "damper": (self.damper, "N s/m")}
         for name, (value, unit) in given.items():
             if not isfinite(value) or (value == 0 and not any(v for v, _ in given.values())):
-                _number(value, name, unit)
+                _finite_number(value, name, unit)
         if self.mass and self.to is not None:
             raise DataError("a mass hangs at one point", remedy="leave the second point out")
 
     def links(self, structure: Structure) -> Real:
-        """As of `Addition`."""
-        return _along(structure, self.at, self.to)
+        """As of `AttachedPart`."""
+        return _motion_between(structure, self.at, self.to)
 
     def compliance(self, s: Complex) -> Complex:
-        """As of `Addition`."""
+        """As of `AttachedPart`."""
         return (1 / (self.mass * s**2 + self.damper * s + self.spring))[..., None, None]
 
     @property
@@ -121,14 +121,14 @@ class Element:
         return np.asarray(roots[np.imag(roots) > 0], np.complex128)
 
     @property
-    def matrices(self) -> Matrices:
-        """As of `Addition`."""
+    def matrices(self) -> AttachmentMatrices:
+        """As of `AttachedPart`."""
         mass, damping, stiffness = (np.array([[v]]) for v in (self.mass, self.damper, self.spring))
-        return Matrices(mass, damping, stiffness, NO_CONSTRAINT)
+        return AttachmentMatrices(mass, damping, stiffness, NO_CONSTRAINT)
 
     @property
     def words(self) -> str:
-        """As of `Addition`."""
+        """As of `AttachedPart`."""
         parts = [
             f"{word} {value:.4g} {unit}"
             for word, value, unit in (
@@ -180,7 +180,7 @@ class TunedAbsorber:
         return 2 * self.damping_ratio * self.mass * 2 * np.pi * self.frequency_hz
 
     def links(self, structure: Structure) -> Real:
-        """As of `Addition`."""
+        """As of `AttachedPart`."""
         return structure.columns([self.at])
 
     def compliance(self, s: Complex) -> Complex:
@@ -193,14 +193,14 @@ class TunedAbsorber:
         return NO_POLES
 
     @property
-    def matrices(self) -> Matrices:
-        """As of `Addition`."""
+    def matrices(self) -> AttachmentMatrices:
+        """As of `AttachedPart`."""
         both = np.array([[1.0, -1.0], [-1.0, 1.0]])
-        return Matrices(np.diag([0.0, self.mass]), self.damper * both, self.spring * both, np.zeros((0, 2)))
+        return AttachmentMatrices(np.diag([0.0, self.mass]), self.damper * both, self.spring * both, np.zeros((0, 2)))
 
     @property
     def words(self) -> str:
-        """As of `Addition`."""
+        """As of `AttachedPart`."""
         own = f"absorber {self.mass:.4g} kg, {self.frequency_hz:.5g} Hz, {100 * self.damping_ratio:.3g} %"
         return f"{own} at {self.at}"
 
@@ -218,8 +218,8 @@ class RigidLink:
     to: At | None = None
 
     def links(self, structure: Structure) -> Real:
-        """As of `Addition`."""
-        return _along(structure, self.at, self.to)
+        """As of `AttachedPart`."""
+        return _motion_between(structure, self.at, self.to)
 
     def compliance(self, s: Complex) -> Complex:
         """None."""
@@ -231,14 +231,14 @@ class RigidLink:
         return NO_POLES
 
     @property
-    def matrices(self) -> Matrices:
-        """As of `Addition`."""
+    def matrices(self) -> AttachmentMatrices:
+        """As of `AttachedPart`."""
         none = np.zeros((1, 1))
-        return Matrices(none, none, none, np.ones((1, 1)))
+        return AttachmentMatrices(none, none, none, np.ones((1, 1)))
 
     @property
     def words(self) -> str:
-        """As of `Addition`."""
+        """As of `AttachedPart`."""
         return f"ground at {self.at}" if self.to is None else f"rigid link {self.at} to {self.to}"
 
 
@@ -272,7 +272,7 @@ class Coupled:
         object.__setattr__(self, "own", self.other.columns([of for _, of in self.pairs]))
 
     def links(self, structure: Structure) -> Real:
-        """As of `Addition`."""
+        """As of `AttachedPart`."""
         return structure.columns([at for at, _ in self.pairs])
 
     def compliance(self, s: Complex) -> Complex:
@@ -295,7 +295,7 @@ class Coupled:
         return self.other.poles
 
     @property
-    def matrices(self) -> Matrices:
+    def matrices(self) -> AttachmentMatrices:
         """Modes of the other structure, with their motions held to this one's."""
         pairs, modes = len(self.pairs), len(self.other.poles)
         phi = np.real(self.other.psi * np.sqrt(2j * self.other.poles.imag)[:, None]) @ self.own
@@ -304,17 +304,17 @@ class Coupled:
         mass, damping, stiffness = (np.diag(np.concatenate([np.zeros(pairs), self.sign * v])) for v in own)
         apart = np.concatenate([np.eye(pairs), -phi.T], axis=1)
         if self.joint_spring is None:
-            return Matrices(mass, damping, stiffness, apart)
-        return Matrices(mass, damping, stiffness + self.joint_spring * apart.T @ apart, apart[:0])
+            return AttachmentMatrices(mass, damping, stiffness, apart)
+        return AttachmentMatrices(mass, damping, stiffness + self.joint_spring * apart.T @ apart, apart[:0])
 
     @property
     def words(self) -> str:
-        """As of `Addition`."""
+        """As of `AttachedPart`."""
         how = "taken away" if self.sign < 0 else "coupled"
         return f"structure {how} at " + ", ".join(f"{a}={b}" for a, b in self.pairs)
 
 
-def together(attachments: Sequence[Addition]) -> tuple[Addition, ...]:
+def merge_attachments(attachments: Sequence[AttachedPart]) -> tuple[AttachedPart, ...]:
     """The same with masses, springs and dampers of the same ends added up; what adds up to nothing is left out."""
     sums: dict[tuple[At, At | None], tuple[float, float, float]] = {}
     for a in attachments:

@@ -18,7 +18,7 @@ NOISE = 1e-3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Between:
+class SpatialInterpolation:
     """Values taken along in space.
 
     Attributes:
@@ -38,7 +38,7 @@ class Between:
     size: float
 
     @classmethod
-    def of(cls, known_m: Real, values: Complex | Real) -> "Between":
+    def of(cls, known_m: Real, values: Complex | Real) -> "SpatialInterpolation":
         """Through values (known, columns) at places (known, 3)."""
         size, count = max(float(np.ptp(known_m, axis=0).max()), 1e-9), len(known_m)
         known = known_m / size
@@ -69,7 +69,7 @@ class Between:
         apart = np.abs(each - np.einsum("lpc,lc->pc", each, self.probability)) ** 2
         return np.sqrt(np.einsum("lpc,lc->pc", left[:, :, None] * self.variance[:, None] + apart, self.probability))
 
-    def turned(self, factors: Complex) -> "Between":
+    def turned(self, factors: Complex) -> "SpatialInterpolation":
         """With each column times a factor (columns,) of size 1."""
         return replace(self, weights=self.weights * factors)
 

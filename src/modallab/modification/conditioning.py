@@ -27,10 +27,10 @@ def conditioning_of(structure: Structure, part: Coupled) -> float:
     b = part.links(structure)
     s = 2j * np.pi * np.linspace(*structure.band_hz, LINES + 1)[1:]
     own, other = structure.receptance(s, b, b), part.compliance(s)
-    return float(np.median([_grown(h, y) for h, y in zip(own, other, strict=True)]))
+    return float(np.median([_error_growth(h, y) for h, y in zip(own, other, strict=True)]))
 
 
-def _grown(own: Complex, other: Complex) -> float:
+def _error_growth(own: Complex, other: Complex) -> float:
     if np.linalg.matrix_rank(own + other) < len(own):
         return np.inf
     return float(np.max(np.abs(np.linalg.eigvals(np.abs(np.linalg.inv(own + other)) @ (np.abs(own) + np.abs(other))))))

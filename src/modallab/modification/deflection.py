@@ -56,7 +56,7 @@ def mode_deflection(structure: Structure, samples: Structure, mode: int) -> Defl
     if not 1 <= mode <= modes:
         raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {modes}")
     pole = structure.poles[mode - 1]
-    phi, varied = (turned(s.psi[..., mode - 1, :] * np.sqrt(2j * pole.imag)) for s in (structure, samples))
+    phi, varied = (turn_to_real(s.psi[..., mode - 1, :] * np.sqrt(2j * pole.imag)) for s in (structure, samples))
     hz = float(np.abs(pole)) / (2 * np.pi)
     return Deflection(f"mode {mode}", hz, structure.freedoms, phi, np.std(varied, axis=0), "kg^-1/2")
 
@@ -76,7 +76,7 @@ def operating_deflection(frf: Frf, freedoms: tuple[Freedom, ...], hz: float, at:
     Raises:
         DataError: no force acted at the point nor stood a sensor there, or a frequency outside the lines.
     """
-    line = _line(frf, hz)
+    line = _nearest_line(frf, hz)
     sigma = np.full(frf.values.shape, np.nan) if frf.variance is None else np.sqrt(frf.variance)
     found: dict[Freedom, tuple[complex, float]] = {}
     if at in frf.input_points:
@@ -97,14 +97,14 @@ def operating_deflection(frf: Frf, freedoms: tuple[Freedom, ...], hz: float, at:
     return Deflection(what, float(frf.frequency_hz[line]), tuple(found), values, deviations, UNIT[frf.quantity])
 
 
-def _line(frf: Frf, hz: float) -> int:
+def _nearest_line(frf: Frf, hz: float) -> int:
     low, high = frf.frequency_hz[0], frf.frequency_hz[-1]
     if not low <= hz <= high:
         raise DataError(f"{hz:g} Hz is outside the FRFs", remedy=f"stay within {low:.4g} to {high:.4g} Hz")
     return int(np.argmin(np.abs(frf.frequency_hz - hz)))
 
 
-def turned(values: Complex) -> NDArray[np.complex128]:
+def turn_to_real(values: Complex) -> NDArray[np.complex128]:
     """(..., freedoms) as real as a common turn makes them, positive where they are largest."""
     real = values * np.exp(-0.5j * np.angle(np.sum(values**2, axis=-1, keepdims=True)))
     largest = np.argmax(np.abs(real), axis=-1)[..., None]
@@ -112,12 +112,12 @@ def turned(values: Complex) -> NDArray[np.complex128]:
     return np.asarray(real * np.where(negative, -1, 1), np.complex128)
 
 
-def spatial(rig: Rig, deflection: Deflection) -> NDArray[np.complex128]:
+def motion_in_space(rig: Rig, deflection: Deflection) -> NDArray[np.complex128]:
     """(points, 3) the motion at the points of a rig along x, y, z; a point that is not known stays at rest."""
-    return at_points(rig, deflection.freedoms, deflection.values)
+    return motion_at_points(rig, deflection.freedoms, deflection.values)
 
 
-def at_points(rig: Rig, freedoms: Sequence[Freedom], values: Complex) -> NDArray[np.complex128]:
+def motion_at_points(rig: Rig, freedoms: Sequence[Freedom], values: Complex) -> NDArray[np.complex128]:
     """The same of values (freedoms,) at freedoms."""
     place = {p.id: n for n, p in enumerate(rig.points)}
     motion = np.zeros((len(rig.points), 3), np.complex128)

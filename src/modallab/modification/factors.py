@@ -9,7 +9,7 @@ from modallab.core.arrays import Complex
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Factors:
+class ModalFactors:
     """Of all modes at all freedoms; where only one of the two was measured, the other is as large (reciprocity).
 
     Attributes:
@@ -26,7 +26,7 @@ class Factors:
     scaled: bool
 
 
-def factored(constants: Complex, rows: Sequence[int], columns: Sequence[int], n: int) -> Factors:
+def factor_constants(constants: Complex, rows: Sequence[int], columns: Sequence[int], n: int) -> ModalFactors:
     """The factors of constants (modes, outputs, inputs) whose outputs and inputs are the freedoms rows and columns."""
     left, size, right = np.linalg.svd(constants, full_matrices=False)
     root = np.sqrt(size[:, :1])
@@ -36,17 +36,17 @@ def factored(constants: Complex, rows: Sequence[int], columns: Sequence[int], n:
     total = np.sum(seen[:, both] * driven[:, both])
     turn = complex(total / abs(total)) if abs(total) > 0 else 1.0 + 0.0j
     if both:
-        scale = _scale(seen[:, both], driven[:, both] / turn)
+        scale = _driving_point_scale(seen[:, both], driven[:, both] / turn)
         seen, driven = seen * scale, driven / scale / turn
     else:
         driven = driven / turn
     only_seen = [f for f in range(n) if f not in columns]
     only_driven = [f for f in range(n) if f not in rows]
     driven[:, only_seen], seen[:, only_driven] = seen[:, only_seen], driven[:, only_driven]
-    return Factors(seen, driven, turn, bool(both))
+    return ModalFactors(seen, driven, turn, bool(both))
 
 
-def _scale(seen: Complex, driven: Complex) -> Complex:
+def _driving_point_scale(seen: Complex, driven: Complex) -> Complex:
     """(modes, 1) factor that makes what is seen and driven at the driving points alike, in the mean of squares."""
     square = np.sum(np.conj(seen) * driven, axis=1)
     power = np.sum(np.abs(seen) ** 2, axis=1)

@@ -14,22 +14,22 @@ def force_samples(force: ForceKind, step_s: float, count: int) -> Real:
     return np.asarray(KINDS[type(force)](force, step_s * np.arange(count, dtype=np.float64)), np.float64)
 
 
-def _impulse(force: ImpulseForce, time: Real) -> Real:
+def _impulse_samples(force: ImpulseForce, time: Real) -> Real:
     samples = np.zeros(time.size)
     samples[1] = force.impulse_n_s / (time[1] - time[0])
     return samples
 
 
-def _sine(force: SineForce, time: Real) -> Real:
+def _sine_samples(force: SineForce, time: Real) -> Real:
     return force.amplitude_n * np.sin(2 * np.pi * force.frequency_hz * time)
 
 
-def _sweep(force: SweepForce, time: Real) -> Real:
+def _sweep_samples(force: SweepForce, time: Real) -> Real:
     rate = (force.to_hz - force.from_hz) / (time[-1] - time[0])
     return force.amplitude_n * np.sin(2 * np.pi * (force.from_hz + rate * time / 2) * time)
 
 
-def _random(force: RandomForce, time: Real) -> Real:
+def _random_samples(force: RandomForce, time: Real) -> Real:
     """Lines of the spectrum with normal real and imaginary parts: a record that would repeat without a step."""
     n, step = time.size, time[1] - time[0]
     hz, density = np.array(force.spectrum).T
@@ -40,8 +40,8 @@ def _random(force: RandomForce, time: Real) -> Real:
 
 
 KINDS: dict[type, Callable[[Any, Real], Real]] = {
-    ImpulseForce: _impulse,
-    SineForce: _sine,
-    SweepForce: _sweep,
-    RandomForce: _random,
+    ImpulseForce: _impulse_samples,
+    SineForce: _sine_samples,
+    SweepForce: _sweep_samples,
+    RandomForce: _random_samples,
 }

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.modification.inverse import AT_MOST, ONLY_THE_LIGHT, TRIED, By, changed_hz, modal_size, sigma_of_size
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.modification.structure import At
 
 
@@ -44,7 +44,7 @@ class FreeBand:
         return bool(np.isfinite(self.size))
 
 
-def kept_free(known: Known, band_hz: tuple[float, float], by: By, at: Sequence[At]) -> tuple[FreeBand, ...]:
+def kept_free(known: KnownStructure, band_hz: tuple[float, float], by: By, at: Sequence[At]) -> tuple[FreeBand, ...]:
     """What leaves no mode in a band, at each of several points; the smallest first, then the points without one.
 
     Args:
@@ -62,11 +62,11 @@ def kept_free(known: Known, band_hz: tuple[float, float], by: By, at: Sequence[A
             f"no band from {low:g} to {high:g} Hz can be kept free",
             remedy=f"give a lower and an upper edge below {known.model.band_hz[1]:.4g} Hz, where the model ends",
         )
-    found = [_at_point(known, band_hz, by, point) for point in at]
+    found = [_free_band_at_point(known, band_hz, by, point) for point in at]
     return tuple(sorted(found, key=lambda a: (not a.feasible, a.size if a.feasible else 0.0)))
 
 
-def _at_point(known: Known, band_hz: tuple[float, float], by: By, at: At) -> FreeBand:
+def _free_band_at_point(known: KnownStructure, band_hz: tuple[float, float], by: By, at: At) -> FreeBand:
     modal_kg = min(modal_size(known.structure, r, "mass", at) for r in range(len(known.structure.poles)))
     modal = modal_kg * (1.0 if by == "mass" else (2 * np.pi * band_hz[1]) ** 2)
     # The largest holds the point still, as seen by a mode of this band.
@@ -74,8 +74,8 @@ def _at_point(known: Known, band_hz: tuple[float, float], by: By, at: At) -> Fre
     each = [changed_hz(known, by, at, size) for size in sizes]
     # A heavy mass may bring in a mode from beyond the band.
     modes = max(found.size for found in each)
-    hz = np.array([_of_modes(known, found, modes) for found in each])
-    busy = [_busy(known, band_hz, by, at, sizes, hz[:, r], r) for r in range(hz.shape[1])]
+    hz = np.array([_frequencies_of_modes(known, found, modes) for found in each])
+    busy = [_sizes_in_band(known, band_hz, by, at, sizes, hz[:, r], r) for r in range(hz.shape[1])]
     spans = [span for span in busy if span is not None]
     ends = [0.0, *(end for _, end in spans if np.isfinite(end))]
     free = [end for end in sorted(ends) if not any(begin <= end < other for begin, other in spans)]
@@ -88,21 +88,23 @@ def _at_point(known: Known, band_hz: tuple[float, float], by: By, at: At) -> Fre
     return FreeBand(at, size, sigma, min((begin for begin, _ in spans if begin > size), default=np.inf))
 
 
-def _of_modes(known: Known, hz: Real, modes: int) -> Real:
+def _frequencies_of_modes(known: KnownStructure, hz: Real, modes: int) -> Real:
     """(modes,) frequencies; at the end of the model's band where a mode is not in it."""
     found = hz[:modes]
     return np.pad(found, (0, modes - found.size), constant_values=known.model.band_hz[1])
 
 
-def _busy(
-    known: Known, band_hz: tuple[float, float], by: By, at: At, sizes: Real, hz: Real, r: int
+def _sizes_in_band(
+    known: KnownStructure, band_hz: tuple[float, float], by: By, at: At, sizes: Real, hz: Real, r: int
 ) -> tuple[float, float] | None:
     """Sizes from which and up to which a mode is in the band."""
     first, last = band_hz if by == "spring" else band_hz[::-1]
 
     def reached(edge: float) -> float:
-        return _crossing(
-            lambda size: _of_modes(known, changed_hz(known, by, at, size), r + 1)[r] - edge, sizes, hz - edge
+        return _zero_crossing(
+            lambda size: _frequencies_of_modes(known, changed_hz(known, by, at, size), r + 1)[r] - edge,
+            sizes,
+            hz - edge,
         )
 
     begin = 0.0 if (hz[0] - first) * (last - first) >= 0 else reached(first)
@@ -110,7 +112,7 @@ def _busy(
     return (begin, end) if end > begin else None
 
 
-def _crossing(off: Callable[[float], Any], sizes: Real, there: Real) -> float:
+def _zero_crossing(off: Callable[[float], Any], sizes: Real, there: Real) -> float:
     """The size at which what is off goes through zero; infinite where it does not."""
     between = np.flatnonzero(there[:-1] * there[1:] <= 0)
     if not between.size:

@@ -30,7 +30,7 @@ def freedoms_of(model: ModalModel, rig: Rig) -> tuple[tuple[Freedom, ...], tuple
         raise DataError(
             "an output or an input has no point", where=rig.name, remedy="give channels and records their points"
         )
-    axes = [_channel(name, rig).direction[1] for name in model.outputs]
+    axes = [_channel_of_output(name, rig).direction[1] for name in model.outputs]
     drive = rig.drive_direction[1]
     outputs = tuple((int(p or 0), axis) for p, axis in zip(model.output_points, axes, strict=True))
     return outputs, tuple((int(p or 0), drive) for p in model.input_points)
@@ -42,10 +42,10 @@ def senses_of(model: ModalModel, rig: Rig) -> Real:
     Raises:
         DataError: an output is no channel of the rig.
     """
-    return np.array([rig.sense_of(_channel(name, rig)) for name in model.outputs])
+    return np.array([rig.sense_of(_channel_of_output(name, rig)) for name in model.outputs])
 
 
-def _channel(output: str, rig: Rig) -> Channel:
+def _channel_of_output(output: str, rig: Rig) -> Channel:
     # An output of several set-ups is named after its channel and its point.
     name = output.split("@")[0]
     for channel in rig.channels:

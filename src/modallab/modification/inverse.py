@@ -9,9 +9,9 @@ from scipy.optimize import brentq, minimize
 
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
-from modallab.modification.attachments import Addition, Element, TunedAbsorber
-from modallab.modification.known import Known
-from modallab.modification.poles import Attached, poles_of
+from modallab.modification.attachments import AttachedPart, Element, TunedAbsorber
+from modallab.modification.known import KnownStructure
+from modallab.modification.poles import StructureWithAttachments, poles_of
 from modallab.modification.structure import At, Structure
 
 By = Literal["mass", "spring"]
@@ -25,7 +25,7 @@ AT_MOST = 30.0
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class ChangeAtPoint:
     """A change at a point that brings a mode to a frequency, or why there is none.
 
     Attributes:
@@ -58,7 +58,9 @@ class BestAbsorber(NamedTuple):
     after_sigma: float
 
 
-def tuned(known: Known, mode: int, to_hz: float, by: By, at: Sequence[At]) -> tuple[Answer, ...]:
+def changes_for_frequency(
+    known: KnownStructure, mode: int, to_hz: float, by: By, at: Sequence[At]
+) -> tuple[ChangeAtPoint, ...]:
     """What brings a mode to a frequency, at each of several points; the smallest first, then the points without one.
 
     Args:
@@ -76,11 +78,11 @@ def tuned(known: Known, mode: int, to_hz: float, by: By, at: Sequence[At]) -> tu
         raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {modes}")
     if not 0 < to_hz < known.model.band_hz[1]:
         raise DataError(f"{to_hz:g} Hz is outside the band", remedy=f"stay below {known.model.band_hz[1]:.4g} Hz")
-    found = [_at_point(known, mode - 1, to_hz, by, point) for point in at]
+    found = [_change_at_point(known, mode - 1, to_hz, by, point) for point in at]
     return tuple(sorted(found, key=lambda a: (not a.feasible, a.size if a.feasible else 0.0)))
 
 
-def _at_point(known: Known, mode: int, to_hz: float, by: By, at: At) -> Answer:
+def _change_at_point(known: KnownStructure, mode: int, to_hz: float, by: By, at: At) -> ChangeAtPoint:
     pole, modal = known.structure.poles[mode], modal_size(known.structure, mode, by, at)
     sizes = np.geomspace(ONLY_THE_LIGHT * modal, AT_MOST * modal, TRIED)
     hz = np.array([changed_hz(known, by, at, size)[mode] for size in sizes])
@@ -91,14 +93,14 @@ def _at_point(known: Known, mode: int, to_hz: float, by: By, at: At) -> Answer:
     between = np.flatnonzero((hz[:-1] - to_hz) * (hz[1:] - to_hz) <= 0)
     first = (start - to_hz) * (hz[0] - to_hz) <= 0
     if not between.size and not first:
-        return Answer(at, np.nan, np.nan, *reached)
+        return ChangeAtPoint(at, np.nan, np.nan, *reached)
     low, high = (1e-3 * sizes[0], sizes[0]) if first else sizes[between[0] : between[0] + 2]
 
     def off(log_size: float) -> float:
         return float(changed_hz(known, by, at, float(np.exp(log_size)))[mode]) - to_hz
 
     size = float(np.exp(brentq(off, np.log(low), np.log(high), xtol=1e-9)))
-    return Answer(at, size, sigma_of_size(known, to_hz, by, at, size), *reached)
+    return ChangeAtPoint(at, size, sigma_of_size(known, to_hz, by, at, size), *reached)
 
 
 def modal_size(whole: Structure, mode: int, by: By, at: At) -> float:
@@ -109,27 +111,27 @@ def modal_size(whole: Structure, mode: int, by: By, at: At) -> float:
     return (1.0 if by == "mass" else float(np.abs(pole) ** 2)) / float(max(phi2[place], 1e-3 * phi2.max()))
 
 
-def changed_hz(known: Known, by: By, at: At, size: float) -> Real:
+def changed_hz(known: KnownStructure, by: By, at: At, size: float) -> Real:
     """(modes,) with a change. A mode keeps its place as the change grows: two never cross."""
-    changes = [change(by, at, size)] if size else []
-    return np.sort(np.abs(poles_of(Attached.of(known.structure, changes)))) / (2 * np.pi)
+    changes = [mass_or_spring(by, at, size)] if size else []
+    return np.sort(np.abs(poles_of(StructureWithAttachments.of(known.structure, changes)))) / (2 * np.pi)
 
 
-def change(by: By, at: At, size: float) -> Element:
+def mass_or_spring(by: By, at: At, size: float) -> Element:
     """A mass, or a spring to ground."""
     return Element(at, mass=size) if by == "mass" else Element(at, spring=size)
 
 
-def sigma_of_size(known: Known, to_hz: float, by: By, at: At, size: float) -> float:
+def sigma_of_size(known: KnownStructure, to_hz: float, by: By, at: At, size: float) -> float:
     """Of the size: that of the frequency it gives over how the frequency moves with it."""
     small = 1e-3 * size
-    here, there = (known.with_changes([change(by, at, s)]).modes for s in (size, size + small))
+    here, there = (known.with_changes([mass_or_spring(by, at, s)]).modes for s in (size, size + small))
     r = int(np.argmin(np.abs(here.frequency_hz - to_hz)))
     slope = (there.frequency_hz[r] - here.frequency_hz[r]) / small
     return float(here.frequency_sigma_hz[r] / abs(slope))
 
 
-def best_absorber(known: Known, mode: int, at: At, mass: float) -> BestAbsorber:
+def best_absorber(known: KnownStructure, mode: int, at: At, mass: float) -> BestAbsorber:
     """The absorber that leaves the least peak of the driving-point mobility about a mode.
 
     Den Hartog's tuning of a structure of one mode begins the search; the others, and its own damping, then move it.
@@ -151,18 +153,18 @@ def best_absorber(known: Known, mode: int, at: At, mass: float) -> BestAbsorber:
 
     def peak(x: Real) -> float:
         absorber = TunedAbsorber(at, mass, float(omega / (2 * np.pi) * np.exp(x[0])), float(np.exp(x[1])))
-        return _peak(known, [absorber], f, at)
+        return _largest_peak(known, [absorber], f, at)
 
     found: Any = minimize(peak, start, method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-9})
     best = TunedAbsorber(at, mass, float(omega / (2 * np.pi) * np.exp(found.x[0])), float(np.exp(found.x[1])))
 
-    def peaks(one: Known) -> Real:
-        return np.array([_peak(one, changes, f, at) for changes in ([], [best])])
+    def peaks(one: KnownStructure) -> Real:
+        return np.array([_largest_peak(one, changes, f, at) for changes in ([], [best])])
 
     return BestAbsorber(best, *peaks(known).tolist(), *known.deviation(peaks).tolist())
 
 
-def _mass_ratio(known: Known, mode: int, at: At, mass: float) -> tuple[float, float]:
+def _mass_ratio(known: KnownStructure, mode: int, at: At, mass: float) -> tuple[float, float]:
     whole = known.structure
     pole, place = whole.poles[mode], whole.index(at)
     phi2 = np.abs(whole.psi[mode] ** 2 * 2 * pole.imag)
@@ -171,7 +173,7 @@ def _mass_ratio(known: Known, mode: int, at: At, mass: float) -> tuple[float, fl
     return float(mass * phi2[place]), float(np.abs(pole))
 
 
-def _peak(known: Known, changes: Sequence[Addition], f: Real, at: At) -> float:
+def _largest_peak(known: KnownStructure, changes: Sequence[AttachedPart], f: Real, at: At) -> float:
     b = known.structure.columns([at])
     s = np.asarray(2j * np.pi * f)
-    return float(np.max(np.abs(s * Attached.of(known.structure, changes).receptance(s, b, b)[:, 0, 0])))
+    return float(np.max(np.abs(s * StructureWithAttachments.of(known.structure, changes).receptance(s, b, b)[:, 0, 0])))

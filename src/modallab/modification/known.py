@@ -11,15 +11,15 @@ from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
-from modallab.modification.attachments import Addition, Coupled
+from modallab.modification.attachments import AttachedPart, Coupled
 from modallab.modification.conditioning import conditioning_of
 from modallab.modification.freedoms import Freedom
 from modallab.modification.frfs import Receptances, frf_between
 from modallab.modification.measured import MeasuredPairs
-from modallab.modification.modified import ModesAfter, modify, residues_of
-from modallab.modification.poles import Attached
-from modallab.modification.remainder import remainder
-from modallab.modification.response import Between, Modes, modal_states, respond
+from modallab.modification.modified import ModesAfter, modified_modes, residues_of
+from modallab.modification.poles import StructureWithAttachments
+from modallab.modification.remainder import remainder_of_structure
+from modallab.modification.response import Between, ModesAtPlaces, modal_states, motion_of_modes
 from modallab.modification.samples import places_of, samples_of
 from modallab.modification.state_space import ModalStateSpace, state_space_of
 from modallab.modification.structure import At, Structure, structure_of
@@ -28,7 +28,7 @@ FRF_SAMPLES = 50
 """Of FRFs and motions, which have many numbers: enough to know a standard deviation to 10 %."""
 
 
-class Known:
+class KnownStructure:
     """A structure known by its modal model, alone or with attachments.
 
     Attributes:
@@ -43,7 +43,7 @@ class Known:
         model: ModalModel,
         rig: Rig | None = None,
         hits: Sequence[int] | None = None,
-        changes: Sequence[Addition] = (),
+        changes: Sequence[AttachedPart] = (),
     ) -> None:
         """Look up what the model knows.
 
@@ -102,14 +102,14 @@ class Known:
         return samples_of(self.model, self.rig, self.hits)
 
     @cached_property
-    def attached(self) -> Attached:
+    def attached(self) -> StructureWithAttachments:
         """With what hangs on it."""
-        return Attached.of(self.structure, self.changes)
+        return StructureWithAttachments.of(self.structure, self.changes)
 
     @cached_property
     def modes(self) -> ModesAfter:
         """The modes with what hangs on it."""
-        return modify(self.structure, self.changes, self.samples, self.alone.structure if self.taken else None)
+        return modified_modes(self.structure, self.changes, self.samples, self.alone.structure if self.taken else None)
 
     @cached_property
     def conditioning(self) -> float | None:
@@ -123,11 +123,11 @@ class Known:
         return tuple(change.words for change in (*self.taken, *self.changes))
 
     @property
-    def alone(self) -> "Known":
+    def alone(self) -> "KnownStructure":
         """Without what hangs on it."""
-        return Known(self.model, self.rig, self.hits)
+        return KnownStructure(self.model, self.rig, self.hits)
 
-    def with_changes(self, changes: Sequence[Addition]) -> "Known":
+    def with_changes(self, changes: Sequence[AttachedPart]) -> "KnownStructure":
         """With more hung on it.
 
         Raises:
@@ -136,7 +136,7 @@ class Known:
         # What was predicted of this structure is exact enough to be subtracted; what was measured is not.
         away = () if self.changes else tuple(c for c in changes if isinstance(c, Coupled) and c.measured_part)
         kept = (c for c in changes if c not in away)
-        more = Known(self.model, self.rig, self.hits, (*self.changes, *kept))
+        more = KnownStructure(self.model, self.rig, self.hits, (*self.changes, *kept))
         more._measured, more.taken, more.__dict__["samples"] = self._measured, self.taken, self.samples
         for part in away:
             more._take(part)
@@ -147,7 +147,7 @@ class Known:
         """Become what is left without it."""
         assert part.samples is not None
         structure, at = self.structure, part.links(self.structure)
-        rest = remainder(structure, self.samples, part.other, part.samples, at, part.own)
+        rest = remainder_of_structure(structure, self.samples, part.other, part.samples, at, part.own)
         self._measured, self.taken = rest.structure, (*self.taken, part)
         self.__dict__["samples"] = rest.samples
 
@@ -214,9 +214,9 @@ class Known:
             DataError: a force that cannot be, or a point that the model does not know.
         """
         modes = self._modes_at(of, at)
-        return respond(modes, force, dt, quantity, between, None if start is None else self._started(start))
+        return motion_of_modes(modes, force, dt, quantity, between, None if start is None else self._started(start))
 
-    def deviation(self, of: Callable[["Known"], Real]) -> Real:
+    def deviation(self, of: Callable[["KnownStructure"], Real]) -> Real:
         """Standard deviation of what is computed of a structure, over those that the model leaves possible.
 
         Args:
@@ -236,20 +236,20 @@ class Known:
         n = len(few.poles)
         return np.asarray(np.sqrt(np.maximum(squares - total**2 / n, 0) / (n - 1)), np.float64)
 
-    def _sampled(self, structure: Structure) -> "Known":
+    def _sampled(self, structure: Structure) -> "KnownStructure":
         """One of the structures that are possible, with the same changes."""
-        one = Known(self.model, self.rig, self.hits, self.changes)
+        one = KnownStructure(self.model, self.rig, self.hits, self.changes)
         one._measured = structure
         one.__dict__["samples"] = None
         if not self.changes:
             one.__dict__["_now"] = structure
         return one
 
-    def _modes_at(self, of: Sequence[At], at: Sequence[At]) -> Modes:
+    def _modes_at(self, of: Sequence[At], at: Sequence[At]) -> ModesAtPlaces:
         structure = self.between(of, at)
         poles, psi = self._poles_and_shapes
         left, right = structure.columns(of), structure.columns(at)
-        return Modes(poles, psi @ left, psi @ right, self._now, left, right, self.model.band_hz)
+        return ModesAtPlaces(poles, psi @ left, psi @ right, self._now, left, right, self.model.band_hz)
 
     def state_space(self, at: Sequence[At], of: Sequence[At], quantity: Quantity) -> ModalStateSpace:
         """From forces at points to motions of points, without what lies outside the band.

@@ -42,7 +42,7 @@ class Mesh:
         """
         near = _next_to(self.places_m, points_m)
         away = np.linalg.norm(self.places_m[:, None] - self.places_m[near][None], axis=2).min(axis=1)
-        reach = 2 * apart(points_m)
+        reach = 2 * median_spacing(points_m)
         within = np.linalg.norm(self.places_m[:, None] - points_m[None], axis=2).min(axis=1) <= reach
         away[~within] = 0.0
         taken = list(near)
@@ -70,14 +70,14 @@ def on_surface(places_m: Real, here_m: Real, axis: str, reach_m: float) -> Real 
     along = plane[:, "xyz".index(axis)]
     size = float(np.linalg.norm(along))
     flat = np.eye(2) if size < LEVEL else np.array([[-along[1], along[0]], [0.0, 0.0]]) / size
-    bends = _bends(around @ plane.T, around @ axes[2])
+    bends = _surface_bending(around @ plane.T, around @ axes[2])
     off = np.abs(np.einsum("ti,ij,tj->t", flat, bends, flat)) * reach_m**2
     found = (flat * (off <= OFF * reach_m)[:, None]) @ plane
     largest = found[np.arange(2), np.argmax(np.abs(found), axis=1)]
     return found * np.where(largest < 0, -1.0, 1.0)[:, None]
 
 
-def _bends(flat_m: Real, off_m: Real) -> Real:
+def _surface_bending(flat_m: Real, off_m: Real) -> Real:
     """(2, 2) form whose value at a place (2,) in the tangent plane is by how much the surface is off it, m."""
     x, y = flat_m.T
     a, b, c = np.linalg.lstsq(np.stack([x * x, y * y, 2 * x * y], axis=1), off_m, rcond=None)[0]
@@ -89,7 +89,7 @@ def _next_to(places_m: Real, points_m: Real) -> list[int]:
     return list(dict.fromkeys(np.argmin(away, axis=1).tolist()))
 
 
-def apart(points_m: Real) -> float:
+def median_spacing(points_m: Real) -> float:
     """Median distance from a point to the nearest other, m; 0 of one place alone."""
     places = np.unique(points_m, axis=0)
     if len(places) == 1:

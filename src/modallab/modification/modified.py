@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Complex, Real
-from modallab.modification.attachments import Addition
-from modallab.modification.poles import Attached, poles_of, refined
+from modallab.modification.attachments import AttachedPart
+from modallab.modification.poles import StructureWithAttachments, poles_of, refine_poles
 from modallab.modification.structure import Structure
 
 CIRCLE = 8
@@ -44,9 +44,9 @@ class ModesAfter:
     hidden: int
 
 
-def modify(
+def modified_modes(
     structure: Structure,
-    changes: Sequence[Addition],
+    changes: Sequence[AttachedPart],
     samples: Structure | None = None,
     before: Structure | None = None,
 ) -> ModesAfter:
@@ -61,17 +61,17 @@ def modify(
     Raises:
         DataError: the model does not know a point.
     """
-    attached = Attached.of(structure, changes)
+    attached = StructureWithAttachments.of(structure, changes)
     every = poles_of(attached)
     inside = (np.abs(every) <= 2 * np.pi * structure.band_hz[1]) & (every.imag > 0)
     poles = every[inside]
-    modes_only = refined(attached.with_structure(replace(structure, residual=0 * structure.residual)), poles)
+    modes_only = refine_poles(attached.with_structure(replace(structure, residual=0 * structure.residual)), poles)
     psi = residues_of(attached, poles)
-    like, mac = _resembled((before or structure).psi, psi)
+    like, mac = _most_similar_modes((before or structure).psi, psi)
     hz = np.abs(poles) / (2 * np.pi)
     sigma = np.full((2, poles.size), np.nan)
     if samples is not None:
-        sigma = _spread(attached.sampled(samples), poles)
+        sigma = _relative_deviations(attached.sampled(samples), poles)
     return ModesAfter(
         frequency_hz=hz,
         damping_ratio=-poles.real / np.abs(poles),
@@ -85,14 +85,14 @@ def modify(
     )
 
 
-def _spread(attached: Attached, nominal: Complex) -> Real:
+def _relative_deviations(attached: StructureWithAttachments, nominal: Complex) -> Real:
     """(2, poles) relative deviation of frequencies, and that of damping ratios, over samples."""
-    found = refined(attached, np.broadcast_to(nominal, (len(attached.structure.poles), nominal.size)))
+    found = refine_poles(attached, np.broadcast_to(nominal, (len(attached.structure.poles), nominal.size)))
     size = np.abs(found)
     return np.array([np.std(np.log(size), axis=0), np.std(-found.real / size, axis=0)])
 
 
-def residues_of(attached: Attached, poles: Complex) -> Complex:
+def residues_of(attached: StructureWithAttachments, poles: Complex) -> Complex:
     """(poles, freedoms) psi with psi psi^T the residue at each pole, a mean over a small circle about it."""
     angles = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
     apart = np.abs(poles[:, None] - poles) + np.diag(np.full(len(poles), np.inf))
@@ -106,7 +106,7 @@ def residues_of(attached: Attached, poles: Complex) -> Complex:
     return np.asarray(column / np.sqrt(column[np.arange(len(poles)), best])[:, None])
 
 
-def _resembled(before: Complex, after: Complex) -> tuple[NDArray[np.intp], Real]:
+def _most_similar_modes(before: Complex, after: Complex) -> tuple[NDArray[np.intp], Real]:
     power = np.sum(np.abs(after) ** 2, axis=1)[:, None] * np.sum(np.abs(before) ** 2, axis=1)
     mac = np.abs(after.conj() @ before.T) ** 2 / np.where(power > 0, power, 1.0)
     like = np.argmax(mac, axis=1)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.units import Quantity
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.modification.response import Between
 from modallab.modification.structure import At
 
@@ -20,7 +20,7 @@ OCTAVE = 10**0.3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Motion:
+class MotionOverTime:
     """Motion over time.
 
     Attributes:
@@ -42,7 +42,7 @@ class Motion:
     @classmethod
     def of(
         cls,
-        known: Known,
+        known: KnownStructure,
         force: ArrayLike,
         dt: float,
         at: Sequence[At],
@@ -72,7 +72,7 @@ class Motion:
         asked = list(known.sensors if of is None else of)
         begin = None if start is None else {name: dict(values) for name, values in start.items()}
 
-        def move(one: Known) -> Real:
+        def move(one: KnownStructure) -> Real:
             return one.response(forces, dt, at, asked, quantity, between, begin)
 
         return cls(

@@ -24,7 +24,7 @@ FINE = 400
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Crossing:
+class NodeOnLine:
     """A node between points that lie along a line.
 
     Attributes:
@@ -54,7 +54,7 @@ class ModePlaces:
     freedoms: tuple[Freedom, ...]
     motion: Real
     motion_sigma: Real
-    crossings: tuple[Crossing, ...]
+    crossings: tuple[NodeOnLine, ...]
 
     @property
     def antinode(self) -> tuple[Freedom, ...]:
@@ -84,7 +84,7 @@ def places_of_modes(structure: Structure, samples: Structure, model: ModalModel,
         rig: where the points are; without it there are no nodes between points.
     """
     motion, varied = (_over_largest(np.abs(s.psi)) for s in (structure, samples))
-    crossings = () if rig is None else tuple(_crossings(structure, samples, model, rig))
+    crossings = () if rig is None else tuple(_nodes_on_line(structure, samples, model, rig))
     hz = np.asarray(np.abs(structure.poles) / (2 * np.pi))
     return ModePlaces(hz, structure.freedoms, motion, np.std(varied, axis=0), crossings)
 
@@ -93,23 +93,23 @@ def _over_largest(size: Real) -> Real:
     return size / size.max(axis=-1, keepdims=True)
 
 
-def _crossings(structure: Structure, samples: Structure, model: ModalModel, rig: Rig) -> list[Crossing]:
+def _nodes_on_line(structure: Structure, samples: Structure, model: ModalModel, rig: Rig) -> list[NodeOnLine]:
     shapes = shapes_of(model, rig)
     here = np.array([f[1] == structure.drive_axis for f in structure.freedoms])
     known = shapes.at_m[here]
     if len(known) < 3 or not _on_a_line(known):
         return []
     along = known - known[0]
-    ends = known[[np.argmin(along @ _direction(known)), np.argmax(along @ _direction(known))]]
+    ends = known[[np.argmin(along @ _direction_of_line(known)), np.argmax(along @ _direction_of_line(known))]]
     places = ends[0] + np.linspace(0, 1, FINE)[:, None] * (ends[1] - ends[0])
     between = shapes.between[structure.drive_axis]
     through, unsure = between.rows(places), between.spread(places)
     # At unit modal mass, as those between which is taken along.
     scale = np.sqrt(2 * structure.poles.imag)[:, None]
-    motion = (_real(scale * s.psi[..., here]) for s in (structure, samples))
+    motion = (_real_shapes(scale * s.psi[..., here]) for s in (structure, samples))
     values, varied = (np.einsum("mpk,...mk->...pm", through, of) for of in motion)
     step = float(np.linalg.norm(places[1] - places[0]))
-    found: list[Crossing] = []
+    found: list[NodeOnLine] = []
     for mode in range(len(structure.poles)):
         y = values[:, mode]
         for n in np.flatnonzero(y[:-1] * y[1:] < 0):
@@ -117,7 +117,7 @@ def _crossings(structure: Structure, samples: Structure, model: ModalModel, rig:
             slope = abs(y[n + 1] - y[n]) / step
             place = places[n] + share * (places[n + 1] - places[n])
             spread = np.std((1 - share) * varied[:, n, mode] + share * varied[:, n + 1, mode])
-            found.append(Crossing(mode, place, float(np.hypot(spread, unsure[n, mode]) / slope)))
+            found.append(NodeOnLine(mode, place, float(np.hypot(spread, unsure[n, mode]) / slope)))
     return found
 
 
@@ -126,11 +126,11 @@ def _on_a_line(places: Real) -> bool:
     return bool(size[0] > 0 and size[1] < STRAIGHT * size[0])
 
 
-def _direction(places: Real) -> Real:
+def _direction_of_line(places: Real) -> Real:
     return np.linalg.svd(places - places.mean(axis=0))[2][0]
 
 
-def _real(psi: Complex) -> Real:
+def _real_shapes(psi: Complex) -> Real:
     """Shapes turned in phase until their imaginary parts are least; of one sign at the largest component."""
     turned = psi * np.exp(-0.5j * np.angle(np.sum(psi**2, axis=-1, keepdims=True)))
     largest = np.argmax(np.abs(turned), axis=-1)[..., None]

@@ -37,7 +37,7 @@ class OutsideBand(NamedTuple):
     alone: Real
 
 
-def completed(
+def complete_residuals(
     residual: Real, powers: Sequence[int], rows: Sequence[int], columns: Sequence[int], moved: Real, high_hz: float
 ) -> OutsideBand:
     """Residual terms of all pairs, from those of some.
@@ -53,11 +53,11 @@ def completed(
     whole = np.full((len(residual), moved.size, moved.size), np.nan)
     for k, i in enumerate(columns):
         whole[:, rows, i] = residual[:, :, k]
-    whole = _reciprocal(whole)
+    whole = _make_reciprocal(whole)
     driven = [i for i in dict.fromkeys(columns) if i in rows]
     column, at = np.nan_to_num(whole[:, :, driven]), 2j * np.pi * high_hz * WITHIN[:, None]
     weights = np.mean(np.real(at ** np.array(powers, np.float64)), axis=0)
-    shares = _shares(np.tensordot(weights, column, 1), driven)
+    shares = _shares_of_driven(np.tensordot(weights, column, 1), driven)
     inner, among = column[:, driven], np.sum(moved[driven])
     own = np.trace(inner, axis1=1, axis2=2)[:, None] * (moved / among if among else 0 * moved)
     unknown = np.isnan(whole)
@@ -66,12 +66,12 @@ def completed(
     return OutsideBand(np.where(unknown, estimated, whole), alone)
 
 
-def _shares(column: Real, driven: Sequence[int]) -> Real:
+def _shares_of_driven(column: Real, driven: Sequence[int]) -> Real:
     """(freedoms, driven) shares of the driven points in the shapes of all."""
     return np.asarray(column @ np.linalg.pinv(column[driven], rcond=SIGNIFICANT, hermitian=True))
 
 
-def drawn(alone: Real, squares: Real) -> Real:
+def draw_residuals(alone: Real, squares: Real) -> Real:
     """(samples, terms, freedoms, freedoms) of what no driven column tells.
 
     Args:
@@ -83,7 +83,7 @@ def drawn(alone: Real, squares: Real) -> Real:
     return np.asarray(expected * (squares @ squares.swapaxes(1, 2) / SQUARES)[:, None])
 
 
-def _reciprocal(whole: Real) -> Real:
+def _make_reciprocal(whole: Real) -> Real:
     """The mean of each pair and the one exchanged, or the one of them that was measured."""
     other = whole.transpose(0, 2, 1)
     mean = (whole + other) / 2

@@ -47,7 +47,7 @@ class ModalParticipation:
     outside: float
 
 
-def participation(
+def modal_participation(
     structure: Structure,
     samples: Structure,
     at: At,
@@ -74,11 +74,13 @@ def participation(
         raise DataError(f"no motion is called {quantity!r}", remedy=f"use one of {', '.join(DERIVATIVE)}")
     if band_hz is not None and after_s is not None:
         raise DataError("both a band and a time are given", remedy="give band_hz or after_s")
-    band = None if after_s is not None else _band(structure, band_hz)
+    band = None if after_s is not None else _valid_band(structure, band_hz)
     _check_time(after_s)
     order, one, two = DERIVATIVE[quantity], structure.index(of), structure.index(at)
     whole, varied = (
-        _products(s, one, two, order, band) if after_s is None else _free(s, one, two, order, after_s)
+        _integrals_of_products(s, one, two, order, band)
+        if after_s is None
+        else _integrals_over_time(s, one, two, order, after_s)
         for s in (structure, samples)
     )
     total = whole.sum()
@@ -90,7 +92,7 @@ def participation(
     )
 
 
-def _band(structure: Structure, band_hz: tuple[float, float] | None) -> tuple[float, float]:
+def _valid_band(structure: Structure, band_hz: tuple[float, float] | None) -> tuple[float, float]:
     low, high = structure.band_hz
     if band_hz is None:
         return max(low, 1e-3 * high), high
@@ -110,10 +112,10 @@ def _check_time(after_s: tuple[float, float] | None) -> None:
         )
 
 
-def _products(s: Structure, of: int, at: int, order: int, band_hz: tuple[float, float] | None) -> Real:
+def _integrals_of_products(s: Structure, of: int, at: int, order: int, band_hz: tuple[float, float] | None) -> Real:
     """(..., parts, parts) integrals over a band of the products of all parts, what lies outside the band the last."""
     assert band_hz is not None
-    hz, weights = _lines(s, band_hz)
+    hz, weights = _integration_lines(s, band_hz)
     z = 2j * np.pi * hz[..., :, None]
     product = (s.psi[..., of] * s.psi[..., at])[..., None, :]
     modes = product / (z - s.poles[..., None, :]) + product.conj() / (z - s.poles.conj()[..., None, :])
@@ -123,7 +125,7 @@ def _products(s: Structure, of: int, at: int, order: int, band_hz: tuple[float, 
     return np.real(np.einsum("...l,...lr,...ls->...rs", weights, parts.conj(), parts, optimize=True))
 
 
-def _lines(s: Structure, band_hz: tuple[float, float]) -> tuple[Real, Real]:
+def _integration_lines(s: Structure, band_hz: tuple[float, float]) -> tuple[Real, Real]:
     """(..., lines) frequencies in Hz that follow every peak, and their weights in an integral over the band."""
     low, high = band_hz
     if low == high:
@@ -138,15 +140,18 @@ def _lines(s: Structure, band_hz: tuple[float, float]) -> tuple[Real, Real]:
     return hz, np.pad(step, [*none, (1, 0)]) + np.pad(step, [*none, (0, 1)])
 
 
-def _free(s: Structure, of: int, at: int, order: int, after_s: tuple[float, float]) -> Real:
+def _integrals_over_time(s: Structure, of: int, at: int, order: int, after_s: tuple[float, float]) -> Real:
     """(..., modes, modes) integrals over a time of the products of the modes' motion after a hit of 1 N s."""
     each = s.psi[..., of] * s.psi[..., at] * s.poles**order
     pairs = ((each, s.poles), (each.conj(), s.poles.conj()))
     a, p = each[..., :, None], s.poles[..., :, None]
-    return np.sum([2 * np.real(a * b[..., None, :] * _grown(p + q[..., None, :], after_s)) for b, q in pairs], axis=0)
+    return np.sum(
+        [2 * np.real(a * b[..., None, :] * _integral_of_exponential(p + q[..., None, :], after_s)) for b, q in pairs],
+        axis=0,
+    )
 
 
-def _grown(rate: Complex, after_s: tuple[float, float]) -> Complex:
+def _integral_of_exponential(rate: Complex, after_s: tuple[float, float]) -> Complex:
     """Integral of exp(rate t) from begin to end; where both are equal, exp(rate t) at that instant."""
     begin, end = after_s
     if begin == end:

@@ -14,7 +14,7 @@ from scipy import linalg
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
-from modallab.modification.attachments import Addition, Coupled, RigidLink, together
+from modallab.modification.attachments import AttachedPart, Coupled, RigidLink, merge_attachments
 from modallab.modification.structure import Structure
 
 STEPS = (0.25, 0.5, 0.75, 1.0)
@@ -31,7 +31,7 @@ NO_SPRING = 1e-6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Attached:
+class StructureWithAttachments:
     """A structure with attachments.
 
     Attributes:
@@ -41,17 +41,17 @@ class Attached:
     """
 
     structure: Structure
-    attachments: tuple[Addition, ...]
+    attachments: tuple[AttachedPart, ...]
     b: Real
 
     @classmethod
-    def of(cls, structure: Structure, attachments: Sequence[Addition]) -> "Attached":
+    def of(cls, structure: Structure, attachments: Sequence[AttachedPart]) -> "StructureWithAttachments":
         """With the links looked up.
 
         Raises:
             DataError: the model does not know a point, or rigid links hold one motion twice.
         """
-        kept = together(attachments)
+        kept = merge_attachments(attachments)
         _require_single([a.links(structure) for a in kept if isinstance(a, RigidLink)])
         b = [a.links(structure) for a in kept] or [np.zeros((len(structure.freedoms), 0))]
         return cls(structure, kept, np.concatenate(b, axis=1))
@@ -85,11 +85,11 @@ class Attached:
         """(left, lines) m, of forces (right, lines) N."""
         return np.einsum("loi,il->ol", self.receptance(s, left, right), forces, optimize=True)
 
-    def with_structure(self, structure: Structure) -> "Attached":
+    def with_structure(self, structure: Structure) -> "StructureWithAttachments":
         """The same attachments on another structure."""
         return replace(self, structure=structure)
 
-    def sampled(self, samples: Structure) -> "Attached":
+    def sampled(self, samples: Structure) -> "StructureWithAttachments":
         """Samples (samples, ...) of the structure, and of those that are coupled to it."""
         count = len(samples.poles)
         varied = tuple(a.sampled(count) if isinstance(a, Coupled) else a for a in self.attachments)
@@ -104,19 +104,19 @@ def _require_single(rigid: Sequence[Real]) -> None:
         )
 
 
-def poles_of(attached: Attached) -> Complex:
+def poles_of(attached: StructureWithAttachments) -> Complex:
     """(poles,) rad/s with a positive imaginary part, by rising frequency."""
     if not attached.attachments:
         return attached.structure.poles[np.argsort(attached.structure.poles.imag)]
-    whole, springs = attached.structure, _springs(attached)
-    found = _of_modes(attached, springs)
+    whole, springs = attached.structure, _out_of_band_springs(attached)
+    found = _poles_of_modes(attached, springs)
     for share in STEPS if whole.powers and springs is None else (1.0,):
         part = attached.with_structure(replace(whole, residual=share * whole.residual))
-        found = refined(part, found)
+        found = refine_poles(part, found)
     return found[np.argsort(found.imag)]
 
 
-def _springs(attached: Attached) -> Real | None:
+def _out_of_band_springs(attached: StructureWithAttachments) -> Real | None:
     """(links, links) N/m of what lies outside the band, at the middle of the band; None where it is no spring."""
     whole = attached.structure
     s = 1j * np.pi * whole.band_hz[1]
@@ -127,10 +127,10 @@ def _springs(attached: Attached) -> Real | None:
     return np.asarray(np.linalg.inv(soft), np.float64) if given else None
 
 
-def _of_modes(attached: Attached, springs: Real | None) -> Complex:
+def _poles_of_modes(attached: StructureWithAttachments, springs: Real | None) -> Complex:
     """Poles of the modes with their attachments, a quadratic eigenproblem with constraints."""
-    size = _size(attached, springs)
-    held, own = _held(attached, springs, size), _of_structure(attached, springs, size)
+    size = _sizes_of_problem(attached, springs)
+    held, own = _constrained_motions(attached, springs, size), _matrices_of_structure(attached, springs, size)
     constraints, link, at = [np.zeros((0, size))], 0, size - _own_motions(attached)
     for attachment in attached.attachments:
         matrices = attachment.matrices
@@ -142,20 +142,20 @@ def _of_modes(attached: Attached, springs: Real | None) -> Complex:
         constraints.append(np.asarray(matrices.constraint @ motions, np.float64))
         link, at = link + links, at + more
     free = _null_space(np.concatenate(constraints))
-    return _quadratic(*(free.T @ whole @ free for whole in own))
+    return _quadratic_roots(*(free.T @ whole @ free for whole in own))
 
 
-def _own_motions(attached: Attached) -> int:
+def _own_motions(attached: StructureWithAttachments) -> int:
     """Number of what the attachments have besides their links."""
     return sum(len(a.matrices.mass) for a in attached.attachments) - attached.b.shape[1]
 
 
-def _size(attached: Attached, springs: Real | None) -> int:
+def _sizes_of_problem(attached: StructureWithAttachments, springs: Real | None) -> int:
     """Number of modes, of links behind springs, and of what the attachments have besides."""
     return len(attached.structure.poles) + (0 if springs is None else len(springs)) + _own_motions(attached)
 
 
-def _shapes(attached: Attached, size: int) -> Real:
+def _shapes_at_links(attached: StructureWithAttachments, size: int) -> Real:
     """(links, size) shapes at unit modal mass, without their phases."""
     structure, found = attached.structure, np.zeros((attached.b.shape[1], size))
     real = np.real(structure.psi * np.sqrt(2j * structure.poles.imag)[:, None])
@@ -163,20 +163,20 @@ def _shapes(attached: Attached, size: int) -> Real:
     return found
 
 
-def _held(attached: Attached, springs: Real | None, size: int) -> Real:
+def _constrained_motions(attached: StructureWithAttachments, springs: Real | None, size: int) -> Real:
     """(links, size) what moves as the attachments do at their links."""
     modes = len(attached.structure.poles)
-    return _shapes(attached, size) if springs is None else np.eye(len(springs), size, modes)
+    return _shapes_at_links(attached, size) if springs is None else np.eye(len(springs), size, modes)
 
 
-def _of_structure(attached: Attached, springs: Real | None, size: int) -> list[Real]:
+def _matrices_of_structure(attached: StructureWithAttachments, springs: Real | None, size: int) -> list[Real]:
     """Mass, damping and stiffness of the structure's modes and its springs, with room for the attachments."""
     poles = attached.structure.poles
     modal = np.ones(len(poles)), -2 * poles.real, np.abs(poles) ** 2
     room = np.zeros(size - len(poles))
     own = [np.asarray(np.diag(np.concatenate([one, room])), np.float64) for one in modal]
     if springs is not None:
-        apart = _shapes(attached, size) - _held(attached, springs, size)
+        apart = _shapes_at_links(attached, size) - _constrained_motions(attached, springs, size)
         own[2] += apart.T @ springs @ apart
     return own
 
@@ -186,7 +186,7 @@ def _null_space(constraints: Real) -> Real:
     return np.asarray(linalg.null_space(rows), np.float64) if len(rows) else np.eye(constraints.shape[1])
 
 
-def _quadratic(mass: Real, damping: Real, stiffness: Real) -> Complex:
+def _quadratic_roots(mass: Real, damping: Real, stiffness: Real) -> Complex:
     """Roots of mass s^2 + damping s + stiffness with a positive imaginary part."""
     n = len(mass)
     scale = np.sqrt(np.abs(np.trace(stiffness)) / max(np.abs(np.trace(mass)), np.finfo(float).tiny)) or 1.0
@@ -197,16 +197,16 @@ def _quadratic(mass: Real, damping: Real, stiffness: Real) -> Complex:
     return roots[roots.imag > 1e-6 * np.abs(roots)]
 
 
-def refined(attached: Attached, starts: Complex) -> Complex:
+def refine_poles(attached: StructureWithAttachments, starts: Complex) -> Complex:
     """(..., poles) the roots nearest to starts (..., poles); leading axes as of the structure."""
     if not attached.attachments:
         poles = attached.structure.poles
         nearest = np.argmin(np.abs(poles[..., None, :] - starts[..., :, None]), axis=-1)
         return np.take_along_axis(poles, nearest, axis=-1)
-    own = _deflated(attached)
+    own = _poles_taken_out(attached)
     s = starts + 0j
     for _ in range(ITERATIONS):
-        step = _step(s, attached.flexibility, own)
+        step = _newton_step(s, attached.flexibility, own)
         longest = LONGEST_STEP * np.abs(s)
         s = s - longest / np.maximum(np.abs(step), longest) * step
         if np.all(np.abs(step) < SETTLED * np.abs(s)):
@@ -214,7 +214,7 @@ def refined(attached: Attached, starts: Complex) -> Complex:
     return s
 
 
-def _deflated(attached: Attached) -> Complex:
+def _poles_taken_out(attached: StructureWithAttachments) -> Complex:
     """(..., poles) of the structure and of the attachments."""
     poles = attached.structure.poles
     more = [np.broadcast_to(a.poles, (*poles.shape[:-1], a.poles.shape[-1])) for a in attached.attachments]
@@ -222,20 +222,20 @@ def _deflated(attached: Attached) -> Complex:
     return np.concatenate([both, both.conj()], axis=-1)
 
 
-def _step(s: Complex, flexibility: Callable[[Complex], Complex], own: Complex) -> Complex:
+def _newton_step(s: Complex, flexibility: Callable[[Complex], Complex], own: Complex) -> Complex:
     """(..., roots) Newton's step, with the other roots and all conjugates divided out."""
     h = DIFFERENCE * np.abs(s)
     slope = (flexibility(s + h) - flexibility(s - h)) / (2 * h)[..., None, None]
-    rate = _logarithmic(flexibility(s), slope)
-    rate = rate + np.sum(_inverse(s[..., :, None] - own[..., None, :]), axis=-1)
+    rate = _log_determinant_slope(flexibility(s), slope)
+    rate = rate + np.sum(_inverse_distance(s[..., :, None] - own[..., None, :]), axis=-1)
     apart = s[..., :, None] - s[..., None, :]
-    rate = rate - np.sum(np.where(np.eye(s.shape[-1], dtype=bool), 0.0, _inverse(apart)), axis=-1)
-    rate = rate - np.sum(_inverse(s[..., :, None] - s.conj()[..., None, :]), axis=-1)
+    rate = rate - np.sum(np.where(np.eye(s.shape[-1], dtype=bool), 0.0, _inverse_distance(apart)), axis=-1)
+    rate = rate - np.sum(_inverse_distance(s[..., :, None] - s.conj()[..., None, :]), axis=-1)
     step = 1 / np.where(rate == 0, np.inf, rate)
     return np.where(np.isfinite(step), step, 0.0)
 
 
-def _logarithmic(matrix: Complex, slope: Complex) -> Complex:
+def _log_determinant_slope(matrix: Complex, slope: Complex) -> Complex:
     """(...,) derivative of the logarithm of the determinants of (..., n, n); 0 where a root has gone astray."""
     sound = (np.isfinite(matrix) & np.isfinite(slope)).all(axis=(-2, -1), keepdims=True)
     kept = np.where(sound, matrix, np.eye(matrix.shape[-1]))
@@ -246,5 +246,5 @@ def _logarithmic(matrix: Complex, slope: Complex) -> Complex:
     return np.where(found, np.inf, rates)
 
 
-def _inverse(distance: Complex) -> Complex:
+def _inverse_distance(distance: Complex) -> Complex:
     return np.where(distance == 0, 0.0, 1 / np.where(distance == 0, 1.0, distance))

@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
-from modallab.modification.outside_band import completed
+from modallab.modification.outside_band import complete_residuals
 from modallab.modification.settings import DEFAULT
 from modallab.modification.structure import Structure, moved_by
 
@@ -25,7 +25,7 @@ ROUNDING = float(np.sqrt(np.finfo(float).eps))
 """Of a value: what its deviation at least is, where models are given without any."""
 
 
-def remainder(
+def remainder_of_structure(
     both: Structure, samples: Structure, part: Structure, varied: Structure, at: Real, of: Real
 ) -> "Remainder":
     """The structure without the part.
@@ -51,20 +51,20 @@ def remainder(
     s, values = known_values(both, part, at, of)
     places, varied_values = known_values(samples, varied, at, of)
     off = varied_values - values
-    rest = _fitted(s, values, off, _starts(s, count), both, at)
+    rest = _fit_remainder(s, values, off, _start_poles(s, count), both, at)
     # Poles of the samples are off as well, and with them where values are known.
     left = off - rest.of_joint(places, at) + rest.of_joint(s, at)
-    return _fitted(s, values, left, rest.structure.poles, both, at, begin=False)
+    return _fit_remainder(s, values, left, rest.structure.poles, both, at, begin=False)
 
 
-def _fitted(
+def _fit_remainder(
     s: Complex, values: Complex, off: Complex, start: Complex, both: Structure, at: Real, *, begin: bool = True
 ) -> "Remainder":
     """The rest by values and samples of what they are off by."""
     # Half of the samples weigh, the others tell what that leaves: else deviations come out too small.
-    errors = Errors.of(off[::2], values)
-    fit = Fit(s, values, errors)
-    poles = relocated(s, values / errors.scale, 1 / errors.scale, start) if begin else start
+    errors = CorrelatedErrors.of(off[::2], values)
+    fit = CommonPoleFit(s, values, errors)
+    poles = relocate_poles(s, values / errors.scale, 1 / errors.scale, start) if begin else start
     return fit.rest(fit.poles(poles), both, at, off[1::2])
 
 
@@ -76,14 +76,14 @@ def known_values(both: Structure, part: Structure, at: Real, of: Real) -> tuple[
     return np.concatenate([both.poles, part.poles], axis=-1), np.concatenate([shapes, alone], axis=-2)
 
 
-def _starts(s: Complex, count: int) -> Complex:
+def _start_poles(s: Complex, count: int) -> Complex:
     by_frequency = s[np.argsort(s.imag)]
     # Not at a value itself: there the basis is infinite.
     return 1.003 * by_frequency[np.linspace(0, len(s) - 1, count).round().astype(int)]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Errors:
+class CorrelatedErrors:
     """Deviations of all values, real parts first, and the factor of their correlation.
 
     Attributes:
@@ -95,11 +95,11 @@ class Errors:
     factor: Real
 
     @classmethod
-    def of(cls, off: Complex, values: Complex) -> "Errors":
+    def of(cls, off: Complex, values: Complex) -> "CorrelatedErrors":
         """From samples (samples, points, freedoms) of what values are off by."""
         # A median: near a node at the joint a few samples are off by any amount.
         scale = np.sqrt(np.median(np.abs(off) ** 2, axis=0) / (2 * np.log(2))) + ROUNDING * np.abs(values)
-        each = np.clip(_flat(off / scale), -DEFAULT.widest, DEFAULT.widest) / np.sqrt(len(off))
+        each = np.clip(_flat_real(off / scale), -DEFAULT.widest, DEFAULT.widest) / np.sqrt(len(off))
         _, size, directions = np.linalg.svd(each, full_matrices=False)
         common = directions[: DEFAULT.common].T * size[: DEFAULT.common]
         own = np.maximum(1 - np.sum(common**2, axis=1), DEFAULT.own)
@@ -107,25 +107,25 @@ class Errors:
 
     def whitened(self, values: Complex) -> Real:
         """(2 points freedoms, ...) of values (..., points, freedoms), uncorrelated and of unit variance."""
-        return np.asarray(solve_triangular(self.factor, _flat(values / self.scale).T, lower=True))
+        return np.asarray(solve_triangular(self.factor, _flat_real(values / self.scale).T, lower=True))
 
 
-def _flat(values: Complex) -> Real:
+def _flat_real(values: Complex) -> Real:
     parts = np.stack([values.real, values.imag], axis=-3)
     return np.asarray(parts.reshape(*parts.shape[:-3], -1), np.float64)
 
 
-def basis(s: Complex, poles: Complex, powers: tuple[int, ...]) -> Complex:
+def pole_basis(s: Complex, poles: Complex, powers: tuple[int, ...]) -> Complex:
     """(points, 2 poles + terms): of real and imaginary parts of residues, and of residual terms over the highest."""
     up, down = 1 / (s[:, None] - poles), 1 / (s[:, None] - poles.conj())
     terms = [(s[:, None] / np.abs(s).max()) ** power for power in powers]
     return np.concatenate([up + down, 1j * (up - down), *terms], axis=1)
 
 
-def relocated(s: Complex, scaled: Complex, weights: Real, poles: Complex) -> Complex:
+def relocate_poles(s: Complex, scaled: Complex, weights: Real, poles: Complex) -> Complex:
     """(poles,) that fit (points, freedoms) values over their deviations, by vector fitting."""
     for _ in range(DEFAULT.relocations):
-        own, common = basis(s, poles, DEFAULT.powers), basis(s, poles, ())
+        own, common = pole_basis(s, poles, DEFAULT.powers), pole_basis(s, poles, ())
         left, right = [], []
         for value, weight in zip(scaled.T, weights.T, strict=True):
             rows = np.column_stack([own * weight[:, None], -value[:, None] * common, value])
@@ -134,14 +134,14 @@ def relocated(s: Complex, scaled: Complex, weights: Real, poles: Complex) -> Com
             left.append(r[:, own.shape[1] : -1])
             right.append(r[:, -1])
         found = np.linalg.lstsq(np.concatenate(left), np.concatenate(right), rcond=None)[0]
-        zeros = _zeros(poles, found)
+        zeros = _zeros_of_weights(poles, found)
         if len(zeros) != len(poles) or np.allclose(zeros, poles, rtol=1e-6, atol=0):
             break
         poles = zeros
     return -np.abs(poles.real) + 1j * poles.imag
 
 
-def _zeros(poles: Complex, weights: Real) -> Complex:
+def _zeros_of_weights(poles: Complex, weights: Real) -> Complex:
     """Of 1 + the sum of poles by real and imaginary parts of their weights."""
     n = len(poles)
     a = np.block([[np.diag(poles.real), np.diag(poles.imag)], [-np.diag(poles.imag), np.diag(poles.real)]])
@@ -150,10 +150,10 @@ def _zeros(poles: Complex, weights: Real) -> Complex:
     return np.sort_complex(zeros[zeros.imag > 0] * -1j) * 1j
 
 
-class Fit:
+class CommonPoleFit:
     """Receptances from the joint by common poles, in generalised least squares."""
 
-    def __init__(self, s: Complex, values: Complex, errors: Errors) -> None:
+    def __init__(self, s: Complex, values: Complex, errors: CorrelatedErrors) -> None:
         self.s, self.values, self.errors = s, values, errors
         self.right = errors.whitened(values)
 
@@ -161,9 +161,9 @@ class Fit:
         """(poles,) that fit best, by rising frequency."""
         n, edges = len(start), np.log([np.abs(self.s).min() / DEFAULT.far, np.abs(self.s).max() * DEFAULT.far])
         low, high = np.repeat([edges[0], 0.0], n), np.repeat([edges[1], 1.0], n)
-        x = np.clip(_numbers(start), low, high)
+        x = np.clip(_numbers_of_poles(start), low, high)
         found = least_squares(self._misfit, x, self._slopes, (low, high), x_scale="jac", max_nfev=DEFAULT.steps).x
-        poles = _of_numbers(found)
+        poles = _poles_of_numbers(found)
         return poles[np.argsort(poles.imag)]
 
     def _columns(self, columns: Complex) -> Real:
@@ -174,17 +174,17 @@ class Fit:
 
     def _solved(self, poles: Complex) -> tuple[Real, Real]:
         """Orthonormal columns of the basis, and (freedoms, terms) coefficients."""
-        columns = self._columns(basis(self.s, poles, DEFAULT.powers))
+        columns = self._columns(pole_basis(self.s, poles, DEFAULT.powers))
         q, r = np.linalg.qr(columns)
         found = np.linalg.lstsq(r, q.T @ self.right, rcond=None)[0]
         return np.asarray(q, np.float64), np.asarray(found.reshape(self.values.shape[1], -1), np.float64)
 
     def _misfit(self, x: Real) -> Real:
-        q, _ = self._solved(_of_numbers(x))
+        q, _ = self._solved(_poles_of_numbers(x))
         return np.asarray(self.right - q @ (q.T @ self.right))
 
     def _slopes(self, x: Real) -> Real:
-        poles = _of_numbers(x)
+        poles = _poles_of_numbers(x)
         q, found = self._solved(poles)
         columns = self.errors.whitened(self._moves(poles, found, x))
         return np.asarray(-(columns - q @ (q.T @ columns)))
@@ -202,18 +202,18 @@ class Fit:
     def rest(self, poles: Complex, both: Structure, at: Real, off: Complex) -> "Remainder":
         """The structure of these poles, with samples of it."""
         q, found = self._solved(poles)
-        x = _numbers(poles)
+        x = _numbers_of_poles(poles)
         slopes = self.errors.whitened(self._moves(poles, found, x))
-        whole = np.column_stack([self._columns(basis(self.s, poles, DEFAULT.powers)), slopes])
+        whole = np.column_stack([self._columns(pole_basis(self.s, poles, DEFAULT.powers)), slopes])
         left = self.right - q @ (q.T @ self.right)
         misfit = float(left @ left) / max(1, len(left) - whole.shape[1])
         moved = (np.linalg.pinv(whole) @ self.errors.whitened(off)).T * np.sqrt(max(1.0, misfit))
         linear = found.reshape(-1) + moved[:, : found.size]
-        varied = np.array([_of_numbers(x + one) for one in moved[:, found.size :]])
+        varied = np.array([_poles_of_numbers(x + one) for one in moved[:, found.size :]])
         highest = float(np.abs(self.s).max())
         return Remainder(
-            _structure(both, at, poles[None], found[None], highest).one(0),
-            _structure(both, at, varied, linear.reshape(-1, *found.shape), highest),
+            _samples_of_structure(both, at, poles[None], found[None], highest).one(0),
+            _samples_of_structure(both, at, varied, linear.reshape(-1, *found.shape), highest),
         )
 
 
@@ -234,17 +234,17 @@ class Remainder:
         return self.structure.receptance(s, None, at)[..., 0]
 
 
-def _numbers(poles: Complex) -> Real:
+def _numbers_of_poles(poles: Complex) -> Real:
     """Log frequency and damping of each pole."""
     return np.concatenate([np.log(poles.imag), -poles.real / poles.imag])
 
 
-def _of_numbers(x: Real) -> Complex:
+def _poles_of_numbers(x: Real) -> Complex:
     half = len(x) // 2
     return np.exp(x[:half]) * (-x[half:] + 1j)
 
 
-def _structure(both: Structure, at: Real, poles: Complex, found: Real, highest: float) -> Structure:
+def _samples_of_structure(both: Structure, at: Real, poles: Complex, found: Real, highest: float) -> Structure:
     """Samples of a structure by poles (samples, poles) and coefficients (samples, freedoms, terms)."""
     n, joint = poles.shape[-1], int(np.argmax(at[:, 0]))
     residue = (found[..., :n] + 1j * found[..., n : 2 * n]).swapaxes(-1, -2)
@@ -252,7 +252,7 @@ def _structure(both: Structure, at: Real, poles: Complex, found: Real, highest: 
     terms = found[..., 2 * n :].swapaxes(-1, -2) / highest ** np.array(DEFAULT.powers, np.float64)[:, None]
     every, high_hz = range(len(both.freedoms)), both.band_hz[1]
     whole = [
-        completed(t[..., None], DEFAULT.powers, every, [joint], moved_by(p, q), high_hz)
+        complete_residuals(t[..., None], DEFAULT.powers, every, [joint], moved_by(p, q), high_hz)
         for t, p, q in zip(terms, poles, psi, strict=True)
     ]
     residual, alone = np.array([w.terms for w in whole]), np.mean([w.alone for w in whole], axis=0)

@@ -32,7 +32,7 @@ TOGETHER = 4
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Modes:
+class ModesAtPlaces:
     """Modes at the places of a response.
 
     Attributes:
@@ -54,8 +54,8 @@ class Modes:
     band_hz: tuple[float, float]
 
 
-def respond(
-    modes: Modes, force: Real, dt: float, quantity: Quantity, between: Between, start: Complex | None = None
+def motion_of_modes(
+    modes: ModesAtPlaces, force: Real, dt: float, quantity: Quantity, between: Between, start: Complex | None = None
 ) -> Real:
     """(outputs, samples) motion in m, m/s or m/s^2.
 
@@ -78,35 +78,35 @@ def respond(
     if quantity not in DERIVATIVE:
         raise DataError(f"no motion is called {quantity!r}", remedy=f"use one of {', '.join(DERIVATIVE)}")
     begin = np.zeros(len(modes.poles), np.complex128) if start is None else start
-    move = _band_limited if between == "band-limited" else _linear
+    move = _band_limited if between == "band-limited" else _response_to_linear_force
     return move(modes, force, dt, DERIVATIVE[quantity], begin)
 
 
-def _band_limited(modes: Modes, force: Real, dt: float, order: int, start: Complex) -> Real:
+def _band_limited(modes: ModesAtPlaces, force: Real, dt: float, order: int, start: Complex) -> Real:
     n = force.shape[1]
-    whole = _returning(force)
+    whole = _return_to_start(force)
     total = whole.shape[1]
     spectrum = np.asarray(fft.rfft(whole, axis=1), np.complex128)
     hz = np.asarray(fft.rfftfreq(total, dt), np.float64)
     moved = np.empty((modes.left.shape[1], hz.size), np.complex128)
-    for lines in _runs(hz, modes.band_hz):
-        moved[:, lines] = _moved(modes, hz[lines], spectrum[:, lines], order)
+    for lines in _pieces_of_lines(hz, modes.band_hz):
+        moved[:, lines] = _motion_spectrum(modes, hz[lines], spectrum[:, lines], order)
     steady = np.asarray(fft.irfft(moved, total, axis=1), np.float64)[:, :n]
     # The modes' state at the first sample of a force that repeats for ever; from rest, it is missing from then on.
     s = 2j * np.pi * fft.fftfreq(total, dt)
     both = fft.fft(whole, axis=1)
     repeating = [np.mean((psi @ both) / (s - p)) for p, psi in zip(modes.poles, modes.into, strict=True)]
-    return steady + _free(modes, start - np.array(repeating), n, dt, order)
+    return steady + _free_motion(modes, start - np.array(repeating), n, dt, order)
 
 
-def _runs(hz: Real, band_hz: tuple[float, float]) -> list[slice]:
+def _pieces_of_lines(hz: Real, band_hz: tuple[float, float]) -> list[slice]:
     """Lines in pieces that fit the cache, none across an edge of the band."""
     edges = np.searchsorted(hz, [*band_hz], side="left") + np.array([0, 1])
     cuts = np.unique(np.clip([*range(0, hz.size, PIECE), *edges, hz.size], 0, hz.size))
     return [slice(int(a), int(b)) for a, b in itertools.pairwise(cuts)]
 
 
-def _moved(modes: Modes, hz: Real, spectrum: Complex, order: int) -> Complex:
+def _motion_spectrum(modes: ModesAtPlaces, hz: Real, spectrum: Complex, order: int) -> Complex:
     """(outputs, lines) spectrum of the motion, all lines within the band or none."""
     s = np.asarray(2j * np.pi * hz)
     if modes.band_hz[0] <= hz[0] <= modes.band_hz[1]:
@@ -116,7 +116,7 @@ def _moved(modes: Modes, hz: Real, spectrum: Complex, order: int) -> Complex:
     return moved * s**order
 
 
-def _returning(force: Real) -> Real:
+def _return_to_start(force: Real) -> Real:
     """The force with a smooth way from its end back to its beginning, as the spectrum takes it to repeat."""
     n = force.shape[1]
     more = fft.next_fast_len(n + max(64, int(RETURN * n)), real=True) - n
@@ -124,18 +124,18 @@ def _returning(force: Real) -> Real:
     return np.concatenate([force, force[:, -1:] * way + force[:, :1] * (1 - way)], axis=1)
 
 
-def _free(modes: Modes, state: Complex, n: int, dt: float, order: int) -> Real:
+def _free_motion(modes: ModesAtPlaces, state: Complex, n: int, dt: float, order: int) -> Real:
     """(outputs, n) motion of modes left to themselves."""
     time = dt * np.arange(n)
     decays = (x * pole**order * np.exp(pole * time) for pole, x in zip(modes.poles, state, strict=True))
-    return _summed(modes.out, decays, n)
+    return _sum_over_modes(modes.out, decays, n)
 
 
-def _linear(modes: Modes, force: Real, dt: float, order: int, start: Complex) -> Real:
-    return _summed(modes.out, _rates(modes, force, dt, order, start), force.shape[1])
+def _response_to_linear_force(modes: ModesAtPlaces, force: Real, dt: float, order: int, start: Complex) -> Real:
+    return _sum_over_modes(modes.out, _rates_of_motion(modes, force, dt, order, start), force.shape[1])
 
 
-def _rates(modes: Modes, force: Real, dt: float, order: int, start: Complex) -> Iterator[Complex]:
+def _rates_of_motion(modes: ModesAtPlaces, force: Real, dt: float, order: int, start: Complex) -> Iterator[Complex]:
     for pole, into, x in zip(modes.poles, modes.into, start, strict=True):
         driven = into @ force
         state = ramp_states(pole, driven, dt, x) * pole**order
@@ -143,7 +143,7 @@ def _rates(modes: Modes, force: Real, dt: float, order: int, start: Complex) -> 
         yield state + driven * pole if order == DERIVATIVE["acceleration"] else state
 
 
-def _summed(out: Complex, states: Iterable[Complex], n: int) -> Real:
+def _sum_over_modes(out: Complex, states: Iterable[Complex], n: int) -> Real:
     """(outputs, n) twice the real part of the sum over modes of out (modes, outputs) times states (n,)."""
     found, each = np.zeros((out.shape[1], n)), iter(states)
     for psi in np.array_split(out, max(1, -(-len(out) // TOGETHER))):

@@ -14,7 +14,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
-from modallab.modification.outside_band import SQUARES, drawn
+from modallab.modification.outside_band import SQUARES, draw_residuals
 from modallab.modification.shapes import shapes_of
 from modallab.modification.structure import Structure, modes_of, structure_of
 
@@ -43,15 +43,15 @@ def samples_of(
     Raises:
         DataError: as of `structure_of`.
     """
-    nominal, rng = structure_of(model, rig), np.random.default_rng(_seed(model))
+    nominal, rng = structure_of(model, rig), np.random.default_rng(_seed_of_model(model))
     noise = rng.standard_normal
     hz = model.frequency_hz + np.nan_to_num(model.frequency_sigma_hz) * noise((count, model.n_modes))
     if rig is not None:
         # What is predicted is built at another time: until then stiffness may drift as it does within a test.
         hz = hz * (1 + rig.tolerance.stiffness_drift / 2 * noise((count, 1)))
     zeta = model.damping_ratio + np.nan_to_num(model.damping_sigma) * noise((count, model.n_modes))
-    constants = model.modal_constants + _noise(model, noise, count)
-    constants = constants * _gains(model, rig, noise, count)
+    constants = model.modal_constants + _add_noise(model, noise, count)
+    constants = constants * _uncertain_gains(model, rig, noise, count)
     if rig is not None:
         constants = constants + _off_points(model, rig, nominal, hits, noise, count)
     rows, columns = places_of(model, nominal)
@@ -61,13 +61,13 @@ def samples_of(
     ]
     off = np.where(nominal.known, OUTSIDE_MEASURED, OUTSIDE_ESTIMATED) * noise((count, 1, 1, 1))
     followed = nominal.residual - nominal.alone[:, :, None] * np.eye(len(nominal.freedoms))
-    residual = followed * (1 + off) + drawn(nominal.alone, noise((count, len(nominal.freedoms), SQUARES)))
+    residual = followed * (1 + off) + draw_residuals(nominal.alone, noise((count, len(nominal.freedoms), SQUARES)))
     return replace(
         nominal, poles=np.array([p for p, _ in sampled]), psi=np.array([q for _, q in sampled]), residual=residual
     )
 
 
-def _seed(model: ModalModel) -> list[int]:
+def _seed_of_model(model: ModalModel) -> list[int]:
     """Of each model its own: what is uncertain of two structures has nothing in common."""
     return [int(n) for n in np.floor(model.frequency_hz / RESOLVED_HZ)]
 
@@ -79,7 +79,7 @@ def places_of(model: ModalModel, structure: Structure) -> tuple[list[int], list[
     return list(range(len(model.outputs))), columns
 
 
-def _noise(model: ModalModel, noise: Any, count: int) -> Complex:
+def _add_noise(model: ModalModel, noise: Any, count: int) -> Complex:
     shape = (count, *model.modal_constants.shape)
     parts = model.modal_constant_part_sigma
     if parts is None:
@@ -88,7 +88,7 @@ def _noise(model: ModalModel, noise: Any, count: int) -> Complex:
     return np.asarray(np.nan_to_num(parts.real) * noise(shape) + 1j * np.nan_to_num(parts.imag) * noise(shape))
 
 
-def _gains(model: ModalModel, rig: Rig | None, noise: Any, count: int) -> Real:
+def _uncertain_gains(model: ModalModel, rig: Rig | None, noise: Any, count: int) -> Real:
     """(samples, 1, outputs, inputs) factors by what sensitivities and hits are uncertain by."""
     tolerance = Tolerance() if rig is None else rig.tolerance
     scale = model.scale_uncertainty

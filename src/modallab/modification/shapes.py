@@ -13,10 +13,10 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.modification.between import Between
-from modallab.modification.factors import Factors, factored
+from modallab.modification.between import SpatialInterpolation
+from modallab.modification.factors import ModalFactors, factor_constants
 from modallab.modification.freedoms import Freedom, freedoms_of
-from modallab.modification.mesh import Mesh, apart, on_surface
+from modallab.modification.mesh import Mesh, median_spacing, on_surface
 
 NEIGHBOURS = 8
 FLAT = 0.2
@@ -24,7 +24,7 @@ FLAT = 0.2
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Shapes:
+class FreedomShapes:
     """Shapes of all freedoms.
 
     Attributes:
@@ -44,23 +44,25 @@ class Shapes:
     driven: Complex
     turn: complex
     scaled: bool
-    between: Mapping[str, Between]
+    between: Mapping[str, SpatialInterpolation]
     surface: Mapping[Freedom, Real] = field(default_factory=dict[Freedom, Real])
 
     @classmethod
-    def of(cls, freedoms: tuple[Freedom, ...], at_m: Real, factors: Factors, mesh: Mesh | None = None) -> "Shapes":
+    def of(
+        cls, freedoms: tuple[Freedom, ...], at_m: Real, factors: ModalFactors, mesh: Mesh | None = None
+    ) -> "FreedomShapes":
         """With what lies between: through the nodes of a mesh, else through the freedoms themselves."""
         known = (freedoms, at_m, factors.seen, factors.driven, factors.turn, factors.scaled)
         both = (factors.seen + factors.driven) / 2
         same = {axis: np.array([f[1] == axis for f in freedoms]) for _, axis in freedoms}
         if mesh is None or not set(same) <= set(mesh.motion):
-            return cls(*known, {a: Between.of(at_m[s], both[:, s].T) for a, s in same.items()})
+            return cls(*known, {a: SpatialInterpolation.of(at_m[s], both[:, s].T) for a, s in same.items()})
         near = mesh.about(at_m)
-        between = {a: Between.of(near.places_m, near.motion[a]) for a in same}
+        between = {a: SpatialInterpolation.of(near.places_m, near.motion[a]) for a in same}
         # A shape's sign is free: that of the mesh follows the one of the modal constants.
         together = sum(np.sum(np.conj(between[a].at(at_m[s])) * both[:, s].T, axis=0) for a, s in same.items())
-        turned = {a: b.turned(_direction(np.asarray(together))) for a, b in between.items()}
-        reach = apart(at_m)
+        turned = {a: b.turned(_unit_sizes(np.asarray(together))) for a, b in between.items()}
+        reach = median_spacing(at_m)
         shown = {f: on_surface(mesh.places_m, at, f[1], reach) for f, at in zip(freedoms, at_m, strict=True)}
         return cls(*known, turned, {f: t for f, t in shown.items() if t is not None})
 
@@ -101,13 +103,13 @@ class Shapes:
         return (both[:2] - both[2:]) / (2 * step)
 
 
-def _direction(values: Complex) -> Complex:
+def _unit_sizes(values: Complex) -> Complex:
     """Each over its size; 1 where it is 0."""
     size = np.abs(values)
     return np.asarray(np.where(size > 0, values, 1.0) / np.where(size > 0, size, 1.0), np.complex128)
 
 
-def shapes_of(model: ModalModel, rig: Rig, mesh: Mesh | None = None) -> Shapes:
+def shapes_of(model: ModalModel, rig: Rig, mesh: Mesh | None = None) -> FreedomShapes:
     """The shapes that a model's constants hold, along its freedoms; between the points those of a mesh, if any.
 
     Raises:
@@ -116,6 +118,6 @@ def shapes_of(model: ModalModel, rig: Rig, mesh: Mesh | None = None) -> Shapes:
     outputs, inputs = freedoms_of(model, rig)
     listed = tuple(dict.fromkeys([*outputs, *inputs]))
     rows, columns = [listed.index(f) for f in outputs], [listed.index(f) for f in inputs]
-    factors = factored(model.modal_constants, rows, columns, len(listed))
+    factors = factor_constants(model.modal_constants, rows, columns, len(listed))
     points = {p.id: (p.x_m, p.y_m, p.z_m) for p in rig.points}
-    return Shapes.of(listed, np.array([points[f[0]] for f in listed]), factors, mesh)
+    return FreedomShapes.of(listed, np.array([points[f[0]] for f in listed]), factors, mesh)

@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.modification.deflection import at_points, turned
+from modallab.modification.deflection import motion_at_points, turn_to_real
 from modallab.modification.freedoms import freedoms_of, senses_of
 from modallab.modification.structure import Structure
 
@@ -51,7 +51,7 @@ class Skeleton:
 
 def motion_of(structure: Structure, rig: Rig, psi: Complex) -> Complex:
     """(modes, places, 3) of shapes (modes, freedoms), as real as a turn of each makes them, largest 1."""
-    return _spread(rig, structure.freedoms, psi)
+    return _spread_to_points(rig, structure.freedoms, psi)
 
 
 def motion_without_scale(model: ModalModel, rig: Rig) -> Complex:
@@ -62,12 +62,12 @@ def motion_without_scale(model: ModalModel, rig: Rig) -> Complex:
     """
     shapes = model.operating_shapes if model.shapes is None else model.shapes
     found = model.modal_constants[:, :, 0] if shapes is None else shapes
-    return _spread(rig, freedoms_of(model, rig)[0], np.nan_to_num(found) * senses_of(model, rig))
+    return _spread_to_points(rig, freedoms_of(model, rig)[0], np.nan_to_num(found) * senses_of(model, rig))
 
 
-def _spread(rig: Rig, freedoms: tuple[tuple[int, str], ...], shapes: Complex) -> Complex:
+def _spread_to_points(rig: Rig, freedoms: tuple[tuple[int, str], ...], shapes: Complex) -> Complex:
     skeleton = Skeleton.of(rig)
-    found = [skeleton.moved(at_points(rig, freedoms, turned(row))) for row in shapes]
+    found = [skeleton.moved(motion_at_points(rig, freedoms, turn_to_real(row))) for row in shapes]
     motion = np.array(found, np.complex128).reshape(len(shapes), len(skeleton.points), 3)
     most = np.abs(motion).max(axis=(1, 2), initial=0.0, keepdims=True)
     return np.asarray(motion / np.where(most > 0, most, 1.0))

@@ -49,7 +49,7 @@ class ModalStateSpace:
 
     def document(self) -> dict[str, Any]:
         """Every array as lists, for JSON."""
-        return {f.name: _listed(getattr(self, f.name)) for f in fields(self)}
+        return {f.name: _as_lists(getattr(self, f.name)) for f in fields(self)}
 
     def scipy(self) -> Any:
         """As `scipy.signal.StateSpace`."""
@@ -118,12 +118,12 @@ def state_space_of(
     )
 
 
-def _listed(value: Any) -> Any:
+def _as_lists(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 @dataclass(slots=True)
-class Stepped:
+class SteppedModes:
     """Modes that go on from step to step under a force that runs straight between its samples.
 
     Attributes:

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Complex, Real
-from modallab.core.digits import numbers
+from modallab.core.digits import number_ranges
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.modification.factors import factored
+from modallab.modification.factors import factor_constants
 from modallab.modification.freedoms import Freedom, freedoms_of
-from modallab.modification.outside_band import completed
+from modallab.modification.outside_band import complete_residuals
 
 At = int | Freedom
 """A point, or a point and an axis where several sensors stand there."""
@@ -67,7 +67,10 @@ class Structure:
         """
         if not self.scaled:
             raise DataError(
-                f"no sensor stands at a driven point (driven: {numbers(self.driven)}), so the shapes have no scale",
+                (
+                    f"no sensor stands at a driven point (driven: {number_ranges(self.driven)}), so the shapes "
+                    "have no scale"
+                ),
                 remedy="hit once at a point that has a sensor looking along the hit, and identify all together",
             )
         return self
@@ -127,7 +130,7 @@ class Structure:
         shapes = to[..., :, None] * of[..., None, :]
         powers: Complex = s[..., None] ** np.array(self.powers, np.float64)
         terms: Complex = (left.T @ self.residual @ right).astype(np.complex128)
-        return _weighted(up, shapes) + _weighted(down, shapes.conj()) + _weighted(powers, terms)
+        return _weighted_sum(up, shapes) + _weighted_sum(down, shapes.conj()) + _weighted_sum(powers, terms)
 
     def motion(self, s: Complex, forces: Complex, left: Real, right: Real) -> Complex:
         """(left, lines) m, of forces (right, lines) N."""
@@ -135,17 +138,19 @@ class Structure:
 
     def _kernels(self, s: Complex) -> tuple[Complex, Complex]:
         p, q = self.poles, self.poles.conj()
-        return 1 / _apart(s[..., :, None] - p[..., None, :], p), 1 / _apart(s[..., :, None] - q[..., None, :], q)
+        return 1 / _distance_from_poles(s[..., :, None] - p[..., None, :], p), 1 / _distance_from_poles(
+            s[..., :, None] - q[..., None, :], q
+        )
 
 
-def _weighted(weights: Complex, matrices: Complex) -> Complex:
+def _weighted_sum(weights: Complex, matrices: Complex) -> Complex:
     """(..., lines, left, right) sums of matrices (..., terms, left, right) with weights (..., lines, terms)."""
     *leading, left, right = matrices.shape
     flat = weights @ matrices.reshape(*leading, left * right)
     return flat.reshape(*flat.shape[:-1], left, right)
 
 
-def _apart(distance: Complex, poles: Complex) -> Complex:
+def _distance_from_poles(distance: Complex, poles: Complex) -> Complex:
     least = NEAREST * np.abs(poles)[..., None, :]
     return np.where(np.abs(distance) < least, least, distance)
 
@@ -160,14 +165,14 @@ def structure_of(model: ModalModel, rig: Rig | None = None) -> Structure:
     Raises:
         DataError: an output or an input has no point.
     """
-    outputs, inputs = _freedoms(model, rig)
+    outputs, inputs = _freedoms_of_model(model, rig)
     listed = tuple(dict.fromkeys([*outputs, *inputs]))
     rows, columns = [listed.index(f) for f in outputs], [listed.index(f) for f in inputs]
     known = np.zeros((len(listed), len(listed)), bool)
     known[np.ix_(rows, columns)] = known[np.ix_(columns, rows)] = True
     poles, psi = modes_of(model.frequency_hz, model.damping_ratio, model.modal_constants, rows, columns, len(listed))
     band, powers = model.band_hz, model.residual_powers
-    outside = completed(terms_of(model), powers, rows, columns, moved_by(poles, psi), band[1])
+    outside = complete_residuals(terms_of(model), powers, rows, columns, moved_by(poles, psi), band[1])
     axis, driven, scaled = inputs[0][1], tuple(f[0] for f in inputs), bool(set(rows) & set(columns))
     return Structure(listed, poles, psi, powers, *outside, known, band, axis, driven, scaled)
 
@@ -182,7 +187,7 @@ def terms_of(model: ModalModel) -> Real:
     return np.reshape(model.residuals, (len(model.residual_powers), *model.modal_constants.shape[1:]))
 
 
-def _freedoms(model: ModalModel, rig: Rig | None) -> tuple[tuple[Freedom, ...], tuple[Freedom, ...]]:
+def _freedoms_of_model(model: ModalModel, rig: Rig | None) -> tuple[tuple[Freedom, ...], tuple[Freedom, ...]]:
     if rig is not None:
         return freedoms_of(model, rig)
     missing = [name for name, p in zip(model.outputs, model.output_points, strict=True) if p is None]
@@ -200,7 +205,7 @@ def modes_of(
     """Poles (modes,) and shapes psi (modes, n) of modal constants (modes, outputs, inputs)."""
     omega = 2 * np.pi * frequency_hz
     poles = omega * (-damping_ratio + 1j * np.sqrt(1 - damping_ratio**2))
-    factors = factored(constants, rows, columns, n)
+    factors = factor_constants(constants, rows, columns, n)
     seen, driven = factors.seen, factors.driven
     # What a sensor shows and what a force does differ by errors alone: a passive structure is reciprocal.
     phi = (seen + driven) / 2

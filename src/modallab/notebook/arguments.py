@@ -9,7 +9,7 @@ from typing import cast
 from pydantic import TypeAdapter, ValidationError
 
 from modallab.core.errors import DataError, PlanError, StorageError
-from modallab.core.field_errors import sentences
+from modallab.core.field_errors import error_sentences
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 from modallab.formats.plan_file import read_plans
 
@@ -55,7 +55,7 @@ def plans_of(given: object) -> list[Plan] | None:
     if isinstance(given, str | Path):
         return read_plans(Path(given))
     several = isinstance(given, Sequence) and not isinstance(given, bytes)
-    return [_plan(one) for one in cast("Sequence[object]", given if several else [given])]
+    return [_plan_of(one) for one in cast("Sequence[object]", given if several else [given])]
 
 
 def path_for(given: object, suffixes: Sequence[str]) -> Path:
@@ -72,7 +72,7 @@ def path_for(given: object, suffixes: Sequence[str]) -> Path:
     return path
 
 
-def _plan(given: object) -> Plan:
+def _plan_of(given: object) -> Plan:
     if isinstance(given, ImpactPlan | SinePlan | BroadbandPlan):
         return given
     if not isinstance(given, Mapping):
@@ -82,7 +82,9 @@ def _plan(given: object) -> Plan:
     try:
         return _PLAN.validate_python(given)
     except ValidationError as error:
-        raise PlanError("; ".join(sentences(error)), remedy="docs/reference/plan.md describes every field") from error
+        raise PlanError(
+            "; ".join(error_sentences(error)), remedy="docs/reference/plan.md describes every field"
+        ) from error
 
 
 def _numbers(given: object) -> tuple[float, ...] | None:

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.fem.matrix_model import MatrixModel
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.notebook.put_to_use import PutToUse
 from modallab.notebook.shown import Answered, Shown
 from modallab.pipelines.model_update import update_model
 from modallab.pipelines.structure_gap import read_reference
 from modallab.reporting.understood_table import correlation_rows
 from modallab.reporting.updated_table import parameter_rows, updated_mode_rows
-from modallab.updating.correlation import Correlation, correlate
+from modallab.updating.correlation import ModelCorrelation, correlate_models
 from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters
 
@@ -38,10 +38,10 @@ class UpdatedModel(Answered[UpdatedParameters]):
         return Shown(*updated_mode_rows(self.numbers))
 
 
-class CorrelatedModes(Answered[Correlation]):
+class CorrelatedModes(Answered[ModelCorrelation]):
     """Pairs of modes of two models; `numbers` holds all arrays."""
 
-    def __init__(self, numbers: Correlation, rig: Rig | None) -> None:
+    def __init__(self, numbers: ModelCorrelation, rig: Rig | None) -> None:
         super().__init__(numbers, *correlation_rows(numbers))
         self._rig = rig
 
@@ -64,7 +64,7 @@ class Correlated:
     __slots__ = ()
 
     @property
-    def known(self) -> Known:
+    def known(self) -> KnownStructure:
         """The structure that the model describes."""
         raise NotImplementedError
 
@@ -82,8 +82,8 @@ class Correlated:
             known = other.known
         else:
             rig = self.known.stated_rig
-            known = Known(read_reference(Path(other), rig, self.known.model).model, rig)
-        return CorrelatedModes(correlate(self.known, known), self.known.rig)
+            known = KnownStructure(read_reference(Path(other), rig, self.known.model).model, rig)
+        return CorrelatedModes(correlate_models(self.known, known), self.known.rig)
 
     def update(
         self,

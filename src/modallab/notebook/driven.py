@@ -8,12 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from modallab.core.array_checks import check_rate
 from modallab.core.arrays import Complex128, Real
-from modallab.core.digits import percent
+from modallab.core.digits import percent_text
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.frf.local_polynomial import local_polynomial_frf
 from modallab.frf.references import estimate_frf
-from modallab.frf.segments import stretches
+from modallab.frf.segments import segment_spectra
 from modallab.frf.sums import Estimator
 from modallab.notebook.measured import MeasuredFrf, frf
 
@@ -56,7 +56,7 @@ def driven(
     Raises:
         DataError: records that do not go together, a band without a drive, or forces that cannot be distinguished.
     """
-    f, y = _records(forces, "forces"), _records(responses, "responses")
+    f, y = _rows_of_records(forces, "forces"), _rows_of_records(responses, "responses")
     if f.shape[1] != y.shape[1]:
         raise DataError(
             f"the forces have {f.shape[1]} samples, the responses {y.shape[1]}",
@@ -66,42 +66,42 @@ def driven(
         raise DataError(f"no estimator is called {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
     rate = check_rate(rate_hz, "rate_hz")
     if estimator == "local-polynomial":
-        hz, values = _by_local_polynomials(f, y, rate, band)
+        hz, values = _frf_by_local_polynomials(f, y, rate, band)
     else:
-        hz, values = _by_stretches(f, y, rate, band, estimator, block_s)
+        hz, values = _frf_by_segments(f, y, rate, band, estimator, block_s)
     return frf(hz, values, inputs, outputs, quantity)
 
 
-def _by_local_polynomials(f: Real, y: Real, rate: float, band: tuple[float, float]) -> tuple[Real, Complex128]:
+def _frf_by_local_polynomials(f: Real, y: Real, rate: float, band: tuple[float, float]) -> tuple[Real, Complex128]:
     n = min(f.shape[1], int(MOST_LINES * rate / (band[1] - band[0])))
     count = f.shape[1] // n
     every = np.arange(n // 2 + 1) * rate / n
-    chosen = _inside(every, band)
-    of_forces, of_responses = (_spectra(rows, n, count)[..., chosen] for rows in (f, y))
+    chosen = _lines_inside(every, band)
+    of_forces, of_responses = (_segment_spectra(rows, n, count)[..., chosen] for rows in (f, y))
     _check_driven(of_forces, band)
     values, _ = local_polynomial_frf(of_forces, of_responses)
     return every[chosen], values
 
 
-def _by_stretches(
+def _frf_by_segments(
     f: Real, y: Real, rate: float, band: tuple[float, float], estimator: Estimator, block_s: float | None
 ) -> tuple[Real, Complex128]:
     if block_s is None:
         raise DataError(f"{estimator} averages stretches, whose length is not given", remedy="give block_s")
-    cut = stretches(np.concatenate([f, y]), rate, round(block_s * rate))
-    chosen = _inside(cut.frequency_hz, band)
+    cut = segment_spectra(np.concatenate([f, y]), rate, round(block_s * rate))
+    chosen = _lines_inside(cut.frequency_hz, band)
     spectra = cut.spectra[..., chosen]
     _check_driven(spectra[:, : len(f)], band)
     found = estimate_frf(spectra[:, : len(f)], spectra[:, len(f) :], estimator, cut.averages)
     return cut.frequency_hz[chosen], found.frf
 
 
-def _spectra(rows: Real, n: int, count: int) -> Complex128:
+def _segment_spectra(rows: Real, n: int, count: int) -> Complex128:
     cut = rows[:, : n * count].reshape(len(rows), count, n).transpose(1, 0, 2)
     return np.asarray(np.fft.rfft(cut - cut.mean(axis=-1, keepdims=True)), np.complex128)
 
 
-def _inside(hz: Real, band: tuple[float, float]) -> NDArray[np.bool_]:
+def _lines_inside(hz: Real, band: tuple[float, float]) -> NDArray[np.bool_]:
     inside = (hz > 0) & (hz >= band[0]) & (hz <= band[1])
     if np.count_nonzero(inside) < 8:
         raise DataError(
@@ -119,12 +119,12 @@ def _check_driven(forces: Complex128, band: tuple[float, float]) -> None:
     if np.any(undriven) or not np.all(power.any(axis=1)):
         share = float(np.mean(undriven.any(axis=0)))
         raise DataError(
-            f"a force has no content at {percent(share)} of {band[0]:g} to {band[1]:g} Hz",
+            f"a force has no content at {percent_text(share)} of {band[0]:g} to {band[1]:g} Hz",
             remedy="narrow the band to what was driven",
         )
 
 
-def _records(given: ArrayLike, name: str) -> Real:
+def _rows_of_records(given: ArrayLike, name: str) -> Real:
     try:
         found = np.atleast_2d(np.asarray(given, np.float64))
     except (TypeError, ValueError) as error:

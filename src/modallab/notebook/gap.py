@@ -8,7 +8,7 @@ from modallab.cli.gap import read_diagnosis
 from modallab.core.blas_threads import one_thread
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis, Found
-from modallab.core.digits import probability
+from modallab.core.digits import probability_text
 from modallab.core.effects import kind_of
 from modallab.core.errors import DataError, FormatError
 from modallab.core.hold_out import HoldOut
@@ -17,8 +17,8 @@ from modallab.gap.diagnosis import diagnose as diagnose_campaign
 from modallab.gap.inference.agreement import Agreement
 from modallab.gap.inference.agreement import agreement as compare_with_simulation
 from modallab.gap.report.calibrated import diagnosed_twin
-from modallab.gap.words.effects import numbers_of, of_parameter, place_of, place_of_change
-from modallab.gap.words.verdicts import sentence, sentence_by_model
+from modallab.gap.words.effects import numbers_of, parameter_in_words, place_of, place_of_change
+from modallab.gap.words.verdicts import sentence_by_model, verdict_sentence
 from modallab.notebook.arguments import path_for
 from modallab.notebook.identify import campaign_in
 from modallab.notebook.measured import MeasuredFrf
@@ -28,7 +28,7 @@ from modallab.notebook.shown import Shown
 from modallab.notebook.twin import DiagnosedTwin
 from modallab.pipelines.structure_gap import gap_against, gap_of, model_to_compare
 from modallab.reporting.structure_report import StructureGap, write_structure_report
-from modallab.reporting.waiting import waiting
+from modallab.reporting.waiting import waiting_line
 
 Reference = Model | Recording | MeasuredFrf | Path | str
 """What a structure is compared with: its modal model, what was measured before, or a finite-element model's file."""
@@ -53,7 +53,7 @@ class GapFound:
         """The verdict in one sentence."""
         if isinstance(self.diagnosis, ModalDiagnosis):
             return sentence_by_model(self.diagnosis)
-        return sentence(self.diagnosis, [c.name for c in self.campaign.rig.channels])
+        return verdict_sentence(self.diagnosis, [c.name for c in self.campaign.rig.channels])
 
     @property
     def effects(self) -> list[Found] | list[FoundChange]:
@@ -85,11 +85,11 @@ class GapFound:
         """Name, place, numbers and probability of each effect."""
         names = [c.name for c in self.campaign.rig.channels]
         for found in self.effects:
-            likely = probability(found.probability)
+            likely = probability_text(found.probability)
             if isinstance(found, FoundChange):
                 yield found.effect, place_of_change(found), numbers_of(found), likely
             else:
-                numbers = [(p.name, *of_parameter(found, p)) for p in kind_of(found.effect).parameters]
+                numbers = [(p.name, *parameter_in_words(found, p)) for p in kind_of(found.effect).parameters]
                 yield found.effect, place_of(found, names)[0], numbers, likely
 
     def save(self, path: str | Path) -> Path:
@@ -144,10 +144,10 @@ def diagnose(
     """
     campaign = campaign_in(measured)
     if reference is not None:
-        return _compared(campaign, reference, hold_out, keep, progress)
+        return _compare_reference(campaign, reference, hold_out, keep, progress)
     if keep is not None and path_for(keep, (".json",)).exists():
-        return GapFound(campaign, _kept(Path(keep), campaign))
-    with waiting("reading the records", progress=progress):
+        return GapFound(campaign, _keep_diagnosis(Path(keep), campaign))
+    with waiting_line("reading the records", progress=progress):
         found = GapFound(campaign, diagnose_campaign(campaign, HoldOut.parse(hold_out)))
     if keep is not None:
         found.save(keep)
@@ -155,7 +155,7 @@ def diagnose(
 
 
 @one_thread()
-def _compared(
+def _compare_reference(
     campaign: Campaign, reference: Reference, hold_out: str, keep: str | Path | None, progress: bool
 ) -> GapFound:
     if hold_out != "mixed" or keep is not None:
@@ -163,8 +163,8 @@ def _compared(
             "a comparison with a reference holds nothing out and keeps no file",
             remedy="leave `hold_out` and `keep` out; `.save(path)` writes what was found",
         )
-    with waiting("identifying", progress=progress):
-        gap = _against(campaign, reference)
+    with waiting_line("identifying", progress=progress):
+        gap = _campaign_against(campaign, reference)
     return GapFound(campaign, gap.diagnosis, gap)
 
 
@@ -181,7 +181,7 @@ def agreement(measured: Recording) -> Agreement:
     return compare_with_simulation(campaign_in(measured))
 
 
-def _against(campaign: Campaign, reference: Reference) -> StructureGap:
+def _campaign_against(campaign: Campaign, reference: Reference) -> StructureGap:
     if isinstance(reference, str | Path):
         return gap_against(campaign, Path(reference))
     if isinstance(reference, Model):
@@ -190,7 +190,7 @@ def _against(campaign: Campaign, reference: Reference) -> StructureGap:
     return gap_of(campaign, model_to_compare(before), "what was measured before", before)
 
 
-def _kept(path: Path, campaign: Campaign) -> Diagnosis:
+def _keep_diagnosis(path: Path, campaign: Campaign) -> Diagnosis:
     diagnosis = read_diagnosis(path)
     # The hits at a point are one record of a diagnosis, named as they begin.
     names = tuple(b.name for b in campaign.blocks)

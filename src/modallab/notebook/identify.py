@@ -7,7 +7,7 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL
-from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
+from modallab.identification.options import USUAL_RESPONSE, IdentificationOptions, ResponseMethod
 from modallab.notebook.arguments import band_of, frequencies_of
 from modallab.notebook.measured import MeasuredFrf, phase_rises
 from modallab.notebook.model import Model
@@ -15,7 +15,7 @@ from modallab.notebook.recording import Recording
 from modallab.pipelines.response_only import identify_chosen
 from modallab.pipelines.response_setups import identify_response_setups
 from modallab.pipelines.setups import identify_setups
-from modallab.reporting.waiting import waiting
+from modallab.reporting.waiting import waiting_line
 
 
 def identify(
@@ -54,7 +54,7 @@ def identify(
         DataError: there is nothing to identify.
         IdentificationError: no mode stands out, or a parameter that cannot be.
     """
-    options = Options(
+    options = IdentificationOptions(
         method=method,
         band_hz=band_of(band),
         pick_hz=frequencies_of(pick, "pick"),
@@ -63,11 +63,11 @@ def identify(
         frf=frf,
     )
     if isinstance(measured, list | tuple):
-        with waiting("identifying", progress=progress):
-            return _joined(measured, options, test, response_only, response_method)
+        with waiting_line("identifying", progress=progress):
+            return _join_setups(measured, options, test, response_only, response_method)
     campaign = campaign_in(measured)
     try:
-        with waiting("identifying", progress=progress):
+        with waiting_line("identifying", progress=progress):
             result = identify_chosen(campaign, options, test, response_only=response_only, method=response_method)
             return Model(campaign, result)
     except IdentificationError as error:
@@ -79,9 +79,9 @@ def identify(
         raise
 
 
-def _joined(
+def _join_setups(
     measured: Sequence[Recording],
-    options: Options,
+    options: IdentificationOptions,
     test: Test | None,
     response_only: bool | None,
     method: ResponseMethod,

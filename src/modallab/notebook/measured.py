@@ -92,7 +92,7 @@ def frf(
     lines, given = np.atleast_1d(_numbers(f, "f")), _numbers(H, "H")
     if lines.ndim > 1:
         raise DataError(f"f has the shape {lines.shape}", remedy="give it as (lines,), such as f.ravel()")
-    values = _ordered(given, lines)
+    values = _outputs_inputs_lines(given, lines)
     if quantity not in DERIVATIVES:
         raise DataError(f"no FRF is called {quantity!r}", remedy=f"use one of {', '.join(DERIVATIVES)}")
     if not np.iscomplexobj(given):
@@ -102,8 +102,8 @@ def frf(
     if not np.isfinite(values).all():
         found = int(np.count_nonzero(~np.isfinite(values)))
         raise DataError(f"H holds {found} values that are not finite", remedy="leave these lines out of f and H")
-    to = _points(outputs, values.shape[0], "outputs") or tuple(range(1, values.shape[0] + 1))
-    of = _points([inputs] if isinstance(inputs, int) else inputs, values.shape[1], "inputs")
+    to = _points_of(outputs, values.shape[0], "outputs") or tuple(range(1, values.shape[0] + 1))
+    of = _points_of([inputs] if isinstance(inputs, int) else inputs, values.shape[1], "inputs")
     names = tuple(f"y{point}" for point in to)
     known = of or (None,) * values.shape[1]
     return MeasuredFrf(Frf(lines, values, quantity, names, to, known), bare_rig(names, to, of, quantity))
@@ -133,7 +133,7 @@ def _numbers(given: ArrayLike, name: str) -> NDArray[Any]:
         ) from error
 
 
-def _ordered(values: NDArray[Any], lines: NDArray[np.float64]) -> NDArray[np.complex128]:
+def _outputs_inputs_lines(values: NDArray[Any], lines: NDArray[np.float64]) -> NDArray[np.complex128]:
     """(outputs, inputs, lines), whichever way they lay."""
     if not 1 <= values.ndim <= 3 or lines.size not in (values.shape[0], values.shape[-1]):
         raise DataError(
@@ -146,7 +146,7 @@ def _ordered(values: NDArray[Any], lines: NDArray[np.float64]) -> NDArray[np.com
     return np.ascontiguousarray(values.reshape(shape), dtype=np.complex128)
 
 
-def _points(given: Sequence[int] | None, count: int, which: str) -> tuple[int, ...]:
+def _points_of(given: Sequence[int] | None, count: int, which: str) -> tuple[int, ...]:
     if given is None:
         return ()
     points = tuple(given)

@@ -9,7 +9,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.block import Campaign
-from modallab.core.digits import concise, probability
+from modallab.core.digits import number_with_sigma, probability_text
 from modallab.core.errors import DataError
 from modallab.core.extras import optional_package
 from modallab.core.frf import Frf
@@ -17,13 +17,13 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.verification import Verification
 from modallab.identification.selection.criteria import mac
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.notebook.arguments import path_for
 from modallab.notebook.correlated import Correlated
 from modallab.notebook.put_to_use import PutToUse
 from modallab.notebook.shown import Shown
 from modallab.notebook.understood import Understood
-from modallab.pipelines.identify import Identified, Result
+from modallab.pipelines.identify import CampaignResult, IdentifiedTest
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.model_use import known_of
 from modallab.verification.comparison import common_shapes
@@ -45,11 +45,11 @@ class Model(PutToUse, Understood, Correlated):
     """
 
     campaign: Campaign
-    result: Result
+    result: CampaignResult
     place: int = 0
 
     @property
-    def found(self) -> Identified:
+    def found(self) -> IdentifiedTest:
         """The test's model, its verification and its assessment."""
         return self.result.identified[self.place]
 
@@ -64,7 +64,7 @@ class Model(PutToUse, Understood, Correlated):
         return self.found.model
 
     @property
-    def known(self) -> Known:
+    def known(self) -> KnownStructure:
         """The structure that the model describes, ready for use.
 
         Raises:
@@ -114,11 +114,11 @@ class Model(PutToUse, Understood, Correlated):
         rows = [
             (
                 str(r + 1),
-                concise(float(m.frequency_hz[r]), float(m.frequency_sigma_hz[r])),
-                concise(100 * float(m.damping_ratio[r]), 100 * float(m.damping_sigma[r])),
+                number_with_sigma(float(m.frequency_hz[r]), float(m.frequency_sigma_hz[r])),
+                number_with_sigma(100 * float(m.damping_ratio[r]), 100 * float(m.damping_sigma[r])),
                 ""
                 if judged is None or not isfinite(judged.confidence[r])
-                else probability(float(judged.confidence[r])),
+                else probability_text(float(judged.confidence[r])),
             )
             for r in range(m.n_modes)
         ]
@@ -133,14 +133,14 @@ class Model(PutToUse, Understood, Correlated):
         Raises:
             DataError: the method makes no FRF to compare with, or there is no such input.
         """
-        from modallab.reporting.figures.all_points import all_points
+        from modallab.reporting.figures.all_points import mobility_panels
 
         check = self._verification
         if drive not in range(len(self.modal.input_points)):
             raise DataError(
                 f"there is no input {drive!r}", remedy=f"give drive from 0 to {len(self.modal.input_points) - 1}"
             )
-        return all_points(check, drive)
+        return mobility_panels(check, drive)
 
     def plot_shapes(self) -> "Figure":
         """The mode shapes with their uncertainty.

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.formats.time_series import write_motion
-from modallab.modification.motion import Motion
+from modallab.modification.motion import MotionOverTime
 from modallab.notebook.shown import Shown
 from modallab.reporting.motion_table import motion_rows
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class PredictedMotion(Motion):
+class PredictedMotion(MotionOverTime):
     """Motion over time: `values`, `sigma`, `time`, `peak`, `rms`, `level`."""
 
     def error(self, recorded: ArrayLike, band_hz: tuple[float, float] | None = None) -> Real:
@@ -54,9 +54,9 @@ class PredictedMotion(Motion):
 
     def plot(self) -> "Figure":
         """Every point over time."""
-        from modallab.reporting.figures.predicted import motion
+        from modallab.reporting.figures.predicted import motion_figure
 
-        return motion(self.time, self.values, list(self.names), self.quantity)
+        return motion_figure(self.time, self.values, list(self.names), self.quantity)
 
     def __repr__(self) -> str:
         return f"<PredictedMotion: {self.quantity} of {len(self.points)} points, {self.values.shape[1]} samples>"

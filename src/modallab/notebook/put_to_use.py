@@ -13,19 +13,19 @@ from modallab.core.documents.forces import ForceKind
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Quantity
-from modallab.modification.attachments import Addition, Coupled, Element, TunedAbsorber
+from modallab.modification.attachments import AttachedPart, Coupled, Element, TunedAbsorber
 from modallab.modification.forces import force_samples
 from modallab.modification.free_band import kept_free
 from modallab.modification.frfs import lines_with_peaks
-from modallab.modification.inverse import By, best_absorber, tuned
-from modallab.modification.known import Known
+from modallab.modification.inverse import By, best_absorber, changes_for_frequency
+from modallab.modification.known import KnownStructure
 from modallab.modification.response import Between
 from modallab.modification.state_space import ModalStateSpace
 from modallab.modification.structure import At
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.predicted_motion import PredictedMotion
 from modallab.notebook.shown import Shown
-from modallab.reporting.modified_table import checked, modified_rows, write_rows
+from modallab.reporting.modified_table import check_predictions, modified_rows, write_rows
 from modallab.reporting.tuned_table import free_rows, tuned_rows
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class PutToUse:
     __slots__ = ()
 
     @property
-    def known(self) -> Known:
+    def known(self) -> KnownStructure:
         """The structure that the model describes, with what hangs on it."""
         raise NotImplementedError
 
@@ -98,8 +98,8 @@ class PutToUse:
             if seconds is None:
                 raise DataError("how long the force lasts is not said", remedy="give seconds=10")
             force = force_samples(force, dt, max(2, round(seconds / dt)))
-        asked = None if of is None else _places(of)
-        return PredictedMotion.of(self.known, force, dt, _places(at), asked, quantity, between, start)
+        asked = None if of is None else _list_of_places(of)
+        return PredictedMotion.of(self.known, force, dt, _list_of_places(at), asked, quantity, between, start)
 
     def state_space(
         self, at: At | Sequence[At], of: Sequence[At] | None = None, quantity: Quantity = "acceleration"
@@ -114,11 +114,11 @@ class PutToUse:
         Raises:
             DataError: a point that the model does not know, or no driving point.
         """
-        return self.known.state_space(_places(at), self._sensors() if of is None else of, quantity)
+        return self.known.state_space(_list_of_places(at), self._sensors() if of is None else of, quantity)
 
     def modify(
         self,
-        *changes: Addition,
+        *changes: AttachedPart,
         at: At | None = None,
         to: At | None = None,
         mass: float = 0.0,
@@ -176,7 +176,9 @@ class PutToUse:
         Raises:
             DataError: no such mode, a frequency beyond the band, or a point that the model does not know.
         """
-        return Shown(*tuned_rows(tuned(self.known, mode, to_hz, by, at or self._sensors()), by, mode, to_hz))
+        return Shown(
+            *tuned_rows(changes_for_frequency(self.known, mode, to_hz, by, at or self._sensors()), by, mode, to_hz)
+        )
 
     def keep_free(self, band_hz: tuple[float, float], by: By, at: Sequence[At] | None = None) -> Shown:
         """The mass, or spring to ground, that leaves no mode in a band, at each point: the smallest first.
@@ -208,7 +210,7 @@ class PutToUse:
         return list(self.known.sensors)
 
 
-def _places(given: At | Sequence[At]) -> list[At]:
+def _list_of_places(given: At | Sequence[At]) -> list[At]:
     """One place or several; a pair of a number and an axis is one."""
     alone = isinstance(given, int) or (len(given) == 2 and isinstance(given[1], str))
     return cast("list[At]", [given] if alone else list(cast("Sequence[At]", given)))
@@ -219,11 +221,11 @@ class ChangedModel(PutToUse):
 
     __slots__ = ("_known",)
 
-    def __init__(self, known: Known) -> None:
+    def __init__(self, known: KnownStructure) -> None:
         self._known = known
 
     @property
-    def known(self) -> Known:
+    def known(self) -> KnownStructure:
         """The structure with what hangs on it."""
         return self._known
 
@@ -263,7 +265,7 @@ class ChangedModel(PutToUse):
         Args:
             measured: its model.
         """
-        found = checked(self._known.modes, measured.known.model)
+        found = check_predictions(self._known.modes, measured.known.model)
         return Shown(("predicted and measured",), [(one.words,) for one in found])
 
     def plot(self, at: At, of: At | None = None) -> "Figure":

@@ -23,7 +23,9 @@ def main(folder: Path) -> int:
 
     url, rig, plans = pickle.loads((folder / "order.pickle").read_bytes())
     try:
-        write_campaign(record_campaign(url, rig, plans, folder / "data", _reporter(len(plans))), folder / "campaign.h5")
+        write_campaign(
+            record_campaign(url, rig, plans, folder / "data", _progress_reporter(len(plans))), folder / "campaign.h5"
+        )
     except ModallabError as error:
         (folder / "error.pickle").write_bytes(pickle.dumps(error))
         return 2
@@ -32,7 +34,7 @@ def main(folder: Path) -> int:
     return 0
 
 
-def _reporter(plans: int) -> Callable[[EventView], None]:
+def _progress_reporter(plans: int) -> Callable[[EventView], None]:
     runs: list[str] = []
 
     def notify(event: EventView) -> None:

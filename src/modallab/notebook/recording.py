@@ -85,9 +85,9 @@ def load(
         RigError: no rig, or one that is not valid.
         DataError: the records hold what no measurement can hold.
     """
-    paths = _paths(path)
+    paths = _campaign_paths(path)
     for one in paths:
-        _require(one)
+        _require_file(one)
     if not isinstance(rig, Rig | str | Path | None):
         raise RigError(f"{rig!r} is no rig", remedy="give the name of a rig file: rig='rig.yaml'")
     known = rig if isinstance(rig, Rig) or rig is None else read_rig(Path(rig))
@@ -96,23 +96,23 @@ def load(
         if len(paths) > 1:
             raise FormatError("several files need a rig", where=str(paths[0]), remedy="give rig='rig.yaml'")
         return Recording(read_campaign(paths[0], known))
-    return Recording(import_recordings(paths, known, options | {"array_map": _map(array_map)}))
+    return Recording(import_recordings(paths, known, options | {"array_map": _array_map(array_map)}))
 
 
-def _map(given: str | Path | Mapping[str, object] | None) -> ArrayMap | None:
+def _array_map(given: str | Path | Mapping[str, object] | None) -> ArrayMap | None:
     if given is None:
         return None
     return read_map(Path(given)) if isinstance(given, str | Path) else map_of(given, "array_map")
 
 
-def _paths(path: object) -> list[Path]:
+def _campaign_paths(path: object) -> list[Path]:
     listed = [path] if isinstance(path, str | Path) else path
     if not isinstance(listed, Sequence) or not all(isinstance(one, str | Path) for one in cast("list[object]", listed)):
         raise FormatError(f"{path!r} is no name of a file", remedy="give the path as text: ml.load('campaign.h5')")
     return [Path(one) for one in cast("list[str | Path]", listed)]
 
 
-def _require(path: Path) -> None:
+def _require_file(path: Path) -> None:
     if not path.exists():
         raise FormatError("does not exist", where=str(path), remedy=f"look for it in {path.absolute().parent}")
     if path.suffix in (".json", ".html"):

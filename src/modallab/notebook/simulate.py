@@ -13,11 +13,11 @@ from modallab.cli.demo_rig import demo_plans, demo_rig
 from modallab.core.blas_threads import one_thread
 from modallab.core.errors import BenchError, ConfigurationError, ModallabError
 from modallab.core.plan import Plan
-from modallab.core.progress import report
+from modallab.core.progress import report_progress
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.notebook.arguments import plans_of
 from modallab.notebook.recording import Recording
-from modallab.reporting.waiting import waiting
+from modallab.reporting.waiting import waiting_line
 
 Numbers = Mapping[str, float | str]
 PATIENCE_S = 10.0
@@ -53,18 +53,18 @@ def simulate(
     if structure != "link":
         raise ConfigurationError(f"no structure is called {structure!r}", remedy='give "link", the only one there is')
     plans, rig = plans_of(plan) or list(demo_plans()), demo_rig()
-    url = simulated_bench(rig, seed, _texts(effect), tolerances)
+    url = simulated_bench(rig, seed, _effects_as_texts(effect), tolerances)
     with (
         TemporaryDirectory(prefix="modallab-", ignore_cleanup_errors=True) as folder,
-        waiting("testing", progress=progress),
+        waiting_line("testing", progress=progress),
     ):
         order = Path(folder) / "order.pickle"
         order.write_bytes(pickle.dumps((url, rig, plans)))
-        _record(Path(folder))
+        _record_in_process(Path(folder))
         return Recording(read_campaign(Path(folder) / "campaign.h5"))
 
 
-def _texts(effect: object) -> list[str]:
+def _effects_as_texts(effect: object) -> list[str]:
     """Each effect as `added_mass,mass=0.05,x=0.8`.
 
     Raises:
@@ -73,11 +73,13 @@ def _texts(effect: object) -> list[str]:
     if isinstance(effect, str):
         return [effect]
     if isinstance(effect, Mapping):
-        return [_text(pair) for pair in cast("Mapping[object, object]", effect).items()]
-    return [_text(one) for one in (cast("Iterable[object]", effect) if isinstance(effect, Iterable) else [effect])]
+        return [_effect_as_text(pair) for pair in cast("Mapping[object, object]", effect).items()]
+    return [
+        _effect_as_text(one) for one in (cast("Iterable[object]", effect) if isinstance(effect, Iterable) else [effect])
+    ]
 
 
-def _text(effect: object) -> str:
+def _effect_as_text(effect: object) -> str:
     match effect:
         case str():
             return effect
@@ -89,7 +91,7 @@ def _text(effect: object) -> str:
             )
 
 
-def _record(folder: Path) -> None:
+def _record_in_process(folder: Path) -> None:
     # In a process whose main module is ours: the bench's own process would else read the caller's script once more.
     command = [sys.executable, "-m", "modallab.notebook.record", str(folder)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
@@ -97,10 +99,10 @@ def _record(folder: Path) -> None:
             assert child.stdout is not None
             for line in child.stdout:
                 share, _, words = line.partition(" ")
-                report(float(share), words.strip())
+                report_progress(float(share), words.strip())
             code = child.wait()
         except BaseException:
-            _end(child)
+            _end_process(child)
             raise
     if (folder / "error.pickle").exists():
         raise cast("ModallabError", pickle.loads((folder / "error.pickle").read_bytes()))
@@ -108,7 +110,7 @@ def _record(folder: Path) -> None:
         raise BenchError(f"the recording ended with code {code}", remedy="try again; if it stays, run modallab demo")
 
 
-def _end(child: subprocess.Popen[str]) -> None:
+def _end_process(child: subprocess.Popen[str]) -> None:
     child.terminate()
     try:
         child.wait(PATIENCE_S)

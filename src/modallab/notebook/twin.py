@@ -10,10 +10,10 @@ from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, FrfQuantity
 from modallab.core.rig import Rig
-from modallab.modification.state_space import Stepped
+from modallab.modification.state_space import SteppedModes
 from modallab.notebook.measured import MeasuredFrf, frf
 from modallab.twin.bench import Twin
-from modallab.twin.modes import Modes, solve
+from modallab.twin.modes import TwinModes, solve_modes
 
 
 class StateSpace(NamedTuple):
@@ -43,7 +43,7 @@ class DiagnosedTwin:
 
     twin: Twin
     rig: Rig
-    _steps: Stepped = field(default_factory=Stepped, init=False)
+    _steps: SteppedModes = field(default_factory=SteppedModes, init=False)
     _driven: int = field(default=0, init=False)
 
     @property
@@ -120,17 +120,17 @@ class DiagnosedTwin:
         b = self._input(point)
         c, d = self._output(modes, b, "inertance")
         if point != self._driven:
-            self._steps, self._driven = Stepped(), point
+            self._steps, self._driven = SteppedModes(), point
         states = self._steps.step(modes.poles, b, samples, dt)
         answer = 2 * np.real(c @ states) + d[:, None] * samples
         return answer[:, 0] if np.ndim(force) == 0 else answer
 
     def reset(self) -> None:
         """Bring it to rest: the next step begins there."""
-        self._steps = Stepped()
+        self._steps = SteppedModes()
 
-    def _modes(self) -> Modes:
-        return solve(self.twin.structure)
+    def _modes(self) -> TwinModes:
+        return solve_modes(self.twin.structure)
 
     def _drive(self, point: int | None) -> int:
         return point if point is not None else self.rig.shaker_point or self.points[-1]
@@ -142,7 +142,7 @@ class DiagnosedTwin:
         return self._modes().at(self.rig.x_of(point))[0].astype(np.complex128)
 
     def _output(
-        self, modes: Modes, b: NDArray[np.complex128], quantity: FrfQuantity
+        self, modes: TwinModes, b: NDArray[np.complex128], quantity: FrfQuantity
     ) -> tuple[NDArray[np.complex128], Real]:
         """(outputs, modes) and (outputs,) of the motion's derivative that the quantity measures."""
         times, shapes = DERIVATIVES[quantity], modes.at(self._places())

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 from modallab.core.frf import Frf
 from modallab.core.units import Quantity
-from modallab.modification.deflection import Deflection, mode_deflection, operating_deflection, spatial
+from modallab.modification.deflection import Deflection, mode_deflection, motion_in_space, operating_deflection
 from modallab.modification.freedoms import freedoms_of
-from modallab.modification.known import FRF_SAMPLES, Known
+from modallab.modification.known import FRF_SAMPLES, KnownStructure
 from modallab.modification.nodes import ModePlaces, places_of_modes
-from modallab.modification.participation import ModalParticipation, participation
+from modallab.modification.participation import ModalParticipation, modal_participation
 from modallab.modification.structure import At
 from modallab.notebook.arguments import path_for
 from modallab.notebook.shown import Answered
@@ -47,7 +47,7 @@ class DeflectionShape(Answered[Deflection]):
     def _drawing(self) -> "Drawing":
         from modallab.reporting.figures.deflection import Drawing
 
-        return Drawing(self._rig, spatial(self._rig, self.numbers), self.caption)
+        return Drawing(self._rig, motion_in_space(self._rig, self.numbers), self.caption)
 
 
 class Understood:
@@ -56,7 +56,7 @@ class Understood:
     __slots__ = ()
 
     @property
-    def known(self) -> Known:
+    def known(self) -> KnownStructure:
         """The structure that the model describes."""
         raise NotImplementedError
 
@@ -88,7 +88,7 @@ class Understood:
             DataError: a band or a time that cannot be, a point that the model does not know, or no driving point.
         """
         known = self.known
-        found = participation(
+        found = modal_participation(
             known.between([of], [at]), known.samples.first(FRF_SAMPLES), at, of, quantity, band, after_s
         )
         return Answered(found, *participation_rows(found, known.model.frequency_hz.tolist()))

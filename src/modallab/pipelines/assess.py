@@ -10,39 +10,39 @@ from modallab.core.errors import DataError, ModallabError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.frf.broadband import PERIODIC, broadband_frf, of_one_level
+from modallab.frf.broadband import PERIODIC, blocks_of_one_level, broadband_frf
 from modallab.frf.estimate import impact_frf
 from modallab.frf.settled_periods import without_decays
-from modallab.frf.shares import least_blocks, shares
+from modallab.frf.shares import least_blocks, split_blocks
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.driving import driving_points
 from modallab.identification.selection.assumptions import (
     CHANGE_LIMIT,
     SIGMAS,
-    Allowance,
-    Verdict,
-    distorted,
+    AllowedDifference,
+    AssumptionVerdict,
     driving_point,
     linearity,
+    linearity_of_waves,
     proportional_damping,
     reciprocity,
     time_invariance,
 )
-from modallab.identification.selection.confidence import confidence, least_strength, strength
+from modallab.identification.selection.confidence import confidence_of_strength, least_strength, strength_of_modes
 from modallab.identification.selection.pre_trigger_noise import model_error, pre_trigger_noise
 from modallab.pipelines.distortion import distortions_of
-from modallab.pipelines.levels import FORCE_RATIO, Groups, by_level, by_strength
+from modallab.pipelines.levels import FORCE_RATIO, Groups, group_by_level, group_by_strength
 from modallab.signals.signals import Signals
-from modallab.verification.assessment import Assessment, assess_model
+from modallab.verification.assessment import ModelAssessment, assess_model
 
-Judge = tuple[str, Callable[[], Verdict]]
+Judge = tuple[str, Callable[[], AssumptionVerdict]]
 LOUD = 0.01
 
 
-def assess_impact(model: ModalModel, fit: Fit, groups: Groups, rig: Rig) -> Assessment:
+def assess_impact(model: ModalModel, fit: LikelihoodFit, groups: Groups, rig: Rig) -> ModelAssessment:
     """Verdicts on the hits: hard against soft, first against last, point against point."""
 
     # On Re s = sigma, where the block's end cuts nothing off: two hits a sample apart would else seem to differ.
@@ -61,18 +61,18 @@ def assess_impact(model: ModalModel, fit: Fit, groups: Groups, rig: Rig) -> Asse
         one, other = choose(groups)
         return frf(one), frf(other)
 
-    by_hits, by_places = allowances(rig, band[1])
+    by_hits, by_places = allowed_differences(rig, band[1])
     judges: list[Judge] = [
         ("linearity", lambda: linearity(*both(_softest_and_hardest), by_hits)),
         ("time invariance", lambda: time_invariance(*both(_first_and_last), by_hits)),
-        ("reciprocity", lambda: reciprocity(_along(frf(groups), rig), by_places)),
-        ("driving point", lambda: driving_point(_along(frf(groups), rig))),
+        ("reciprocity", lambda: reciprocity(_frf_along_drive(frf(groups), rig), by_places)),
+        ("driving point", lambda: driving_point(_frf_along_drive(frf(groups), rig))),
     ]
     least = least_strength(fit, model_error(fit, flat))
-    return _assessed(model, fit, judges, least)
+    return _assess_model(model, fit, judges, least)
 
 
-def allowances(rig: Rig, hz: float) -> tuple[Allowance, Allowance]:
+def allowed_differences(rig: Rig, hz: float) -> tuple[AllowedDifference, AllowedDifference]:
     """What the rig's tolerances allow two FRFs to differ by: of other hits at the same points; of points exchanged.
 
     Where a bending wave passes, a place that is off by d changes the motion by up to k d, k its wave number:
@@ -84,31 +84,35 @@ def allowances(rig: Rig, hz: float) -> tuple[Allowance, Allowance]:
     """
     t, beam = rig.tolerance, rig.beam
     if beam is None:
-        return Allowance(), Allowance()
+        return AllowedDifference(), AllowedDifference()
     k = (2 * np.pi * hz) ** 0.5 * (beam.mass_kg / beam.length_m / beam.bending_stiffness_n_m2) ** 0.25
     hit = np.hypot(k * t.hit_position_m, t.hit_gain)
     sensor = np.hypot(k * t.position_m, t.sensitivity if t.of_assembly else 0.0)
     reason = f"as hits may land {1e3 * t.hit_position_m:g} mm off" if t.hit_position_m else "by the rig's tolerances"
     of_two = SIGMAS * np.sqrt(2) * np.array([hit, np.hypot(hit, sensor)])
-    one, other = (Allowance(float(share), reason) if share > CHANGE_LIMIT else Allowance() for share in of_two)
+    one, other = (
+        AllowedDifference(float(share), reason) if share > CHANGE_LIMIT else AllowedDifference() for share in of_two
+    )
     return one, other
 
 
-def assess_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Rig) -> Assessment:
+def assess_sine(model: ModalModel, fit: LikelihoodFit, signals: Sequence[Signals], rig: Rig) -> ModelAssessment:
     """Verdicts on the sine blocks: level against level, and the driving point."""
     judges: list[Judge] = [
-        ("linearity", lambda: linearity(*_by_level(signals, rig))),
+        ("linearity", lambda: linearity(*_frfs_by_level(signals, rig))),
         ("time invariance", _not_in_this_test("every frequency is driven once at a level")),
         ("reciprocity", _not_in_this_test("a sine test drives one point")),
-        ("driving point", lambda: driving_point(_along(stepped_frf(signals, rig), rig))),
+        ("driving point", lambda: driving_point(_frf_along_drive(stepped_frf(signals, rig), rig))),
     ]
-    return _assessed(model, fit, judges, least_strength(fit, float("nan")))
+    return _assess_model(model, fit, judges, least_strength(fit, float("nan")))
 
 
-def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], frf: Frf, rig: Rig) -> Assessment:
+def assess_broadband(
+    model: ModalModel, fit: LikelihoodFit, signals: Sequence[Signals], frf: Frf, rig: Rig
+) -> ModelAssessment:
     """Verdicts on broadband blocks: level against level, the first half against the second, and the driving point."""
     band = model.band_hz
-    ordered = of_one_level(sorted(signals, key=lambda s: s.block.order))
+    ordered = blocks_of_one_level(sorted(signals, key=lambda s: s.block.order))
     if ordered[0].block.test in PERIODIC:
         # What still fades from the start of a wave is no change of the structure.
         poles = poles_of(2 * np.pi * model.frequency_hz, model.damping_ratio)
@@ -118,40 +122,40 @@ def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], fr
         least = max(2, least_blocks(ordered, "H1"))
         if len(ordered) // 2 < least:
             raise DataError(f"there are {len(ordered)} blocks", remedy=f"record at least {2 * least}")
-        one, other = (broadband_frf(half, rig, band, ordered) for half in shares(ordered, 2))
+        one, other = (broadband_frf(half, rig, band, ordered) for half in split_blocks(ordered, 2))
         return one, other
 
     def levels() -> tuple[Frf, Frf]:
-        (_, one), *_, (_, other) = by_level(signals)
+        (_, one), *_, (_, other) = group_by_level(signals)
         return broadband_frf(one, rig, band, signals), broadband_frf(other, rig, band, signals)
 
-    def linear() -> Verdict:
+    def linear() -> AssumptionVerdict:
         # Levels show what depends on the amplitude, several waves what has other frequencies than the drive.
         if len({s.block.level for s in signals}) > 1:
             return linearity(*levels())
-        return distorted(distortions_of(ordered, model))
+        return linearity_of_waves(distortions_of(ordered, model))
 
     judges: list[Judge] = [
         ("linearity", linear),
         ("time invariance", lambda: time_invariance(*halves())),
-        ("reciprocity", _reciprocity(_along(frf, rig))),
-        ("driving point", lambda: driving_point(_along(frf, rig))),
+        ("reciprocity", _reciprocity_verdict(_frf_along_drive(frf, rig))),
+        ("driving point", lambda: driving_point(_frf_along_drive(frf, rig))),
     ]
-    return _assessed(model, fit, judges, least_strength(fit, float("nan")))
+    return _assess_model(model, fit, judges, least_strength(fit, float("nan")))
 
 
-def _reciprocity(frf: Frf) -> Callable[[], Verdict]:
+def _reciprocity_verdict(frf: Frf) -> Callable[[], AssumptionVerdict]:
     if len(frf.input_points) == 1:
         return _not_in_this_test("one shaker drives one point")
     return lambda: reciprocity(frf)
 
 
-def _along(frf: Frf, rig: Rig) -> Frf:
+def _frf_along_drive(frf: Frf, rig: Rig) -> Frf:
     """The FRF with a point only for what moves along the drive: nothing else shows a driving point."""
     return replace(frf, output_points=driving_points(rig))
 
 
-def assess_frf(model: ModalModel, fit: Fit, frf: Frf) -> Assessment:
+def assess_frf(model: ModalModel, fit: LikelihoodFit, frf: Frf) -> ModelAssessment:
     """Verdicts on FRFs that came as such."""
     judges: list[Judge] = [
         ("linearity", _not_in_this_test("the FRFs are of one level")),
@@ -159,11 +163,11 @@ def assess_frf(model: ModalModel, fit: Fit, frf: Frf) -> Assessment:
         ("reciprocity", lambda: reciprocity(frf)),
         ("driving point", lambda: driving_point(frf)),
     ]
-    return _assessed(model, fit, judges, least_strength(fit, float("nan")))
+    return _assess_model(model, fit, judges, least_strength(fit, float("nan")))
 
 
-def _assessed(model: ModalModel, fit: Fit, judges: Sequence[Judge], least: float) -> Assessment:
-    verdicts: list[Verdict] = []
+def _assess_model(model: ModalModel, fit: LikelihoodFit, judges: Sequence[Judge], least: float) -> ModelAssessment:
+    verdicts: list[AssumptionVerdict] = []
     unjudged: list[tuple[str, str]] = []
     for name, judge in (*judges, ("proportional damping", lambda: proportional_damping(model))):
         try:
@@ -172,11 +176,13 @@ def _assessed(model: ModalModel, fit: Fit, judges: Sequence[Judge], least: float
             unjudged.append((name, str(error)))
     omega = fit.point.parameters.omega / (2 * np.pi)
     place = [int(np.argmin(np.abs(omega - f))) for f in model.frequency_hz]
-    return assess_model(model, tuple(verdicts), tuple(unjudged), confidence(strength(fit)[place], least))
+    return assess_model(
+        model, tuple(verdicts), tuple(unjudged), confidence_of_strength(strength_of_modes(fit)[place], least)
+    )
 
 
-def _not_in_this_test(why: str) -> Callable[[], Verdict]:
-    def judge() -> Verdict:
+def _not_in_this_test(why: str) -> Callable[[], AssumptionVerdict]:
+    def judge() -> AssumptionVerdict:
         raise DataError(why)
 
     return judge
@@ -193,7 +199,7 @@ def _loud_band(groups: Groups, band_hz: tuple[float, float]) -> tuple[float, flo
 
 
 def _softest_and_hardest(groups: Groups) -> tuple[Groups, Groups]:
-    levels = by_strength(groups)
+    levels = group_by_strength(groups)
     if not levels:
         found = f"no two hits at one point differ by more than {FORCE_RATIO:g} in force"
         raise DataError(found, remedy="hit softly and hard")
@@ -218,7 +224,7 @@ def _with_noise(frf: Frf, noise: NDArray[np.float64], groups: Groups) -> Frf:
     return replace(frf, variance=variance[:, None, None] / np.stack(power)[None])
 
 
-def _by_level(signals: Sequence[Signals], rig: Rig) -> tuple[Frf, Frf]:
+def _frfs_by_level(signals: Sequence[Signals], rig: Rig) -> tuple[Frf, Frf]:
     levels = sorted({s.block.level for s in signals if s.block.level is not None})
     if len(levels) != 2:
         raise DataError(f"the blocks are of {len(levels)} drive levels", remedy="drive at two")

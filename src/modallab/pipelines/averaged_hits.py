@@ -10,14 +10,14 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.identification.frf_model import NOT_FROM_RECORDS, identify_frf
 from modallab.identification.impact import default_band, start_frf
-from modallab.identification.likelihood.fit import Fit
-from modallab.identification.options import Options
+from modallab.identification.likelihood.fit import LikelihoodFit
+from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import Signals
 
 
 def identify_averaged_hits(
-    groups: Sequence[Sequence[Signals]], rig: Rig, options: Options
-) -> tuple[ModalModel, Fit, Frf]:
+    groups: Sequence[Sequence[Signals]], rig: Rig, options: IdentificationOptions
+) -> tuple[ModalModel, LikelihoodFit, Frf]:
     """The modal model, its fit, and the FRF it was made from.
 
     Args:

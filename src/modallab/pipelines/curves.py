@@ -6,18 +6,18 @@ from numpy.typing import NDArray
 from modallab.core.block import Campaign
 from modallab.core.documents.models import CurvesView, DiagramView, TestCurves
 from modallab.pipelines.diagram import diagram_of
-from modallab.pipelines.identify import Identified, Result
+from modallab.pipelines.identify import CampaignResult, IdentifiedTest
 
 DIGITS = 6
 """Significant ones: these are to be drawn."""
 
 
-def curves_of(campaign: Campaign, result: Result) -> CurvesView:
+def curves_of(campaign: Campaign, result: CampaignResult) -> CurvesView:
     """The curves of every test that has a model, in the order of the models."""
-    return CurvesView(tests=tuple(_curves(campaign, item) for item in result.identified))
+    return CurvesView(tests=tuple(_curves_of_item(campaign, item) for item in result.identified))
 
 
-def _curves(campaign: Campaign, item: Identified) -> TestCurves:
+def _curves_of_item(campaign: Campaign, item: IdentifiedTest) -> TestCurves:
     model, verification = item.model, item.verification
     diagram = diagram_of(campaign, item)
     drawn = None if isinstance(diagram, str) else diagram
@@ -27,27 +27,27 @@ def _curves(campaign: Campaign, item: Identified) -> TestCurves:
         output_points=model.output_points,
         input_points=model.input_points,
         frequency_hz=np.zeros(0) if verification is None else verification.measured.frequency_hz,
-        measured=None if verification is None else _complex(verification.measured.values),
-        regenerated=None if verification is None else _complex(verification.regenerated.values),
+        measured=None if verification is None else _complex_as_lists(verification.measured.values),
+        regenerated=None if verification is None else _complex_as_lists(verification.regenerated.values),
         diagram=None
         if drawn is None
         else DiagramView(
             order=drawn.order.astype(float),
-            frequency_hz=_short(drawn.frequency_hz),
-            damping_ratio=_short(drawn.damping_ratio),
+            frequency_hz=_rounded_values(drawn.frequency_hz),
+            damping_ratio=_rounded_values(drawn.damping_ratio),
             standing=drawn.standing.astype(float),
-            held_hz=_short(drawn.held_hz),
-            line_hz=_short(drawn.line_hz),
-            cmif=_short(drawn.cmif),
+            held_hz=_rounded_values(drawn.held_hz),
+            line_hz=_rounded_values(drawn.line_hz),
+            cmif=_rounded_values(drawn.cmif),
         ),
         without_diagram=diagram if isinstance(diagram, str) else "",
     )
 
 
-def _complex(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    return _short(values.real) + 1j * _short(values.imag)
+def _complex_as_lists(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    return _rounded_values(values.real) + 1j * _rounded_values(values.imag)
 
 
-def _short(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _rounded_values(values: NDArray[np.float64]) -> NDArray[np.float64]:
     flat = [float(f"{value:.{DIGITS}g}") for value in values.ravel().tolist()]
     return np.array(flat, dtype=np.float64).reshape(values.shape)

@@ -8,16 +8,16 @@ import numpy as np
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.frf.broadband import PERIODIC, of_one_level
-from modallab.frf.driven import RANDOM, alike, driven_frf
+from modallab.frf.broadband import PERIODIC, blocks_of_one_level
+from modallab.frf.driven import RANDOM, driven_frf, with_even_weights
 from modallab.frf.joined import check_followed, joined_spectra
 from modallab.frf.settled_periods import without_decays
-from modallab.frf.shares import least_blocks, shares
+from modallab.frf.shares import least_blocks, split_blocks
 from modallab.frf.sums import Estimator
-from modallab.identification.frf_model import identify_frf, in_band
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.frf_model import frf_in_band, identify_frf
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.parts import PARTS, with_repeatability_sigmas
 from modallab.signals.signals import Signals
 
@@ -44,10 +44,12 @@ def frf_of_drive(
     """
     measured = driven_frf(signals, rig, band_hz, estimator)
     check_followed(measured)
-    return alike(measured)
+    return with_even_weights(measured)
 
 
-def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit, Frf]:
+def identify_drive(
+    signals: Sequence[Signals], frf: Frf, rig: Rig, options: IdentificationOptions
+) -> tuple[ModalModel, LikelihoodFit, Frf]:
     """The modal model, its fit, and the FRF it was made from.
 
     Args:
@@ -60,15 +62,15 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
         IdentificationError: no mode.
     """
     band = (float(frf.frequency_hz[0]), float(frf.frequency_hz[-1]))
-    used = of_one_level(signals)
-    records = joined_spectra(used, band) if options.refined and _of_one_random_force(used) else None
+    used = blocks_of_one_level(signals)
+    records = joined_spectra(used, band) if options.refined and _is_one_random_force(used) else None
     found, fit = identify_frf(frf, rig, options, records)
     for _ in range(SETTLED_LOOKS if used[0].block.test in PERIODIC else 0):
         poles = poles_of(2 * np.pi * found.frequency_hz, found.damping_ratio)
-        used = without_decays(of_one_level(signals), poles, band)
-        frf = alike(driven_frf(used, rig, band, options.frf))
+        used = without_decays(blocks_of_one_level(signals), poles, band)
+        frf = with_even_weights(driven_frf(used, rig, band, options.frf))
         found, fit = identify_frf(frf, rig, options)
-    parts = _parts(used, rig, found.band_hz, options.frf) if options.refined and records is None else []
+    parts = _frfs_of_parts(used, rig, found.band_hz, options.frf) if options.refined and records is None else []
     few = (TOO_FEW,) if options.refined and records is None and not parts else ()
     found = found.model_copy(update={"notes": (*found.notes, *few)})
     model = with_repeatability_sigmas(found, parts)
@@ -83,15 +85,20 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
     return kept.model_copy(update={"notes": (*kept.notes, note)}), fit, frf
 
 
-def _of_one_random_force(signals: Sequence[Signals]) -> bool:
+def _is_one_random_force(signals: Sequence[Signals]) -> bool:
     """What its records scatter by is in their likelihood: other drives are held against parts of themselves."""
     return signals[0].block.test in RANDOM and len(signals[0].forces) == 1
 
 
-def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator) -> list[Frf]:
+def _frfs_of_parts(
+    signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator
+) -> list[Frf]:
     """FRFs of stretches of a test; none where it is too short to be divided."""
     each = max(least_blocks(signals, estimator), len(signals) // PARTS)
     count = min(PARTS, len(signals) // each)
     if count < LEAST_PARTS:
         return []
-    return [in_band(alike(driven_frf(part, rig, band_hz, estimator)), band_hz) for part in shares(signals, count)]
+    return [
+        frf_in_band(with_even_weights(driven_frf(part, rig, band_hz, estimator)), band_hz)
+        for part in split_blocks(signals, count)
+    ]

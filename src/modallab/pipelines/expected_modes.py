@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
-from modallab.twin.modes import solve
-from modallab.twin.structure import Structure
+from modallab.twin.modes import solve_modes
+from modallab.twin.structure import TwinStructure
 
 
 def expected_modes(rig: Rig) -> ExpectedModes | None:
@@ -21,7 +21,7 @@ def expected_modes(rig: Rig) -> ExpectedModes | None:
     ]
     if rig.beam is None or rig.model != "cantilever" or not sensors or not rig.points:
         return None
-    modes = solve(Structure.of(rig.beam, rig.damping_ratio.guess))
+    modes = solve_modes(TwinStructure.of(rig.beam, rig.damping_ratio.guess))
     unit_mass = np.sqrt(2j * modes.poles.imag)
 
     def shapes(points: Sequence[int]) -> NDArray[np.float64]:

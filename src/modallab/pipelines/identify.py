@@ -11,34 +11,42 @@ from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, IdentificationError, ModallabError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
-from modallab.core.progress import part, report
+from modallab.core.progress import part_of_progress, report_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.core.verification import Verification
 from modallab.frf.broadband import driven_band
-from modallab.frf.driven import on_own_clock
+from modallab.frf.driven import cut_to_own_clock
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.backbone import DriveLevel
-from modallab.identification.frf_model import identify_given_frf, in_band
+from modallab.identification.frf_model import frf_in_band, identify_given_frf
 from modallab.identification.impact import LEAK, default_band, identify_impact
 from modallab.identification.model.scale import with_scale
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
 from modallab.pipelines.averaged_hits import identify_averaged_hits
 from modallab.pipelines.drive import frf_of_drive, identify_drive
-from modallab.pipelines.levels import Identified, Source, by_level, by_strength, linear, of_weakest, softest
-from modallab.pipelines.sound import sound
+from modallab.pipelines.levels import (
+    IdentifiedTest,
+    Source,
+    group_by_level,
+    group_by_strength,
+    is_linear,
+    model_of_weakest_level,
+    softest_hits,
+)
+from modallab.pipelines.sound import undamaged_records
 from modallab.signals.drive_kind import check_kind
 from modallab.signals.signals import Signals, to_signals_of
-from modallab.verification.assessment import Assessment
-from modallab.verification.reservations import doubts, mismatch_warning
+from modallab.verification.assessment import ModelAssessment
+from modallab.verification.reservations import doubts_about_modes, mismatch_warning
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Unidentified:
+class TestWithoutModel:
     """A test that gave no model, and why."""
 
     source: Source
@@ -46,20 +54,20 @@ class Unidentified:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Result:
+class CampaignResult:
     """What a campaign gave: models, and tests without one."""
 
-    identified: tuple[Identified, ...]
-    unidentified: tuple[Unidentified, ...]
+    identified: tuple[IdentifiedTest, ...]
+    unidentified: tuple[TestWithoutModel, ...]
 
 
 @one_thread()
 def identify_campaign(
     campaign: Campaign,
-    options: Options,
+    options: IdentificationOptions,
     test: Test | None = None,
-    ahead: Mapping[Source, Callable[[], Identified]] | None = None,
-) -> Result:
+    ahead: Mapping[Source, Callable[[], IdentifiedTest]] | None = None,
+) -> CampaignResult:
     """Models of every test in a campaign, or of one.
 
     Args:
@@ -75,15 +83,15 @@ def identify_campaign(
         DataError: nothing to identify, or damaged records, when no test gave a model.
         IdentificationError: no test holds a mode.
     """
-    found: list[Identified] = []
-    failed: list[Unidentified] = []
-    runs = _runs(campaign, options, test)
+    found: list[IdentifiedTest] = []
+    failed: list[TestWithoutModel] = []
+    runs = _tests_to_identify(campaign, options, test)
     for n, (source, run) in enumerate(runs):
         try:
-            with part(n / len(runs), (n + 1) / len(runs), f"{source} test"):
+            with part_of_progress(n / len(runs), (n + 1) / len(runs), f"{source} test"):
                 found.append(_with_scale((ahead or {}).get(source, run)(), campaign.rig))
         except ModallabError as error:
-            failed.append(Unidentified(source, error))
+            failed.append(TestWithoutModel(source, error))
     if not found and failed:
         raise failed[0].error
     if not found:
@@ -92,26 +100,28 @@ def identify_campaign(
             where=campaign.source,
             remedy="check that the campaign holds records of a test",
         )
-    return Result(tuple(found), tuple(failed))
+    return CampaignResult(tuple(found), tuple(failed))
 
 
-def _runs(campaign: Campaign, options: Options, test: Test | None) -> list[tuple[Source, Callable[[], Identified]]]:
-    runs: list[tuple[Source, Callable[[], Identified]]] = []
+def _tests_to_identify(
+    campaign: Campaign, options: IdentificationOptions, test: Test | None
+) -> list[tuple[Source, Callable[[], IdentifiedTest]]]:
+    runs: list[tuple[Source, Callable[[], IdentifiedTest]]] = []
     if campaign.of("impact") and test in (None, "impact"):
-        runs.append(("impact", lambda: _impact(campaign, campaign.of("impact"), options)))
+        runs.append(("impact", lambda: _identify_impact(campaign, campaign.of("impact"), options)))
     if campaign.of("sine") and test in (None, "sine"):
-        runs.append(("sine", lambda: _sine(campaign, campaign.of("sine"), options)))
+        runs.append(("sine", lambda: _identify_sine(campaign, campaign.of("sine"), options)))
     runs.extend(
-        (signal, partial(_broadband, campaign, signal, options))
+        (signal, partial(_identify_broadband, campaign, signal, options))
         for signal in BROADBAND
         if campaign.of(signal) and test in (None, signal)
     )
     if test is None:
-        runs.extend(("frf", partial(_frf, campaign, i, options)) for i in range(len(campaign.frfs)))
+        runs.extend(("frf", partial(_identify_frf, campaign, i, options)) for i in range(len(campaign.frfs)))
     return runs
 
 
-def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:
+def usable_blocks(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:
     """The blocks in SI units without those at full scale or with faults in their samples, and a note on these.
 
     Those whose force is not that of the test they are labelled as are left out as well.
@@ -119,12 +129,12 @@ def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals]
     Raises:
         DataError: damaged samples, no block is left, or most are of another kind of test.
     """
-    clean, notes = sound(campaign, blocks, campaign.rig.force_channel.name)
+    clean, notes = undamaged_records(campaign, blocks, campaign.rig.force_channel.name)
     kept, remarks = check_kind(to_signals_of(clean, campaign.rig))
     return kept, (*notes, *remarks)
 
 
-def _with_scale(found: Identified, rig: Rig) -> Identified:
+def _with_scale(found: IdentifiedTest, rig: Rig) -> IdentifiedTest:
     return replace(found, model=with_scale(found.model, rig))
 
 
@@ -132,27 +142,27 @@ def _with_notes(model: ModalModel, notes: tuple[str, ...]) -> ModalModel:
     return model.model_copy(update={"notes": (*notes, *model.notes)})
 
 
-def _judged(
-    source: Source, model: ModalModel, verification: Verification, assessment: Assessment, index: int = 0
-) -> Identified:
+def _with_doubts(
+    source: Source, model: ModalModel, verification: Verification, assessment: ModelAssessment, index: int = 0
+) -> IdentifiedTest:
     """With what is to be doubted of it among its notes."""
-    doubted = (*doubts(model, assessment.confidence), *mismatch_warning(model, verification.frac))
+    doubted = (*doubts_about_modes(model, assessment.confidence), *mismatch_warning(model, verification.frac))
     noted = model.model_copy(update={"notes": (*model.notes, *doubted)})
-    return Identified(source, noted, verification, assessment, index)
+    return IdentifiedTest(source, noted, verification, assessment, index)
 
 
-def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
-    signals, notes = usable(campaign, blocks)
+def _identify_impact(campaign: Campaign, blocks: tuple[Block, ...], options: IdentificationOptions) -> IdentifiedTest:
+    signals, notes = usable_blocks(campaign, blocks)
     groups = group_by_point(signals)
     own_model = options.own_model
     if own_model is not None:
         frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups), estimator=options.frf)
-        return Identified("impact", _with_notes(own_model(frf, "impact"), notes), None)
+        return IdentifiedTest("impact", _with_notes(own_model(frf, "impact"), notes), None)
     if options.frf != "H1":
         model, fit, frf = identify_averaged_hits(groups, campaign.rig, options)
-        return _judged("impact", _with_notes(model, notes), verify_frf(model, frf), assess_frf(model, fit, frf))
-    pooled, error = _tried(lambda: _of_hits(signals, notes, campaign.rig, options))
-    if pooled is not None and linear(pooled):
+        return _with_doubts("impact", _with_notes(model, notes), verify_frf(model, frf), assess_frf(model, fit, frf))
+    pooled, error = _try_identify(lambda: _model_of_hits(signals, notes, campaign.rig, options))
+    if pooled is not None and is_linear(pooled):
         return pooled
     band = options.band_hz or default_band(groups)
     shift = float(np.log(LEAK) * signals[0].rate_hz / signals[0].force.size)
@@ -164,12 +174,14 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
         )
         return DriveLevel(name, whole, hits, each)
 
-    levels = [level(name, parts) for name, parts in by_strength(groups)]
-    found = of_weakest(pooled, levels, lambda o: _of_hits(softest(groups), notes, campaign.rig, o), options)
-    return _there(found, error)
+    levels = [level(name, parts) for name, parts in group_by_strength(groups)]
+    found = model_of_weakest_level(
+        pooled, levels, lambda o: _model_of_hits(softest_hits(groups), notes, campaign.rig, o), options
+    )
+    return _require_model(found, error)
 
 
-def _tried(identify: Callable[[], Identified]) -> tuple[Identified | None, ModallabError | None]:
+def _try_identify(identify: Callable[[], IdentifiedTest]) -> tuple[IdentifiedTest | None, ModallabError | None]:
     """A model, or why there is none: that of records of several levels may be none where one level gives one."""
     try:
         return identify(), None
@@ -177,79 +189,81 @@ def _tried(identify: Callable[[], Identified]) -> tuple[Identified | None, Modal
         return None, error
 
 
-def _there(found: Identified | None, error: ModallabError | None) -> Identified:
+def _require_model(found: IdentifiedTest | None, error: ModallabError | None) -> IdentifiedTest:
     if found is None:
         raise error or IdentificationError("no mode was found", remedy="look at the FRFs")
     return found
 
 
-def _of_hits(signals: list[Signals], notes: tuple[str, ...], rig: Rig, options: Options) -> Identified:
+def _model_of_hits(
+    signals: list[Signals], notes: tuple[str, ...], rig: Rig, options: IdentificationOptions
+) -> IdentifiedTest:
     groups = group_by_point(signals)
-    with part(0.05, 0.9):
+    with part_of_progress(0.05, 0.9):
         model, fit = identify_impact(signals, rig, options)
-    report(0.9, "assessment")
+    report_progress(0.9, "assessment")
     assessment = assess_impact(model, fit, groups, rig)
     verification = verify_impact(model, fit, groups, rig)
-    return _judged("impact", _with_notes(model, notes), verification, assessment)
+    return _with_doubts("impact", _with_notes(model, notes), verification, assessment)
 
 
-def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
+def _identify_sine(campaign: Campaign, blocks: tuple[Block, ...], options: IdentificationOptions) -> IdentifiedTest:
     _require_averaged(options, "a sine's FRF is the ratio of two fitted amplitudes")
-    signals, notes = usable(campaign, blocks)
+    signals, notes = usable_blocks(campaign, blocks)
     own_model = options.own_model
     if own_model is not None:
         low, high = options.band_hz or (0.0, float("inf"))
         frf = stepped_frf([s for s in signals if low <= s.tone.frequency_hz <= high], campaign.rig)
-        return Identified("sine", _with_notes(own_model(frf, "sine"), notes), None)
-    with part(0.05, 0.9):
+        return IdentifiedTest("sine", _with_notes(own_model(frf, "sine"), notes), None)
+    with part_of_progress(0.05, 0.9):
         model, fit = identify_sine(signals, campaign.rig, options)
-    report(0.9, "assessment")
+    report_progress(0.9, "assessment")
     assessment = assess_sine(model, fit, signals, campaign.rig)
     verification = verify_sine(model, fit, signals, campaign.rig)
-    return _judged("sine", _with_notes(model, notes), verification, assessment)
+    return _with_doubts("sine", _with_notes(model, notes), verification, assessment)
 
 
-def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identified:
-    every, notes = usable(campaign, campaign.of(test))
-    every = on_own_clock(every, options.band_hz or driven_band(every))
+def _identify_broadband(campaign: Campaign, test: Broadband, options: IdentificationOptions) -> IdentifiedTest:
+    every, notes = usable_blocks(campaign, campaign.of(test))
+    every = cut_to_own_clock(every, options.band_hz or driven_band(every))
     band = options.band_hz or driven_band(every)
     frf = frf_of_drive(every, campaign.rig, band, options.frf)
     own_model = options.own_model
     if own_model is not None:
-        return Identified(test, _with_notes(own_model(frf, test), notes), None)
-    pooled, error = _tried(lambda: _of_drive(test, every, frf, notes, campaign.rig, options))
-    if pooled is not None and linear(pooled):
+        return IdentifiedTest(test, _with_notes(own_model(frf, test), notes), None)
+    pooled, error = _try_identify(lambda: _model_of_drive(test, every, frf, notes, campaign.rig, options))
+    if pooled is not None and is_linear(pooled):
         return pooled
-    parts = by_level(every)
+    parts = group_by_level(every)
     levels = (
         [DriveLevel(n, frf_of_drive(s, campaign.rig, band, options.frf), s) for n, s in parts] if len(parts) > 1 else []
     )
-    found = of_weakest(
-        pooled, levels, lambda o: _of_drive(test, parts[0][1], levels[0].frf, notes, campaign.rig, o), options
+    found = model_of_weakest_level(
+        pooled, levels, lambda o: _model_of_drive(test, parts[0][1], levels[0].frf, notes, campaign.rig, o), options
     )
-    return _there(found, error)
+    return _require_model(found, error)
 
 
-def _of_drive(
-    test: Broadband, signals: list[Signals], frf: Frf, notes: tuple[str, ...], rig: Rig, options: Options
-) -> Identified:
+def _model_of_drive(
+    test: Broadband, signals: list[Signals], frf: Frf, notes: tuple[str, ...], rig: Rig, options: IdentificationOptions
+) -> IdentifiedTest:
     found, fit, frf = identify_drive(signals, frf, rig, options)
     model = found.model_copy(update={"test": test})
     assessment = assess_broadband(model, fit, signals, frf, rig)
-    return _judged(test, _with_notes(model, notes), verify_frf(model, frf), assessment)
+    return _with_doubts(test, _with_notes(model, notes), verify_frf(model, frf), assessment)
 
 
-def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
+def _identify_frf(campaign: Campaign, index: int, options: IdentificationOptions) -> IdentifiedTest:
     _require_averaged(options, "these FRFs are made already")
     frf = campaign.frfs[index]
     own_model = options.own_model
     if own_model is not None:
-        return Identified("frf", own_model(in_band(frf, options.band_hz), None), None, index=index)
+        return IdentifiedTest("frf", own_model(frf_in_band(frf, options.band_hz), None), None, index=index)
     model, fit = identify_given_frf(frf, campaign.rig, options)
     assessment = assess_frf(model, fit, frf)
-    return _judged("frf", model, verify_frf(model, frf), assessment, index)
+    return _with_doubts("frf", model, verify_frf(model, frf), assessment, index)
 
 
-def _require_averaged(options: Options, why: str) -> None:
+def _require_averaged(options: IdentificationOptions, why: str) -> None:
     if options.frf != "H1":
         raise DataError(f"there is no {options.frf} to be had: {why}", remedy="leave the kind of FRF out, or give H1")

@@ -19,7 +19,7 @@ from modallab.core.errors import IdentificationError, ModallabError, StorageErro
 from modallab.core.frozen import Frozen
 from modallab.core.hold_out import HoldOut
 from modallab.core.plan import Precision
-from modallab.core.progress import part, report_progress_to
+from modallab.core.progress import part_of_progress, report_progress_to
 from modallab.formats.atomic import replacing
 from modallab.jobs import Computed, Kind, Notify
 from modallab.pipelines.parameters import (
@@ -61,7 +61,7 @@ def kinds(
             return campaigns(inputs) if inputs else None, parse_parameters(name, parameters)
 
         def keep(attempt: str, computed: Computed) -> JsonValue:
-            return {"document": computed.result, "files": _keep(folder, attempt, computed.blobs)}
+            return {"document": computed.result, "files": _keep_blobs(folder, attempt, computed.blobs)}
 
         return Kind(name, load, compute, keep, limit_s, revision)
 
@@ -111,33 +111,33 @@ def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> C
     with report_progress_to(notify):
         found = parameters.identified(campaign)
     curves = curves_of(campaign, found).model_dump_json().encode()
-    return Computed(_plain(model_document(campaign, found)), {CURVES: curves})
+    return Computed(_plain_document(model_document(campaign, found)), {CURVES: curves})
 
 
 def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> Computed:
-    from modallab.identification.options import Options
+    from modallab.identification.options import IdentificationOptions
     from modallab.pipelines.identify import identify_campaign
     from modallab.pipelines.telling_point import telling_point
 
     campaign, _ = payload
-    compared = _agreement(campaign)
+    compared = _agreement_of_campaign(campaign)
     names = ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma")
     so_far: dict[str, Any] = {"blocks": len(campaign.blocks), "agreement": compared}
     try:
         with report_progress_to(notify):
-            model = identify_campaign(campaign, Options(), None).identified[-1].model
+            model = identify_campaign(campaign, IdentificationOptions(), None).identified[-1].model
     except IdentificationError:
         # One hit is enough for the comparison, if not for a model.
         if compared is None:
             raise
-        return Computed(_plain({name: [] for name in names} | so_far | {"telling_point": None}))
+        return Computed(_plain_document({name: [] for name in names} | so_far | {"telling_point": None}))
     found = json.loads(model.model_dump_json(include=set(names)))
     hits = Counter(b.drive_point for b in campaign.blocks if b.drive_point is not None)
     more = {"telling_point": telling_point(model, campaign.rig, hits, Precision())}
-    return Computed(_plain({name: found[name] for name in names} | so_far | more))
+    return Computed(_plain_document({name: found[name] for name in names} | so_far | more))
 
 
-def _agreement(campaign: Campaign) -> dict[str, Any] | None:
+def _agreement_of_campaign(campaign: Campaign) -> dict[str, Any] | None:
     """Whether the simulation agrees with the latest records; None where the rig or the records allow no comparison."""
     from modallab.gap.inference.agreement import agreement, latest
 
@@ -154,11 +154,11 @@ def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Compu
     from modallab.reporting.report import render
 
     campaign, parameters = payload
-    with report_progress_to(notify), part(0.0, 0.7):
+    with report_progress_to(notify), part_of_progress(0.0, 0.7):
         result = parameters.identified(campaign)
     notify(0.7, "figures")
     content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
-    return Computed(_plain(model_document(campaign, result)), {"report.html": render(content).encode()})
+    return Computed(_plain_document(model_document(campaign, result)), {"report.html": render(content).encode()})
 
 
 def _diagnose(payload: Compared, notify: Notify) -> Computed:
@@ -167,20 +167,20 @@ def _diagnose(payload: Compared, notify: Notify) -> Computed:
 
     campaign, parameters, before = payload
     if before is not None:
-        return _by_model(campaign, before, notify)
-    with report_progress_to(notify), part(0.0, 0.95):
+        return _diagnose_by_model(campaign, before, notify)
+    with report_progress_to(notify), part_of_progress(0.0, 0.95):
         diagnosis = diagnose(campaign, HoldOut.parse(parameters.hold_out))
     notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render(diagnosis, campaign).encode()})
 
 
-def _by_model(campaign: Campaign, before: Campaign, notify: Notify) -> Computed:
+def _diagnose_by_model(campaign: Campaign, before: Campaign, notify: Notify) -> Computed:
     from modallab.pipelines.structure_gap import gap_of, model_to_compare
     from modallab.reporting.structure_report import render
 
-    with report_progress_to(notify), part(0.0, 0.4):
+    with report_progress_to(notify), part_of_progress(0.0, 0.4):
         reference = model_to_compare(before)
-    with report_progress_to(notify), part(0.4, 0.95):
+    with report_progress_to(notify), part_of_progress(0.4, 0.95):
         gap = gap_of(campaign, reference, f"a campaign from before, {before.source}")
     notify(0.95, "figures")
     return Computed(json.loads(gap.diagnosis.model_dump_json()), {"gap.html": render(gap).encode()})
@@ -188,20 +188,20 @@ def _by_model(campaign: Campaign, before: Campaign, notify: Notify) -> Computed:
 
 def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> Computed:
     from modallab.blind.page import render
-    from modallab.blind.run import blind
+    from modallab.blind.run import run_blind_trials
 
     _, parameters = payload
     with report_progress_to(notify), TemporaryDirectory() as folder:
-        found = blind(Path(folder), parameters)
+        found = run_blind_trials(Path(folder), parameters)
     return Computed(json.loads(found.model_dump_json()), {"blind.html": render(found).encode()})
 
 
-def _plain(document: Mapping[str, object]) -> JsonValue:
+def _plain_document(document: Mapping[str, object]) -> JsonValue:
     # Tuples become lists here rather than in the database, so that a result is the same before and after.
     return json.loads(json.dumps(document, allow_nan=False))
 
 
-def _keep(folder: Path, attempt: str, blobs: dict[str, bytes]) -> dict[str, JsonValue]:
+def _keep_blobs(folder: Path, attempt: str, blobs: dict[str, bytes]) -> dict[str, JsonValue]:
     if not blobs:
         return {}
     place = folder / RESULTS / attempt

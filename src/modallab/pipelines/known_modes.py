@@ -29,11 +29,11 @@ def with_known_modes(plan: Plan, recorded: Callable[[], Campaign]) -> Plan:
     if not isinstance(plan, SinePlan) or plan.max_settle_s is None or plan.modes:
         return plan
     # Not above: few plans need it, and every process that records loads this module.
-    from modallab.identification.options import Options
+    from modallab.identification.options import IdentificationOptions
     from modallab.pipelines.identify import identify_campaign
 
     try:
-        result = identify_campaign(recorded(), Options(), "impact")
+        result = identify_campaign(recorded(), IdentificationOptions(), "impact")
     except ModallabError:
         return plan
     return with_modes(plan, result.identified[0].model)

@@ -12,9 +12,9 @@ from modallab.core.units import Test
 from modallab.core.verification import Verification
 from modallab.identification.backbone import DriveLevel, backbone_of, is_nonlinear
 from modallab.identification.backbone_laws import level_notes
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import Signals
-from modallab.verification.assessment import Assessment
+from modallab.verification.assessment import ModelAssessment
 
 Source = Test | Literal["frf"]
 Groups = Sequence[Sequence[Signals]]
@@ -23,7 +23,7 @@ FORCE_RATIO = 1.5
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Identified:
+class IdentifiedTest:
     """One test's model, its verification and its assessment; none for the peak method: it has no model of the block.
 
     `index` is the place among the campaign's FRFs of the one it came from.
@@ -32,18 +32,18 @@ class Identified:
     source: Source
     model: ModalModel
     verification: Verification | None
-    assessment: Assessment | None = None
+    assessment: ModelAssessment | None = None
     index: int = 0
 
 
-def by_level(signals: Sequence[Signals]) -> list[tuple[str, list[Signals]]]:
+def group_by_level(signals: Sequence[Signals]) -> list[tuple[str, list[Signals]]]:
     """The records of each level that they name, from the weakest force to the strongest."""
     names = dict.fromkeys(s.block.level or "" for s in signals)
     found = [(name, [s for s in signals if (s.block.level or "") == name]) for name in names]
-    return sorted(found, key=lambda level: np.mean([_strength(s) for s in level[1]]))
+    return sorted(found, key=lambda level: np.mean([_strength_of_drive(s) for s in level[1]]))
 
 
-def by_strength(groups: Groups) -> list[tuple[str, list[list[Signals]]]]:
+def group_by_strength(groups: Groups) -> list[tuple[str, list[list[Signals]]]]:
     """Hits at the points that were hit at several levels, from the softest to the hardest; none if there are no such.
 
     Levels are those that the hits name; where they name none, hits whose peaks are near each other.
@@ -56,31 +56,34 @@ def by_strength(groups: Groups) -> list[tuple[str, list[list[Signals]]]]:
     found: list[tuple[str, list[list[Signals]]]] = []
     for k in range(count):
         parts = [each[k * (len(each) - 1) // (count - 1)] for each in levels if len(each) > 1]
-        name = parts[0][0].block.level or f"{np.mean([_peak(hit) for part in parts for hit in part]):.3g} N"
+        name = parts[0][0].block.level or f"{np.mean([_peak_force(hit) for part in parts for hit in part]):.3g} N"
         found.append((name, parts))
     return found
 
 
-def softest(groups: Groups) -> list[Signals]:
+def softest_hits(groups: Groups) -> list[Signals]:
     """The hits of the softest level at each point."""
     return [hit for group in groups for hit in _levels_of(group)[0]]
 
 
 def _levels_of(hits: Sequence[Signals]) -> list[list[Signals]]:
     if len({s.block.level for s in hits}) > 1:
-        return [records for _, records in by_level(hits)]
+        return [records for _, records in group_by_level(hits)]
     found: list[list[Signals]] = []
-    for hit in sorted(hits, key=_peak):
-        if found and _peak(hit) <= FORCE_RATIO * _peak(found[-1][0]):
+    for hit in sorted(hits, key=_peak_force):
+        if found and _peak_force(hit) <= FORCE_RATIO * _peak_force(found[-1][0]):
             found[-1].append(hit)
         else:
             found.append([hit])
     return found
 
 
-def of_weakest(
-    pooled: Identified | None, levels: Sequence[DriveLevel], identify: Callable[[Options], Identified], options: Options
-) -> Identified | None:
+def model_of_weakest_level(
+    pooled: IdentifiedTest | None,
+    levels: Sequence[DriveLevel],
+    identify: Callable[[IdentificationOptions], IdentifiedTest],
+    options: IdentificationOptions,
+) -> IdentifiedTest | None:
     """The model of the weakest level with its modes' backbones, where the modes go with the level.
 
     Overtones that stand for modes at the weakest level are dropped. Else the pooled model is left as it is.
@@ -110,13 +113,13 @@ def of_weakest(
     return replace(weak, model=model, assessment=assessment)
 
 
-def linear(found: Identified) -> bool:
+def is_linear(found: IdentifiedTest) -> bool:
     """Whether the verdict is that linearity holds."""
     verdicts = () if found.assessment is None else found.assessment.verdicts
     return any(verdict.holds for verdict in verdicts if verdict.assumption == "linearity")
 
 
-def _with_linearity(own: Assessment | None, pooled: Assessment | None) -> Assessment | None:
+def _with_linearity(own: ModelAssessment | None, pooled: ModelAssessment | None) -> ModelAssessment | None:
     """An assessment with the verdict on linearity of all levels."""
     if own is None or pooled is None:
         return own
@@ -126,9 +129,9 @@ def _with_linearity(own: Assessment | None, pooled: Assessment | None) -> Assess
     return replace(own, verdicts=(*verdict, *others), unjudged=unjudged)
 
 
-def _peak(signals: Signals) -> float:
+def _peak_force(signals: Signals) -> float:
     return float(np.max(np.abs(signals.force)))
 
 
-def _strength(signals: Signals) -> float:
+def _strength_of_drive(signals: Signals) -> float:
     return float(np.sqrt(np.mean(signals.forces**2)))

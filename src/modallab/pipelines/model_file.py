@@ -16,13 +16,13 @@ from modallab.core.errors import DataError, FormatError
 from modallab.core.model import ModalModel
 from modallab.core.versions import MODEL
 from modallab.formats.atomic import replacing
-from modallab.pipelines.identify import Identified, Result
-from modallab.verification.assessment import Assessment
-from modallab.verification.comparison import compare
-from modallab.verification.verify import frac, synthesised
+from modallab.pipelines.identify import CampaignResult, IdentifiedTest
+from modallab.verification.assessment import ModelAssessment
+from modallab.verification.comparison import compare_shapes
+from modallab.verification.verify import frac, synthesised_frf
 
 
-def write_models(path: Path, campaign: Campaign, result: Result) -> None:
+def write_models(path: Path, campaign: Campaign, result: CampaignResult) -> None:
     """One JSON document: every test's model, its FRAC, and where it comes from. Whole, or not at all.
 
     Raises:
@@ -53,7 +53,7 @@ def read_models(path: Path) -> tuple[ModalModel, ...]:
         ) from error
 
 
-def model_document(campaign: Campaign, result: Result) -> dict[str, object]:
+def model_document(campaign: Campaign, result: CampaignResult) -> dict[str, object]:
     """The content of that file as JSON values."""
     return {
         "format_version": MODEL,
@@ -65,61 +65,61 @@ def model_document(campaign: Campaign, result: Result) -> dict[str, object]:
         # Beside the models, not in them: what reads a model today reads it unchanged.
         "assessments": [None if i.assessment is None else _assessment(i.assessment) for i in result.identified],
         "frac_uncut": [_frac_uncut(item) for item in result.identified],
-        "comparisons": _comparisons(result),
+        "comparisons": _model_comparisons(result),
         "without_model": [{"test": item.source, "error": str(item.error)} for item in result.unidentified],
     }
 
 
-def _comparisons(result: Result) -> list[dict[str, object]]:
+def _model_comparisons(result: CampaignResult) -> list[dict[str, object]]:
     """Shapes of every two models that share modes and points; places of models and modes count from 0."""
     found: list[dict[str, object]] = []
     for i, j in combinations(range(len(result.identified)), 2):
         try:
-            same = compare(result.identified[i].model, result.identified[j].model)
+            same = compare_shapes(result.identified[i].model, result.identified[j].model)
         except DataError:
             continue
         found.append(
             {
                 "models": [i, j],
                 "modes": [list(pair) for pair in same.pairs],
-                "mac": _numbers(same.mac),
+                "mac": _numbers_as_lists(same.mac),
                 "points": list(same.points),
-                "comac": _numbers(same.comac),
+                "comac": _numbers_as_lists(same.comac),
             }
         )
     return found
 
 
-def _model(item: Identified) -> dict[str, object]:
+def _model(item: IdentifiedTest) -> dict[str, object]:
     content = item.model.model_dump(mode="json")
     content["frac"] = None if item.verification is None else item.verification.frac.tolist()
     return content
 
 
-def _frac_uncut(item: Identified) -> list[list[float]] | None:
+def _frac_uncut(item: IdentifiedTest) -> list[list[float]] | None:
     """FRAC of the measured FRFs against the model's own: lower where blocks end before the ring-down does."""
     if item.verification is None:
         return None
     measured = item.verification.measured
-    own = synthesised(item.model, measured.frequency_hz, measured.quantity)
+    own = synthesised_frf(item.model, measured.frequency_hz, measured.quantity)
     return frac(measured.values, own.values).tolist()
 
 
-def _assessment(found: Assessment) -> dict[str, object]:
+def _assessment(found: ModelAssessment) -> dict[str, object]:
     """Verdicts, what could not be judged and why, and indices by mode; what is not known is null."""
     return {
-        "verdicts": [_finite(asdict(verdict)) for verdict in found.verdicts],
+        "verdicts": [_nan_as_null(asdict(verdict)) for verdict in found.verdicts],
         "unjudged": [{"assumption": name, "why": why} for name, why in found.unjudged],
-        "confidence": _numbers(found.confidence),
-        "mpc": _numbers(found.mpc),
-        "mpd_rad": _numbers(found.mpd_rad),
-        "auto_mac": [_numbers(row) for row in found.auto_mac],
+        "confidence": _numbers_as_lists(found.confidence),
+        "mpc": _numbers_as_lists(found.mpc),
+        "mpd_rad": _numbers_as_lists(found.mpd_rad),
+        "auto_mac": [_numbers_as_lists(row) for row in found.auto_mac],
     }
 
 
-def _finite(values: Mapping[str, object]) -> dict[str, object]:
+def _nan_as_null(values: Mapping[str, object]) -> dict[str, object]:
     return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
 
 
-def _numbers(values: NDArray[np.float64]) -> list[float | None]:
+def _numbers_as_lists(values: NDArray[np.float64]) -> list[float | None]:
     return [float(v) if np.isfinite(v) else None for v in values]

@@ -12,11 +12,11 @@ from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
 from modallab.formats.fem.fem_file import FemParameter, read_matrix_model
 from modallab.formats.fem.matrix_model import MASS, STIFFNESS, MatrixModel
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.updating.beam_model import BeamModel
 from modallab.updating.mode_data import measured_modes
-from modallab.updating.posterior import update
-from modallab.updating.predictor import Predictor, of_matrices
+from modallab.updating.posterior import update_parameters
+from modallab.updating.predictor import Predictor, predictor_of_matrices
 from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters
 
@@ -25,7 +25,7 @@ PREDICT, PRIORS = "predict", "priors"
 
 
 def update_model(
-    known: Known,
+    known: KnownStructure,
     of: Path | MatrixModel | Callable[..., Any] | None = None,
     priors: Mapping[str, Prior] | None = None,
     held_out: Sequence[int] = (),
@@ -46,19 +46,21 @@ def update_model(
         DataError: no rig, no such parameter or mode, or a model without the points of the test.
         FormatError: the file holds no matrices and no function.
     """
-    predict, stated = _model(known, of)
+    predict, stated = _matrix_model(known, of)
     given = {n: p if p.unit else replace(p, unit=_unit_of(n, of, stated)) for n, p in (priors or {}).items()}
-    return update(predict, stated | given, measured_modes(known), held_out)
+    return update_parameters(predict, stated | given, measured_modes(known), held_out)
 
 
 def _unit_of(name: str, of: object, stated: Mapping[str, Prior]) -> str:
     return BeamModel.unit_of(name) if of is None else stated[name].unit if name in stated else ""
 
 
-def _model(known: Known, of: Path | MatrixModel | Callable[..., Any] | None) -> tuple[Predictor, dict[str, Prior]]:
+def _matrix_model(
+    known: KnownStructure, of: Path | MatrixModel | Callable[..., Any] | None
+) -> tuple[Predictor, dict[str, Prior]]:
     freedoms = known.structure.freedoms
     if isinstance(of, Path) and of.suffix == ".py":
-        return _of_python(of)
+        return _predictor_of_file(of)
     if callable(of):
         return of, {}
     if of is None:
@@ -66,16 +68,16 @@ def _model(known: Known, of: Path | MatrixModel | Callable[..., Any] | None) -> 
         return beam, beam.priors
     matrices, stated = read_matrix_model(of) if isinstance(of, Path) else (of, dict[str, FemParameter]())
     own = {name: Prior(p.value, p.sigma, unit=p.unit) for name, p in stated.items()}
-    return of_matrices(matrices, known.stated_rig, freedoms), _of_the_whole(known.stated_rig) | own
+    return predictor_of_matrices(matrices, known.stated_rig, freedoms), _whole_campaign(known.stated_rig) | own
 
 
-def _of_the_whole(rig: Rig) -> dict[str, Prior]:
+def _whole_campaign(rig: Rig) -> dict[str, Prior]:
     t = rig.tolerance
     sizes = {STIFFNESS: np.hypot(t.youngs_modulus, 3 * t.thickness), MASS: np.hypot(t.density, t.thickness)}
     return {name: Prior(1.0, float(sigma), True) for name, sigma in sizes.items() if sigma > 0}
 
 
-def _of_python(path: Path) -> tuple[Predictor, dict[str, Prior]]:
+def _predictor_of_file(path: Path) -> tuple[Predictor, dict[str, Prior]]:
     if not path.is_file():
         raise FormatError("is not there, or no file", where=str(path), remedy="name a Python file with predict")
     held = runpy.run_path(str(path))

@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.core.digits import percent
+from modallab.core.digits import percent_text
 from modallab.core.frozen import Frozen
 from modallab.core.plan import BLOCK_S
 from modallab.core.rig import Beam
-from modallab.reporting.figures.half_power_reading import readings
-from modallab.twin.modes import solve
-from modallab.twin.structure import Structure
+from modallab.reporting.figures.half_power_reading import half_power_readings
+from modallab.twin.modes import solve_modes
+from modallab.twin.structure import TwinStructure
 
 TABLE_1 = ((4.8, 0.1250), (30.9, 0.0385), (87.8, 0.0103))
 """Hz and damping of the three modes, as printed."""
@@ -54,7 +54,7 @@ class PaperMode(Frozen):
     as_width: float
 
 
-class Explanation(Frozen):
+class BeamForTable(Frozen):
     """A beam that could have the frequencies of Table 1.
 
     Attributes:
@@ -72,7 +72,7 @@ class Explanation(Frozen):
     worst_lines: float
 
 
-class Paper(Frozen):
+class PaperExplained(Frozen):
     """What explains Table 1.
 
     Attributes:
@@ -85,26 +85,28 @@ class Paper(Frozen):
 
     line_hz: float
     modes: list[PaperMode]
-    explanations: list[Explanation]
+    explanations: list[BeamForTable]
     apart_hz: float
     said: list[str]
 
 
-def paper() -> Paper:
+def explain_paper() -> PaperExplained:
     """Explain Table 1 number by number."""
-    modes = [_mode(hz, damping) for hz, damping in TABLE_1]
-    bare = Structure.of(_BEAM, 0.006)
-    rigid = _explained("an ideal clamp", lambda _: bare, None)
-    spring = _explained("a root that turns", lambda k: replace(bare, root_rotation=1 / k), SPRINGS)
-    mass = _explained("a mass at the tip", lambda m: replace(bare, masses=((1.0, m * _BEAM.mass_kg),)), MASSES)
+    modes = [_paper_mode(hz, damping) for hz, damping in TABLE_1]
+    bare = TwinStructure.of(_BEAM, 0.006)
+    rigid = _best_beam("an ideal clamp", lambda _: bare, None)
+    spring = _best_beam("a root that turns", lambda k: replace(bare, root_rotation=1 / k), SPRINGS)
+    mass = _best_beam("a mass at the tip", lambda m: replace(bare, masses=((1.0, m * _BEAM.mass_kg),)), MASSES)
     apart = float(np.max(np.abs(np.subtract(spring.frequency_hz, mass.frequency_hz))))
     listed = [rigid, spring, mass]
-    return Paper(line_hz=LINE_HZ, modes=modes, explanations=listed, apart_hz=apart, said=_said(modes, listed, apart))
+    return PaperExplained(
+        line_hz=LINE_HZ, modes=modes, explanations=listed, apart_hz=apart, said=_modes_in_words(modes, listed, apart)
+    )
 
 
-def _mode(hz: float, damping: float) -> PaperMode:
+def _paper_mode(hz: float, damping: float) -> PaperMode:
     line = round(hz / LINE_HZ)
-    plain, hann = (readings(hz, np.array(DAMPING), BLOCK_S, HIT_S, hann=window) for window in (False, True))
+    plain, hann = (half_power_readings(hz, np.array(DAMPING), BLOCK_S, HIT_S, hann=window) for window in (False, True))
     return PaperMode(
         printed_hz=hz,
         printed_damping=damping,
@@ -116,14 +118,14 @@ def _mode(hz: float, damping: float) -> PaperMode:
     )
 
 
-def _explained(name: str, of: Callable[[float], Structure], sizes: Real | None) -> Explanation:
+def _best_beam(name: str, of: Callable[[float], TwinStructure], sizes: Real | None) -> BeamForTable:
     """The size whose worst distance from Table 1 is least, EI over rho A free: it only scales all frequencies."""
     tried = sizes if sizes is not None else np.zeros(1)
-    found = [_scaled(solve(of(float(size))).frequency_hz[:3]) for size in tried]
+    found = [_scale_frequencies(solve_modes(of(float(size))).frequency_hz[:3]) for size in tried]
     worst = np.array([off for _, off in found])
     best = int(np.argmin(worst))
     inside = tried[worst <= 0.5]
-    return Explanation(
+    return BeamForTable(
         name=name,
         best=None if sizes is None else float(tried[best]),
         frequency_hz=(found[best][0][0], found[best][0][1], found[best][0][2]),
@@ -132,7 +134,7 @@ def _explained(name: str, of: Callable[[float], Structure], sizes: Real | None) 
     )
 
 
-def _scaled(own_hz: Real) -> tuple[list[float], float]:
+def _scale_frequencies(own_hz: Real) -> tuple[list[float], float]:
     """The frequencies, scaled to be as near to Table 1 as can be, and their worst distance in lines."""
     printed = np.array([hz for hz, _ in TABLE_1])
     scales = np.linspace(0.9, 1.1, 2001)[:, None] * (printed[2] / own_hz[2])
@@ -141,24 +143,27 @@ def _scaled(own_hz: Real) -> tuple[list[float], float]:
     return (scales[k] * own_hz).tolist(), float(off[k])
 
 
-def _range(low: float, high: float) -> str:
-    return f"{percent(low)} to {percent(high)}"
+def _range_in_words(low: float, high: float) -> str:
+    return f"{percent_text(low)} to {percent_text(high)}"
 
 
-def _said(modes: list[PaperMode], listed: list[Explanation], apart: float) -> list[str]:
+def _modes_in_words(modes: list[PaperMode], listed: list[BeamForTable], apart: float) -> list[str]:
     first, second, third = modes
     rigid, spring, mass = listed
     lines = [str(m.line) for m in modes if m.on_line]
     said = [
         f"A block of {BLOCK_S} s has lines {LINE_HZ:.3f} Hz apart: a frequency read off a peak is known to half of "
         f"that, {LINE_HZ / 2:.2f} Hz. Lines {' and '.join(lines)} are in the table.",
-        f"Mode 1, {percent(first.printed_damping, 3)}: any beam of {_range(DAMPING[0], DAMPING[-1])} reads "
-        f"{_range(*first.plain)} in such a block without a window, and {_range(*first.hann)} under a Hann window. As a "
-        f"relative width it is a damping ratio of {percent(first.as_width, 3)}, as a damping ratio it is what the "
+        f"Mode 1, {percent_text(first.printed_damping, 3)}: any beam of "
+        f"{_range_in_words(DAMPING[0], DAMPING[-1])} reads "
+        f"{_range_in_words(*first.plain)} in such a block without a window, and "
+        f"{_range_in_words(*first.hann)} under a Hann window. As a "
+        f"relative width it is a damping ratio of {percent_text(first.as_width, 3)}, as a damping ratio it is what the "
         "window leaves: either way it is the block, not the beam.",
-        f"Of mode 2's {percent(second.printed_damping, 3)} and mode 3's {percent(third.printed_damping, 3)} the block "
-        f"alone makes {percent(second.plain[0])} and {percent(third.plain[0])}, under a Hann window "
-        f"{percent(second.hann[0])} and {percent(third.hann[0])}: the rest may be the beam's.",
+        f"Of mode 2's {percent_text(second.printed_damping, 3)} and mode 3's "
+        f"{percent_text(third.printed_damping, 3)} the block "
+        f"alone makes {percent_text(second.plain[0])} and {percent_text(third.plain[0])}, under a Hann window "
+        f"{percent_text(second.hann[0])} and {percent_text(third.hann[0])}: the rest may be the beam's.",
         f"The frequencies' ratios are not those of an ideal clamp. A root spring of {spring.best:.3g} EI/L and a tip "
         f"mass of 1/{1 / (mass.best or 1):.0f} of the beam fit equally: their frequencies differ by {apart:.2g} Hz at "
         f"most, {apart / LINE_HZ:.2g} of a line. Frequencies alone cannot decide; shapes and residues can.",
@@ -169,11 +174,11 @@ def _said(modes: list[PaperMode], listed: list[Explanation], apart: float) -> li
             f"{rigid.worst_lines:.2f} of a line of all three."
         )
     return said + [
-        f"Within half a line of all three is {found.name}, {_allowed(*found.allowed, unit, above)}."
+        f"Within half a line of all three is {found.name}, {_allowed_range(*found.allowed, unit, above)}."
         for found, unit, above in ((spring, "EI/L", True), (mass, "of the beam", False))
         if found.allowed is not None
     ]
 
 
-def _allowed(low: float, high: float, unit: str, above: bool) -> str:
+def _allowed_range(low: float, high: float, unit: str, above: bool) -> str:
     return f"{low:.2g} {unit} and stiffer" if above and high > 0.99 * SPRINGS[-1] else f"up to {high:.2g} {unit}"

@@ -10,20 +10,20 @@ from pydantic_core import PydanticCustomError
 from modallab.blind.request import BlindRequest
 from modallab.core.block import Campaign
 from modallab.core.errors import IdentificationError, JobError, PlanError
-from modallab.core.field_errors import sentences
-from modallab.core.frozen import Frozen, unstated
+from modallab.core.field_errors import error_sentences
+from modallab.core.frozen import Frozen, is_unstated
 from modallab.core.hold_out import HoldOut
 from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL, estimator_names, find_estimator
-from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
+from modallab.identification.options import USUAL_RESPONSE, IdentificationOptions, ResponseMethod
 
 if TYPE_CHECKING:
-    from modallab.pipelines.identify import Result
+    from modallab.pipelines.identify import CampaignResult
 
 Hertz = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
-def _estimator(name: str) -> str:
+def _check_estimator(name: str) -> str:
     names = [repr(known) for known in estimator_names()]
     if repr(name) not in names:
         listed = " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
@@ -31,7 +31,7 @@ def _estimator(name: str) -> str:
     return name
 
 
-def _rule(text: str) -> str:
+def _check_hold_out(text: str) -> str:
     try:
         return str(HoldOut.parse(text))
     except PlanError as error:
@@ -54,16 +54,16 @@ class IdentifyParameters(Frozen):
         response_method: how modes of the responses alone are found.
     """
 
-    method: Annotated[str, AfterValidator(_estimator)] = USUAL
+    method: Annotated[str, AfterValidator(_check_estimator)] = USUAL
     band_hz: tuple[Hertz, Hertz] | None = None
     max_order: Annotated[int, Field(ge=1)] | None = None
     test: Test | None = None
     refine: bool | None = None
     pick_hz: Annotated[tuple[Annotated[float, Field(gt=0, allow_inf_nan=False)], ...], Field(max_length=100)] = Field(
-        default=(), exclude_if=unstated
+        default=(), exclude_if=is_unstated
     )
     frf: FrfEstimator = Field(default="H1", exclude_if=lambda estimator: estimator == "H1")
-    response_only: bool | None = Field(default=None, exclude_if=unstated)
+    response_only: bool | None = Field(default=None, exclude_if=is_unstated)
     response_method: ResponseMethod = Field(default=USUAL_RESPONSE, exclude_if=lambda method: method == USUAL_RESPONSE)
 
     @model_validator(mode="after")
@@ -86,7 +86,7 @@ class IdentifyParameters(Frozen):
             )
         return self
 
-    def identified(self, campaign: Campaign) -> "Result":
+    def identified(self, campaign: Campaign) -> "CampaignResult":
         """What a campaign gives, asked so.
 
         Raises:
@@ -103,9 +103,9 @@ class IdentifyParameters(Frozen):
             method=self.response_method,
         )
 
-    def options(self) -> Options:
+    def options(self) -> IdentificationOptions:
         """For the identification."""
-        return Options(
+        return IdentificationOptions(
             method=self.method,
             band_hz=self.band_hz,
             max_order=self.max_order,
@@ -130,8 +130,8 @@ class DiagnoseParameters(Frozen):
             any structure.
     """
 
-    hold_out: Annotated[str, AfterValidator(_rule)] = "mixed"
-    reference: tuple[str, ...] = Field(default=(), exclude_if=unstated)
+    hold_out: Annotated[str, AfterValidator(_check_hold_out)] = "mixed"
+    reference: tuple[str, ...] = Field(default=(), exclude_if=is_unstated)
 
     def parted(self, inputs: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """The runs that are diagnosed, and those from before.
@@ -182,7 +182,7 @@ def parse_parameters(kind: str, given: Mapping[str, JsonValue]) -> Frozen:
     try:
         return PARAMETERS[kind].model_validate_json(json.dumps(dict(given)))
     except ValidationError as error:
-        wrong = "; ".join(sentences(error))
+        wrong = "; ".join(error_sentences(error))
         raise JobError(
             f"wrong parameters: {wrong}",
             where=kind,

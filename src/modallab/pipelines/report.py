@@ -12,11 +12,11 @@ from modallab.core.block import Block, Campaign
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.frf.estimate import convert, group_by_point, impact_frf
+from modallab.frf.estimate import convert_frf, group_by_point, impact_frf
 from modallab.identification.setups.readings import SetUpReading
 from modallab.pipelines.diagram import diagram_of
-from modallab.pipelines.identify import Identified, Result, Unidentified, usable
-from modallab.reporting.content import Hit, Outcome, ReportContent, Truth
+from modallab.pipelines.identify import CampaignResult, IdentifiedTest, TestWithoutModel, usable_blocks
+from modallab.reporting.content import ReportContent, ReportedHit, TestOutcome, TrueModes
 from modallab.reporting.figures.selection import example_block
 from modallab.signals.bandpass import bandpass, remove_mean
 from modallab.signals.signals import Signals, to_signals
@@ -27,7 +27,7 @@ PAPER_BAND = (3.0, 110.0)
 
 def report_content(
     campaign: Campaign,
-    result: Result,
+    result: CampaignResult,
     title: str,
     rejected: Sequence[tuple[Block, str]] = (),
     setups: Sequence[SetUpReading] = (),
@@ -45,8 +45,8 @@ def report_content(
         title=title,
         campaign=campaign,
         outcomes=(
-            *(_outcome(campaign, item, rejected) for item in result.identified),
-            *(_without(item) for item in result.unidentified),
+            *(_outcome_of_test(campaign, item, rejected) for item in result.identified),
+            *(_outcome_without_model(item) for item in result.unidentified),
         ),
         truth=truth_of(campaign),
         provenance={"modallab": __version__},
@@ -54,7 +54,7 @@ def report_content(
     )
 
 
-def truth_of(campaign: Campaign) -> Truth | None:
+def truth_of(campaign: Campaign) -> TrueModes | None:
     """The modes a simulated bench says it was built with, if it was one."""
     frequency = campaign.provenance.get("bench.frequency_hz")
     damping = campaign.provenance.get("bench.damping_ratio")
@@ -65,38 +65,38 @@ def truth_of(campaign: Campaign) -> Truth | None:
     hung_hz, hung_zeta = (campaign.provenance.get(f"bench.sine_{name}") for name in ("frequency_hz", "damping_ratio"))
     sine = None
     if hung_hz is not None and hung_zeta is not None:
-        sine = Truth(np.array(json.loads(hung_hz)), np.array(json.loads(hung_zeta)), source, None, drift)
-    return Truth(np.array(json.loads(frequency)), np.array(json.loads(damping)), source, sine, drift)
+        sine = TrueModes(np.array(json.loads(hung_hz)), np.array(json.loads(hung_zeta)), source, None, drift)
+    return TrueModes(np.array(json.loads(frequency)), np.array(json.loads(damping)), source, sine, drift)
 
 
-def _outcome(campaign: Campaign, item: Identified, rejected: Sequence[tuple[Block, str]]) -> Outcome:
+def _outcome_of_test(campaign: Campaign, item: IdentifiedTest, rejected: Sequence[tuple[Block, str]]) -> TestOutcome:
     if item.source == "frf":
-        return Outcome(
+        return TestOutcome(
             test=None,
             model=item.model,
             verification=item.verification,
             assessment=item.assessment,
-            diagram=diagram_of(campaign, item, _given(campaign, item)),
+            diagram=diagram_of(campaign, item, _frf_of_model(campaign, item)),
         )
     test: Test = item.source
     if item.model.operating_shapes is not None:
-        return Outcome(test=test, model=item.model, diagram="its modes were found in the responses alone")
+        return TestOutcome(test=test, model=item.model, diagram="its modes were found in the responses alone")
     block = example_block(campaign, test)
     example = None if block is None else to_signals(block, campaign.rig)
-    return Outcome(
+    return TestOutcome(
         test=test,
         model=item.model,
-        frf=_measured(campaign, item),
+        frf=_measured_signals(campaign, item),
         verification=item.verification,
         example=example,
-        filtered=None if example is None else _filtered(example),
-        hits=_hits(campaign, rejected) if test == "impact" else (),
+        filtered=None if example is None else _band_filtered(example),
+        hits=_hits_for_report(campaign, rejected) if test == "impact" else (),
         assessment=item.assessment,
         diagram=diagram_of(campaign, item),
     )
 
 
-def _given(campaign: Campaign, item: Identified) -> Frf:
+def _frf_of_model(campaign: Campaign, item: IdentifiedTest) -> Frf:
     """The FRF that the model was made from, at the lines of its band."""
     frf = campaign.frfs[item.index]
     inside = (frf.frequency_hz >= item.model.band_hz[0]) & (frf.frequency_hz <= item.model.band_hz[1])
@@ -105,29 +105,29 @@ def _given(campaign: Campaign, item: Identified) -> Frf:
     )
 
 
-def _without(item: Unidentified) -> Outcome:
-    return Outcome(test=None if item.source == "frf" else item.source, missing=str(item.error))
+def _outcome_without_model(item: TestWithoutModel) -> TestOutcome:
+    return TestOutcome(test=None if item.source == "frf" else item.source, missing=str(item.error))
 
 
-def _filtered(signals: Signals) -> NDArray[np.float64] | None:
+def _band_filtered(signals: Signals) -> NDArray[np.float64] | None:
     if PAPER_BAND[1] >= signals.rate_hz / 2 or signals.n_samples < PAPER_BAND[0] * 100:
         return None
     return bandpass(remove_mean(signals.responses), signals.rate_hz, PAPER_BAND)
 
 
-def _measured(campaign: Campaign, item: Identified) -> Frf | None:
+def _measured_signals(campaign: Campaign, item: IdentifiedTest) -> Frf | None:
     if item.source != "impact":
         return None if item.verification is None else item.verification.measured
-    signals, _ = usable(campaign, campaign.of("impact"))
+    signals, _ = usable_blocks(campaign, campaign.of("impact"))
     groups = group_by_point(signals)
-    return convert(impact_frf(groups, campaign.rig, item.model.band_hz), "mobility")
+    return convert_frf(impact_frf(groups, campaign.rig, item.model.band_hz), "mobility")
 
 
-def _hits(campaign: Campaign, rejected: Sequence[tuple[Block, str]]) -> tuple[Hit, ...]:
-    good = [_hit(block, campaign.rig, "") for block in campaign.of("impact")]
-    return (*good, *(_hit(block, campaign.rig, reason) for block, reason in rejected))
+def _hits_for_report(campaign: Campaign, rejected: Sequence[tuple[Block, str]]) -> tuple[ReportedHit, ...]:
+    good = [_hit_for_report(block, campaign.rig, "") for block in campaign.of("impact")]
+    return (*good, *(_hit_for_report(block, campaign.rig, reason) for block, reason in rejected))
 
 
-def _hit(block: Block, rig: Rig, reason: str) -> Hit:
+def _hit_for_report(block: Block, rig: Rig, reason: str) -> ReportedHit:
     force = to_signals(block, rig).force
-    return Hit(block.name, block.drive_point, force, block.rate_hz, accepted=not reason, reason=reason)
+    return ReportedHit(block.name, block.drive_point, force, block.rate_hz, accepted=not reason, reason=reason)

@@ -9,18 +9,18 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
-from modallab.frf.joined import contiguous
-from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
+from modallab.frf.joined import contiguous_blocks
+from modallab.identification.options import USUAL_RESPONSE, IdentificationOptions, ResponseMethod
 from modallab.identification.response_only.covariances import TooShortError
-from modallab.identification.response_only.looks import PLSCF, SSI_COV, Method
+from modallab.identification.response_only.looks import PLSCF, SSI_COV, PoleMethod
 from modallab.identification.response_only.modes import ResponseModes, response_modes
-from modallab.identification.response_only.periodic import words
-from modallab.pipelines.identify import Identified, Result, identify_campaign
-from modallab.pipelines.sound import sound
+from modallab.identification.response_only.periodic import lines_in_words
+from modallab.pipelines.identify import CampaignResult, IdentifiedTest, identify_campaign
+from modallab.pipelines.sound import undamaged_records
 from modallab.signals.signals import to_signals_of
 from modallab.verification.assessment import assess_model
 
-POLES: dict[ResponseMethod, Method] = {"ssi_cov": SSI_COV, "plscf_spectra": PLSCF}
+POLES: dict[ResponseMethod, PoleMethod] = {"ssi_cov": SSI_COV, "plscf_spectra": PLSCF}
 LEAST_PERIODS = 100.0
 """The lower edge of the band by itself: so many periods of it fit into the records."""
 TOP = 0.4
@@ -33,12 +33,12 @@ NO_FORCE = (
 
 def identify_chosen(
     campaign: Campaign,
-    options: Options,
+    options: IdentificationOptions,
     test: Test | None = None,
     *,
     response_only: bool | None = None,
     method: ResponseMethod = USUAL_RESPONSE,
-) -> Result:
+) -> CampaignResult:
     """The models by force and responses, or that of the responses alone.
 
     Args:
@@ -55,7 +55,7 @@ def identify_chosen(
     alone = campaign.rig.force is None and bool(campaign.blocks) if response_only is None else response_only
     if not alone:
         return identify_campaign(campaign, options, test)
-    if replace(options, band_hz=None) != Options():
+    if replace(options, band_hz=None) != IdentificationOptions():
         raise IdentificationError(
             "of the options of an identification, only the band goes with the responses alone",
             remedy="leave out method, order, refine, the kind of FRF, and what is to be picked or dropped",
@@ -68,7 +68,7 @@ def identify_responses(
     test: Test | None = None,
     band_hz: tuple[float, float] | None = None,
     method: ResponseMethod = USUAL_RESPONSE,
-) -> Result:
+) -> CampaignResult:
     """The modal model of one test's responses.
 
     Args:
@@ -83,10 +83,10 @@ def identify_responses(
     """
     records, rate, name, left_out = response_records(campaign, test)
     seconds = sum(r.shape[1] for r in records) / rate
-    band, found = _found(records, rate, band_hz, seconds, method)
-    periodic = (words(found.harmonics_hz),) if found.harmonics_hz.size else ()
-    model = _model(found, campaign, name, band, (NO_FORCE, *periodic, *left_out), method)
-    return Result((Identified(name, model, None, assess_model(model, (), (), found.confidence)),), ())
+    band, found = _find_response_modes(records, rate, band_hz, seconds, method)
+    periodic = (lines_in_words(found.harmonics_hz),) if found.harmonics_hz.size else ()
+    model = _response_model(found, campaign, name, band, (NO_FORCE, *periodic, *left_out), method)
+    return CampaignResult((IdentifiedTest(name, model, None, assess_model(model, (), (), found.confidence)),), ())
 
 
 def response_records(campaign: Campaign, test: Test | None) -> tuple[list[Real], float, Test, tuple[str, ...]]:
@@ -103,13 +103,13 @@ def response_records(campaign: Campaign, test: Test | None) -> tuple[list[Real],
             where=campaign.source,
             remedy="name the one whose responses are to be identified with --test",
         )
-    clean, left_out = sound(campaign, blocks, None)
+    clean, left_out = undamaged_records(campaign, blocks, None)
     signals = to_signals_of(clean, campaign.rig)
-    records = [np.concatenate([s.responses for s in run], axis=1) for run in contiguous(signals)]
+    records = [np.concatenate([s.responses for s in run], axis=1) for run in contiguous_blocks(signals)]
     return records, signals[0].rate_hz, blocks[0].test, left_out
 
 
-def _found(
+def _find_response_modes(
     records: list[Real],
     rate_hz: float,
     band_hz: tuple[float, float] | None,
@@ -130,7 +130,7 @@ def _found(
             low *= 2
 
 
-def _model(
+def _response_model(
     found: ResponseModes,
     campaign: Campaign,
     test: Test,

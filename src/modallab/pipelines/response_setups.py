@@ -12,12 +12,12 @@ from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test
-from modallab.identification.options import USUAL_RESPONSE, Options, ResponseMethod
+from modallab.identification.options import USUAL_RESPONSE, IdentificationOptions, ResponseMethod
 from modallab.identification.response_only.known_poles import shapes_at
 from modallab.identification.setups.found import joined_name
 from modallab.identification.setups.join_responses import Freedom, JoinedResponses, ResponseSetUp, join_responses
 from modallab.identification.setups.readings import SetUpReading
-from modallab.pipelines.identify import Identified, Result
+from modallab.pipelines.identify import CampaignResult, IdentifiedTest
 from modallab.pipelines.response_only import identify_responses, response_records
 from modallab.pipelines.setups import common_provenance, require_distinct, setup_names
 from modallab.verification.assessment import assess_model
@@ -37,7 +37,7 @@ class JoinedAlone:
         readings: what each set-up read of the joined modes.
     """
 
-    result: Result
+    result: CampaignResult
     campaign: Campaign
     models: tuple[ModalModel, ...]
     readings: tuple[SetUpReading, ...]
@@ -45,7 +45,7 @@ class JoinedAlone:
 
 def identify_response_setups(
     campaigns: Sequence[Campaign],
-    options: Options,
+    options: IdentificationOptions,
     test: Test | None = None,
     method: ResponseMethod = USUAL_RESPONSE,
 ) -> JoinedAlone:
@@ -63,7 +63,7 @@ def identify_response_setups(
     """
     if len(campaigns) < 2:
         raise DataError(f"{len(campaigns)} set-up is nothing to join", remedy="name at least two")
-    if replace(options, band_hz=None) != Options():
+    if replace(options, band_hz=None) != IdentificationOptions():
         raise IdentificationError(
             "of the options of an identification, only the band goes with the responses alone",
             remedy="leave out method, order, refine, and what is to be picked or dropped",
@@ -72,27 +72,29 @@ def identify_response_setups(
     names = setup_names(campaigns)
     found = [identify_responses(campaign, test, options.band_hz, method).identified[0] for campaign in campaigns]
     models = tuple(item.model for item in found)
-    setups = [_setup(n, m, c.rig) for n, m, c in zip(names, models, campaigns, strict=True)]
+    setups = [_setup_of_model(n, m, c.rig) for n, m, c in zip(names, models, campaigns, strict=True)]
 
     def look(n: int, frequency_hz: Real, damping_ratio: Real) -> tuple[Complex128, Real]:
         records, rate, *_ = response_records(campaigns[n], test)
-        rows, sense = _rows(campaigns[n].rig)
+        rows, sense = _outputs_by_freedom(campaigns[n].rig)
         values, sigma = shapes_at(records, rate, models[n].band_hz, frequency_hz, damping_ratio)
         return (values * sense)[:, rows], sigma[:, rows]
 
     joined = join_responses(setups, look)
-    read = _readings(setups, joined)
+    read = _setup_readings(setups, joined)
     rig = _joined_rig([c.rig for c in campaigns], joined.freedoms)
-    model = _model(models, read, joined, rig)
+    model = _joined_model(models, read, joined, rig)
     campaign = Campaign(rig, (), (), common_provenance(campaigns), campaigns[0].source)
     each = [of_modes(item.assessment.confidence if item.assessment else np.full(item.model.n_modes, np.nan), at)
             for item, at in zip(found, joined.places, strict=True)]  # fmt: skip
     sure = np.nan_to_num(np.array(each)).mean(axis=0)
-    result = Result((Identified(model.test or "random", model, None, assess_model(model, (), (), sure)),), ())
+    result = CampaignResult(
+        (IdentifiedTest(model.test or "random", model, None, assess_model(model, (), (), sure)),), ()
+    )
     return JoinedAlone(result, campaign, models, read)
 
 
-def _freedom(channel: Channel, rig: Rig) -> Freedom:
+def _freedom_of_channel(channel: Channel, rig: Rig) -> Freedom:
     if channel.point is None:
         raise DataError(
             f"channel {channel.name} has no point: set-ups are joined by the points of sensors that stay",
@@ -102,20 +104,20 @@ def _freedom(channel: Channel, rig: Rig) -> Freedom:
     return channel.point, channel.direction[1]
 
 
-def _rows(rig: Rig) -> tuple[list[int], Real]:
+def _outputs_by_freedom(rig: Rig) -> tuple[list[int], Real]:
     """The outputs that stand for their freedoms, the first of those at one, and the sense of every output."""
-    freedoms = [_freedom(c, rig) for c in rig.responses]
+    freedoms = [_freedom_of_channel(c, rig) for c in rig.responses]
     return [freedoms.index(f) for f in dict.fromkeys(freedoms)], np.array([rig.sense_of(c) for c in rig.responses])
 
 
-def _setup(name: str, model: ModalModel, rig: Rig) -> ResponseSetUp:
+def _setup_of_model(name: str, model: ModalModel, rig: Rig) -> ResponseSetUp:
     shapes, sigma = model.operating_shapes, model.operating_shape_sigma
     assert shapes is not None
-    first, sense = _rows(rig)
+    first, sense = _outputs_by_freedom(rig)
     unknown: Real = np.full(shapes.shape, np.nan)
     return ResponseSetUp(
         name,
-        tuple(_freedom(rig.responses[k], rig) for k in first),
+        tuple(_freedom_of_channel(rig.responses[k], rig) for k in first),
         model.frequency_hz,
         model.frequency_sigma_hz,
         model.damping_ratio,
@@ -130,7 +132,7 @@ def _joined_rig(rigs: Sequence[Rig], freedoms: Sequence[Freedom]) -> Rig:
     seen: dict[Freedom, Channel] = {}
     for rig in rigs:
         for channel in rig.responses:
-            freedom = _freedom(channel, rig)
+            freedom = _freedom_of_channel(channel, rig)
             along = {"direction": f"+{freedom[1]}"} if freedom[1] != rig.drive_direction[1] else {}
             renamed = {"name": joined_name(channel.name, channel.point), "input": ""} | along
             seen.setdefault(freedom, channel.model_copy(update=renamed))
@@ -147,7 +149,9 @@ def _joined_rig(rigs: Sequence[Rig], freedoms: Sequence[Freedom]) -> Rig:
     return Rig.model_validate(rigs[0].model_copy(update=update).model_dump())
 
 
-def _model(models: Sequence[ModalModel], read: Sequence[SetUpReading], joined: JoinedResponses, rig: Rig) -> ModalModel:
+def _joined_model(
+    models: Sequence[ModalModel], read: Sequence[SetUpReading], joined: JoinedResponses, rig: Rig
+) -> ModalModel:
     modes, outputs = joined.shapes.shape
     nothing = np.zeros((modes, outputs, 0))
     return models[0].model_copy(
@@ -169,15 +173,15 @@ def _model(models: Sequence[ModalModel], read: Sequence[SetUpReading], joined: J
             "notes": (
                 *dict.fromkeys(note for m in models for note in m.notes),
                 f"Joined from the set-ups {', '.join(item.name for item in read)} by the sensors that stay.",
-                *_lacking(joined, read),
-                *_left_out(models, joined, read),
-                *_off(joined, read),
+                *_lacking_modes_note(joined, read),
+                *_left_out_note(models, joined, read),
+                *_differing_setups_note(joined, read),
             ),
         }
     )
 
 
-def _lacking(joined: JoinedResponses, read: Sequence[SetUpReading]) -> Iterator[str]:
+def _lacking_modes_note(joined: JoinedResponses, read: Sequence[SetUpReading]) -> Iterator[str]:
     for r, places in enumerate(joined.places.T):
         lacking = [item.name for item, at in zip(read, places, strict=True) if at < 0]
         if lacking:
@@ -187,7 +191,9 @@ def _lacking(joined: JoinedResponses, read: Sequence[SetUpReading]) -> Iterator[
             )
 
 
-def _left_out(models: Sequence[ModalModel], joined: JoinedResponses, read: Sequence[SetUpReading]) -> Iterator[str]:
+def _left_out_note(
+    models: Sequence[ModalModel], joined: JoinedResponses, read: Sequence[SetUpReading]
+) -> Iterator[str]:
     for model, places, item in zip(models, joined.places, read, strict=True):
         alone = np.delete(model.frequency_hz, places[places >= 0])
         if alone.size:
@@ -195,7 +201,7 @@ def _left_out(models: Sequence[ModalModel], joined: JoinedResponses, read: Seque
             yield f"set-up {item.name}: {listed} Hz is in few set-ups, and not in the joined model"
 
 
-def _off(joined: JoinedResponses, read: Sequence[SetUpReading]) -> Iterator[str]:
+def _differing_setups_note(joined: JoinedResponses, read: Sequence[SetUpReading]) -> Iterator[str]:
     for item in read:
         if item.off.any():
             away = np.where(item.off, np.abs(item.frequency_hz / joined.frequency[0] - 1), 0.0)
@@ -207,7 +213,7 @@ def _off(joined: JoinedResponses, read: Sequence[SetUpReading]) -> Iterator[str]
             )
 
 
-def _readings(setups: Sequence[ResponseSetUp], joined: JoinedResponses) -> tuple[SetUpReading, ...]:
+def _setup_readings(setups: Sequence[ResponseSetUp], joined: JoinedResponses) -> tuple[SetUpReading, ...]:
     read = [
         [of_modes(v, at) for v in (s.frequency_hz, s.frequency_sigma_hz, s.damping_ratio, s.damping_sigma)]
         for s, at in zip(setups, joined.places, strict=True)

@@ -50,7 +50,7 @@ def import_results(path: Path, out: Path) -> tuple[str, ...]:
         f"{path.name} holds no measurement: {len(points)} points, {len(lines)} lines and {len(found.modes)} modes",
         f"geometry and shapes: {out.with_suffix('.json')}",
     ]
-    moving = [_moving(n, mode, found) for n, mode in enumerate(found.modes[:MOST_SHAPES], 1)]
+    moving = [_moving_shape(n, mode, found) for n, mode in enumerate(found.modes[:MOST_SHAPES], 1)]
     if moving and len(points) > 1:
         write_shapes_page(out.with_suffix(".html"), path.stem, points, lines, moving, found.geometry.surfaces)
         report.append(f"shapes, moving: {out.with_suffix('.html')}")
@@ -80,7 +80,7 @@ def results_document(found: Results, path: Path) -> dict[str, object]:
     }
 
 
-def _moving(n: int, mode: NodeMode, found: Results) -> MovingShape:
+def _moving_shape(n: int, mode: NodeMode, found: Results) -> MovingShape:
     rest = np.zeros(3, np.complex128)
     return MovingShape(
         f"Mode {n}", mode.frequency_hz, np.array([mode.at.get(node, rest) for node in found.geometry.points])

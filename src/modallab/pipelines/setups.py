@@ -13,17 +13,17 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
-from modallab.identification.frf_model import in_band
-from modallab.identification.options import Options
-from modallab.identification.setups.compare import Compared, compare_setups
+from modallab.identification.frf_model import frf_in_band
+from modallab.identification.options import IdentificationOptions
+from modallab.identification.setups.compare import ComparedSetUp, compare_setups
 from modallab.identification.setups.found import SetUpModel, joined_name, same_modes
 from modallab.identification.setups.join import join_setups, require_same_points
-from modallab.identification.setups.readings import SetUpReading, readings
-from modallab.pipelines.identify import Identified, Result, identify_campaign, usable
+from modallab.identification.setups.readings import SetUpReading, readings_of_setups
+from modallab.pipelines.identify import CampaignResult, IdentifiedTest, identify_campaign, usable_blocks
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Joined:
+class JoinedSetups:
     """Several set-ups of one hammer test, or several sets of FRFs, as one.
 
     Attributes:
@@ -34,14 +34,14 @@ class Joined:
         readings: what each set-up read of the joined modes.
     """
 
-    result: Result
-    compared: tuple[Compared, ...]
+    result: CampaignResult
+    compared: tuple[ComparedSetUp, ...]
     setups: tuple[SetUpModel, ...]
     campaign: Campaign
     readings: tuple[SetUpReading, ...]
 
 
-def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
+def identify_setups(campaigns: Sequence[Campaign], options: IdentificationOptions) -> JoinedSetups:
     """One modal model of the hits of several set-ups, or of the FRFs where that is all they hold.
 
     Args:
@@ -62,16 +62,20 @@ def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
         raise DataError(f"{len(campaigns)} set-up is nothing to join", remedy="name at least two")
     names = setup_names(campaigns)
     require_distinct(campaigns)
-    require_same_points([(n, _struck(c)) for n, c in zip(names, campaigns, strict=True)])
-    found = tuple(_identified(campaign, name, options) for campaign, name in zip(campaigns, names, strict=True))
+    require_same_points([(n, _struck_points(c)) for n, c in zip(names, campaigns, strict=True)])
+    found = tuple(_identify_setup(campaign, name, options) for campaign, name in zip(campaigns, names, strict=True))
     modes = same_modes(found)
     compared = compare_setups(found, modes)
     model = join_setups(found, modes, compared)
-    frf, first = _measured(campaigns, model), campaigns[0]
+    frf, first = _measured_frfs(campaigns, model), campaigns[0]
     joined = Campaign(_joined_rig(campaigns), (), (frf,), common_provenance(campaigns), first.source)
     # The records stay with their set-ups: the joined campaign holds FRFs.
-    return Joined(
-        Result((Identified("frf", model, None),), ()), compared, found, joined, readings(found, modes, compared)
+    return JoinedSetups(
+        CampaignResult((IdentifiedTest("frf", model, None),), ()),
+        compared,
+        found,
+        joined,
+        readings_of_setups(found, modes, compared),
     )
 
 
@@ -89,13 +93,13 @@ def require_distinct(campaigns: Sequence[Campaign]) -> None:
                 )
 
 
-def _struck(campaign: Campaign) -> tuple[int | None, ...]:
-    if _only_frfs(campaign):
+def _struck_points(campaign: Campaign) -> tuple[int | None, ...]:
+    if _is_frfs_alone(campaign):
         return campaign.frfs[0].input_points
     return tuple(dict.fromkeys(block.drive_point for block in campaign.of("impact")))
 
 
-def _only_frfs(campaign: Campaign) -> bool:
+def _is_frfs_alone(campaign: Campaign) -> bool:
     """Whether a campaign is one set of FRFs and nothing else."""
     return len(campaign.frfs) == 1 and not campaign.blocks
 
@@ -106,8 +110,8 @@ def setup_names(campaigns: Sequence[Campaign]) -> tuple[str, ...]:
     return tuple(name if name and names.count(name) == 1 else f"{n + 1}" for n, name in enumerate(names))
 
 
-def _identified(campaign: Campaign, name: str, options: Options) -> SetUpModel:
-    (item,) = identify_campaign(campaign, options, None if _only_frfs(campaign) else "impact").identified
+def _identify_setup(campaign: Campaign, name: str, options: IdentificationOptions) -> SetUpModel:
+    (item,) = identify_campaign(campaign, options, None if _is_frfs_alone(campaign) else "impact").identified
     return SetUpModel(name, item.model, tuple(c.mass_kg for c in campaign.rig.responses))
 
 
@@ -117,10 +121,10 @@ def common_provenance(campaigns: Sequence[Campaign]) -> dict[str, str]:
     return {key: value for key, value in known.items() if all(c.provenance.get(key) == value for c in campaigns)}
 
 
-def _measured(campaigns: Sequence[Campaign], model: ModalModel) -> Frf:
+def _measured_frfs(campaigns: Sequence[Campaign], model: ModalModel) -> Frf:
     """The FRFs of all set-ups, in the order of the joined outputs; of a sensor that stays those of the first."""
     rows: dict[str, NDArray[np.complex128]] = {}
-    frfs = [_frf(campaign, model.band_hz) for campaign in campaigns]
+    frfs = [_frf_of_campaign(campaign, model.band_hz) for campaign in campaigns]
     _require_same_lines(campaigns, frfs)
     for campaign, frf in zip(campaigns, frfs, strict=True):
         for channel, values in zip(campaign.rig.responses, frf.values, strict=True):
@@ -146,10 +150,10 @@ def _require_same_lines(campaigns: Sequence[Campaign], frfs: Sequence[Frf]) -> N
             )
 
 
-def _frf(campaign: Campaign, band_hz: tuple[float, float]) -> Frf:
-    if _only_frfs(campaign):
-        return in_band(campaign.frfs[0], band_hz)
-    signals, _ = usable(campaign, campaign.of("impact"))
+def _frf_of_campaign(campaign: Campaign, band_hz: tuple[float, float]) -> Frf:
+    if _is_frfs_alone(campaign):
+        return frf_in_band(campaign.frfs[0], band_hz)
+    signals, _ = usable_blocks(campaign, campaign.of("impact"))
     return impact_frf(group_by_point(signals), campaign.rig, band_hz)
 
 

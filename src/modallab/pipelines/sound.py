@@ -14,7 +14,9 @@ _NAMED = 3
 """Faults that a message lists; more of them are counted."""
 
 
-def sound(campaign: Campaign, blocks: Sequence[Block], force: str | None) -> tuple[tuple[Block, ...], tuple[str, ...]]:
+def undamaged_records(
+    campaign: Campaign, blocks: Sequence[Block], force: str | None
+) -> tuple[tuple[Block, ...], tuple[str, ...]]:
     """The records without those at full scale or with faults in their samples, and a note on these.
 
     Args:
@@ -42,16 +44,16 @@ def sound(campaign: Campaign, blocks: Sequence[Block], force: str | None) -> tup
         )
     if not clean:
         raise DataError(
-            f"every record has a fault in its samples: {_listed(faults.items())}",
+            f"every record has a fault in its samples: {_faults_in_words(faults.items())}",
             where=campaign.source,
             remedy="record again with another range or cable; or leave the channel out of both rig and recording",
         )
     notes = [f"Left out, because they ran into the converter's full scale: {', '.join(over)}."] if over else []
-    notes += [f"Left out, because of faults in their samples: {_listed(faults.items())}."] if faults else []
+    notes += [f"Left out, because of faults in their samples: {_faults_in_words(faults.items())}."] if faults else []
     return clean, tuple(notes)
 
 
-def _listed(faults: Iterable[tuple[str, tuple[Fault, ...]]]) -> str:
+def _faults_in_words(faults: Iterable[tuple[str, tuple[Fault, ...]]]) -> str:
     each = [f"{name}, {fault}" for name, found in faults for fault in found]
     more = f"; and {len(each) - _NAMED} more" if len(each) > _NAMED else ""
     return "; ".join(each[:_NAMED]) + more

@@ -13,9 +13,9 @@ from modallab.formats.fem.fem_file import FemModel, is_fem, read_fem
 from modallab.frf.estimate import group_by_point
 from modallab.gap.modal.diagnosis import Explained, explained_by_model
 from modallab.identification.impact import start_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.modification.mesh import Mesh
-from modallab.pipelines.identify import Identified, Result, usable
+from modallab.pipelines.identify import CampaignResult, IdentifiedTest, usable_blocks
 from modallab.pipelines.model_file import read_models
 from modallab.pipelines.response_only import identify_chosen
 from modallab.reporting.structure_report import StructureGap
@@ -44,7 +44,7 @@ class ComparedWith:
         """Its FRFs, where they are known: measured, or computed on the lines of those of the bench."""
         if self.elements is None:
             return _frf_of(self.before, self.model)
-        return None if like is None else frf_of_elements(self.elements, rig, like, _driven(self.model))
+        return None if like is None else frf_of_elements(self.elements, rig, like, _driven_points(self.model))
 
 
 def gap_of(
@@ -65,7 +65,7 @@ def gap_of(
         DataError: the two have nothing in common.
         IdentificationError: the campaign holds no mode.
     """
-    return gap_between(campaign, ComparedWith(reference, named, before=before), _identified(campaign))
+    return gap_between(campaign, ComparedWith(reference, named, before=before), _identify_bench(campaign))
 
 
 def gap_against(campaign: Campaign, path: Path) -> StructureGap:
@@ -79,11 +79,11 @@ def gap_against(campaign: Campaign, path: Path) -> StructureGap:
         FormatError: the file can be read as none of these.
         IdentificationError: a campaign holds no mode.
     """
-    identified = _identified(campaign)
+    identified = _identify_bench(campaign)
     return gap_between(campaign, read_reference(path, campaign.rig, identified.identified[0].model), identified)
 
 
-def gap_between(campaign: Campaign, reference: ComparedWith, identified: Result) -> StructureGap:
+def gap_between(campaign: Campaign, reference: ComparedWith, identified: CampaignResult) -> StructureGap:
     """What differs between a reference and the first model that a campaign gave.
 
     Args:
@@ -100,7 +100,7 @@ def gap_between(campaign: Campaign, reference: ComparedWith, identified: Result)
     frfs = reference.frf(campaign.rig, measured), measured
     explained = explained_by_model(reference.model, bench.model, campaign.rig, reference.mesh, own, frfs)
     records = None if bench.verification is None else bench.verification.measured
-    return StructureGap(campaign.rig, explained, reference.named, records, _beside(identified, explained, bench))
+    return StructureGap(campaign.rig, explained, reference.named, records, _not_compared(identified, explained, bench))
 
 
 def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf | None:
@@ -108,18 +108,18 @@ def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf
     if campaign is None:
         return None
     if model.test == "impact":
-        groups = group_by_point(usable(campaign, campaign.of("impact"))[0])
+        groups = group_by_point(usable_blocks(campaign, campaign.of("impact"))[0])
         return start_frf(groups, campaign.rig, model.band_hz)
     return campaign.frfs[index] if model.test is None and campaign.frfs else None
 
 
-def _what(path: Path) -> str:
+def _kind_of_file(path: Path) -> str:
     if path.suffix == ".json":
         return "a modal model"
     return "a finite-element model" if is_fem(path) else "a campaign from before"
 
 
-def _beside(identified: Result, explained: Explained, bench: Identified) -> tuple[str, ...]:
+def _not_compared(identified: CampaignResult, explained: Explained, bench: IdentifiedTest) -> tuple[str, ...]:
     """What of a campaign was not compared, a sentence each."""
     model, reference = bench.model, explained.free.of.model
     tests = [f.source for f in (*identified.identified[1:], *identified.unidentified)]
@@ -139,12 +139,12 @@ def model_to_compare(campaign: Campaign) -> ModalModel:
     Raises:
         IdentificationError: there is no mode.
     """
-    return _identified(campaign).identified[0].model
+    return _identify_bench(campaign).identified[0].model
 
 
-def _identified(campaign: Campaign) -> Result:
+def _identify_bench(campaign: Campaign) -> CampaignResult:
     _require_points(campaign)
-    return identify_chosen(campaign, Options())
+    return identify_chosen(campaign, IdentificationOptions())
 
 
 def _require_points(campaign: Campaign) -> None:
@@ -179,7 +179,7 @@ def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ComparedWith:
         FormatError: it can be read as none of these.
         IdentificationError: the campaign holds no mode.
     """
-    named = f"{_what(path)}, {path.name}"
+    named = f"{_kind_of_file(path)}, {path.name}"
     if path.suffix == ".json":
         models = read_models(path)
         if not models:
@@ -187,13 +187,13 @@ def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ComparedWith:
         return ComparedWith(models[0], named)
     if is_fem(path):
         fem = read_fem(path)
-        how = (fem, rig, bench.band_hz, _driven(bench))
+        how = (fem, rig, bench.band_hz, _driven_points(bench))
         return ComparedWith(model_of_elements(*how), named, mesh_of_elements(*how), elements=fem)
     before = _on_its_own_rig(path, rig)
     return ComparedWith(model_to_compare(before), named, before=before)
 
 
-def _driven(model: ModalModel) -> tuple[int, ...]:
+def _driven_points(model: ModalModel) -> tuple[int, ...]:
     return tuple(p for p in dict.fromkeys(model.input_points) if p is not None)
 
 

@@ -10,8 +10,8 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.identification.impact import default_band
-from modallab.identification.options import Options
-from modallab.pipelines.identify import identify_campaign, usable
+from modallab.identification.options import IdentificationOptions
+from modallab.pipelines.identify import identify_campaign, usable_blocks
 
 
 def trials_on(campaign: Campaign, folder: Path, request: MeasuredRequest) -> MeasuredOutcome:
@@ -44,9 +44,9 @@ def measured_frf(campaign: Campaign) -> Frf:
             remedy="name a campaign with a force channel",
         )
     if campaign.of("impact"):
-        groups = group_by_point(usable(campaign, campaign.of("impact"))[0])
+        groups = group_by_point(usable_blocks(campaign, campaign.of("impact"))[0])
         return impact_frf(groups, campaign.rig, default_band(groups))
-    verified = identify_campaign(campaign, Options()).identified[0].verification
+    verified = identify_campaign(campaign, IdentificationOptions()).identified[0].verification
     if verified is None:
         raise DataError("gives no FRFs", where=campaign.source, remedy="name a campaign of hits, sines or a drive")
     return verified.measured

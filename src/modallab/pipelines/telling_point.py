@@ -26,12 +26,15 @@ def telling_point(model: ModalModel, rig: Rig, hits: dict[int, int], target: Pre
     known = sum(count * shapes[point] for point, count in hits.items() if point in shapes)
     if not shapes or not np.all(known):
         return None
-    worst = {point: float(np.max(_over(model, target) / np.sqrt(1 + own / known))) for point, own in shapes.items()}
+    worst = {
+        point: float(np.max(_sigma_over_target(model, target) / np.sqrt(1 + own / known)))
+        for point, own in shapes.items()
+    }
     # Of points alike in that, the one that tells most of all modes together.
     return min(shapes, key=lambda p: (round(worst[p], 6), -float(np.sum(np.log1p(shapes[p] / known)))))
 
 
-def _over(model: ModalModel, target: Precision) -> Real:
+def _sigma_over_target(model: ModalModel, target: Precision) -> Real:
     """(modes,) sigma over its target, of frequency or damping, whichever is farther from it."""
     frequency = model.frequency_sigma_hz / model.frequency_hz / target.frequency_ratio
     return np.maximum(frequency, model.damping_sigma / model.damping_ratio / target.damping_ratio)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from modallab.reporting.markup import Markup, tag
+from modallab.reporting.markup import Markup, html_element
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class Bar:
     whisker: tuple[float, float] | None = None
 
 
-def bars(rows: Sequence[Bar], alt: str, least: float = 0.0) -> Markup:
+def scaled_bars(rows: Sequence[Bar], alt: str, least: float = 0.0) -> Markup:
     """The bars on one linear scale, from the most negative value, or zero, to the largest, or `least`."""
     values = [v for row in rows for v in (row.value, *(row.whisker or ()))]
     low, high = min([*values, 0.0]), max([*values, least, 1e-9])
@@ -33,18 +33,18 @@ def bars(rows: Sequence[Bar], alt: str, least: float = 0.0) -> Markup:
     def at(value: float) -> float:
         return 100 * (value - low) / (high - low)
 
-    return tag("ul", *(_bar(row, at(0.0), at) for row in rows), class_="bars", aria_label=alt)
+    return html_element("ul", *(_scaled_bar(row, at(0.0), at) for row in rows), class_="bars", aria_label=alt)
 
 
-def _bar(row: Bar, zero: float, at: Callable[[float], float]) -> Markup:
+def _scaled_bar(row: Bar, zero: float, at: Callable[[float], float]) -> Markup:
     end = at(row.value)
-    parts = [_box(min(zero, end), abs(end - zero), f"background:var(--{row.colour})")]
+    parts = [_bar_box(min(zero, end), abs(end - zero), f"background:var(--{row.colour})")]
     if row.whisker is not None:
         low, high = (at(v) for v in row.whisker)
-        parts.append(_box(low, max(high - low, 0.2), "top:40%;bottom:40%;background:var(--ink)"))
-    track = tag("span", *parts, class_="track", aria_hidden="true")
-    return tag("li", tag("span", row.label), track, tag("b", row.shown))
+        parts.append(_bar_box(low, max(high - low, 0.2), "top:40%;bottom:40%;background:var(--ink)"))
+    track = html_element("span", *parts, class_="track", aria_hidden="true")
+    return html_element("li", html_element("span", row.label), track, html_element("b", row.shown))
 
 
-def _box(left: float, width: float, more: str) -> Markup:
-    return tag("i", style=f"left:{left:.2f}%;width:{max(width, 0.15):.2f}%;{more}")
+def _bar_box(left: float, width: float, more: str) -> Markup:
+    return html_element("i", style=f"left:{left:.2f}%;width:{max(width, 0.15):.2f}%;{more}")

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
-from modallab.identification.selection.pairing import nearest
-from modallab.reporting.content import Truth
+from modallab.identification.selection.pairing import nearest_partners
+from modallab.reporting.content import TrueModes
 
 Confidence = NDArray[np.float64] | None
 """(modes,) of one model, 0 to 1; None where it was not judged."""
@@ -19,7 +19,7 @@ Verdict = Literal["agree", "borderline", "disagree", "unknown"]
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ModeReading:
     """One mode as one test saw it, with the truth. Unknown is NaN; damping is a ratio, zeta; confidence is 0 to 1."""
 
     test: Test | None
@@ -36,11 +36,11 @@ class Reading:
 
 
 @dataclass(frozen=True, slots=True)
-class Mode:
+class ComparedMode:
     """One mode, in every test that saw it."""
 
     number: int
-    readings: tuple[Reading, ...]
+    readings: tuple[ModeReading, ...]
 
     @property
     def frequency_hz(self) -> float:
@@ -58,15 +58,15 @@ class Mode:
         return self.readings[0].true_damping
 
     @property
-    def best(self) -> Reading:
+    def best(self) -> ModeReading:
         """The reading with the smallest sigma of damping."""
         known = [r for r in self.readings if isfinite(r.damping_sigma)]
         return min(known, key=lambda r: r.damping_sigma) if known else self.readings[0]
 
 
-def modes(
-    models: Sequence[ModalModel], truth: Truth | None = None, confidence: Sequence[Confidence] = ()
-) -> tuple[Mode, ...]:
+def matched_modes(
+    models: Sequence[ModalModel], truth: TrueModes | None = None, confidence: Sequence[Confidence] = ()
+) -> tuple[ComparedMode, ...]:
     """The modes of all tests, matched by frequency, ascending.
 
     Args:
@@ -74,10 +74,10 @@ def modes(
         truth: the modes of a simulated bench.
         confidence: one a model, in their order, or none at all.
     """
-    groups: list[list[Reading]] = []
+    groups: list[list[ModeReading]] = []
     for i, model in enumerate(models):
-        readings = _readings(model, confidence[i] if confidence else None)
-        partner = nearest([g[0].frequency_hz for g in groups], [r.frequency_hz for r in readings])
+        readings = _readings_of_model(model, confidence[i] if confidence else None)
+        partner = nearest_partners([g[0].frequency_hz for g in groups], [r.frequency_hz for r in readings])
         taken = {there: here for here, there in enumerate(partner) if there is not None}
         fresh = [[r] for i, r in enumerate(readings) if i not in taken]
         for place, here in taken.items():
@@ -86,23 +86,23 @@ def modes(
     groups.sort(key=lambda group: group[0].frequency_hz)
     if truth is not None:
         groups = _beside_truth(groups, truth)
-    return tuple(Mode(i + 1, tuple(g)) for i, g in enumerate(groups))
+    return tuple(ComparedMode(i + 1, tuple(g)) for i, g in enumerate(groups))
 
 
-def deviation(a: float, a_sigma: float, b: float, b_sigma: float) -> float:
+def joint_deviations(a: float, a_sigma: float, b: float, b_sigma: float) -> float:
     """How many joint standard deviations lie between two values; NaN where a sigma is not known."""
     sigma = hypot(a_sigma, b_sigma)
     return abs(a - b) / sigma if sigma > 0 else nan
 
 
-def verdict(deviations: float) -> Verdict:
+def agreement_verdict(deviations: float) -> Verdict:
     """In words: up to 2 sigma agree (19 of 20 good pairs do), past 3 disagree (1 of 370 good pairs would)."""
     if not isfinite(deviations):
         return "unknown"
     return "agree" if deviations <= 2 else "borderline" if deviations <= 3 else "disagree"
 
 
-def _readings(model: ModalModel, confidence: Confidence) -> list[Reading]:
+def _readings_of_model(model: ModalModel, confidence: Confidence) -> list[ModeReading]:
     columns = (
         model.frequency_hz,
         model.frequency_sigma_hz,
@@ -112,18 +112,20 @@ def _readings(model: ModalModel, confidence: Confidence) -> list[Reading]:
         model.half_power_floor,
         np.full(model.n_modes, nan) if confidence is None else confidence,
     )
-    return [Reading(model.test, *(float(c[i]) for c in columns)) for i in range(model.n_modes)]
+    return [ModeReading(model.test, *(float(c[i]) for c in columns)) for i in range(model.n_modes)]
 
 
-def _beside_truth(groups: Sequence[Sequence[Reading]], truth: Truth) -> list[list[Reading]]:
+def _beside_truth(groups: Sequence[Sequence[ModeReading]], truth: TrueModes) -> list[list[ModeReading]]:
     """The readings with the truth of their own test, each mode with one and the same true mode."""
-    known: list[list[Reading]] = []
-    for group, place in zip(groups, nearest([g[0].frequency_hz for g in groups], truth.frequency_hz), strict=True):
-        known.append([r if place is None else _true(r, truth.of(r.test), place) for r in group])
+    known: list[list[ModeReading]] = []
+    for group, place in zip(
+        groups, nearest_partners([g[0].frequency_hz for g in groups], truth.frequency_hz), strict=True
+    ):
+        known.append([r if place is None else _true_reading(r, truth.of(r.test), place) for r in group])
     return known
 
 
-def _true(reading: Reading, truth: Truth, place: int) -> Reading:
+def _true_reading(reading: ModeReading, truth: TrueModes, place: int) -> ModeReading:
     if place >= len(truth.frequency_hz):
         return reading
     return replace(

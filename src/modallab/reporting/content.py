@@ -11,14 +11,14 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.core.verification import Verification
-from modallab.identification.selection.diagram import Diagram
+from modallab.identification.selection.diagram import StabilisationData
 from modallab.identification.setups.readings import SetUpReading
 from modallab.signals.signals import Signals
-from modallab.verification.assessment import Assessment
+from modallab.verification.assessment import ModelAssessment
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Hit:
+class ReportedHit:
     """One hit of the hammer, counted or rejected.
 
     Attributes:
@@ -39,7 +39,7 @@ class Hit:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Truth:
+class TrueModes:
     """The modes a simulated bench was built with.
 
     Attributes:
@@ -53,16 +53,16 @@ class Truth:
     frequency_hz: NDArray[np.float64]
     damping_ratio: NDArray[np.float64]
     source: str = ""
-    sine: "Truth | None" = None
+    sine: "TrueModes | None" = None
     drift: float = 0.0
 
-    def of(self, test: Test | None) -> "Truth":
+    def of(self, test: Test | None) -> "TrueModes":
         """The modes of a test."""
         return self.sine if test == "sine" and self.sine is not None else self
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Outcome:
+class TestOutcome:
     """What one test gave. What is None leaves its part of the report out, with a sentence why.
 
     Attributes:
@@ -84,10 +84,10 @@ class Outcome:
     verification: Verification | None = None
     example: Signals | None = None
     filtered: NDArray[np.float64] | None = None
-    hits: tuple[Hit, ...] = ()
+    hits: tuple[ReportedHit, ...] = ()
     missing: str = ""
-    assessment: Assessment | None = None
-    diagram: Diagram | str | None = None
+    assessment: ModelAssessment | None = None
+    diagram: StabilisationData | str | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -107,8 +107,8 @@ class ReportContent:
 
     title: str
     campaign: Campaign
-    outcomes: tuple[Outcome, ...] = ()
-    truth: Truth | None = None
+    outcomes: tuple[TestOutcome, ...] = ()
+    truth: TrueModes | None = None
     notes: tuple[str, ...] = ()
     provenance: dict[str, str] = field(default_factory=dict[str, str])
     setups: tuple[SetUpReading, ...] = ()

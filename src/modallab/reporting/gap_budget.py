@@ -3,9 +3,9 @@
 from modallab.core.budget import Budget, BudgetRow
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.digits import part_of
-from modallab.reporting.bars import Bar, bars
-from modallab.reporting.gap_page import captioned_picture, section, typeset
-from modallab.reporting.markup import Markup, table, tag
+from modallab.reporting.bars import Bar, scaled_bars
+from modallab.reporting.gap_page import captioned_picture, page_section, typeset_sentence
+from modallab.reporting.markup import Markup, html_element, html_table
 
 LEAST_SHARE = 0.005
 """Share of the gap below which a part is left out of the table."""
@@ -24,32 +24,36 @@ def budget_section(diagnosis: Diagnosis) -> Markup | None:
     budget = diagnosis.budget
     if budget is None or not budget.rows:
         return None
-    largest = [Bar(typeset(r.said), r.share, part_of(r.share), COLOURS[r.kind]) for r in budget.rows[:LONGEST]]
-    first = tag("ul", *(tag("li", typeset(line)) for line in budget.calibrate)) if budget.calibrate else None
-    picture = captioned_picture(bars(largest, "Share of the gap of each part"), CAPTION)
-    return section("Where it comes from", picture, first, _table(budget), _usual(budget))
+    largest = [Bar(typeset_sentence(r.said), r.share, part_of(r.share), COLOURS[r.kind]) for r in budget.rows[:LONGEST]]
+    first = (
+        html_element("ul", *(html_element("li", typeset_sentence(line)) for line in budget.calibrate))
+        if budget.calibrate
+        else None
+    )
+    picture = captioned_picture(scaled_bars(largest, "Share of the gap of each part"), CAPTION)
+    return page_section("Where it comes from", picture, first, _budget_table(budget), _usual_tolerances_note(budget))
 
 
-def _table(budget: Budget) -> Markup:
+def _budget_table(budget: Budget) -> Markup:
     listed = [r for r in budget.rows if abs(r.share) > LEAST_SHARE or r.kind in ("model", "noise", "effect")]
     head = ["part", "share", "moved [σ]", "mostly in"]
-    return table("Budget of the gap", head, [_row(r) for r in listed], numeric=(1, 2), class_="wide")
+    return html_table("Budget of the gap", head, [_budget_row(r) for r in listed], numeric=(1, 2), class_="wide")
 
 
-def _row(row: BudgetRow) -> list[str]:
+def _budget_row(row: BudgetRow) -> list[str]:
     moved = "" if row.sigmas is None else f"{row.sigmas:+.1f}".replace("-", "\u2212")
-    return [typeset(row.said), part_of(row.share), moved, _mostly(row)]
+    return [typeset_sentence(row.said), part_of(row.share), moved, _where_mostly(row)]
 
 
-def _mostly(row: BudgetRow) -> str:
+def _where_mostly(row: BudgetRow) -> str:
     """Test, channel, band and mode with the most of a part."""
     most = {division: max(by, key=lambda name: abs(by[name])) for division, by in row.by.items() if by}
     spoken = {"test": "{} test", "channel": "{}", "band": "{} Hz", "mode": "mode {}"}
     return ", ".join(spoken[division].format(name) for division, name in most.items()).replace("-", " to ")
 
 
-def _usual(budget: Budget) -> Markup | None:
+def _usual_tolerances_note(budget: Budget) -> Markup | None:
     if not budget.usual:
         return None
     listed = ", ".join(f"{name} {value:g}" for name, value in budget.usual.items())
-    return tag("p", f"The rig file states no tolerances. A lab's usual ones stand for them: {listed}.")
+    return html_element("p", f"The rig file states no tolerances. A lab's usual ones stand for them: {listed}.")

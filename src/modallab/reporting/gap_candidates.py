@@ -1,13 +1,13 @@
 """What a diagnosis compared: explanations with what they leave, and the residual before and after."""
 
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Shrink
-from modallab.core.digits import part_of, probability, rounded
-from modallab.gap.words.effects import named
-from modallab.reporting.bars import Bar, bars
+from modallab.core.digits import part_of, probability_text, three_digits
+from modallab.gap.words.effects import effect_names
+from modallab.reporting.bars import Bar, scaled_bars
 from modallab.reporting.figures import style
-from modallab.reporting.figures.log_bars import Row, log_bars
-from modallab.reporting.gap_page import captioned_picture, section
-from modallab.reporting.markup import Markup, table, tag
+from modallab.reporting.figures.log_bars import BarRow, log_bars
+from modallab.reporting.gap_page import captioned_picture, page_section
+from modallab.reporting.markup import Markup, html_element, html_table
 from modallab.reporting.sections.section import captioned_figure
 
 CLOSED = "Share of the gap that is closed"
@@ -17,19 +17,21 @@ def candidates_section(diagnosis: Diagnosis) -> Markup | None:
     """The gap that each explanation leaves, beside that without any; None where none was fitted."""
     if not diagnosis.candidates:
         return None
-    rows = [Row("no effect", (diagnosis.gap.before,))]
+    rows = [BarRow("no effect", (diagnosis.gap.before,))]
     rows += [
-        Row(named(c.effects), (c.gap,), f", probability {probability(_stated(c, diagnosis))}")
+        BarRow(
+            effect_names(c.effects), (c.gap,), f", probability {probability_text(_stated_probability(c, diagnosis))}"
+        )
         for c in diagnosis.candidates
     ]
     caption = (
         "The gap that each explanation leaves once it is fitted, beside the gap without any effect. 1 is noise alone."
     )
     figure = log_bars(rows, ("gap",), (style.MEASURED,), above=True)
-    return section("The candidates", captioned_figure(figure, "candidates", caption, caption, columns=1))
+    return page_section("The candidates", captioned_figure(figure, "candidates", caption, caption, columns=1))
 
 
-def _stated(candidate: CandidateSet, diagnosis: Diagnosis) -> float:
+def _stated_probability(candidate: CandidateSet, diagnosis: Diagnosis) -> float:
     """The probability of an explanation; where it is the one effect that was found, what is stated of that effect."""
     one = diagnosis.effects[0] if len(diagnosis.effects) == 1 else None
     return one.probability if one is not None and candidate.effects == [one.effect] else candidate.probability
@@ -42,7 +44,7 @@ def shrink_section(diagnosis: Diagnosis) -> Markup | None:
         return None
     rows = [Bar("this diagnosis", shrink.closed, part_of(shrink.closed), "second", shrink.interval)]
     rows += [
-        Bar(f"best other explanation: {named(name.split('+'))}", closed, part_of(closed), "soft")
+        Bar(f"best other explanation: {effect_names(name.split('+'))}", closed, part_of(closed), "soft")
         for name, closed in shrink.rival.items()
     ]
     ends = [part_of(v) for v in shrink.interval or ()]
@@ -50,20 +52,20 @@ def shrink_section(diagnosis: Diagnosis) -> Markup | None:
     interval = f" (95 %: {' to '.join(ends)}, the dark line)" if len(set(ends)) > 1 else ""
     caption = (
         f"Share of the gap above noise that is closed on {len(shrink.held_out)} records that no fit has "
-        f"seen{interval}: from {rounded(shrink.before)} to {rounded(shrink.after)} noise units."
+        f"seen{interval}: from {three_digits(shrink.before)} to {three_digits(shrink.after)} noise units."
     )
-    return section("How far it shrinks", captioned_picture(bars(rows, CLOSED, 1.0), caption))
+    return page_section("How far it shrinks", captioned_picture(scaled_bars(rows, CLOSED, 1.0), caption))
 
 
 def closed_bar(name: str, shrink: Shrink) -> Markup:
     """One bar: the share of the gap that is closed on held-out records; empty where there was none to close."""
     closed = shrink.closed or 0.0
-    return bars([Bar(name, closed, part_of(closed), "second", shrink.interval)], CLOSED, 1.0)
+    return scaled_bars([Bar(name, closed, part_of(closed), "second", shrink.interval)], CLOSED, 1.0)
 
 
 def channel_bars(before: dict[str, float], after: dict[str, float], name: str, caption: str) -> Markup:
     """Two bars a channel on a logarithmic axis: before and after."""
-    rows = [Row(channel, (gap, after.get(channel))) for channel, gap in before.items()]
+    rows = [BarRow(channel, (gap, after.get(channel))) for channel, gap in before.items()]
     figure = log_bars(rows, ("before", "after"), (style.SOFT, style.SECOND))
     return captioned_figure(figure, name, caption, caption, columns=1)
 
@@ -74,17 +76,17 @@ def residual_section(diagnosis: Diagnosis) -> Markup:
     caption = "The gap of each channel, before any effect and with what was found. 1 is noise alone."
     bands = [[f"{k.replace('-', ' to ')} Hz", part_of(v)] for k, v in gap.by_band.items()]
     tests = [
-        *([f"{k} test", rounded(v)] for k, v in gap.by_test.items()),
-        *([f"level {k}", rounded(v)] for k, v in gap.by_level.items()),
-        *([f"{k} of the time", rounded(v)] for k, v in gap.by_order.items()),
+        *([f"{k} test", three_digits(v)] for k, v in gap.by_test.items()),
+        *([f"level {k}", three_digits(v)] for k, v in gap.by_level.items()),
+        *([f"{k} of the time", three_digits(v)] for k, v in gap.by_order.items()),
     ]
-    return section(
+    return page_section(
         "The residual, before and after",
         channel_bars(gap.by_channel, gap.after_by_channel, "channels", caption) if gap.by_channel else None,
-        tag(
+        html_element(
             "div",
-            table("Share of the squares by band, before", ["band", "share"], bands, numeric=(1,)),
-            table("Gap by test, level and time, before", ["part", "noise units"], tests, numeric=(1,)),
+            html_table("Share of the squares by band, before", ["band", "share"], bands, numeric=(1,)),
+            html_table("Gap by test, level and time, before", ["part", "noise units"], tests, numeric=(1,)),
             class_="pair",
         ),
     )

@@ -3,20 +3,20 @@
 import re
 from collections.abc import Sequence
 
-from modallab.core.digits import glued
-from modallab.reporting.markup import Markup, tag
+from modallab.core.digits import with_hard_blanks
+from modallab.reporting.markup import Markup, html_element
 from modallab.reporting.page_head import page_head
 
 _PERCENT = re.compile(r"(?<=\d)%")
 _MINUS = re.compile(r"(?<![\w\d])-(?=\d)")
 
 
-def typeset(text: str) -> str:
+def typeset_sentence(text: str) -> str:
     """A sentence of a diagnosis with a blank before `%` and true minus signs; older files have neither."""
-    return glued(_MINUS.sub("\u2212", _PERCENT.sub(" %", text)))
+    return with_hard_blanks(_MINUS.sub("\u2212", _PERCENT.sub(" %", text)))
 
 
-def page(title: str, opening: str | Sequence[str], *sections: Markup | None) -> str:
+def whole_page(title: str, opening: str | Sequence[str], *sections: Markup | None) -> str:
     """A whole page as text, in the colours of light and dark screens.
 
     Args:
@@ -25,16 +25,23 @@ def page(title: str, opening: str | Sequence[str], *sections: Markup | None) -> 
         sections: in this order; None for one that there is not.
     """
     paragraphs = [opening] if isinstance(opening, str) else list(opening)
-    lead = [tag("p", paragraphs[0], class_="lead"), *(tag("p", text) for text in paragraphs[1:] if text)]
-    body = tag("body", tag("header", tag("h1", title), *lead), tag("main", *sections))
+    lead = [
+        html_element("p", paragraphs[0], class_="lead"),
+        *(html_element("p", text) for text in paragraphs[1:] if text),
+    ]
+    body = html_element(
+        "body", html_element("header", html_element("h1", title), *lead), html_element("main", *sections)
+    )
     return f'<!DOCTYPE html>\n<html lang="en">{page_head(title)}{body}</html>\n'
 
 
-def section(heading: str, *parts: str | None) -> Markup:
+def page_section(heading: str, *parts: str | None) -> Markup:
     """A section with its heading."""
-    return tag("section", tag("h2", heading), *parts)
+    return html_element("section", html_element("h2", heading), *parts)
 
 
 def captioned_picture(drawn: Markup, caption: str) -> Markup:
     """A picture with what it shows."""
-    return tag("figure", tag("div", drawn, class_="scroll"), tag("figcaption", caption), class_="plate")
+    return html_element(
+        "figure", html_element("div", drawn, class_="scroll"), html_element("figcaption", caption), class_="plate"
+    )

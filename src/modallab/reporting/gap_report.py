@@ -5,20 +5,20 @@ from pathlib import Path
 from modallab.core.block import Campaign
 from modallab.core.described import Learned
 from modallab.core.diagnosis import Diagnosis, Found, Percent
-from modallab.core.digits import probability, rounded, with_interval
+from modallab.core.digits import probability_text, three_digits, with_interval
 from modallab.core.effects import kind_of
 from modallab.core.places import x_m_of
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
-from modallab.gap.revisions.history import history
-from modallab.gap.words.effects import FROM_CLAMP, interval_m, of_parameter, place_of
-from modallab.gap.words.verdicts import of_response, own_error, sentence
+from modallab.gap.revisions.history import revision_history
+from modallab.gap.words.effects import FROM_CLAMP, interval_m, parameter_in_words, place_of
+from modallab.gap.words.verdicts import own_error, share_of_response, verdict_sentence
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
 from modallab.reporting.gap_budget import budget_section
 from modallab.reporting.gap_candidates import candidates_section, closed_bar, residual_section, shrink_section
-from modallab.reporting.gap_page import captioned_picture, page, section, typeset
-from modallab.reporting.markup import Markup, table, tag
+from modallab.reporting.gap_page import captioned_picture, page_section, typeset_sentence, whole_page
+from modallab.reporting.markup import Markup, html_element, html_table
 from modallab.reporting.revisions_report import revisions_section
 from modallab.reporting.sections.section import captioned_figure
 from modallab.twin.effects import model_of
@@ -36,54 +36,56 @@ def write_gap_report(path: Path, diagnosis: Diagnosis, campaign: Campaign) -> No
 
 def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
     """The whole page as text."""
-    return page(
+    return whole_page(
         f"The gap of {campaign.rig.name}",
-        typeset(sentence(diagnosis, _names(campaign.rig))),
-        _width(diagnosis),
-        _place(diagnosis, campaign.rig),
-        _effects(diagnosis, campaign.rig),
+        typeset_sentence(verdict_sentence(diagnosis, _channel_names(campaign.rig))),
+        _width_of_gap(diagnosis),
+        _place_of_gap(diagnosis, campaign.rig),
+        _effects_section(diagnosis, campaign.rig),
         described_section(diagnosis),
         shrink_section(diagnosis),
-        _next(diagnosis),
-        _curves(diagnosis, campaign),
+        _next_step_section(diagnosis),
+        _curves_section(diagnosis, campaign),
         budget_section(diagnosis),
         candidates_section(diagnosis),
         residual_section(diagnosis),
-        _revisions(campaign),
+        _revisions_section(campaign),
     )
 
 
-def _width(diagnosis: Diagnosis) -> Markup:
+def _width_of_gap(diagnosis: Diagnosis) -> Markup:
     """The gap in both its measures: noise units, and percent of the response."""
     gap = diagnosis.gap
     rows = [
-        ["as the rig file describes the bench", "–", *_sides(gap.share_nominal)],
-        ["the same, as near as its tolerances allow", rounded(gap.before), *_sides(gap.share_before)],
+        ["as the rig file describes the bench", "–", *_resonant_and_other(gap.share_nominal)],
+        ["the same, as near as its tolerances allow", three_digits(gap.before), *_resonant_and_other(gap.share_before)],
     ]
     if diagnosis.effects:
-        rows.append(["with what was found", rounded(gap.after), *_sides(gap.share_after)])
+        rows.append(["with what was found", three_digits(gap.after), *_resonant_and_other(gap.share_after)])
     head = ["simulation", "noise units", "% at resonance", "% away from it"]
-    widths = table("Measured less simulated", head, rows, numeric=(1, 2, 3))
+    widths = html_table("Measured less simulated", head, rows, numeric=(1, 2, 3))
     note = (
         "In noise units, 1 is noise alone. The percentages are of the response: the median over all records, without "
         "their noise. "
     )
-    return tag("section", widths, tag("p", note + typeset(own_error(gap))))
+    return html_element("section", widths, html_element("p", note + typeset_sentence(own_error(gap))))
 
 
-def _sides(share: Percent | None) -> tuple[str, str]:
+def _resonant_and_other(share: Percent | None) -> tuple[str, str]:
     """At resonance and away from it."""
     at, away = (None, None) if share is None else (share.at_resonance, share.away)
-    return of_response(at), of_response(away)
+    return share_of_response(at), share_of_response(away)
 
 
-def _place(diagnosis: Diagnosis, rig: Rig) -> Markup:
+def _place_of_gap(diagnosis: Diagnosis, rig: Rig) -> Markup:
     where = diagnosis.where
     within = None
     if where.stage is None:
         caption = "Nothing stands out: what is left lies within noise and tolerances."
     else:
-        placed = [place_of(f, _names(rig)) for f in diagnosis.effects if x_m_of(f.place) == where.x_m is not None]
+        placed = [
+            place_of(f, _channel_names(rig)) for f in diagnosis.effects if x_m_of(f.place) == where.x_m is not None
+        ]
         at = f", {where.x_m:.3f} m from the clamp" if where.x_m is not None else ""
         if placed:
             at = f", {placed[0][0]}" + (f" (95 %: {placed[0][1]})" if placed[0][1] else "")
@@ -91,33 +93,33 @@ def _place(diagnosis: Diagnosis, rig: Rig) -> Markup:
         channels = f" Channels: {', '.join(where.channels)}." if where.channels else ""
         tests = f" Seen in the {' and the '.join(where.tests)} test." if where.tests else ""
         caption = f"Stage: {where.stage}{at}.{channels}{tests}"
-    why = tag("ul", *(tag("li", typeset(w)) for w in where.why)) if where.why else None
-    picture = tag("div", bench_picture(rig, where, within), class_="drawn")
-    return section("Where it lies", captioned_picture(picture, typeset(caption)), why)
+    why = html_element("ul", *(html_element("li", typeset_sentence(w)) for w in where.why)) if where.why else None
+    picture = html_element("div", bench_picture(rig, where, within), class_="drawn")
+    return page_section("Where it lies", captioned_picture(picture, typeset_sentence(caption)), why)
 
 
-def _names(rig: Rig) -> list[str]:
+def _channel_names(rig: Rig) -> list[str]:
     return [c.name for c in rig.channels]
 
 
-def _effects(diagnosis: Diagnosis, rig: Rig) -> Markup | None:
+def _effects_section(diagnosis: Diagnosis, rig: Rig) -> Markup | None:
     if not diagnosis.effects:
         return None
-    tables = [_effect(found, rig) for found in diagnosis.effects]
-    return section("What causes it", tag("div", *tables, class_="pair" if len(tables) > 1 else ""))
+    tables = [_effect_table(found, rig) for found in diagnosis.effects]
+    return page_section("What causes it", html_element("div", *tables, class_="pair" if len(tables) > 1 else ""))
 
 
-def _effect(found: Found, rig: Rig) -> Markup:
+def _effect_table(found: Found, rig: Rig) -> Markup:
     """A table of one effect: its place and its numbers, each with its interval."""
-    place, interval = place_of(found, _names(rig))
+    place, interval = place_of(found, _channel_names(rig))
     tail = FROM_CLAMP
     rows = [["place" + tail * place.endswith(tail), place.removesuffix(tail), interval]] if place else []
-    rows += [[p.name, *of_parameter(found, p)] for p in kind_of(found.effect).parameters]
-    caption = f"{model_of(found.effect).spoken}, probability {probability(found.probability)}"
-    return table(caption[0].upper() + caption[1:], ["", "value", "95 % interval"], rows, numeric=(1, 2))
+    rows += [[p.name, *parameter_in_words(found, p)] for p in kind_of(found.effect).parameters]
+    caption = f"{model_of(found.effect).spoken}, probability {probability_text(found.probability)}"
+    return html_table(caption[0].upper() + caption[1:], ["", "value", "95 % interval"], rows, numeric=(1, 2))
 
 
-def _curves(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
+def _curves_section(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
     figure = gap_curves(diagnosis, campaign)
     if figure is None:
         return None
@@ -126,19 +128,25 @@ def _curves(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
         "and what is left between the latter and the measurement: below the curves of an FRF, and in a panel of its "
         "own for a record. Channels, hits and sine are those with the widest gap."
     )
-    return section("What was measured, and what was simulated", captioned_figure(figure, "curves", caption, caption))
+    return page_section(
+        "What was measured, and what was simulated", captioned_figure(figure, "curves", caption, caption)
+    )
 
 
-def _revisions(campaign: Campaign) -> Markup | None:
-    return revisions_section(history(campaign.rig)) if campaign.rig.revisions else None
+def _revisions_section(campaign: Campaign) -> Markup | None:
+    return revisions_section(revision_history(campaign.rig)) if campaign.rig.revisions else None
 
 
-def _next(diagnosis: Diagnosis) -> Markup:
-    notes = tag("ul", *(tag("li", typeset(n)) for n in diagnosis.notes)) if diagnosis.notes else None
-    return section("What to do next", tag("p", typeset(diagnosis.next_experiment)), notes)
+def _next_step_section(diagnosis: Diagnosis) -> Markup:
+    notes = (
+        html_element("ul", *(html_element("li", typeset_sentence(n)) for n in diagnosis.notes))
+        if diagnosis.notes
+        else None
+    )
+    return page_section("What to do next", html_element("p", typeset_sentence(diagnosis.next_experiment)), notes)
 
 
-def _number(element: Learned, name: str) -> tuple[str, str]:
+def _number_with_interval(element: Learned, name: str) -> tuple[str, str]:
     """A number and its interval; why there is none, where it is not known."""
     value, between = with_interval(element.parameters[name], element.interval.get(name))
     why = element.not_known.get(name)
@@ -155,21 +163,25 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
         kind = model_of(element.element).kind
         for name in element.parameters:
             unit = kind.parameter(name).unit
-            rows.append([f"{name} {f'({unit})' if unit else ''}".strip(), *_number(element, name)])
+            rows.append([f"{name} {f'({unit})' if unit else ''}".strip(), *_number_with_interval(element, name)])
     if described.x_m is not None:
         rows.append(["place (m from the clamp)", *with_interval(described.x_m, described.x_m_interval)])
     shrink = described.shrink
     caption = (
         f"Share of the reducible gap that this closes on {len(shrink.held_out)} records no fit has seen: from "
-        f"{rounded(shrink.before)} to {rounded(shrink.after)} noise units. It is no cause: another thing may behave "
+        f"{three_digits(shrink.before)} to {three_digits(shrink.after)} noise units. It is no cause: another "
+        "thing may behave "
         "alike."
     )
-    others = [tag("li", f"{other.says}: leaves {rounded(other.gap)} noise units") for other in described.alternatives]
-    return section(
+    others = [
+        html_element("li", f"{other.says}: leaves {three_digits(other.gap)} noise units")
+        for other in described.alternatives
+    ]
+    return page_section(
         "What it behaves like",
-        tag("p", f"The gap behaves like {described.says.rstrip(',')}."),
-        table("A learned element of the simulation", ["number", "value", "95 % interval"], rows, numeric=(1,)),
+        html_element("p", f"The gap behaves like {described.says.rstrip(',')}."),
+        html_table("A learned element of the simulation", ["number", "value", "95 % interval"], rows, numeric=(1,)),
         captioned_picture(closed_bar("with the learned element", shrink), caption),
-        tag("p", model_of(described.elements[0].element).experiment),
-        tag("ul", *others) if others else None,
+        html_element("p", model_of(described.elements[0].element).experiment),
+        html_element("ul", *others) if others else None,
     )

@@ -7,22 +7,22 @@ VOID = frozenset({"br", "hr", "input", "meta"})
 
 
 class Markup(str):
-    """Text that is markup already. Only `tag`, `join` and `trusted` make it."""
+    """Text that is markup already. Only `html_element`, `join_markup` and `trusted_markup` make it."""
 
     __slots__ = ()
 
 
-def trusted(text: str) -> Markup:
+def trusted_markup(text: str) -> Markup:
     """Markup of the project's own making, such as a drawn figure; never anything read from a file."""
     return Markup(text)
 
 
-def join(parts: Iterable[str | None]) -> Markup:
+def join_markup(parts: Iterable[str | None]) -> Markup:
     """The parts one after the other, each escaped unless it is markup; None is left out."""
-    return Markup("".join(_safe(part) for part in parts if part is not None))
+    return Markup("".join(_escape(part) for part in parts if part is not None))
 
 
-def tag(name: str, /, *children: str | None, **attributes: str | bool) -> Markup:
+def html_element(name: str, /, *children: str | None, **attributes: str | bool) -> Markup:
     """An element. `class_` and `for_` lose their underscore, other underscores become hyphens.
 
     An attribute that is True stands without a value, one that is False is left out.
@@ -30,10 +30,10 @@ def tag(name: str, /, *children: str | None, **attributes: str | bool) -> Markup
     head = "".join(_attribute(key, value) for key, value in attributes.items())
     if name in VOID:
         return Markup(f"<{name}{head}>")
-    return Markup(f"<{name}{head}>{join(children)}</{name}>")
+    return Markup(f"<{name}{head}>{join_markup(children)}</{name}>")
 
 
-def table(
+def html_table(
     caption: str, header: Iterable[str], rows: Iterable[Iterable[str]], numeric: Iterable[int] = (), class_: str = ""
 ) -> Markup:
     """A table whose columns and rows have headers; the first cell of each row is its header.
@@ -47,18 +47,24 @@ def table(
     """
     right, heads = frozenset(numeric), list(header)
     style = ["num" if i in right else "" for i in range(len(heads))]
-    head = tag("tr", *(tag("th", text, scope="col", class_=style[i]) for i, text in enumerate(heads)))
-    body = [tag("tr", *(_cell(i, text, style[i]) for i, text in enumerate(row))) for row in rows]
-    whole = tag("table", tag("caption", caption), tag("thead", head), tag("tbody", *body), class_=class_)
+    head = html_element("tr", *(html_element("th", text, scope="col", class_=style[i]) for i, text in enumerate(heads)))
+    body = [html_element("tr", *(_table_cell(i, text, style[i]) for i, text in enumerate(row))) for row in rows]
+    whole = html_element(
+        "table",
+        html_element("caption", caption),
+        html_element("thead", head),
+        html_element("tbody", *body),
+        class_=class_,
+    )
     # A wide table scrolls in its own frame, reachable by keyboard, so that the page never does.
-    return tag("div", whole, class_="scroll", tabindex="0", role="region", aria_label=str(caption))
+    return html_element("div", whole, class_="scroll", tabindex="0", role="region", aria_label=str(caption))
 
 
-def _cell(place: int, text: str, style: str) -> Markup:
-    return tag("th", text, scope="row", class_=style) if place == 0 else tag("td", text, class_=style)
+def _table_cell(place: int, text: str, style: str) -> Markup:
+    return html_element("th", text, scope="row", class_=style) if place == 0 else html_element("td", text, class_=style)
 
 
-def _safe(text: str) -> str:
+def _escape(text: str) -> str:
     return text if isinstance(text, Markup) else escape(text, quote=True)
 
 

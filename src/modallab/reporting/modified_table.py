@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from modallab.core.digits import alike, concise
+from modallab.core.digits import number_with_sigma, to_places_of_sigma
 from modallab.core.errors import StorageError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Tolerance
 from modallab.formats.atomic import replacing
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.modification.modified import ModesAfter
 
 SAME = 0.5
@@ -36,16 +36,16 @@ class TableRows(NamedTuple):
 HEADINGS = ("mode", "before [Hz]", "after [Hz]", "shift [%]", "damping before [%]", "damping after [%]")
 
 
-def modified_rows(known: Known, changes: Sequence[str]) -> TableRows:
+def modified_rows(known: KnownStructure, changes: Sequence[str]) -> TableRows:
     """Each mode after the change, with one standard deviation, beside the one before whose shape is most like it."""
     before, after = known.model, known.modes
-    rows = tuple(_row(before, after, r) for r in range(len(after.frequency_hz)))
+    rows = tuple(_mode_row(before, after, r) for r in range(len(after.frequency_hz)))
     return TableRows(HEADINGS, rows, " ".join([f"{'; '.join(changes)}.", *notes_of(known)]))
 
 
-def _row(before: ModalModel, after: ModesAfter, r: int) -> tuple[str, ...]:
-    hz = concise(float(after.frequency_hz[r]), float(after.frequency_sigma_hz[r]))
-    damping = concise(100 * float(after.damping_ratio[r]), 100 * float(after.damping_sigma[r]))
+def _mode_row(before: ModalModel, after: ModesAfter, r: int) -> tuple[str, ...]:
+    hz = number_with_sigma(float(after.frequency_hz[r]), float(after.frequency_sigma_hz[r]))
+    damping = number_with_sigma(100 * float(after.damping_ratio[r]), 100 * float(after.damping_sigma[r]))
     if after.mac[r] < SAME:
         return (str(r + 1), "new", hz, "", "", damping)
     q = int(after.like[r])
@@ -53,18 +53,18 @@ def _row(before: ModalModel, after: ModesAfter, r: int) -> tuple[str, ...]:
     shift = 100 * (float(after.frequency_hz[r]) / was - 1)
     return (
         str(r + 1),
-        concise(was, float(before.frequency_sigma_hz[q])),
+        number_with_sigma(was, float(before.frequency_sigma_hz[q])),
         hz,
         f"{shift:+.3g}",
-        concise(zeta, 100 * float(before.damping_sigma[q])),
+        number_with_sigma(zeta, 100 * float(before.damping_sigma[q])),
         damping,
     )
 
 
-def notes_of(known: Known) -> list[str]:
+def notes_of(known: KnownStructure) -> list[str]:
     """What the table cannot be trusted for, and why."""
     before, after = known.model, known.modes
-    sentences = ["One sigma of the model, of sensitivities and of places.", *_of_joint(known)]
+    sentences = ["One sigma of the model, of sensitivities and of places.", *_joint_note(known)]
     shift = np.abs(after.frequency_hz / before.frequency_hz[after.like] - 1)
     doubtful = [str(r + 1) for r in np.flatnonzero(after.outside > TRUSTED * np.maximum(shift, 1e-4))]
     if doubtful:
@@ -78,7 +78,7 @@ def notes_of(known: Known) -> list[str]:
     return sentences
 
 
-def _of_joint(known: Known) -> list[str]:
+def _joint_note(known: KnownStructure) -> list[str]:
     if known.conditioning is None:
         return []
     tolerance = Tolerance.usual() if known.rig is None else known.rig.tolerance
@@ -89,7 +89,7 @@ def _of_joint(known: Known) -> list[str]:
     return [said, "Do not use the result: there, one structure alone says nearly all of how both move."]
 
 
-class Prediction(NamedTuple):
+class PredictedMode(NamedTuple):
     """A mode that was predicted and measured: both in Hz, whether they agree, and that in words."""
 
     mode: int
@@ -100,23 +100,26 @@ class Prediction(NamedTuple):
     words: str
 
 
-def checked(after: ModesAfter, measured: ModalModel) -> list[Prediction]:
+def check_predictions(after: ModesAfter, measured: ModalModel) -> list[PredictedMode]:
     """Each predicted mode beside the nearest one that was measured with the changes."""
     apart = np.abs(np.log(after.frequency_hz[:, None] / measured.frequency_hz))
     rows, columns = linear_sum_assignment(apart)
     return [
-        _checked(after, measured, int(r), int(m))
+        _check_mode(after, measured, int(r), int(m))
         for r, m in zip(rows, columns, strict=True)
         if apart[r, m] < np.log(FARTHEST)
     ]
 
 
-def _checked(after: ModesAfter, measured: ModalModel, r: int, m: int) -> Prediction:
+def _check_mode(after: ModesAfter, measured: ModalModel, r: int, m: int) -> PredictedMode:
     hz, sigma = float(after.frequency_hz[r]), float(after.frequency_sigma_hz[r])
     found, own = float(measured.frequency_hz[m]), float(np.nan_to_num(measured.frequency_sigma_hz[m]))
     inside = bool(abs(found - hz) <= TWO_SIDED * np.hypot(sigma, own))
-    said = f"Mode {r + 1}: predicted {concise(hz, sigma)} Hz, measured {alike(found, sigma / 10)} Hz"
-    return Prediction(r + 1, hz, sigma, found, inside, said if inside else f"{said}, outside the 95 % interval")
+    said = (
+        f"Mode {r + 1}: predicted {number_with_sigma(hz, sigma)} Hz, measured "
+        f"{to_places_of_sigma(found, sigma / 10)} Hz"
+    )
+    return PredictedMode(r + 1, hz, sigma, found, inside, said if inside else f"{said}, outside the 95 % interval")
 
 
 def write_rows(path: Path, rows: TableRows) -> Path:

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from modallab.core.digits import concise
+from modallab.core.digits import number_with_sigma
 from modallab.core.units import SI_UNIT
-from modallab.modification.motion import Motion
+from modallab.modification.motion import MotionOverTime
 from modallab.reporting.modified_table import TableRows
 
 PREFIXES = {1.0: "", 1e3: "m", 1e6: "µ", 1e9: "n"}
 
 
-def motion_rows(motion: Motion) -> TableRows:
+def motion_rows(motion: MotionOverTime) -> TableRows:
     """Largest value, effective value and octave bands of every point, the first two with one standard deviation."""
     factor = next((f for f in PREFIXES if f * motion.peak.max() >= 1), 1.0)
     unit = PREFIXES[factor] + SI_UNIT[motion.quantity]
@@ -19,7 +19,7 @@ def motion_rows(motion: Motion) -> TableRows:
     rows = tuple(
         (
             name,
-            *(concise(float(v), float(s)) for v, s in zip(own[:2], sigma[:2], strict=True)),
+            *(number_with_sigma(float(v), float(s)) for v, s in zip(own[:2], sigma[:2], strict=True)),
             *(f"{v:.3g}" for v in own[2:]),
         )
         for name, own, sigma in figures
@@ -29,7 +29,7 @@ def motion_rows(motion: Motion) -> TableRows:
     return TableRows(("point", "peak", "rms", *(f"{centre:.3g}" for centre in motion.octaves_hz)), rows, caption)
 
 
-def motion_document(motion: Motion) -> dict[str, object]:
+def motion_document(motion: MotionOverTime) -> dict[str, object]:
     """The same for other programs, in SI units, all with one standard deviation."""
     figures = {"peak": 0, "rms": 1, "levels": slice(2, None)}
     values = {name: motion.figures[:, part].tolist() for name, part in figures.items()}

@@ -4,9 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from modallab.formats.atomic import write_text
-from modallab.reporting.compare import modes
+from modallab.reporting.compare import matched_modes
 from modallab.reporting.content import ReportContent
-from modallab.reporting.markup import Markup, tag
+from modallab.reporting.markup import Markup, html_element
 from modallab.reporting.page_head import page_head
 from modallab.reporting.sections import (
     assumptions,
@@ -38,43 +38,47 @@ def write_report(path: Path, content: ReportContent) -> None:
 
 def render(content: ReportContent) -> str:
     """The whole page as text."""
-    found = modes(content.models, content.truth, content.confidence)
+    found = matched_modes(content.models, content.truth, content.confidence)
     parts = [
-        table_of_modes.section(content, found),
-        setups.section(content),
-        shapes.section(content),
-        verification.section(content),
-        half_power.section(content, found),
-        assumptions.section(content),
+        table_of_modes.modes_section(content, found),
+        setups.setups_section(content),
+        shapes.shapes_section(content),
+        verification.verification_section(content),
+        half_power.half_power_section(content, found),
+        assumptions.assumptions_section(content),
         *(
             replace(part, folded=True)
             for part in (
-                start.section(content),
-                signals.section(content),
-                model.section(content),
-                rig.section(content),
-                provenance.section(content),
+                start.stabilisation_section(content),
+                signals.signals_section(content),
+                model.model_section(content),
+                rig.rig_section(content),
+                provenance.provenance_section(content),
             )
         ),
     ]
     shown = [p for p in parts if p.body is not None]
-    absent = _absent(parts)
+    absent = _absent_parts(parts)
     if absent is not None:
         shown.insert(len(shown) - 2, absent)
-    head = tag(
-        "header", tag("h1", content.title), tag("p", summary.sentence(content, found), class_="lead"),
-        at_a_glance.glance(content, found), _contents(shown),
+    head = html_element(
+        "header",
+        html_element("h1", content.title),
+        html_element("p", summary.summary_sentence(content, found), class_="lead"),
+        at_a_glance.overview_list(content, found), _table_of_contents(shown),
     )  # fmt: skip
-    body = tag("body", head, tag("main", *(p.render() for p in shown)))
+    body = html_element("body", head, html_element("main", *(p.render() for p in shown)))
     return f'<!DOCTYPE html>\n<html lang="en">{page_head(content.title)}{body}</html>\n'
 
 
-def _absent(parts: list[Section]) -> Section | None:
+def _absent_parts(parts: list[Section]) -> Section | None:
     reasons = list(dict.fromkeys(reason for p in parts for reason in p.absent if reason))
     if not reasons:
         return None
-    return Section("absent", "What is not here, and why", tag("ul", *(tag("li", r) for r in reasons)))
+    return Section("absent", "What is not here, and why", html_element("ul", *(html_element("li", r) for r in reasons)))
 
 
-def _contents(shown: list[Section]) -> Markup:
-    return tag("nav", *(tag("a", p.heading, href=f"#{p.target}") for p in shown), aria_label="Contents")
+def _table_of_contents(shown: list[Section]) -> Markup:
+    return html_element(
+        "nav", *(html_element("a", p.heading, href=f"#{p.target}") for p in shown), aria_label="Contents"
+    )

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from math import log10
 from pathlib import Path
 
-from modallab.core.digits import rounded
+from modallab.core.digits import three_digits
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
-from modallab.gap.revisions.history import Step
-from modallab.reporting.gap_page import captioned_picture, page, section
-from modallab.reporting.markup import Markup, table, tag
+from modallab.gap.revisions.history import RevisionStep
+from modallab.reporting.gap_page import captioned_picture, page_section, whole_page
+from modallab.reporting.markup import Markup, html_element, html_table
 
 WIDTH, HEIGHT = 760, 240
 CAPTION = (
@@ -19,34 +19,34 @@ CAPTION = (
 )
 
 
-def write_revisions_report(path: Path, rig: Rig, steps: Sequence[Step]) -> None:
+def write_revisions_report(path: Path, rig: Rig, steps: Sequence[RevisionStep]) -> None:
     """Write the page. The file is whole or, after an error, as it was before.
 
     Raises:
         StorageError: the file can't be written.
     """
-    text = page(f"Revisions of {rig.name}", CAPTION, revisions_section(steps))
+    text = whole_page(f"Revisions of {rig.name}", CAPTION, revisions_section(steps))
     write_text(path, text)
 
 
-def revisions_section(steps: Sequence[Step]) -> Markup:
+def revisions_section(steps: Sequence[RevisionStep]) -> Markup:
     """The curve, and its numbers as a table."""
     names = list(steps[0].measured)
     rows = [
         [
             str(s.number),
             s.effects,
-            "" if s.gap is None else rounded(s.gap),
+            "" if s.gap is None else three_digits(s.gap),
             *(f"{s.measured[n]:.3g}" for n in names),
         ]
         for s in steps
     ]
     head = ["revision", "with", "when applied", *names]
-    numbers = table("Gap of each revision, noise units", head, rows, numeric=tuple(range(2, len(head))))
-    return section("How the simulation came closer", captioned_picture(revision_curve(steps), CAPTION), numbers)
+    numbers = html_table("Gap of each revision, noise units", head, rows, numeric=tuple(range(2, len(head))))
+    return page_section("How the simulation came closer", captioned_picture(revision_curve(steps), CAPTION), numbers)
 
 
-def revision_curve(steps: Sequence[Step]) -> Markup:
+def revision_curve(steps: Sequence[RevisionStep]) -> Markup:
     """The gap over the revisions, a line for each way it was measured."""
     names = list(steps[0].measured)
     lines = [[s.gap for s in steps], *([s.measured[n] for s in steps] for n in names)]
@@ -55,16 +55,20 @@ def revision_curve(steps: Sequence[Step]) -> Markup:
     def at(number: int, gap: float) -> tuple[float, float]:
         return 70 + 600 * number / max(len(steps) - 1, 1), 200 - 180 * log10(max(gap, 1.0)) / log10(top)
 
-    parts: list[Markup] = [_axis(200, "1"), _axis(20, rounded(top))]
+    parts: list[Markup] = [_draw_axis(200, "1"), _draw_axis(20, three_digits(top))]
     for line, colour in zip(lines, ("second", "measured", "model", "warning", "ink"), strict=False):
         points = [at(number, gap) for number, gap in enumerate(line) if gap is not None]
         joined = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
-        parts.append(tag("polyline", points=joined, fill="none", stroke=f"var(--{colour})", stroke_width="2"))
-        parts += [tag("circle", cx=f"{x:.1f}", cy=f"{y:.1f}", r="4", fill=f"var(--{colour})") for x, y in points]
+        parts.append(html_element("polyline", points=joined, fill="none", stroke=f"var(--{colour})", stroke_width="2"))
+        parts += [
+            html_element("circle", cx=f"{x:.1f}", cy=f"{y:.1f}", r="4", fill=f"var(--{colour})") for x, y in points
+        ]
     for step in steps:
         x, _ = at(step.number, 1.0)
-        parts.append(tag("text", str(step.number), x=f"{x:.1f}", y="222", text_anchor="middle", fill="var(--ink)"))
-    return tag(
+        parts.append(
+            html_element("text", str(step.number), x=f"{x:.1f}", y="222", text_anchor="middle", fill="var(--ink)")
+        )
+    return html_element(
         "svg",
         *parts,
         viewBox=f"0 0 {WIDTH} {HEIGHT}",
@@ -74,7 +78,7 @@ def revision_curve(steps: Sequence[Step]) -> Markup:
     )
 
 
-def _axis(y: float, number: str) -> Markup:
-    label = tag("text", number, x="60", y=f"{y + 5:.0f}", text_anchor="end", fill="var(--ink)", font_size="13")
-    line = tag("line", x1="70", y1=f"{y:.0f}", x2="670", y2=f"{y:.0f}", stroke="var(--soft)")
-    return tag("g", label, line)
+def _draw_axis(y: float, number: str) -> Markup:
+    label = html_element("text", number, x="60", y=f"{y + 5:.0f}", text_anchor="end", fill="var(--ink)", font_size="13")
+    line = html_element("line", x1="70", y1=f"{y:.0f}", x2="670", y2=f"{y:.0f}", stroke="var(--soft)")
+    return html_element("g", label, line)

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from modallab.formats.atomic import replacing
-from modallab.reporting.figures.wireframe import MovingShape, wireframes
-from modallab.reporting.markup import tag
+from modallab.reporting.figures.wireframe import MovingShape, moving_wireframes
+from modallab.reporting.markup import html_element
 from modallab.reporting.page_head import page_head
 
 
@@ -30,9 +30,13 @@ def write_shapes_page(
     Raises:
         StorageError: the file cannot be written.
     """
-    drawn = wireframes(points, lines, shapes, surfaces)
-    summary = tag("p", f"{len(points)} points, {len(lines)} lines, {len(shapes)} shapes.", class_="lead")
-    body = tag("body", tag("header", tag("h1", title), summary), tag("main", drawn or tag("p", "There is no shape.")))
+    drawn = moving_wireframes(points, lines, shapes, surfaces)
+    summary = html_element("p", f"{len(points)} points, {len(lines)} lines, {len(shapes)} shapes.", class_="lead")
+    body = html_element(
+        "body",
+        html_element("header", html_element("h1", title), summary),
+        html_element("main", drawn or html_element("p", "There is no shape.")),
+    )
     with replacing(path) as draft:
         text = f'<!DOCTYPE html>\n<html lang="en">{page_head(title)}{body}</html>\n'
         draft.write_text(text, encoding="utf-8", newline="\n")

@@ -1,16 +1,16 @@
 """What a structure's diagnosis tried, and its gap channel by channel and mode by mode, before and after."""
 
-from modallab.core.digits import percent, plain, probability
+from modallab.core.digits import percent_text, probability_text, significant_digits
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis, PartOfGap
 from modallab.gap.modal.diagnosis import Explained
 from modallab.gap.words.effects import numbers_of, spoken_change
 from modallab.reporting.figures import style
-from modallab.reporting.figures.log_bars import Row, Scale, log_bars
-from modallab.reporting.gap_page import section
-from modallab.reporting.markup import Markup, table, tag
+from modallab.reporting.figures.log_bars import BarRow, BarScale, log_bars
+from modallab.reporting.gap_page import page_section
+from modallab.reporting.markup import Markup, html_element, html_table
 from modallab.reporting.sections.section import captioned_figure
 
-SHARE = Scale("rms of measured less predicted [% of the response]", 0.1, 10.0, "{:.2g} %".format)
+SHARE = BarScale("rms of measured less predicted [% of the response]", 0.1, 10.0, "{:.2g} %".format)
 """From a thousandth of the response."""
 NAMES = ("as it came", "within tolerances", "with the change")
 COLOURS = (style.SOFT, style.MEASURED, style.SECOND)
@@ -23,12 +23,12 @@ def candidates_section(explained: Explained) -> Markup | None:
         return None
     found, judged = explained.diagnosis, explained.judged
     left = [c.gap for c in found.candidates]
-    rows = [["no change", probability(judged.nothing), percent(found.before), ""]]
+    rows = [["no change", probability_text(judged.nothing), percent_text(found.before), ""]]
     rows += [
-        [spoken_change(c), probability(c.probability), percent(gap), _numbers(c)]
+        [spoken_change(c), probability_text(c.probability), percent_text(gap), _numbers_of_change(c)]
         for c, gap in zip(listed, left, strict=True)
     ]
-    rows.append(["something without a name", probability(judged.unknown), "", f"most likely in {judged.where}"])
+    rows.append(["something without a name", probability_text(judged.unknown), "", f"most likely in {judged.where}"])
     head = ["explanation", "probability", "leaves", "numbers (95 %)"]
     known = found.verdict == "known"
     caption = (
@@ -36,14 +36,14 @@ def candidates_section(explained: Explained) -> Markup | None:
         "relieve the tolerances, which count as well."
     )
     none = "" if known else " Here none was needed, or none was enough, however probable it is beside the others."
-    return section(
+    return page_section(
         "What else might explain it" if known else "What was tried",
-        table("The best of each kind, once fitted", head, rows, numeric=(1, 2), class_="wide"),
-        tag("p", caption + none),
+        html_table("The best of each kind, once fitted", head, rows, numeric=(1, 2), class_="wide"),
+        html_element("p", caption + none),
     )
 
 
-def _numbers(change: FoundChange) -> str:
+def _numbers_of_change(change: FoundChange) -> str:
     caption = (f"{name} {value}" + f" ({between})" * bool(between) for name, value, between in numbers_of(change))
     return ", ".join(caption)
 
@@ -52,22 +52,22 @@ def parts_section(found: ModalDiagnosis) -> Markup | None:
     """Two figures: the gap of each mode and of each channel."""
     changed = found.after != found.before
     figures = [
-        _figure(parts, f"The gap {by}. {caption}", name, changed)
+        _budget_figure(parts, f"The gap {by}. {caption}", name, changed)
         for parts, by, caption, name in (
             (found.by_mode, "about each mode of the bench", "Each line counts for the mode nearest to it.", "modes"),
             (found.by_channel, "of each channel", "Over all driven points.", "channels"),
         )
         if parts
     ]
-    return section("Where it shrinks", *figures) if figures else None
+    return page_section("Where it shrinks", *figures) if figures else None
 
 
-def _figure(parts: list[PartOfGap], caption: str, name: str, changed: bool) -> Markup:
+def _budget_figure(parts: list[PartOfGap], caption: str, name: str, changed: bool) -> Markup:
     many = 3 if changed else 2
-    rows = [Row(_label(p), tuple(100 * v for v in (p.nominal, p.before, p.after)[:many])) for p in parts]
+    rows = [BarRow(_part_label(p), tuple(100 * v for v in (p.nominal, p.before, p.after)[:many])) for p in parts]
     figure = log_bars(rows, NAMES[:many], COLOURS[:many], scale=SHARE)
     return captioned_figure(figure, name, caption, caption, columns=1)
 
 
-def _label(part: PartOfGap) -> str:
-    return part.name if part.frequency_hz is None else f"{plain(part.frequency_hz, 3)} Hz"
+def _part_label(part: PartOfGap) -> str:
+    return part.name if part.frequency_hz is None else f"{significant_digits(part.frequency_hz, 3)} Hz"

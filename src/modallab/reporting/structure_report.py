@@ -5,19 +5,19 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.core.digits import percent, probability
+from modallab.core.digits import percent_text, probability_text
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.places import NamedChannel
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.modal.diagnosis import Explained
-from modallab.gap.words.effects import at_of_change, numbers_of, place_of_change
+from modallab.gap.words.effects import numbers_of, place_of_change, position_of_change
 from modallab.gap.words.verdicts import sentence_by_model
 from modallab.reporting.figures.structure_curves import structure_curves
-from modallab.reporting.figures.structure_picture import Marked, structure_picture
-from modallab.reporting.gap_page import captioned_picture, page, section, typeset
-from modallab.reporting.markup import Markup, table, tag
+from modallab.reporting.figures.structure_picture import MarkedPlaces, structure_picture
+from modallab.reporting.gap_page import captioned_picture, page_section, typeset_sentence, whole_page
+from modallab.reporting.markup import Markup, html_element, html_table
 from modallab.reporting.sections.section import captioned_figure
 from modallab.reporting.structure_parts import candidates_section, parts_section
 from modallab.twin.effects import model_of
@@ -59,29 +59,29 @@ def write_structure_report(path: Path, gap: StructureGap) -> None:
 
 def render(gap: StructureGap) -> str:
     """The whole page as text."""
-    return page(
+    return whole_page(
         f"The gap of {gap.rig.name}",
-        [typeset(sentence_by_model(gap.diagnosis)), *(typeset(note) for note in gap.diagnosis.notes)],
-        _width(gap),
-        _where(gap),
-        _what(gap.diagnosis),
+        [typeset_sentence(sentence_by_model(gap.diagnosis)), *(typeset_sentence(note) for note in gap.diagnosis.notes)],
+        _width_of_gap(gap),
+        _place_of_gap(gap),
+        _explanation_list(gap.diagnosis),
         candidates_section(gap.explained),
-        _curves(gap),
+        _curves_section(gap),
         parts_section(gap.diagnosis),
-        _beside(gap),
+        _not_compared_list(gap),
     )
 
 
-def _width(gap: StructureGap) -> Markup:
+def _width_of_gap(gap: StructureGap) -> Markup:
     found = gap.diagnosis
     best = gap.explained.judged.best.candidate is not None
     rows = [
-        ["as it came", percent(found.nominal), "–"],
-        ["as near as the tolerances allow", percent(found.before), f"{found.strain_before:.2f}"],
+        ["as it came", percent_text(found.nominal), "–"],
+        ["as near as the tolerances allow", percent_text(found.before), f"{found.strain_before:.2f}"],
     ]
     if best:
         name = "with what was found" if found.effects else "with the best explanation"
-        rows.append([name, percent(found.after), f"{found.strain_after:.2f}"])
+        rows.append([name, percent_text(found.after), f"{found.strain_after:.2f}"])
     head = ["the reference", "% of the response", "strain of the tolerances [σ]"]
     note = (
         f"The reference: {gap.reference}. Percentages are the rms of measured less predicted over the measured "
@@ -89,16 +89,20 @@ def _width(gap: StructureGap) -> Markup:
         "within their tolerances, and what no number stands for, had to be moved: 1 is ordinary, more than 1.5 is a "
         "gap."
     )
-    return tag("section", table("Measured less predicted", head, rows, numeric=(1, 2)), tag("p", typeset(note)))
+    return html_element(
+        "section",
+        html_table("Measured less predicted", head, rows, numeric=(1, 2)),
+        html_element("p", typeset_sentence(note)),
+    )
 
 
-def _where(gap: StructureGap) -> Markup | None:
+def _place_of_gap(gap: StructureGap) -> Markup | None:
     if not gap.rig.points:
         return None
     found = gap.diagnosis.effects
-    marked = _marked(gap, found[0]) if found else None
+    marked = _marked_picture(gap, found[0]) if found else None
     if found:
-        at = at_of_change(found[0])
+        at = position_of_change(found[0])
         place = "" if at is None else f", at ({', '.join(f'{x:.3f}' for x in at)}) m"
         caption = f"Stage: {found[0].stage}. The {model_of(found[0].effect).spoken} {place_of_change(found[0])}{place}."
     elif gap.diagnosis.verdict == "no_gap":
@@ -106,44 +110,48 @@ def _where(gap: StructureGap) -> Markup | None:
     else:
         caption = "No place stands out: no change that was tried explains the gap."
     caption += " Filled points have a sensor."
-    return section(
-        "Where it lies", captioned_picture(tag("div", structure_picture(gap.rig, marked), class_="drawn"), caption)
+    return page_section(
+        "Where it lies",
+        captioned_picture(html_element("div", structure_picture(gap.rig, marked), class_="drawn"), caption),
     )
 
 
-def _marked(gap: StructureGap, change: FoundChange) -> Marked | None:
-    at, label = at_of_change(change), model_of(change.effect).spoken
+def _marked_picture(gap: StructureGap, change: FoundChange) -> MarkedPlaces | None:
+    at, label = position_of_change(change), model_of(change.effect).spoken
     if at is not None:
-        return Marked(np.array([at]), label=label)
+        return MarkedPlaces(np.array([at]), label=label)
     places = {p.id: (p.x_m, p.y_m, p.z_m) for p in gap.rig.points}
     name = change.place.channel if isinstance(change.place, NamedChannel) else None
     channel = next((c for c in gap.rig.responses if c.name == name), None)
     if channel is None:
         driven = [places[p] for p in gap.explained.free.of.model.input_points if p in places]
-        return Marked(np.array(driven).reshape(-1, 3), label=label)
+        return MarkedPlaces(np.array(driven).reshape(-1, 3), label=label)
     if channel.point not in places:
         return None
     here = np.array(places[channel.point])
     moved = [change.parameters.get(axis, 0.0) for axis in ("dx", "dy", "dz")]
-    return Marked(here[None], here + moved if any(moved) else None, f"{channel.name}: {label}")
+    return MarkedPlaces(here[None], here + moved if any(moved) else None, f"{channel.name}: {label}")
 
 
-def _what(found: ModalDiagnosis) -> Markup | None:
+def _explanation_list(found: ModalDiagnosis) -> Markup | None:
     if not found.effects:
         return None
     tables = [
-        table(
-            f"{model_of(c.effect).spoken.capitalize()} {place_of_change(c)}, probability {probability(c.probability)}",
+        html_table(
+            (
+                f"{model_of(c.effect).spoken.capitalize()} {place_of_change(c)}, probability "
+                f"{probability_text(c.probability)}"
+            ),
             ["", "value", "95 % interval"],
             numbers_of(c),
             numeric=(1, 2),
         )
         for c in found.effects
     ]
-    return section("What causes it", *tables)
+    return page_section("What causes it", *tables)
 
 
-def _curves(gap: StructureGap) -> Markup:
+def _curves_section(gap: StructureGap) -> Markup:
     caption = (
         "Mobility at the outputs that miss most, each at the driven point where it does: as identified from the "
         "records and free of the end of their blocks, of the reference as it came and as it was corrected, and what "
@@ -154,12 +162,12 @@ def _curves(gap: StructureGap) -> Markup:
             " Thin, the records themselves: where a block ends before the ring-down, their peaks are lower and wider."
         )
     figure = structure_curves(gap.explained, gap.records)
-    return section(
+    return page_section(
         "What was measured, and what the reference says", captioned_figure(figure, "curves", caption, caption)
     )
 
 
-def _beside(gap: StructureGap) -> Markup:
+def _not_compared_list(gap: StructureGap) -> Markup:
     c = gap.explained.free.of
     low, high = c.s.imag[[0, -1]] / (2 * np.pi)
     axes = sorted({axis for _, axis in c.shapes.freedoms})
@@ -171,4 +179,7 @@ def _beside(gap: StructureGap) -> Markup:
         "What depends on the size of the motion: both models are linear.",
         f"Motions that nothing measured: springs pull along {', '.join(axes)} only, and a mass counts along these.",
     ]
-    return section("What was not looked at", tag("ul", *(tag("li", typeset(line)) for line in sentences)))
+    return page_section(
+        "What was not looked at",
+        html_element("ul", *(html_element("li", typeset_sentence(line)) for line in sentences)),
+    )

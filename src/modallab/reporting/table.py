@@ -6,10 +6,10 @@ from math import isfinite
 from rich import box
 from rich.table import Table
 
-from modallab.core.digits import UNKNOWN, alike, concise, plain, probability
+from modallab.core.digits import UNKNOWN, number_with_sigma, probability_text, significant_digits, to_places_of_sigma
 from modallab.core.model import ModalModel
-from modallab.reporting.compare import Confidence, Mode, Reading, modes
-from modallab.reporting.content import Truth
+from modallab.reporting.compare import ComparedMode, Confidence, ModeReading, matched_modes
+from modallab.reporting.content import TrueModes
 
 # No Greek letters: a terminal that knows only its country's letters would stop at them.
 VALUES = ("frequency\n[Hz]", "damping\n[%]", "half-power\n[%]")
@@ -18,7 +18,7 @@ CONFIDENCE = "confi-\ndence"
 
 
 def modal_table(
-    models: Sequence[ModalModel], truth: Truth | None = None, confidence: Sequence[Confidence] = ()
+    models: Sequence[ModalModel], truth: TrueModes | None = None, confidence: Sequence[Confidence] = ()
 ) -> Table:
     """Frequency and damping of every mode with their sigma, the half-power reading, truth and confidence where known.
 
@@ -30,30 +30,32 @@ def modal_table(
     Returns:
         a table to be printed by rich; it fits into 80 columns.
     """
-    table = Table(title="Modal model", caption=_caption(models, truth), box=box.SIMPLE_HEAD, padding=0, show_edge=False)
+    table = Table(
+        title="Modal model", caption=_caption_of_table(models, truth), box=box.SIMPLE_HEAD, padding=0, show_edge=False
+    )
     table.title_justify = table.caption_justify = "left"
     for heading in ("mode", "test"):
         table.add_column(heading, no_wrap=True, min_width=6 if heading == "test" else 4)
-    found = modes(models, truth, confidence)
+    found = matched_modes(models, truth, confidence)
     known = any(isfinite(reading.confidence) for mode in found for reading in mode.readings)
     for heading in (*VALUES, *(TRUTH if truth else ()), *((CONFIDENCE,) if known else ())):
         table.add_column(heading, justify="right", no_wrap=True, min_width=max(map(len, heading.split())))
     for mode in found:
         for reading in mode.readings:
-            cells = _cells(mode, reading, truth is not None)
+            cells = _cells_of_mode(mode, reading, truth is not None)
             if known:
-                cells.append(probability(reading.confidence))
+                cells.append(probability_text(reading.confidence))
             table.add_row(*cells, end_section=reading is mode.readings[-1])
     return table
 
 
-def _cells(mode: Mode, reading: Reading, true: bool) -> list[str]:
+def _cells_of_mode(mode: ComparedMode, reading: ModeReading, true: bool) -> list[str]:
     cells = [
         str(mode.number),
         reading.test or "FRFs",
-        concise(reading.frequency_hz, reading.frequency_sigma_hz),
-        concise(100 * reading.damping, 100 * reading.damping_sigma),
-        plain(100 * reading.half_power, 3) if isfinite(reading.half_power) else "-",
+        number_with_sigma(reading.frequency_hz, reading.frequency_sigma_hz),
+        number_with_sigma(100 * reading.damping, 100 * reading.damping_sigma),
+        significant_digits(100 * reading.half_power, 3) if isfinite(reading.half_power) else "-",
     ]
     if not true:
         return cells
@@ -61,12 +63,12 @@ def _cells(mode: Mode, reading: Reading, true: bool) -> list[str]:
         return [*cells, UNKNOWN, UNKNOWN]
     return [
         *cells,
-        alike(reading.true_frequency_hz, reading.frequency_sigma_hz),
-        alike(100 * reading.true_damping, 100 * reading.damping_sigma),
+        to_places_of_sigma(reading.true_frequency_hz, reading.frequency_sigma_hz),
+        to_places_of_sigma(100 * reading.true_damping, 100 * reading.damping_sigma),
     ]
 
 
-def _caption(models: Sequence[ModalModel], truth: Truth | None) -> str:
+def _caption_of_table(models: Sequence[ModalModel], truth: TrueModes | None) -> str:
     if not models:
         return "No test could be identified."
     if not any(m.n_modes for m in models):

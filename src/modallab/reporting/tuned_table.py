@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from modallab.core.digits import concise
+from modallab.core.digits import number_with_sigma
 from modallab.modification.free_band import FreeBand
-from modallab.modification.inverse import Answer, BestAbsorber, By
+from modallab.modification.inverse import BestAbsorber, By, ChangeAtPoint
 from modallab.modification.structure import At
 from modallab.reporting.modified_table import TableRows
 
@@ -16,12 +16,12 @@ def point_of(at: At) -> str:
     return str(at[0] if isinstance(at, tuple) else at)
 
 
-def tuned_rows(answers: Sequence[Answer], by: By, mode: int, to_hz: float) -> TableRows:
+def tuned_rows(answers: Sequence[ChangeAtPoint], by: By, mode: int, to_hz: float) -> TableRows:
     """What brings a mode to a frequency at each point, the smallest first; beside each what is in reach there."""
     rows = tuple(
         (
             point_of(a.at),
-            concise(a.size, a.sigma) if a.feasible else "none",
+            number_with_sigma(a.size, a.sigma) if a.feasible else "none",
             f"{a.lowest_hz:.5g} to {a.highest_hz:.5g}",
         )
         for a in answers
@@ -46,7 +46,7 @@ def _size_and_limit(a: FreeBand, by: By) -> tuple[str, str]:
     if not a.feasible:
         return "none", f"mode {a.stays} stays, at {a.stays_hz:.5g} Hz"
     limit = f"{a.up_to:.3g} {UNITS[by]}" if a.up_to < float("inf") else "any size"
-    return (concise(a.size, a.sigma) if a.size else "0: free already"), limit
+    return (number_with_sigma(a.size, a.sigma) if a.size else "0: free already"), limit
 
 
 def absorber_rows(found: BestAbsorber, mode: int) -> TableRows:
@@ -57,8 +57,8 @@ def absorber_rows(found: BestAbsorber, mode: int) -> TableRows:
         f"{a.mass:.4g}",
         f"{a.frequency_hz:.5g}",
         f"{100 * a.damping_ratio:.4g}",
-        concise(found.before, found.before_sigma),
-        concise(found.after, found.after_sigma),
+        number_with_sigma(found.before, found.before_sigma),
+        number_with_sigma(found.after, found.after_sigma),
     )
     names = ("point", "mass [kg]", "frequency [Hz]", "damping [%]", "peak without [m/(N s)]", "peak with [m/(N s)]")
     return TableRows(names, (row,), f"The absorber of this mass that leaves the least peak about mode {mode}.")

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from modallab.core.digits import concise, listed
+from modallab.core.digits import list_in_words, number_with_sigma
 from modallab.modification.deflection import Deflection
 from modallab.modification.freedoms import Freedom
 from modallab.modification.nodes import ModePlaces
 from modallab.modification.participation import ModalParticipation
 from modallab.modification.structure import At
 from modallab.reporting.modified_table import TableRows
-from modallab.updating.correlation import Correlation
+from modallab.updating.correlation import ModelCorrelation
 
 MOST = 0.995
 """Of a mode's largest motion: as much as that is all of it, in whole percent."""
@@ -21,22 +21,23 @@ def participation_rows(found: ModalParticipation, frequency_hz: list[float]) -> 
         (
             str(r + 1),
             f"{hz:.5g}",
-            concise(100 * float(found.share[r]), 100 * float(found.share_sigma[r])),
+            number_with_sigma(100 * float(found.share[r]), 100 * float(found.share_sigma[r])),
             f"{100 * found.alone[r]:.3g}",
         )
         for r, hz in enumerate(frequency_hz)
     ]
     if found.band_hz is not None:
         rows.append(("outside the band", "", f"{100 * found.outside:.2g}", ""))
-    over = _over(found)
+    over = _heading_of_shares(found)
     sentences = (
-        f"{found.quantity.capitalize()} of point {_point(found.of)}, {over} at point {_point(found.at)}. Shares add up"
+        f"{found.quantity.capitalize()} of point {_point_name(found.of)}, {over} at point "
+        f"{_point_name(found.at)}. Shares add up"
         " to 100 %; one below 0 works against the others. Alone: the effective value of a mode by itself, of the whole."
     )
     return TableRows(("mode", "frequency [Hz]", "share [%]", "alone [%]"), tuple(rows), sentences)
 
 
-def _over(found: ModalParticipation) -> str:
+def _heading_of_shares(found: ModalParticipation) -> str:
     if found.after_s is not None:
         begin, end = found.after_s
         when = f"{begin:g} s" if begin == end else f"{begin:g} to {end:g} s"
@@ -51,9 +52,9 @@ def node_rows(found: ModePlaces) -> TableRows:
     between = bool(found.crossings)
     rows: list[tuple[str, ...]] = []
     for r, hz in enumerate(found.frequency_hz):
-        places = [concise(float(c.place_m[0]), c.sigma_m) for c in found.crossings if c.mode == r]
-        near = ", ".join(_named(found, f) for f in found.nodes[r]) or "none"
-        own = (str(r + 1), f"{hz:.5g}", _named(found, found.antinode[r]), near)
+        places = [number_with_sigma(float(c.place_m[0]), c.sigma_m) for c in found.crossings if c.mode == r]
+        near = ", ".join(_freedom_name(found, f) for f in found.nodes[r]) or "none"
+        own = (str(r + 1), f"{hz:.5g}", _freedom_name(found, found.antinode[r]), near)
         rows.append((*own, ", ".join(places) or "none") if between else own)
     if between:
         headings = (*headings, "nodes at x [m]")
@@ -64,34 +65,34 @@ def advice_of(found: ModePlaces) -> list[str]:
     """Where to hit and where to mount, in sentences."""
     where, least = found.best
     how = "moves most" if least > MOST else f"has at least {100 * least:.0f} % of its largest motion"
-    sentences = [f"Hit or mount a sensor at point {_named(found, where)}: each mode {how} there."]
+    sentences = [f"Hit or mount a sensor at point {_freedom_name(found, where)}: each mode {how} there."]
     for r, near in enumerate(found.nodes):
         if near:
-            points = f"point{'s' if len(near) > 1 else ''} {listed([_named(found, f) for f in near])}"
+            points = f"point{'s' if len(near) > 1 else ''} {list_in_words([_freedom_name(found, f) for f in near])}"
             sentences.append(f"A hit or sensor at {points} misses mode {r + 1}.")
     return [*sentences, "What shall not disturb a mode is mounted at one of its nodes."]
 
 
-def _named(found: ModePlaces, freedom: Freedom) -> str:
+def _freedom_name(found: ModePlaces, freedom: Freedom) -> str:
     several = len({f[0] for f in found.freedoms}) < len(found.freedoms)
     return f"{freedom[0]}{freedom[1]}" if several else str(freedom[0])
 
 
-def _point(at: At) -> str:
+def _point_name(at: At) -> str:
     return f"{at[0]}{at[1]}" if isinstance(at, tuple) else str(at)
 
 
 def deflection_rows(found: Deflection) -> TableRows:
     """Amplitude with one standard deviation, and phase, of every point."""
     rows = tuple(
-        (name, concise(float(abs(value)), float(sigma)), f"{np.degrees(np.angle(value)):.0f}")
+        (name, number_with_sigma(float(abs(value)), float(sigma)), f"{np.degrees(np.angle(value)):.0f}")
         for name, value, sigma in zip(found.names, found.values, found.sigma, strict=True)
     )
     sentences = f"{found.what[0].upper()}{found.what[1:]}, {found.frequency_hz:.5g} Hz."
     return TableRows(("point", f"amplitude [{found.unit}]", "phase [°]"), rows, sentences)
 
 
-def correlation_rows(found: Correlation) -> TableRows:
+def correlation_rows(found: ModelCorrelation) -> TableRows:
     """Pairs of modes of a test and of another model, with what they differ by."""
     headings = (
         "mode",
@@ -103,7 +104,7 @@ def correlation_rows(found: Correlation) -> TableRows:
         "other [%]",
         "MAC",
     )
-    rows = tuple(_pair(found, n) for n in range(len(found.pairs)))
+    rows = tuple(_paired_mode_row(found, n) for n in range(len(found.pairs)))
     worst = int(np.argmin(found.comac))
     point, axis = found.freedoms[worst]
     sentences = [f"Lowest COMAC of {len(found.freedoms)} points: {found.comac[worst]:.3f} at point {point}{axis}."]
@@ -113,16 +114,16 @@ def correlation_rows(found: Correlation) -> TableRows:
     return TableRows(headings, rows, " ".join(sentences))
 
 
-def _pair(found: Correlation, n: int) -> tuple[str, ...]:
+def _paired_mode_row(found: ModelCorrelation, n: int) -> tuple[str, ...]:
     i, j = found.pairs[n]
     hz, zeta = found.frequency_hz[n], 100 * found.damping_ratio[n]
     return (
         str(i + 1),
         str(j + 1),
-        concise(float(hz[0]), float(found.frequency_sigma_hz[n, 0])),
+        number_with_sigma(float(hz[0]), float(found.frequency_sigma_hz[n, 0])),
         f"{hz[1]:.5g}",
         f"{100 * (hz[1] / hz[0] - 1):+.2f}",
-        concise(float(zeta[0]), 100 * float(found.damping_sigma[n, 0])),
+        number_with_sigma(float(zeta[0]), 100 * float(found.damping_sigma[n, 0])),
         f"{zeta[1]:.3g}",
         f"{found.mac[i, j]:.3f}",
     )

@@ -11,7 +11,7 @@ from modallab.core.progress import report_progress_to
 
 
 @contextmanager
-def waiting(what: str, *, progress: bool = True) -> Generator[None]:
+def waiting_line(what: str, *, progress: bool = True) -> Generator[None]:
     """While this lasts, a line says what is being computed, how far it is, and for how long.
 
     Nothing is shown where nobody looks: into a file or a pipe, or without `progress`.

@@ -11,7 +11,7 @@ from sqlalchemy import Engine
 from modallab.jobs import Job, Jobs
 from modallab.service.records import audit
 from modallab.service.records.event_log import EventLog
-from modallab.service.records.leases import Leases
+from modallab.service.records.leases import RigLeases
 from modallab.service.records.repository import CampaignRepository
 from modallab.service.rigs.control import Control
 from modallab.storage import Store
@@ -40,7 +40,7 @@ class Service:
     boot: str
     log: EventLog
     repository: CampaignRepository
-    leases: Leases
+    leases: RigLeases
     jobs: Jobs
     frfs: Callable[[], "LiveFrfs"]
 
@@ -61,7 +61,7 @@ class Service:
             UnknownJobError: there is none of this name.
         """
         cancelled = self.jobs.cancel(job)
-        audit.enter(self.engine, operator, "cancel-job", job, {"state": cancelled.state})
+        audit.enter_action(self.engine, operator, "cancel-job", job, {"state": cancelled.state})
         return cancelled
 
     def close(self) -> None:
@@ -83,7 +83,7 @@ def open_service(folder: Path, control: Control, boot: str) -> Service:
         boot=boot,
         log=EventLog(engine),
         repository=CampaignRepository(engine),
-        leases=Leases(engine, boot),
+        leases=RigLeases(engine, boot),
         jobs=Jobs(engine),
         frfs=_frfs(store),
     )

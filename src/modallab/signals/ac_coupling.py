@@ -41,10 +41,10 @@ def undo_ac_coupling(values: Real, rate_hz: float, rig: Rig, drive_hz: float | N
         found = f"{values.shape[1]} samples are too few to undo AC coupling"
         raise DataError(found, remedy=f"record at least {LEAST_SAMPLES} samples")
     hit = drive_hz is None and rig.force is not None
-    weights = _before_hit(values[rig.force_channel.index]) if hit else _window(values.shape[1])
+    weights = _before_hit(values[rig.force_channel.index]) if hit else _four_term_window(values.shape[1])
     basis = _constant_and_sine(values.shape[1], rate_hz, drive_hz)
     rows = [
-        row if corner == 0 else _undone(row - _level(row, basis, weights), rate_hz, corner)
+        row if corner == 0 else _undo_ac_coupling(row - _level_of_row(row, basis, weights), rate_hz, corner)
         for row, corner in zip(values, corners, strict=True)
     ]
     return np.stack(rows)
@@ -61,7 +61,7 @@ def _check(values: Real, rate_hz: float, rig: Rig, drive_hz: float | None) -> No
         raise DataError(found, remedy="check the rate and the frequency of the record")
 
 
-def _undone(row: Real, rate_hz: float, corner_hz: float) -> Real:
+def _undo_ac_coupling(row: Real, rate_hz: float, corner_hz: float) -> Real:
     # Imported here: next to all benches have one coupling, and are not kept waiting for it.
     from scipy.interpolate import CubicSpline
 
@@ -71,7 +71,7 @@ def _undone(row: Real, rate_hz: float, corner_hz: float) -> Real:
     return row + 2 * np.pi * corner_hz * integral
 
 
-def _window(n: int) -> Real:
+def _four_term_window(n: int) -> Real:
     """Harris, "On the use of windows for harmonic analysis", Proc. IEEE 66 (1978): four terms, side lobes at -92 dB."""
     turn = 2 * np.pi * np.arange(n) / n
     return BLACKMAN_HARRIS @ np.cos(np.outer(np.arange(len(BLACKMAN_HARRIS)), turn))
@@ -83,7 +83,11 @@ def _before_hit(force: Real) -> Real:
         first = find_hit(force).first
     except DataError:
         first = 0
-    return (np.arange(force.size) < first).astype(np.float64) if first >= MIN_PRE_TRIGGER else _window(force.size)
+    return (
+        (np.arange(force.size) < first).astype(np.float64)
+        if first >= MIN_PRE_TRIGGER
+        else _four_term_window(force.size)
+    )
 
 
 def _constant_and_sine(n: int, rate_hz: float, drive_hz: float | None) -> Real:
@@ -93,6 +97,6 @@ def _constant_and_sine(n: int, rate_hz: float, drive_hz: float | None) -> Real:
     return np.column_stack([np.ones(n), np.cos(angle), np.sin(angle)])
 
 
-def _level(row: Real, basis: Real, weights: Real) -> float:
+def _level_of_row(row: Real, basis: Real, weights: Real) -> float:
     root = np.sqrt(weights)
     return float(np.linalg.lstsq(basis * root[:, None], row * root, rcond=None)[0][0])

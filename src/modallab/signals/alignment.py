@@ -52,10 +52,10 @@ def align_channels(values: NDArray[np.float64], rate_hz: float, lags: NDArray[np
     if values.shape[1] <= 2 * HALF:
         found = f"{values.shape[1]} samples are too few to move a channel by a part of one"
         raise DataError(found, remedy=f"record blocks of more than {2 * HALF} samples")
-    return np.stack([_later(row, lag * rate_hz) if lag else row for row, lag in zip(values, lags, strict=True)])
+    return np.stack([_delay_row(row, lag * rate_hz) if lag else row for row, lag in zip(values, lags, strict=True)])
 
 
-def _later(row: NDArray[np.float64], samples: float) -> NDArray[np.float64]:
+def _delay_row(row: NDArray[np.float64], samples: float) -> NDArray[np.float64]:
     pad = 2 * HALF
     padded = np.concatenate([2 * row[0] - row[pad:0:-1], row, 2 * row[-1] - row[-2 : -pad - 2 : -1]])
     whole = int(np.floor(samples))

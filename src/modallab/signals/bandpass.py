@@ -47,12 +47,14 @@ def bandpass(
         found = f"a lower edge of {low:g} Hz at a rate of {rate_hz:g} Hz asks for {length} taps"
         raise DataError(found, remedy="raise the lower edge, or take the mean off instead")
     quick = next_quick_length(values.shape[-1] + length - 1)
-    lines = np.fft.rfft(values, quick) * np.fft.rfft(_response(length, 2 * low / rate_hz, 2 * high / rate_hz), quick)
+    lines = np.fft.rfft(values, quick) * np.fft.rfft(
+        _impulse_response(length, 2 * low / rate_hz, 2 * high / rate_hz), quick
+    )
     delay = (length - 1) // 2
     return np.fft.irfft(lines, quick)[..., delay : delay + values.shape[-1]]
 
 
-def _response(length: int, low: float, high: float) -> Real:
+def _impulse_response(length: int, low: float, high: float) -> Real:
     """(length,) impulse response of a band, its edges over half the rate: ideal under a Hamming window, 1 midway."""
     n = np.arange(length) - (length - 1) / 2
     ideal = (high * np.sinc(high * n) - low * np.sinc(low * n)) * np.hamming(length)

@@ -40,7 +40,7 @@ def check_test(signals: Sequence[Signals]) -> None:
     for s in signals:
         where = f"record {s.block.name}"
         rows = np.vstack([s.forces, s.responses])
-        for force in (names := _named(s)):
+        for force in (names := _named_forces(s)):
             check_signals(rows, (*names, *s.outputs), where, force=force)
     driven = {s.block.driven_points for s in signals if len(s.forces) > 1}
     if len(driven) > 1 or (driven and min(len(s.forces) for s in signals) == 1):
@@ -50,7 +50,7 @@ def check_test(signals: Sequence[Signals]) -> None:
         )
 
 
-def _named(signals: Signals) -> tuple[str, ...]:
+def _named_forces(signals: Signals) -> tuple[str, ...]:
     """What each force is called where it is found to be dead."""
     if len(signals.forces) == 1:
         return ("force",)

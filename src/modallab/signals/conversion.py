@@ -109,10 +109,10 @@ class Conversion:
 
     def overload(self, samples: Samples) -> NDArray[np.bool_]:
         """(channels,) whether any of the (channels, n) delivered numbers is at full scale."""
-        return peaks(samples) >= self.full_scale
+        return largest_magnitudes(samples) >= self.full_scale
 
 
-def peaks(samples: Samples) -> Real:
+def largest_magnitudes(samples: Samples) -> Real:
     """(channels,) largest magnitude; in real numbers, since the most negative int16 has no positive counterpart."""
     return np.maximum(samples.max(axis=1).astype(np.float64), -samples.min(axis=1).astype(np.float64))
 
@@ -142,7 +142,7 @@ def unit_per_si(rig: Rig) -> Real:
     return np.array([sign_of(rig, c) / si_factor(c.quantity, c.unit, f"channel {c.name}") for c in rig.channels])
 
 
-def in_volts(block: Block, rig: Rig) -> Block:
+def block_in_volts(block: Block, rig: Rig) -> Block:
     """The block as its converter saw it: what came in physical units or mV is turned into V.
 
     Raises:

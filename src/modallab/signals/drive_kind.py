@@ -74,9 +74,9 @@ def mislabelled_records(signals: Sequence[Signals]) -> dict[str, Look]:
         if label not in ("impact", "sine"):
             broadband.setdefault((label, len(s.forces)), []).append(s)
         elif not (is_hit(s.force) if label == "impact" else _is_its_sine(s)):
-            found[s.block.name] = _of_block(s.force, s.rate_hz)
+            found[s.block.name] = _kind_of_block(s.force, s.rate_hz)
     for (label, _), of_it in broadband.items():
-        seen = _of_drive(label, of_it)
+        seen = _kind_of_drive(label, of_it)
         # One block alone cannot show that the next is the same.
         alone = len(of_it) == 1 and {label, seen} == {"random", "pseudo-random"}
         if seen != label and not alone and not _is_periodic_sweep(label, seen, of_it):
@@ -112,7 +112,7 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
     return kept, (f"Left out, because their force is not that of a test labelled {label}: {listed}.",)
 
 
-def _of_drive(label: Test, signals: Sequence[Signals]) -> Look:
+def _kind_of_drive(label: Test, signals: Sequence[Signals]) -> Look:
     """What the forces of broadband blocks look like: the label, unless one of them looks like something else."""
     for forces in zip(*(s.forces for s in signals), strict=True):
         seen = looks_like(forces, signals[0].rate_hz)
@@ -124,7 +124,10 @@ def _of_drive(label: Test, signals: Sequence[Signals]) -> Look:
 def _is_periodic_sweep(label: Test, seen: Look, signals: Sequence[Signals]) -> bool:
     """Whether a chirp is labelled as periodic, which it is if every block repeats the last; so is any multisine."""
     return (
-        label == "pseudo-random" and seen == "chirp" and len(signals) > 1 and _repeats([s.forces[0] for s in signals])
+        label == "pseudo-random"
+        and seen == "chirp"
+        and len(signals) > 1
+        and _blocks_repeat([s.forces[0] for s in signals])
     )
 
 
@@ -137,15 +140,15 @@ def _sweep_note(signals: Sequence[Signals]) -> tuple[str, ...]:
 
 def looks_like(forces: Sequence[Real], rate_hz: float) -> Look:
     """The kind of test that forces (n,) in N of blocks of one level are of, by their majority."""
-    votes: list[Look] = [_of_block(force, rate_hz) for force in forces]
+    votes: list[Look] = [_kind_of_block(force, rate_hz) for force in forces]
     most = max(votes, key=votes.count)
-    repeats = most in ("random", "burst-random") and len(forces) > 1 and _repeats(forces)
+    repeats = most in ("random", "burst-random") and len(forces) > 1 and _blocks_repeat(forces)
     if repeats:
         return "pseudo-random"
     return most
 
 
-def _of_block(force: Real, rate_hz: float) -> Look:
+def _kind_of_block(force: Real, rate_hz: float) -> Look:
     if _is_let_go(force):
         return "release"
     if is_hit(force):
@@ -203,7 +206,7 @@ def _is_its_sine(signals: Signals) -> bool:
 
 def _moves_one_way(force: Real) -> bool:
     """Whether the force's own frequency, averaged over parts of the block, keeps rising or keeps falling."""
-    analytic = _analytic(force - force.mean())
+    analytic = _analytic_signal(force - force.mean())
     turned = analytic[1:] * analytic[:-1].conj()
     parts = np.array([np.angle(part.sum()) for part in np.array_split(turned, STEPS)])
     power = np.array([np.abs(part).mean() for part in np.array_split(turned, STEPS)])
@@ -211,7 +214,7 @@ def _moves_one_way(force: Real) -> bool:
     return steps.size >= STEPS // 4 and max(float(np.mean(steps > 0)), float(np.mean(steps < 0))) >= ONE_WAY
 
 
-def _analytic(values: Real) -> NDArray[np.complex128]:
+def _analytic_signal(values: Real) -> NDArray[np.complex128]:
     """(n,) signal without negative frequencies, of which (n,) values are the real part."""
     lines = np.fft.fft(values)
     half = values.size // 2
@@ -227,7 +230,7 @@ def _active_share(force: Real) -> float:
     return float(np.mean(power > 0.05 * np.sort(power)[-STEPS // 4 :].mean()))
 
 
-def _repeats(forces: Sequence[Real]) -> bool:
+def _blocks_repeat(forces: Sequence[Real]) -> bool:
     """Whether most blocks repeat the one before or the one after: several waves may follow each other."""
     centred = [f - f.mean() for f in forces]
     powers = [(float(np.sum((a - b) ** 2)), float(a @ a + b @ b) / 2) for a, b in pairwise(centred)]

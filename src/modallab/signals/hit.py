@@ -15,7 +15,7 @@ LOW_RMS = 0.789
 
 
 @dataclass(frozen=True, slots=True)
-class Hit:
+class HitSamples:
     """Samples `first` to `stop` (exclusive) hold the hit; `offset` is the force channel's level outside, in N."""
 
     first: int
@@ -25,7 +25,7 @@ class Hit:
     noise: float
 
 
-def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> Hit:
+def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> HitSamples:
     """The stretch about the peak beyond which force is noise only.
 
     Args:
@@ -42,8 +42,8 @@ def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> Hit:
     peak = int(np.argmax(np.abs(force)))
     offset = float(np.median(force))
     level = np.abs(force - offset)
-    noise = _noise(force, level)
-    loud = _loud(force - offset, max(threshold * noise, 1e-3 * level[peak]), noise)
+    noise = _noise_of_force(force, level)
+    loud = _contact_samples(force - offset, max(threshold * noise, 1e-3 * level[peak]), noise)
     if level[peak] < 2 * threshold * noise or loud.size == 0:
         raise DataError(
             f"no hit: the force peaks at {level[peak]:.3g} N over a noise of {noise:.3g} N",
@@ -54,12 +54,12 @@ def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> Hit:
     first, stop = max(0, int(loud[0]) - margin), min(len(force), int(loud[-1]) + margin + 1)
     outside = np.concatenate([force[:first], force[stop:]])
     if outside.size < 16:
-        return Hit(first, stop, peak, offset, noise)
+        return HitSamples(first, stop, peak, offset, noise)
     # A median of few counts is coarse; the samples outside the hit give offset and noise.
-    return Hit(first, stop, peak, float(outside.mean()), float(outside.std()))
+    return HitSamples(first, stop, peak, float(outside.mean()), float(outside.std()))
 
 
-def _noise(force: NDArray[np.float64], level: NDArray[np.float64]) -> float:
+def _noise_of_force(force: NDArray[np.float64], level: NDArray[np.float64]) -> float:
     """Standard deviation of the noise in a force of which most is noise alone, hit or not.
 
     The median of the magnitudes; where that is less than a step of the converter, the rms of the lower nine tenths over
@@ -74,7 +74,7 @@ def _noise(force: NDArray[np.float64], level: NDArray[np.float64]) -> float:
     return float(max(np.sqrt(np.mean(low**2)) / LOW_RMS, step / np.sqrt(12)))
 
 
-def _loud(force: NDArray[np.float64], least: float, noise: float) -> NDArray[np.int64]:
+def _contact_samples(force: NDArray[np.float64], least: float, noise: float) -> NDArray[np.int64]:
     """Indices of the samples that belong to a contact: above `least`, and not alone.
 
     Of thousands of samples one may stand five sigmas out of the noise by chance, and would make the hit last up to it.
@@ -85,7 +85,7 @@ def _loud(force: NDArray[np.float64], least: float, noise: float) -> NDArray[np.
     return np.flatnonzero((level > least) & ((beside > BESIDE * noise) | (level > FAR * noise)))
 
 
-def windowed_force(force: NDArray[np.float64], hit: Hit) -> NDArray[np.float64]:
+def windowed_force(force: NDArray[np.float64], hit: HitSamples) -> NDArray[np.float64]:
     """The force with its offset taken off and zero outside the hit.
 
     The force channel's noise would otherwise ring through every lightly damped mode of a predicted response.

@@ -15,10 +15,10 @@ def prominent_peaks(curve: Real, prominence: float) -> NDArray[np.int64]:
     SciPy's `find_peaks` finds the same; but it comes with all of its statistics, which take longer to load than most
     identifications take.
     """
-    return np.array([top for top in _tops(curve) if _prominence(curve, top) >= prominence], np.int64)
+    return np.array([top for top in _local_maxima(curve) if _prominence(curve, top) >= prominence], np.int64)
 
 
-def _tops(curve: Real) -> list[int]:
+def _local_maxima(curve: Real) -> list[int]:
     # Where the curve changes, each run of equal values counts once.
     starts = np.flatnonzero(np.diff(curve, prepend=np.nan) != 0)
     ends = np.append(starts[1:], curve.size) - 1

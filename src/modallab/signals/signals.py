@@ -15,7 +15,7 @@ from modallab.signals.ac_coupling import undo_ac_coupling
 from modallab.signals.alignment import align_channels, lags_s
 from modallab.signals.checks import check_block, check_rows
 from modallab.signals.conversion import Conversion, require_one_axis
-from modallab.signals.hit import Hit, find_hit, windowed_force
+from modallab.signals.hit import HitSamples, find_hit, windowed_force
 from modallab.signals.tone_fit import SineFit, fit_tone
 
 
@@ -78,7 +78,7 @@ class Signals:
         return self.forces.shape[1]
 
     @cached_property
-    def hit(self) -> Hit:
+    def hit(self) -> HitSamples:
         """Where the hit lies in the force.
 
         Raises:

@@ -139,7 +139,7 @@ def _check(values: NDArray[np.float64], rate_hz: float, frequency_hz: float) -> 
 
 
 def _frequency_step(values: NDArray[np.float64], t: NDArray[np.float64], fit: SineFit) -> float:
-    slope = _slope(t, fit)
+    slope = _slope_by_frequency(t, fit)
     power = float(np.sum(slope * slope))
     # A record of zeros holds no sine to follow.
     return float(np.sum(slope * values)) / power if power > 0 else 0.0
@@ -164,7 +164,7 @@ def clock_ratio(
         num, den = 0.0, 0.0
         for force, f0 in zip(forces, set_hz * ratio, strict=True):
             fit = fit_at(force[None], rate_hz, float(f0))
-            slope = _slope(t, fit)[0] * f0
+            slope = _slope_by_frequency(t, fit)[0] * f0
             num += float(slope @ force)
             den += float(slope @ slope)
         step = num / den if den > 0 else 0.0
@@ -192,7 +192,7 @@ def _coarse_ratio(forces: NDArray[np.float64], rate_hz: float, set_hz: NDArray[n
     return 1 + float(grid[int(np.argmax(power))])
 
 
-def _slope(t: NDArray[np.float64], fit: SineFit) -> NDArray[np.float64]:
+def _slope_by_frequency(t: NDArray[np.float64], fit: SineFit) -> NDArray[np.float64]:
     """(channels, n) derivative of the fitted sines by their frequency, less what amplitude and mean take over."""
     angle = 2 * np.pi * fit.frequency_hz * t
     basis = np.stack([np.cos(angle), -np.sin(angle), np.ones_like(t)], axis=1)

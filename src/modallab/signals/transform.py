@@ -35,7 +35,7 @@ def next_quick_length(n: int) -> int:
     Raises:
         DataError: no samples.
     """
-    return next(m for m in count(_checked(n)) if _is_quick(m))
+    return next(m for m in count(_check_length(n)) if _is_quick(m))
 
 
 @lru_cache(maxsize=64)
@@ -45,10 +45,10 @@ def previous_quick_length(n: int) -> int:
     Raises:
         DataError: no samples.
     """
-    return next(m for m in range(_checked(n), 0, -1) if _is_quick(m))
+    return next(m for m in range(_check_length(n), 0, -1) if _is_quick(m))
 
 
-def _checked(n: int) -> int:
+def _check_length(n: int) -> int:
     if n < 1:
         raise DataError(f"a transform of {n} samples is none", remedy="give at least one sample")
     return n

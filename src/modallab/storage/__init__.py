@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from modallab.core.lazy import lazily
+from modallab.core.lazy import lazy_getattr
 
 if TYPE_CHECKING:
     from modallab.storage.campaigns import campaign_of
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BlockNote", "BlockRecord", "Rates", "Recorder", "RunRecord", "Store", "campaign_of", "rig_hash"]
 
-__getattr__ = lazily(
+__getattr__ = lazy_getattr(
     __name__,
     {
         "campaigns": ("campaign_of",),

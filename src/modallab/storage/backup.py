@@ -20,7 +20,7 @@ RESULTS = "results"
 
 
 @dataclass(frozen=True, slots=True)
-class Copied:
+class CopiedData:
     """What a backup holds: runs, blocks and bytes of samples."""
 
     runs: int
@@ -28,7 +28,7 @@ class Copied:
     sample_bytes: int
 
 
-def back_up(store: Store, out: Path, also: Sequence[MetaData] = ()) -> Copied:
+def back_up(store: Store, out: Path, also: Sequence[MetaData] = ()) -> CopiedData:
     """Copy a data folder to a new folder, which is a data folder itself, with its catalogue in SQLite.
 
     The catalogue is copied first, as it was at one moment; a block's samples were on the disk before its row, so
@@ -46,7 +46,7 @@ def back_up(store: Store, out: Path, also: Sequence[MetaData] = ()) -> Copied:
     """
     _require_empty(out)
     out.mkdir(parents=True, exist_ok=True)
-    require_space(out, _size(store.folder))
+    require_space(out, _size_of_folder(store.folder))
     catalogue = Catalogue(database_of(out))
     try:
         _copy_catalogue(store.catalogue, catalogue, also)
@@ -58,7 +58,7 @@ def back_up(store: Store, out: Path, also: Sequence[MetaData] = ()) -> Copied:
     return copied
 
 
-def restore(backup: Path, out: Path, database: str | None = None, also: Sequence[MetaData] = ()) -> Copied:
+def restore_backup(backup: Path, out: Path, database: str | None = None, also: Sequence[MetaData] = ()) -> CopiedData:
     """Make a data folder of a backup.
 
     Args:
@@ -100,7 +100,7 @@ def _copy_catalogue(source: Catalogue, target: Catalogue, also: Sequence[MetaDat
         copy_tables(reading, writing, tables)
 
 
-def _copy_samples(store: Store, catalogue: Catalogue, out: Path) -> Copied:
+def _copy_samples(store: Store, catalogue: Catalogue, out: Path) -> CopiedData:
     runs, blocks, size = catalogue.runs(), 0, 0
     (out / "runs").mkdir(exist_ok=True)
     for run in runs:
@@ -111,7 +111,7 @@ def _copy_samples(store: Store, catalogue: Catalogue, out: Path) -> Copied:
         live = store.catalogue.run(run.id).state not in ENDED or run.state not in ENDED
         (copy_live if live else copy_whole)(source, target, rows)
         blocks, size = blocks + len(rows), size + target.stat().st_size
-    return Copied(len(runs), blocks, size)
+    return CopiedData(len(runs), blocks, size)
 
 
 def _require_empty(out: Path) -> None:
@@ -119,5 +119,5 @@ def _require_empty(out: Path) -> None:
         raise StorageError("is there already, and not empty", where=str(out), remedy="name a new folder")
 
 
-def _size(folder: Path) -> int:
+def _size_of_folder(folder: Path) -> int:
     return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())

@@ -21,7 +21,7 @@ def campaign_of(store: Store, runs: Sequence[str]) -> Campaign:
         StorageError: no run, an aborted one, or runs on different rigs; a block that is not what was recorded.
     """
     records = [store.catalogue.run(run) for run in runs]
-    _check(records, str(store.folder))
+    _check_records(records, str(store.folder))
     blocks: list[Block] = []
     taken: set[str] = set()
     for number, record in enumerate(records, start=1):
@@ -55,7 +55,7 @@ def rejected_blocks(store: Store, run: str) -> list[tuple[Block, str]]:
     return [(block, reasons[block.name]) for block in store.iterate(run, rejected=True) if block.name in reasons]
 
 
-def _check(records: Sequence[RunRecord], where: str) -> None:
+def _check_records(records: Sequence[RunRecord], where: str) -> None:
     if not records:
         raise StorageError("no runs were named", where=where, remedy="name at least one run")
     # By the rigs themselves: the hash of the same rig may have been taken by an earlier version.
@@ -87,11 +87,11 @@ def _provenance(store: Store, records: Sequence[RunRecord]) -> dict[str, str]:
         for key, value in record.facts.items():
             if known.setdefault(f"bench.{key}", value) != value:
                 known[f"{record.id}.bench.{key}"] = value
-        known |= {f"{record.id}.{key}": value for key, value in _of_run(store, record).items()}
+        known |= {f"{record.id}.{key}": value for key, value in _record_of_run(store, record).items()}
     return known
 
 
-def _of_run(store: Store, record: RunRecord) -> dict[str, str]:
+def _record_of_run(store: Store, record: RunRecord) -> dict[str, str]:
     rows = store.catalogue.blocks(record.id)
     rates = record.rates
     facts = {

@@ -10,8 +10,8 @@ from sqlalchemy import insert, select, update
 from modallab.core.errors import StorageError
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
-from modallab.storage.engine import database_address, next_number, open_engine, reading, writing
-from modallab.storage.migrate import migrate
+from modallab.storage.engine import database_address, next_number, open_engine, read_transaction, write_transaction
+from modallab.storage.migrate import migrate_tables
 from modallab.storage.records import ENDED, BlockNote, BlockRecord, Rates, RunRecord
 from modallab.storage.service_tables import VERDICTS
 from modallab.storage.tables import BLOCKS, DROPPED, REMOVED, RUNS
@@ -31,58 +31,58 @@ class Catalogue:
         """
         self.engine = open_engine(url)
         self.where = database_address(self.engine)
-        with writing(self.engine) as connection:
-            migrate(connection, self.where)
+        with write_transaction(self.engine) as connection:
+            migrate_tables(connection, self.where)
 
     def add_run(self, run: RunRecord) -> None:
         """Commit a new run."""
-        with writing(self.engine) as connection:
+        with write_transaction(self.engine) as connection:
             connection.execute(insert(RUNS).values(_run_row(run) | {"seq": next_number(connection, RUNS)}))
 
     def update_run(self, run: str, **values: Any) -> None:
         """Commit new values for columns of a run, such as its state."""
-        with writing(self.engine) as connection:
+        with write_transaction(self.engine) as connection:
             connection.execute(update(RUNS).where(RUNS.c.id == run).values(values))
 
     def add_block(self, block: BlockRecord) -> None:
         """Commit a block, whose samples must be on the disk by now."""
-        with writing(self.engine) as connection:
+        with write_transaction(self.engine) as connection:
             connection.execute(insert(BLOCKS).values(_block_row(block)))
 
     def drop_block(self, run: str, n: int, reason: str, utc: str) -> None:
         """Commit that a block no longer counts, and why; its samples and its row stay. Once only: the first holds."""
         known = select(DROPPED.c.n).where(DROPPED.c.run == run, DROPPED.c.n == n)
-        with writing(self.engine) as connection:
+        with write_transaction(self.engine) as connection:
             if connection.scalar(known) is None:
                 connection.execute(insert(DROPPED).values(run=run, n=n, reason=reason, utc=utc))
 
     def judge_block(self, run: str, n: int, *, accepted: bool, reason: str, operator: str, utc: str) -> None:
         """Commit an operator's word on a block; the last one holds, also over a drop."""
         row = {"run": run, "n": n, "accepted": accepted, "reason": reason, "operator": operator, "utc": utc}
-        with writing(self.engine) as connection:
+        with write_transaction(self.engine) as connection:
             connection.execute(insert(VERDICTS).values(row))
 
     def remove_samples(self, run: str, reason: str, size: int) -> None:
         """Commit that a run's samples are deleted; its row and those of its blocks stay. Once only: the first holds."""
-        with writing(self.engine) as connection:
+        with write_transaction(self.engine) as connection:
             if connection.scalar(select(REMOVED.c.run).where(REMOVED.c.run == run)) is None:
                 row = {"run": run, "reason": reason, "bytes": size, "utc": datetime.now(UTC).isoformat("T", "seconds")}
                 connection.execute(insert(REMOVED).values(row))
 
     def removed(self) -> dict[str, str]:
         """Runs whose samples were deleted, each with when and why."""
-        with reading(self.engine) as connection:
+        with read_transaction(self.engine) as connection:
             return {row.run: f"{row.utc}: {row.reason}" for row in connection.execute(select(REMOVED))}
 
     def runs(self) -> tuple[RunRecord, ...]:
         """All runs, in the order they were begun."""
-        with reading(self.engine) as connection:
-            return tuple(_run(row) for row in connection.execute(select(RUNS).order_by(RUNS.c.seq)).mappings())
+        with read_transaction(self.engine) as connection:
+            return tuple(_run_of_row(row) for row in connection.execute(select(RUNS).order_by(RUNS.c.seq)).mappings())
 
     def unended(self) -> tuple[str, ...]:
         """Names of the runs that are going on, or were when their recorder died, in the order they were begun."""
         query = select(RUNS.c.id).where(RUNS.c.state.not_in(ENDED)).order_by(RUNS.c.seq)
-        with reading(self.engine) as connection:
+        with read_transaction(self.engine) as connection:
             return tuple(connection.scalars(query))
 
     def run(self, run: str) -> RunRecord:
@@ -91,22 +91,22 @@ class Catalogue:
         Raises:
             StorageError: there is none of this name.
         """
-        with reading(self.engine) as connection:
+        with read_transaction(self.engine) as connection:
             row = connection.execute(select(RUNS).where(RUNS.c.id == run)).mappings().one_or_none()
             if row is None:
                 raise StorageError(f"there is no run {run!r}", where=self.where, remedy="look at the list of runs")
-            return _run(row)
+            return _run_of_row(row)
 
     def blocks(self, run: str) -> tuple[BlockRecord, ...]:
         """The blocks of a run, in the order they were recorded; a dropped one is not accepted, with that reason."""
         query = select(BLOCKS).where(BLOCKS.c.run == run).order_by(BLOCKS.c.n)
         gone = select(DROPPED.c.n, DROPPED.c.reason).where(DROPPED.c.run == run)
-        with reading(self.engine) as connection:
+        with read_transaction(self.engine) as connection:
             reasons: dict[int, str] = {row.n: row.reason for row in connection.execute(gone)}
-            rows = [_block(row) for row in connection.execute(query).mappings()]
-            words = {row["n"]: row for row in connection.execute(_verdicts(run)).mappings()}
-        now = (_dropped(row, reasons[row.n]) if row.n in reasons else row for row in rows)
-        return tuple(_judged(row, words[row.n]) if row.n in words else row for row in now)
+            rows = [_block_of_row(row) for row in connection.execute(query).mappings()]
+            words = {row["n"]: row for row in connection.execute(_verdicts_on_run(run)).mappings()}
+        now = (_as_dropped(row, reasons[row.n]) if row.n in reasons else row for row in rows)
+        return tuple(_as_judged(row, words[row.n]) if row.n in words else row for row in now)
 
     def close(self) -> None:
         """Let go of the database."""
@@ -131,7 +131,7 @@ def _run_row(run: RunRecord) -> dict[str, Any]:
     }
 
 
-def _run(row: Any) -> RunRecord:
+def _run_of_row(row: Any) -> RunRecord:
     rates = None
     if row["rate_hz"] is not None:
         rates = Rates(row["requested_rate_hz"], row["actual_rate_hz"], row["rate_hz"])
@@ -176,20 +176,20 @@ RENAMED = {
 """Facts of a block as older programs wrote them -> as they are called now; the rows stay as they are."""
 
 
-def _block(row: Any) -> BlockRecord:
+def _block_of_row(row: Any) -> BlockRecord:
     note: dict[str, Any] = {key: row[key] for key in _NOTE} | {"overload": tuple(row["overload"])}
     note["facts"] = {RENAMED.get(key, key): value for key, value in row["facts"].items()}
     return BlockRecord(**{key: row[key] for key in _OWN}, note=BlockNote(**note))
 
 
-def _dropped(block: BlockRecord, reason: str) -> BlockRecord:
+def _as_dropped(block: BlockRecord, reason: str) -> BlockRecord:
     return replace(block, note=replace(block.note, accepted=False, reason=reason))
 
 
-def _verdicts(run: str) -> Any:
+def _verdicts_on_run(run: str) -> Any:
     return select(VERDICTS).where(VERDICTS.c.run == run).order_by(VERDICTS.c.seq)
 
 
-def _judged(block: BlockRecord, word: Any) -> BlockRecord:
+def _as_judged(block: BlockRecord, word: Any) -> BlockRecord:
     reason = f"{word['reason']} (by {word['operator']})" if word["operator"] else word["reason"]
     return replace(block, note=replace(block.note, accepted=word["accepted"], reason=reason))

@@ -9,7 +9,7 @@ import h5py
 from sqlalchemy import Connection, MetaData, Table, func, insert, inspect, select, text
 
 from modallab.core.errors import StorageError
-from modallab.storage.durable import failure, sync_file, sync_folder
+from modallab.storage.durable import storage_failure, sync_file, sync_folder
 from modallab.storage.recorder import checksum
 from modallab.storage.records import BlockRecord
 from modallab.storage.samples import DATASET, open_h5, open_samples
@@ -29,10 +29,10 @@ def copy_tables(source: Connection, target: Connection, tables: Sequence[MetaDat
     for metadata in tables:
         for table in metadata.sorted_tables:
             if table.name in known:
-                _copy(source, target, table)
+                _copy_table(source, target, table)
 
 
-def _copy(source: Connection, target: Connection, table: Table) -> None:
+def _copy_table(source: Connection, target: Connection, table: Table) -> None:
     # What an older program wrote may lack a column; then the new row has its default.
     known = {column["name"] for column in inspect(source).get_columns(table.name)}
     columns = [column for column in table.columns if column.name in known]
@@ -62,9 +62,9 @@ def copy_whole(source: Path, target: Path, blocks: Sequence[BlockRecord]) -> Non
     try:
         shutil.copyfile(source, target)
     except OSError as error:
-        raise failure(error, str(target)) from error
-    _check(target, blocks)
-    _to_disk(target)
+        raise storage_failure(error, str(target)) from error
+    _check_blocks(target, blocks)
+    _flush_to_disk(target)
 
 
 def copy_live(source: Path, target: Path, blocks: Sequence[BlockRecord]) -> None:
@@ -87,12 +87,12 @@ def copy_live(source: Path, target: Path, blocks: Sequence[BlockRecord]) -> None
                 place = slice(block.offset, block.offset + block.count)
                 copy[:, place] = data[:, place]
     except (OSError, RuntimeError) as error:
-        raise failure(error, str(target)) from error
-    _check(target, blocks)
-    _to_disk(target)
+        raise storage_failure(error, str(target)) from error
+    _check_blocks(target, blocks)
+    _flush_to_disk(target)
 
 
-def _check(target: Path, blocks: Sequence[BlockRecord]) -> None:
+def _check_blocks(target: Path, blocks: Sequence[BlockRecord]) -> None:
     with open_samples(target) as reader:
         for block in blocks:
             found = checksum(reader.read(block.offset, block.count))
@@ -104,7 +104,7 @@ def _check(target: Path, blocks: Sequence[BlockRecord]) -> None:
                 )
 
 
-def _to_disk(target: Path) -> None:
+def _flush_to_disk(target: Path) -> None:
     with target.open("rb+") as file:
         sync_file(file.fileno())
     sync_folder(target.parent)

@@ -65,7 +65,7 @@ def require_local(folder: Path) -> None:
         )
 
 
-def failure(error: Exception, where: str) -> StorageError:
+def storage_failure(error: Exception, where: str) -> StorageError:
     """The typed error for what HDF5, SQLite or the operating system said while writing."""
     text = str(error)
     # HDF5 raises RuntimeError as often as OSError, with the number in its text only.

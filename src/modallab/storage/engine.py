@@ -18,8 +18,8 @@ from sqlalchemy.exc import (
 )
 
 from modallab.core.errors import DatabaseLostError, DiskFullError, RowDamagedError, StorageError
-from modallab.core.extras import remedy
-from modallab.storage.durable import failure
+from modallab.core.extras import how_to_install
+from modallab.storage.durable import storage_failure
 
 LOG = logging.getLogger(__name__)
 BUSY_S = 30.0
@@ -56,7 +56,7 @@ def open_engine(url: str) -> Engine:
         event.listen(engine, "connect", _prepare_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
         return engine
-    return _postgresql(url)
+    return _postgresql_engine(url)
 
 
 def _keep_private(path: str | None) -> None:
@@ -66,14 +66,16 @@ def _keep_private(path: str | None) -> None:
             os.close(os.open(path, os.O_CREAT | os.O_EXCL, 0o600))
 
 
-def _postgresql(url: str) -> Engine:
+def _postgresql_engine(url: str) -> Engine:
     try:
         # A server that was restarted is found again by the next transaction.
         return create_engine(
             url.replace("postgresql://", "postgresql+psycopg://", 1), pool_pre_ping=True, connect_args=PATIENCE
         )
     except (ImportError, NoSuchModuleError) as error:
-        raise StorageError(f"no driver for PostgreSQL: {error}", where="database", remedy=remedy("psycopg")) from error
+        raise StorageError(
+            f"no driver for PostgreSQL: {error}", where="database", remedy=how_to_install("psycopg")
+        ) from error
     except (ArgumentError, ValueError) as error:
         raise StorageError(
             "the address cannot be understood",
@@ -100,7 +102,7 @@ def _begin_sqlite(connection: Connection) -> None:
 
 
 @contextmanager
-def writing(engine: Engine) -> Generator[Connection]:
+def write_transaction(engine: Engine) -> Generator[Connection]:
     """A transaction that writes.
 
     Raises:
@@ -112,11 +114,11 @@ def writing(engine: Engine) -> Generator[Connection]:
     except SQLAlchemyError as error:
         raise _write_failure(error, engine) from error
     except ValueError as error:
-        raise _damaged(error, engine) from error
+        raise _damaged_error(error, engine) from error
 
 
 @contextmanager
-def reading(engine: Engine) -> Generator[Connection]:
+def read_transaction(engine: Engine) -> Generator[Connection]:
     """A transaction that only reads.
 
     Raises:
@@ -127,10 +129,10 @@ def reading(engine: Engine) -> Generator[Connection]:
             yield connection
     except SQLAlchemyError as error:
         raise server_lost(error, engine) or StorageError(
-            f"cannot be read: {_said(error, engine)}", where=database_address(engine), remedy="look at the disk"
+            f"cannot be read: {_error_text(error, engine)}", where=database_address(engine), remedy="look at the disk"
         ) from error
     except ValueError as error:
-        raise _damaged(error, engine) from error
+        raise _damaged_error(error, engine) from error
 
 
 def next_number(connection: Connection, table: Table) -> int:
@@ -156,17 +158,17 @@ def server_lost(error: SQLAlchemyError, engine: Engine) -> DatabaseLostError | N
 def _write_failure(error: SQLAlchemyError, engine: Engine) -> StorageError:
     where = database_address(engine)
     found = error.orig if isinstance(error, DBAPIError) else None
-    full = failure(found, where) if isinstance(found, Exception) else None
+    full = storage_failure(found, where) if isinstance(found, Exception) else None
     if isinstance(full, DiskFullError):
         return full
     return server_lost(error, engine) or StorageError(
-        f"cannot be written: {_said(error, engine)}",
+        f"cannot be written: {_error_text(error, engine)}",
         where=where,
         remedy="look at the disk; all acknowledged blocks are kept",
     )
 
 
-def _damaged(error: ValueError, engine: Engine) -> StorageError:
+def _damaged_error(error: ValueError, engine: Engine) -> StorageError:
     LOG.warning("a row that cannot be read", exc_info=error)
     return RowDamagedError(
         f"a row of the database cannot be read: {type(error).__name__}",
@@ -190,7 +192,7 @@ SAID = (
 """Part of what a driver says -> our own words. What it says itself holds SQL and values, and is for the log."""
 
 
-def _said(error: SQLAlchemyError, engine: Engine) -> str:
+def _error_text(error: SQLAlchemyError, engine: Engine) -> str:
     said = str(error.orig if isinstance(error, DBAPIError) else error)
     LOG.warning("%s: %s", database_address(engine), said)
     return next((ours for theirs, ours in SAID if theirs in said), "it rejects it")

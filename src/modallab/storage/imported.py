@@ -30,13 +30,13 @@ def keep_campaign(store: Store, campaign: Campaign, address: str) -> tuple[str, 
         StorageError, DiskFullError: they could not be kept.
     """
     bench = BenchInfo(address, (), can_drive=False, real_time=False, facts=dict(campaign.provenance))
-    alike = sorted(campaign.blocks, key=_likeness)
-    groups = [tuple(blocks) for _, blocks in groupby(alike, key=_likeness)]
+    alike = sorted(campaign.blocks, key=_likeness_of_block)
+    groups = [tuple(blocks) for _, blocks in groupby(alike, key=_likeness_of_block)]
     groups.sort(key=lambda blocks: blocks[0].order)
-    return tuple(_keep(store, campaign, bench, blocks) for blocks in groups)
+    return tuple(_keep_blocks(store, campaign, bench, blocks) for blocks in groups)
 
 
-def _likeness(block: Block) -> tuple[object, ...]:
+def _likeness_of_block(block: Block) -> tuple[object, ...]:
     form = block.test, block.rate_hz, block.samples.dtype.str, block.n_samples
     return (
         *form,
@@ -48,7 +48,7 @@ def _likeness(block: Block) -> tuple[object, ...]:
     )
 
 
-def _keep(store: Store, campaign: Campaign, bench: BenchInfo, blocks: Sequence[Block]) -> str:
+def _keep_blocks(store: Store, campaign: Campaign, bench: BenchInfo, blocks: Sequence[Block]) -> str:
     first = blocks[0]
     delivery = Delivery(
         requested_rate_hz=first.requested_rate_hz or first.rate_hz,
@@ -61,13 +61,13 @@ def _keep(store: Store, campaign: Campaign, bench: BenchInfo, blocks: Sequence[B
     with store.begin(plan_of(blocks, campaign.provenance), campaign.rig, bench) as recorder:
         recorder.open(delivery, first.n_samples)
         for block in blocks:
-            recorder.record(block.samples, _note(block))
+            recorder.record(block.samples, _note_of_block(block))
         recorder.close_file()
         recorder.enter("done", f"imported from {campaign.source}")
         return recorder.run
 
 
-def _note(block: Block) -> BlockNote:
+def _note_of_block(block: Block) -> BlockNote:
     over = block.overload or ()
     began = (
         {} if block.history_s is None else {"burst_first_sample": block.first_sample - block.history_s * block.rate_hz}
@@ -87,7 +87,7 @@ def _note(block: Block) -> BlockNote:
 def plan_of(blocks: Sequence[Block], provenance: Mapping[str, str]) -> Plan:
     """The plan that blocks of one test were recorded by, if the file holds it; else one that would give such blocks."""
     first = blocks[0]
-    stored = [plan for plan in _stored(provenance, first.test) if plan.rate_hz == first.requested_rate_hz]
+    stored = [plan for plan in _stored_record(provenance, first.test) if plan.rate_hz == first.requested_rate_hz]
     if len(stored) == 1:
         return stored[0]
     rates: dict[str, Any] = {"rate_hz": first.requested_rate_hz or first.rate_hz, "block_s": first.duration_s}
@@ -104,7 +104,7 @@ def plan_of(blocks: Sequence[Block], provenance: Mapping[str, str]) -> Plan:
     return BroadbandPlan(signal=first.test, levels_v=levels, blocks=len(blocks), shakers=shakers, **rates)
 
 
-def _stored(provenance: Mapping[str, str], test: Test) -> list[Plan]:
+def _stored_record(provenance: Mapping[str, str], test: Test) -> list[Plan]:
     found: list[Plan] = []
     for key, text in provenance.items():
         if key.rpartition(".")[2] != "plan":

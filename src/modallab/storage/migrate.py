@@ -14,7 +14,9 @@ _LOCK = 0x6D6F64616C
 """PostgreSQL's advisory lock while tables are made; the one that the table of jobs uses too."""
 
 
-def migrate(connection: Connection, where: str, steps: Mapping[int, Step] | None = None, newest: int = NEWEST) -> None:
+def migrate_tables(
+    connection: Connection, where: str, steps: Mapping[int, Step] | None = None, newest: int = NEWEST
+) -> None:
     """Make the tables of a new catalogue, or bring those of an older one up to date.
 
     All happens in the transaction of `connection`: the catalogue is of the old version or of the new one, never
@@ -31,7 +33,7 @@ def migrate(connection: Connection, where: str, steps: Mapping[int, Step] | None
     """
     if connection.dialect.name == "postgresql":
         connection.execute(text("SELECT pg_advisory_xact_lock(:n)"), {"n": _LOCK})
-    found = _version(connection)
+    found = _stored_version(connection)
     if found is not None and not 1 <= found <= newest:
         raise FormatError(
             f"the data folder has format version {found}, this program knows up to {newest}",
@@ -47,7 +49,7 @@ def migrate(connection: Connection, where: str, steps: Mapping[int, Step] | None
         connection.execute(update(STORE).values(format_version=newest))
 
 
-def _version(connection: Connection) -> int | None:
+def _stored_version(connection: Connection) -> int | None:
     if not inspect(connection).has_table(STORE.name):
         return None
     return connection.scalar(select(STORE.c.format_version))

@@ -33,7 +33,7 @@ def checksum(samples: Samples) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class PlacedSamples:
     """Where samples are on the disk.
 
     Attributes:
@@ -47,9 +47,9 @@ class Placed:
     crc32: int
 
 
-def _placed(writer: SampleWriter, samples: Samples) -> Placed:
+def _place_samples(writer: SampleWriter, samples: Samples) -> PlacedSamples:
     crc32 = checksum(samples)
-    return Placed(writer.append(samples), int(samples.shape[1]), crc32)
+    return PlacedSamples(writer.append(samples), int(samples.shape[1]), crc32)
 
 
 class Recorder:
@@ -113,7 +113,7 @@ class Recorder:
         """
         return self.keep(self.place(samples), note)
 
-    def place(self, samples: Samples) -> Future[Placed]:
+    def place(self, samples: Samples) -> Future[PlacedSamples]:
         """Begin to write (channels, n) samples, which must not change; until `keep` they are no block.
 
         Raises:
@@ -121,9 +121,9 @@ class Recorder:
         """
         if self._writer is None:
             raise StorageError("no file is open", where=self.run, remedy="call open with the delivery first")
-        return self._hand.submit(_placed, self._writer, samples)
+        return self._hand.submit(_place_samples, self._writer, samples)
 
-    def keep(self, placed: Future[Placed], note: BlockNote) -> BlockAcknowledged:
+    def keep(self, placed: Future[PlacedSamples], note: BlockNote) -> BlockAcknowledged:
         """Wait until placed samples are on the disk, and keep them as a block; raises as `record`."""
         at = placed.result()
         assert self._writer is not None
@@ -144,11 +144,11 @@ class Recorder:
             self._writer.free_reserve()
             raise
         self._n += 1
-        return _acknowledge(block)
+        return _acknowledge_block(block)
 
     def drop(self, name: str, reason: str) -> bool:
         """Say that the block of this name no longer counts; whether there was one that did."""
-        return drop(self._catalogue, self.run, name, reason)
+        return drop_block(self._catalogue, self.run, name, reason)
 
     def accept(self, name: str, reason: str, operator: str) -> bool:
         """Say that the rejected block of this name counts, by the operator's word; whether there was one."""
@@ -198,7 +198,7 @@ class Recorder:
         }
 
 
-def _acknowledge(block: BlockRecord) -> BlockAcknowledged:
+def _acknowledge_block(block: BlockRecord) -> BlockAcknowledged:
     return BlockAcknowledged(
         run=block.run,
         n=block.n,
@@ -211,16 +211,16 @@ def _acknowledge(block: BlockRecord) -> BlockAcknowledged:
         drive_point=block.note.drive_point,
         level=block.note.level,
         frequency_hz=block.note.frequency_hz,
-        facts={name: value for name, value in block.note.facts.items() if not _unknown(value)},
+        facts={name: value for name, value in block.note.facts.items() if not _unknown_block(value)},
     )
 
 
-def _unknown(value: float | str) -> bool:
+def _unknown_block(value: float | str) -> bool:
     # JSON has no NaN, and a number that is not known says nothing.
     return isinstance(value, float) and not isfinite(value)
 
 
-def drop(catalogue: Catalogue, run: str, name: str, reason: str) -> bool:
+def drop_block(catalogue: Catalogue, run: str, name: str, reason: str) -> bool:
     """Mark the accepted block `name` of a run as dropped, running or ended; whether there was one."""
     found = [row for row in catalogue.blocks(run) if row.note.name == name and row.note.accepted]
     for row in found:

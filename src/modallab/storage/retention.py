@@ -11,7 +11,7 @@ from modallab.storage.store import Store
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class RetentionRule:
     """Which runs may go. What is asked for must hold all together.
 
     Attributes:
@@ -34,14 +34,14 @@ class Rule:
 
 
 @dataclass(frozen=True, slots=True)
-class Removable:
+class RemovableRun:
     """A run that a rule covers, and the bytes its samples take."""
 
     run: RunRecord
     size: int
 
 
-def find_removable(store: Store, rule: Rule, now: datetime | None = None) -> tuple[Removable, ...]:
+def find_removable(store: Store, rule: RetentionRule, now: datetime | None = None) -> tuple[RemovableRun, ...]:
     """Runs that a rule covers, oldest first; those without samples are left out. Nothing is changed.
 
     Raises:
@@ -55,10 +55,10 @@ def find_removable(store: Store, rule: Rule, now: datetime | None = None) -> tup
     moment = now or datetime.now(UTC)
     found = (run for run in store.catalogue.runs() if rule.covers(run, moment))
     files = ((run, store.folder / "runs" / f"{run.id}.h5") for run in found)
-    return tuple(Removable(run, file.stat().st_size) for run, file in files if file.exists())
+    return tuple(RemovableRun(run, file.stat().st_size) for run, file in files if file.exists())
 
 
-def remove(store: Store, runs: Collection[Removable], reason: str) -> int:
+def remove_samples(store: Store, runs: Collection[RemovableRun], reason: str) -> int:
     """Delete the samples of runs, and commit before that they are gone; returns the bytes that are free now."""
     for item in runs:
         store.catalogue.remove_samples(item.run.id, reason, item.size)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import StorageError
-from modallab.storage.durable import failure, require_space, sync_file, sync_folder
+from modallab.storage.durable import require_space, storage_failure, sync_file, sync_folder
 
 DATASET = "samples"
 RESERVE_BLOCKS = 4
@@ -44,12 +44,12 @@ class SampleWriter:
         self._reserve = path.with_suffix(".reserve")
         try:
             self._take_reserve()
-            self._file, self._data = _create(path, shape, dtype, attributes)
+            self._file, self._data = _create_file(path, shape, dtype, attributes)
             self._descriptor = os.open(path, os.O_RDWR | getattr(os, "O_BINARY", 0))
             sync_file(self._descriptor)
             sync_folder(path.parent)
         except (OSError, RuntimeError) as error:
-            raise failure(error, str(path)) from error
+            raise storage_failure(error, str(path)) from error
 
     @property
     def dtype(self) -> np.dtype[np.generic]:
@@ -78,7 +78,7 @@ class SampleWriter:
             sync_file(self._descriptor)
         except (OSError, RuntimeError) as error:
             self._give_up()
-            raise failure(error, str(self._path)) from error
+            raise storage_failure(error, str(self._path)) from error
         self._end = end
         return offset
 
@@ -92,7 +92,7 @@ class SampleWriter:
                 sync_file(self._descriptor)
             except (OSError, RuntimeError) as error:
                 _ABANDONED.append((self._file, self._data))
-                raise failure(error, str(self._path)) from error
+                raise storage_failure(error, str(self._path)) from error
         os.close(self._descriptor)
         self._descriptor = -1
         self.free_reserve()
@@ -120,7 +120,7 @@ class SampleWriter:
             _ABANDONED.append((self._file, self._data))
 
 
-def _create(
+def _create_file(
     path: Path, shape: tuple[int, int], dtype: np.dtype[np.generic], attributes: dict[str, Any]
 ) -> tuple[h5py.File, h5py.Dataset]:
     file = h5py.File(path, "x", libver="latest")
@@ -155,7 +155,7 @@ class SampleReader:
         try:
             samples: Samples = self._data[:, offset : offset + count]
         except (OSError, RuntimeError) as error:
-            raise _unreadable(self._path, error) from error
+            raise _unreadable_error(self._path, error) from error
         if samples.shape[1] != count:
             raise StorageError(
                 f"samples {offset} to {offset + count} are not in the file, which ends at {self._data.shape[1]}",
@@ -175,12 +175,12 @@ def open_samples(path: Path) -> Generator[SampleReader]:
     try:
         file = open_h5(path)
     except (OSError, RuntimeError) as error:
-        raise _unreadable(path, error) from error
+        raise _unreadable_error(path, error) from error
     with file:
         try:
             data = cast("h5py.Dataset", file[DATASET])
         except (KeyError, OSError, RuntimeError) as error:
-            raise _unreadable(path, error) from error
+            raise _unreadable_error(path, error) from error
         yield SampleReader(path, data)
 
 
@@ -195,6 +195,6 @@ def open_h5(path: Path) -> h5py.File:
     return h5py.File(path, "r", libver="latest", swmr=True)
 
 
-def _unreadable(path: Path, error: Exception) -> StorageError:
+def _unreadable_error(path: Path, error: Exception) -> StorageError:
     said = re.sub(r"\s+", " ", str(error))
     return StorageError(f"cannot be read: {said}", where=str(path), remedy="restore the file from a copy")

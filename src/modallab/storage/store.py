@@ -21,10 +21,10 @@ from modallab.core.rig import Rig
 from modallab.storage.address import database_of
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import require_local
-from modallab.storage.recorder import Recorder, checksum, drop, utc_now
+from modallab.storage.recorder import Recorder, checksum, drop_block, utc_now
 from modallab.storage.records import ENDED, BlockNote, BlockRecord, RunRecord
 from modallab.storage.samples import SampleReader, Samples, open_samples
-from modallab.storage.seal import seal
+from modallab.storage.seal import seal_file
 
 INTERRUPTED = "interrupted"
 
@@ -66,7 +66,7 @@ class Store:
             rig=rig,
             rig_hash=rig_hash(rig),
             bench_url=bench.url,
-            facts=_facts(bench),
+            facts=_facts_of_bench(bench),
             code_version=__version__,
             created_utc=utc_now(),
             ended_utc="",
@@ -96,7 +96,7 @@ class Store:
             (self._runs / f"{run}.reserve").unlink(missing_ok=True)
             file = self._runs / f"{run}.h5"
             if file.exists():
-                seal(file)
+                seal_file(file)
             return True
 
     def blocks(self, run: str, *, rejected: bool = False) -> tuple[Block, ...]:
@@ -116,7 +116,7 @@ class Store:
             return
         with open_samples(self.samples_file(run)) as reader:
             for row in chosen:
-                yield _block(record, row, reader)
+                yield _block_of_run(record, row, reader)
 
     def block(self, run: str, name: str) -> Block:
         """One block of a run by its name, whether it counts or not, while the run goes on or after.
@@ -129,7 +129,7 @@ class Store:
         if not rows:
             raise StorageError(f"there is no block {name!r} in run {run}", where=str(self.folder), remedy="list them")
         with open_samples(self.samples_file(run)) as reader:
-            return _block(record, rows[-1], reader)
+            return _block_of_run(record, rows[-1], reader)
 
     def revision(self, runs: Sequence[str]) -> str:
         """SHA-256 of what decides what is computed of runs: each one's rig, and its blocks with whether they count.
@@ -150,7 +150,7 @@ class Store:
             StorageError: no such run, or no block of this name that counts.
         """
         self.catalogue.run(run)
-        if not drop(self.catalogue, run, block, reason):
+        if not drop_block(self.catalogue, run, block, reason):
             counted = [row.note.name for row in self.catalogue.blocks(run) if row.note.accepted]
             raise StorageError(
                 f"there is no block {block!r} that counts in run {run}",
@@ -191,12 +191,12 @@ def rig_hash(rig: Rig) -> str:
     return hashlib.sha256(rig.model_dump_json().encode()).hexdigest()
 
 
-def _facts(bench: BenchInfo) -> dict[str, str]:
+def _facts_of_bench(bench: BenchInfo) -> dict[str, str]:
     devices = {f"device {n}": f"{name}, serial {serial}" for n, (name, serial) in enumerate(bench.devices)}
     return devices | bench.facts
 
 
-def _block(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Block:
+def _block_of_run(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Block:
     samples = reader.read(row.offset, row.count)
     require_intact(samples, row)
     assert run.rates is not None  # a block is recorded after the delivery is known
@@ -219,7 +219,7 @@ def _block(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Block:
         actual_rate_hz=run.rates.actual_hz,
         overload=tuple(channel.name in over for channel in run.rig.channels),
         also_driven=also_driven_of(row.note.facts),
-        **_rise(run, row.note, run.rates.delivered_hz if recut is None else recut.from_hz),
+        **_rise_of_sine(run, row.note, run.rates.delivered_hz if recut is None else recut.from_hz),
     )
 
 
@@ -238,13 +238,13 @@ def require_intact(samples: Samples, row: BlockRecord) -> None:
         )
 
 
-class _Rise(TypedDict, total=False):
+class _RiseOfSine(TypedDict, total=False):
     history_s: float
     ramp_s: float
     ramp: Ramp
 
 
-def _rise(run: RunRecord, note: BlockNote, rate_hz: float) -> _Rise:
+def _rise_of_sine(run: RunRecord, note: BlockNote, rate_hz: float) -> _RiseOfSine:
     """How the sine of a block came about: drivers raise every burst along a cosine, and say where it began."""
     began = note.facts.get("burst_first_sample")
     if not isinstance(run.plan, SinePlan) or not isinstance(began, float):

@@ -26,12 +26,12 @@ def append_only(*tables: Table) -> None:
     """Have every database that gets these tables reject to update or delete their rows."""
     for table in tables:
         for verb in ("UPDATE", "DELETE"):
-            _sqlite(table, verb)
+            _sqlite_trigger(table, verb)
         event.listen(table, "after_create", DDL(_REJECT).execute_if(dialect="postgresql"))
-        event.listen(table, "after_create", DDL(_trigger(table)).execute_if(dialect="postgresql"))
+        event.listen(table, "after_create", DDL(_append_only_trigger(table)).execute_if(dialect="postgresql"))
 
 
-def _sqlite(table: Table, verb: str) -> None:
+def _sqlite_trigger(table: Table, verb: str) -> None:
     text = (
         f"CREATE TRIGGER {table.name}_no_{verb.lower()} BEFORE {verb} ON {table.name} "
         f"BEGIN SELECT RAISE(ABORT, '{table.name} are append-only'); END"
@@ -39,7 +39,7 @@ def _sqlite(table: Table, verb: str) -> None:
     event.listen(table, "after_create", DDL(text).execute_if(dialect="sqlite"))
 
 
-def _trigger(table: Table) -> str:
+def _append_only_trigger(table: Table) -> str:
     return (
         f"CREATE TRIGGER {table.name}_append_only BEFORE UPDATE OR DELETE ON {table.name} "
         "FOR EACH ROW EXECUTE FUNCTION modallab_append_only()"

@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.twin.matrices import OWN, matrices
-from modallab.twin.modes import solve
-from modallab.twin.structure import Structure
+from modallab.twin.matrices import OWN, stiffness_and_mass
+from modallab.twin.modes import solve_modes
+from modallab.twin.structure import TwinStructure
 
 
-def base_transmission(structure: Structure, x_m: Real, s: Complex) -> Complex:
+def base_transmission(structure: TwinStructure, x_m: Real, s: Complex) -> Complex:
     """(points, k) absolute acceleration at places on the beam per acceleration of the base, at s (k,).
 
     Relative motion is that under the inertia load -M 1 of the moving base.
     """
-    modes = solve(structure)
-    _, mass = matrices(replace(structure, hung=()))
+    modes = solve_modes(structure)
+    _, mass = stiffness_and_mass(replace(structure, hung=()))
     rigid = np.zeros(OWN)
     rigid[0::2] = 1.0
     load = -(modes.columns.T @ (mass @ rigid))

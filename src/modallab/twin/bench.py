@@ -8,9 +8,9 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE, Test
-from modallab.twin.modes import Modes
-from modallab.twin.nonlinear.element import Element
-from modallab.twin.structure import Structure
+from modallab.twin.modes import TwinModes
+from modallab.twin.nonlinear.element import NonlinearElement
+from modallab.twin.structure import TwinStructure
 
 S = TypeVar("S", Real, Complex)
 
@@ -25,7 +25,7 @@ class Mount:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Chain:
+class MeasurementChain:
     """Linear part of the measurement chain. Channels are numbered as in the rig file, 0 is the force.
 
     Attributes:
@@ -97,8 +97,8 @@ class Twin:
         element: what of the beam does not answer in proportion; None for nothing.
     """
 
-    structure: Structure
-    chain: Chain = Chain()
+    structure: TwinStructure
+    chain: MeasurementChain = MeasurementChain()
     ei_drift: float = 0.0
     drift_curve: tuple[tuple[float, float], ...] = ()
     clock: float = 0.0
@@ -108,9 +108,9 @@ class Twin:
     shaker_mass_kg: float = 0.0
     stinger_k_rot: float = 0.0
     residual_compliance: float = 0.0
-    element: Element | None = None
+    element: NonlinearElement | None = None
 
-    def felt(self, modes: Modes) -> Modes:
+    def felt(self, modes: TwinModes) -> TwinModes:
         """The modes with as much of the static compliance of those above as `element` feels."""
         whole = self.element is not None and self.element.of_all_modes
         return modes if whole else replace(modes, out_of_band=self.residual_compliance * modes.out_of_band)
@@ -131,7 +131,7 @@ class Twin:
         """What the beam gets of hits meant for a point, over what the hammer reads."""
         return dict(self.hit_gains).get(drive_x_m, 1.0)
 
-    def in_sine(self, shaker_x_m: float) -> Structure:
+    def in_sine(self, shaker_x_m: float) -> TwinStructure:
         """The structure while the shaker hangs on it."""
         s = self.structure
         if self.shaker_mass_kg:
@@ -141,7 +141,7 @@ class Twin:
         return s
 
 
-def transfer(chain: Chain, channels: tuple[int, ...], s: Complex) -> Complex:
+def chain_transfer(chain: MeasurementChain, channels: tuple[int, ...], s: Complex) -> Complex:
     """(channels, ...) what the chain makes of an acceleration per measured force at complex frequencies s (...).
 
     At s = 0 a high-pass and an integral have no answer; there it is 0.
@@ -172,7 +172,7 @@ def transfer(chain: Chain, channels: tuple[int, ...], s: Complex) -> Complex:
     return total
 
 
-def exchange_plugs(chain: Chain, channels: tuple[int, ...], test: Test, y: S) -> S:
+def exchange_plugs(chain: MeasurementChain, channels: tuple[int, ...], test: Test, y: S) -> S:
     """The rows (..., channels, n) in SI units with two plugs exchanged, where the chain exchanges them.
 
     The volts of a sensor, with its sensitivity and its direction, are read as if they were the other's.
@@ -186,7 +186,7 @@ def exchange_plugs(chain: Chain, channels: tuple[int, ...], test: Test, y: S) ->
     return rows
 
 
-def is_flat(chain: Chain) -> bool:
+def is_flat(chain: MeasurementChain) -> bool:
     """Whether the chain is the same on every frequency."""
     return not (
         chain.corner_hz

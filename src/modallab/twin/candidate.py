@@ -23,7 +23,7 @@ SMALLEST = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Slot:
+class FreeNumber:
     """One free number of an effect.
 
     Attributes:
@@ -111,7 +111,7 @@ class Slot:
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class CandidateEffect:
     """An effect at a place, its numbers free.
 
     Attributes:
@@ -122,7 +122,7 @@ class Candidate:
     """
 
     effect: str
-    slots: tuple[Slot, ...]
+    slots: tuple[FreeNumber, ...]
     place: Place = NO_PLACE
     fixed: tuple[tuple[str, float], ...] = ()
 
@@ -147,23 +147,23 @@ class Candidate:
         sizes = [k for k, s in enumerate(self.slots) if s.power]
         return sizes[0] if len(sizes) == 1 else None
 
-    def held_at(self, x: float) -> "Candidate":
+    def held_at(self, x: float) -> "CandidateEffect":
         """The same, but that its place along the beam, as a share of the length, is not free."""
         slots = tuple(s for s in self.slots if s.name != "x")
         return replace(self, slots=slots, place=AlongBeam(x=x))
 
 
-def spread(low: float, high: float, count: int) -> tuple[float, ...]:
+def spread_logarithmically(low: float, high: float, count: int) -> tuple[float, ...]:
     """So many values, even on logarithms."""
     return tuple(float(v) for v in np.geomspace(low, high, count))
 
 
 def both_signs(low: float, high: float, count: int) -> tuple[float, ...]:
     """So many values of either sign, their magnitudes even on logarithms."""
-    values = spread(low, high, count)
+    values = spread_logarithmically(low, high, count)
     return (*(-v for v in reversed(values)), *values)
 
 
-def along_beam() -> Slot:
+def along_beam() -> FreeNumber:
     """The place along the beam, as a share of its length."""
-    return Slot("x", "plain", tuple(float(v) for v in np.linspace(0.1, 0.98, 12)), low=0.0, high=1.0, power=0.0)
+    return FreeNumber("x", "plain", tuple(float(v) for v in np.linspace(0.1, 0.98, 12)), low=0.0, high=1.0, power=0.0)

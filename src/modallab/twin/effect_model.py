@@ -10,7 +10,7 @@ from modallab.core.effects import Effect, EffectKind
 from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Candidate, Slot
+from modallab.twin.candidate import CandidateEffect, FreeNumber
 
 Change = Callable[[Twin, Effect, Rig], Twin]
 Overtones = Literal["odd", "even"]
@@ -56,11 +56,9 @@ class SteppedLaw:
         overtones: those it makes: odd ones alone where it acts alike both ways, even ones too where it does not.
         acts: what it does at its place: a force on the beam, a couple that bends it, or a couple at the root; None
             where it acts all along the beam.
-        by_sine: whether each sine counts by its own relative error: beside a resonance such a law is right or wrong,
-            and squares in noise units would follow the one that is furthest off.
         on_slowest: power of the slowest mode's shape at its place with which its first number acts on that mode, which
             says little more of where it is; 0 where the number has no place.
-        drowns: whether its force grows faster than the motion: of a small motion its overtones drown in the noise.
+        smooth: whether its force is a power of the motion, of which the overtones of a small motion drown in the noise.
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
         behind: name of its stiffness at the root, which acts in series with the compliance of the modes above the band;
             the records hardly determine how many such modes there are. "" for none.
@@ -69,16 +67,15 @@ class SteppedLaw:
 
     overtones: Overtones = "odd"
     acts: Acts | None = None
-    by_sine: bool = False
     on_slowest: int = 0
-    drowns: bool = False
+    smooth: bool = False
     rough: bool = False
     behind: str = ""
     acting: Callable[[Mapping[str, float]], bool] = lambda numbers: True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Search:
+class EffectSearch:
     """How a fit looks for an effect: at each place its kind may have, with these numbers free.
 
     Attributes:
@@ -94,7 +91,7 @@ class Search:
     """
 
     rank: int
-    slots: Callable[[Beam], tuple[Slot, ...]]
+    slots: Callable[[Beam], tuple[FreeNumber, ...]]
     fixed: tuple[tuple[str, float], ...] = ()
     forms: tuple[tuple[tuple[str, float], ...], ...] = ((),)
     needs: Literal["impact", "shaker", "sine"] | None = None
@@ -104,7 +101,7 @@ class Search:
 
 
 @dataclass(frozen=True, slots=True)
-class Rival:
+class RivalEffect:
     """Another effect that may look the same.
 
     Attributes:
@@ -142,11 +139,11 @@ class EffectModel:
     change: Change | NoChange
     moves_poles: bool
     once: bool
-    search: Search | None
+    search: EffectSearch | None
     experiment: str
-    rivals: tuple[Rival, ...] = ()
+    rivals: tuple[RivalEffect, ...] = ()
 
-    def candidates(self, rig: Rig, rows: tuple[int, ...] = ()) -> list[Candidate]:
+    def candidates(self, rig: Rig, rows: tuple[int, ...] = ()) -> list[CandidateEffect]:
         """The effect with its numbers free, at its place on a rig; none where the rig has no such place.
 
         Args:
@@ -157,7 +154,9 @@ class EffectModel:
             return []
         assert rig.beam is not None
         slots, place = self.search.slots(rig.beam), self._place(rig, rows)
-        return [Candidate(self.kind.name, slots, place, (*self.search.fixed, *form)) for form in self.search.forms]
+        return [
+            CandidateEffect(self.kind.name, slots, place, (*self.search.fixed, *form)) for form in self.search.forms
+        ]
 
     def _place(self, rig: Rig, rows: tuple[int, ...]) -> Place:
         if self.kind.place == "force":
@@ -175,6 +174,6 @@ class EffectModel:
         return TwoChannels(channel=(rows[0], rows[1])) if self.kind.place == "pair" else OneChannel(channel=rows[0])
 
 
-def over(value: float, tolerance: float) -> float:
+def in_tolerances(value: float, tolerance: float) -> float:
     """A number in deviations of its tolerance; infinitely many where there is none."""
     return abs(value) / tolerance if tolerance else inf

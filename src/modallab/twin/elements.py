@@ -15,7 +15,7 @@ FIELD_TERMS = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Patterns:
+class BeamMatrices:
     """Matrices of a beam of unit EI and unit rhoA; index 0 is uniform, j the field cos(j pi x / L).
 
     Attributes:
@@ -47,7 +47,7 @@ def curvature_rows(x_m: float | Real, length_m: float) -> Real:
 @lru_cache(maxsize=256)
 def _known_rows(places: bytes, length_m: float, derivative: int) -> Real:
     # A fit asks for the same sensors thousands of times.
-    rows = _rows(np.frombuffer(places), length_m, derivative)
+    rows = _interpolation_rows(np.frombuffer(places), length_m, derivative)
     rows.flags.writeable = False
     return rows
 
@@ -76,7 +76,7 @@ def weakened_stiffness(x_m: float, width_m: float, length_m: float, share: float
 
 
 @lru_cache(maxsize=8)
-def patterns(length_m: float) -> Patterns:
+def beam_matrices(length_m: float) -> BeamMatrices:
     """The patterns of a beam of this length."""
     size = length_m / ELEMENTS
     terms = range(FIELD_TERMS + 1)
@@ -84,26 +84,26 @@ def patterns(length_m: float) -> Patterns:
     stiffness, mass, rotary = np.zeros((len(terms), n, n)), np.zeros((len(terms), n, n)), np.zeros((n, n))
     nodes, weights = gauss_legendre(6)
     xi, weights = (nodes + 1) / 2, weights / 2
-    deflection, slope, curvature = (_hermite(xi, size, d) for d in (0, 1, 2))
+    deflection, slope, curvature = (_hermite_cubics(xi, size, d) for d in (0, 1, 2))
     for e in range(ELEMENTS):
         at = slice(2 * e, 2 * e + 4)
         field = np.cos(np.outer(terms, np.pi * (e + xi) / ELEMENTS)) * weights * size
         stiffness[:, at, at] += np.einsum("tq,qi,qj->tij", field, curvature, curvature)
         mass[:, at, at] += np.einsum("tq,qi,qj->tij", field, deflection, deflection)
         rotary[at, at] += np.einsum("q,qi,qj->ij", field[0], slope, slope)
-    return Patterns(stiffness, mass, rotary)
+    return BeamMatrices(stiffness, mass, rotary)
 
 
 @lru_cache(maxsize=8)
-def flexibility(length_m: float) -> Real:
+def clamped_beam_flexibility(length_m: float) -> Real:
     """(n, n) deflection of a clamped beam of unit EI to unit loads on its degrees of freedom; not to be written to."""
     answer = np.zeros((2 * ELEMENTS + 2,) * 2)
-    answer[2:, 2:] = np.linalg.inv(patterns(length_m).stiffness[0][2:, 2:])
+    answer[2:, 2:] = np.linalg.inv(beam_matrices(length_m).stiffness[0][2:, 2:])
     answer.flags.writeable = False
     return answer
 
 
-def _hermite(xi: Real, size: float, derivative: int) -> Real:
+def _hermite_cubics(xi: Real, size: float, derivative: int) -> Real:
     """(points, 4) Hermite cubics on [0, 1], differentiated by x."""
     one = np.ones_like(xi)
     if derivative == 0:
@@ -120,11 +120,11 @@ def _hermite(xi: Real, size: float, derivative: int) -> Real:
     return np.stack(rows, axis=-1) / size**derivative
 
 
-def _rows(x: Real, length_m: float, derivative: int) -> Real:
+def _interpolation_rows(x: Real, length_m: float, derivative: int) -> Real:
     size = length_m / ELEMENTS
     element = np.clip((x / size).astype(int), 0, ELEMENTS - 1)
     rows = np.zeros((len(x), 2 * ELEMENTS + 2))
-    values = _hermite(x / size - element, size, derivative)
+    values = _hermite_cubics(x / size - element, size, derivative)
     for i, (e, value) in enumerate(zip(element, values, strict=True)):
         rows[i, 2 * e : 2 * e + 4] = value
     return rows

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.twin.elements import ELEMENTS, patterns, shape_rows, slope_rows, weakened_stiffness
-from modallab.twin.structure import Structure
+from modallab.twin.elements import ELEMENTS, beam_matrices, shape_rows, slope_rows, weakened_stiffness
+from modallab.twin.structure import TwinStructure
 
 OWN = 2 * ELEMENTS + 2
 """Degrees of freedom of the beam's elements; those of what hangs on it follow."""
@@ -25,7 +25,7 @@ Term = tuple[str, *tuple[float, ...]]
 Terms = dict[Term, float]
 
 
-def stiffness_terms(s: Structure) -> Terms:
+def stiffness_terms(s: TwinStructure) -> Terms:
     """How much of each stiffness a structure has; what hangs on it is left out."""
     ei, length = s.bending_stiffness, s.length_m
     found: Terms = {(FIELD, 0): ei}
@@ -35,26 +35,26 @@ def stiffness_terms(s: Structure) -> Terms:
     if s.root_rotation > RIGID:
         found[FREEDOM, 1] = ei / length / s.root_rotation
     for x, share, width in s.losses:
-        _add(found, (LOSS, x, share, width), ei)
+        _add_term(found, (LOSS, x, share, width), ei)
     for x, k in s.springs:
-        _add(found, (DEFLECTION, x), k)
+        _add_term(found, (DEFLECTION, x), k)
     for x, k in s.rotation_springs:
-        _add(found, (SLOPE, x), k)
+        _add_term(found, (SLOPE, x), k)
     # The work of an axial force goes with the square of the slope, as the rotary inertia of unit rhoI does.
     return found | {(SLOPES,): s.tension_n, (DEFLECTIONS,): s.bedding}
 
 
-def mass_terms(s: Structure) -> Terms:
+def mass_terms(s: TwinStructure) -> Terms:
     """How much of each inertia a structure has; what hangs on it is left out."""
     rho_a = s.mass_per_length
     found: Terms = {(FIELD, 0): rho_a, (SLOPES,): rho_a * s.thickness_m**2 / 12}
     found |= {(FIELD, j): rho_a * a for j, a in enumerate(s.mass_field.tolist(), 1) if a}
     for x, kg in s.masses:
-        _add(found, (DEFLECTION, x), kg)
+        _add_term(found, (DEFLECTION, x), kg)
     return found
 
 
-def _add(terms: Terms, term: Term, value: float) -> None:
+def _add_term(terms: Terms, term: Term, value: float) -> None:
     terms[term] = terms.get(term, 0.0) + value
 
 
@@ -67,7 +67,7 @@ def term_rows(terms: Iterable[Term], length_m: float) -> Real:
 def term_matrix(term: Term, fields: Real, length_m: float) -> Real:
     """(n, n) one of the other terms; `fields` are the beam's own patterns of stiffness or of mass."""
     kind, *numbers = term
-    pattern = patterns(length_m)
+    pattern = beam_matrices(length_m)
     if kind == FIELD:
         return fields[int(numbers[0])]
     if kind == LOSS:
@@ -80,13 +80,13 @@ def term_matrix(term: Term, fields: Real, length_m: float) -> Real:
     return pattern.rotary if kind == SLOPES else pattern.mass[0]
 
 
-def at_places(terms: Iterable[Term]) -> list[Term]:
+def terms_at_places(terms: Iterable[Term]) -> list[Term]:
     """Those that act on a deflection or a slope at a place."""
     return [t for t in terms if t[0] in (DEFLECTION, SLOPE)]
 
 
-def _assembled(terms: Terms, fields: Real, length_m: float) -> Real:
-    placed = at_places(terms)
+def _assemble_matrix(terms: Terms, fields: Real, length_m: float) -> Real:
+    placed = terms_at_places(terms)
     rows = term_rows(placed, length_m)
     total: Real = rows.T @ (np.array([terms[t] for t in placed])[:, None] * rows)
     for term, value in terms.items():
@@ -95,15 +95,15 @@ def _assembled(terms: Terms, fields: Real, length_m: float) -> Real:
     return total
 
 
-def matrices(structure: Structure) -> tuple[Real, Real]:
+def stiffness_and_mass(structure: TwinStructure) -> tuple[Real, Real]:
     """Stiffness and mass over all degrees of freedom; those a rigid root takes are still in."""
-    pattern, length = patterns(structure.length_m), structure.length_m
-    stiffness = _assembled(stiffness_terms(structure), pattern.stiffness, length)
-    mass = _assembled(mass_terms(structure), pattern.mass, length)
+    pattern, length = beam_matrices(structure.length_m), structure.length_m
+    stiffness = _assemble_matrix(stiffness_terms(structure), pattern.stiffness, length)
+    mass = _assemble_matrix(mass_terms(structure), pattern.mass, length)
     return (stiffness, mass) if not structure.hung else _with_hung(structure, stiffness, mass)
 
 
-def _with_hung(structure: Structure, stiffness: Real, mass: Real) -> tuple[Real, Real]:
+def _with_hung(structure: TwinStructure, stiffness: Real, mass: Real) -> tuple[Real, Real]:
     """The same with a freedom more for each mass that hangs on a spring."""
     size = OWN + len(structure.hung)
     whole, heavy = np.zeros((size, size)), np.zeros((size, size))

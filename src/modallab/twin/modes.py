@@ -12,15 +12,15 @@ from scipy.linalg import eigh
 
 from modallab.core.arrays import Complex, Real
 from modallab.twin.elements import shape_rows
-from modallab.twin.matrices import OWN, RIGID, matrices
+from modallab.twin.matrices import OWN, RIGID, stiffness_and_mass
 from modallab.twin.side_modes import given_way, poles_and_columns
-from modallab.twin.structure import MODES, Structure
+from modallab.twin.structure import MODES, TwinStructure
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Modes:
+class TwinModes:
     """Poles and shapes: displacement at a by force at b is sum_p psi_ap psi_bp / (s - pole_p) and its conjugate.
 
     Attributes:
@@ -49,13 +49,13 @@ class Modes:
         return np.abs(self.poles) / (2 * np.pi)
 
 
-def solve(structure: Structure) -> Modes:
+def solve_modes(structure: TwinStructure) -> TwinModes:
     """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
     key = (*undamped_key(structure), structure.zeta.tobytes(), structure.dampers)
-    return beside(structure, _DAMPED.of(key, lambda: _damped(structure, *undamped_modes(structure))))
+    return with_side_modes(structure, _DAMPED.of(key, lambda: _damped_modes(structure, *undamped_modes(structure))))
 
 
-def beside(structure: Structure, bending: Modes) -> Modes:
+def with_side_modes(structure: TwinStructure, bending: TwinModes) -> TwinModes:
     """The modes of bending, and after them those of the families beside."""
     if not structure.side:
         return bending
@@ -69,7 +69,7 @@ def beside(structure: Structure, bending: Modes) -> Modes:
     )
 
 
-def have_same_modes(structure: Structure, other: Structure) -> bool:
+def have_same_modes(structure: TwinStructure, other: TwinStructure) -> bool:
     """Whether two structures have the same modes."""
     if (structure.dampers, structure.side) != (other.dampers, other.side):
         return False
@@ -78,17 +78,17 @@ def have_same_modes(structure: Structure, other: Structure) -> bool:
     return undamped_key(structure) == undamped_key(other)
 
 
-def _damped(structure: Structure, omega: Real, phi: Real, out_of_band: Real) -> Modes:
+def _damped_modes(structure: TwinStructure, omega: Real, phi: Real, out_of_band: Real) -> TwinModes:
     if structure.dampers:
         poles, mixing = damped_poles(structure, omega, phi)
-        return Modes(poles, phi[:OWN] @ mixing, structure.length_m, out_of_band[:OWN, :OWN])
+        return TwinModes(poles, phi[:OWN] @ mixing, structure.length_m, out_of_band[:OWN, :OWN])
     zeta = structure.zeta
     damped = omega * np.sqrt(np.maximum(1 - zeta**2, 1e-6))
     columns = (phi[:OWN] / np.sqrt(2j * damped)).astype(np.complex128)
-    return Modes(-zeta * omega + 1j * damped, columns, structure.length_m, out_of_band[:OWN, :OWN])
+    return TwinModes(-zeta * omega + 1j * damped, columns, structure.length_m, out_of_band[:OWN, :OWN])
 
 
-class _Latest(Generic[T]):
+class _LatestResults(Generic[T]):
     """The latest results by what they depend on: a search asks for the same again and again."""
 
     def __init__(self, kept: int) -> None:
@@ -108,21 +108,21 @@ class _Latest(Generic[T]):
         return made
 
 
-_UNDAMPED = _Latest[tuple[Real, Real, Real]](48)
-_DAMPED = _Latest[Modes](48)
+_UNDAMPED = _LatestResults[tuple[Real, Real, Real]](48)
+_DAMPED = _LatestResults[TwinModes](48)
 
 
-def undamped_modes(structure: Structure) -> tuple[Real, Real, Real]:
+def undamped_modes(structure: TwinStructure) -> tuple[Real, Real, Real]:
     """The undamped modes: (MODES,) rad/s, (n, MODES) shapes, and the (n, n) compliance of the modes above them.
 
     n counts the freedoms of the beam and of what hangs on it. Results are kept: damping and chain do not change them.
     """
-    return _UNDAMPED.of(undamped_key(structure), lambda: _undamped(structure))
+    return _UNDAMPED.of(undamped_key(structure), lambda: _undamped_modes(structure))
 
 
-def _undamped(structure: Structure) -> tuple[Real, Real, Real]:
-    stiffness, mass = matrices(structure)
-    free = _free(structure)
+def _undamped_modes(structure: TwinStructure) -> tuple[Real, Real, Real]:
+    stiffness, mass = stiffness_and_mass(structure)
+    free = _free_degrees(structure)
     held = np.ix_(free, free)
     # The low modes are the large eigenvalues of this pencil, exact to the last digits; of the other they are the small.
     values, vectors = eigh(mass[held], stiffness[held], check_finite=False, overwrite_a=True, overwrite_b=True)
@@ -134,7 +134,7 @@ def _undamped(structure: Structure) -> tuple[Real, Real, Real]:
     return omega, phi, out_of_band
 
 
-def undamped_key(s: Structure) -> tuple[object, ...]:
+def undamped_key(s: TwinStructure) -> tuple[object, ...]:
     """What the undamped modes depend on; to remember them by."""
     size = s.length_m, s.width_m, s.thickness_m, s.youngs_modulus_pa, s.density_kg_m3
     fields = s.ei_field.tobytes(), s.mass_field.tobytes()
@@ -142,17 +142,17 @@ def undamped_key(s: Structure) -> tuple[object, ...]:
     return (*size, *fields, s.root_rotation, s.root_translation, *attached)
 
 
-def held_at_root(structure: Structure) -> tuple[bool, bool]:
+def held_at_root(structure: TwinStructure) -> tuple[bool, bool]:
     """Whether the root takes the deflection and the slope there."""
     return structure.root_translation <= RIGID, structure.root_rotation <= RIGID
 
 
-def _free(structure: Structure) -> NDArray[np.int64]:
+def _free_degrees(structure: TwinStructure) -> NDArray[np.int64]:
     held = {i for i, taken in enumerate(held_at_root(structure)) if taken}
     return np.array([i for i in range(OWN + len(structure.hung)) if i not in held])
 
 
-def damping_of(structure: Structure, omega: Real, phi: Real) -> Real:
+def damping_of(structure: TwinStructure, omega: Real, phi: Real) -> Real:
     """(n, n) damping matrix over modes."""
     damping = np.diag(2 * structure.zeta * omega)
     if structure.dampers:
@@ -162,7 +162,7 @@ def damping_of(structure: Structure, omega: Real, phi: Real) -> Real:
     return damping
 
 
-def damped_poles(structure: Structure, omega: Real, phi: Real) -> tuple[Complex, Complex]:
+def damped_poles(structure: TwinStructure, omega: Real, phi: Real) -> tuple[Complex, Complex]:
     """(p,) poles, and (MODES, p) weights of the undamped shapes in their shapes, coupled by dampers."""
     n = len(omega)
     damping = damping_of(structure, omega, phi)

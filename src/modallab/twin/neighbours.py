@@ -9,25 +9,33 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.twin.elements import patterns, shape_rows
+from modallab.twin.elements import beam_matrices, shape_rows
 from modallab.twin.matrices import (
     OWN,
     Term,
     Terms,
-    at_places,
     mass_terms,
     stiffness_terms,
     term_matrix,
     term_rows,
+    terms_at_places,
 )
-from modallab.twin.modes import Modes, beside, damped_poles, damping_of, held_at_root, solve, undamped_modes
-from modallab.twin.structure import MODES, Structure
+from modallab.twin.modes import (
+    TwinModes,
+    damped_poles,
+    damping_of,
+    held_at_root,
+    solve_modes,
+    undamped_modes,
+    with_side_modes,
+)
+from modallab.twin.structure import MODES, TwinStructure
 
 
-class Neighbours:
+class NeighbourStructures:
     """The modes of structures next to one."""
 
-    def __init__(self, structure: Structure) -> None:
+    def __init__(self, structure: TwinStructure) -> None:
         """Solve the structure in the middle."""
         self._middle = structure
         self._omega, self._phi, self._out_of_band = undamped_modes(structure)
@@ -43,30 +51,30 @@ class Neighbours:
         self._near = np.where(apart == 0, 0.0, 1 / np.where(apart == 0, 1.0, apart))
         self._whole = np.concatenate([self._mixing, self._mixing.conj()], axis=1)
 
-    def solve(self, structures: Sequence[Structure]) -> list[Modes]:
+    def solve(self, structures: Sequence[TwinStructure]) -> list[TwinModes]:
         """The modes of each; exactly where no first order leads there."""
         followed = len(self._poles) == MODES and not np.any(self._poles.imag == 0)
         near = [k for k, s in enumerate(structures) if followed and self._same_freedoms(s)]
         found = dict(zip(near, self._first_order([structures[k] for k in near]), strict=True))
-        return [beside(s, found[k]) if k in found else solve(s) for k, s in enumerate(structures)]
+        return [with_side_modes(s, found[k]) if k in found else solve_modes(s) for k, s in enumerate(structures)]
 
-    def _same_freedoms(self, s: Structure) -> bool:
+    def _same_freedoms(self, s: TwinStructure) -> bool:
         here = self._middle
         return (s.length_m, s.hung, held_at_root(s)) == (here.length_m, here.hung, held_at_root(here))
 
-    def _first_order(self, structures: list[Structure]) -> list[Modes]:
+    def _first_order(self, structures: list[TwinStructure]) -> list[TwinModes]:
         """The modes of bending of each."""
         if not structures:
             return []
         omega, phi = self._undamped(structures)
         poles, mixing = self._coupled(structures, omega, phi)
         columns, rest = phi[:, :OWN] @ mixing, self._out_of_band[:OWN, :OWN]
-        return [Modes(p, c, self._middle.length_m, rest) for p, c in zip(poles, columns, strict=True)]
+        return [TwinModes(p, c, self._middle.length_m, rest) for p, c in zip(poles, columns, strict=True)]
 
-    def _undamped(self, structures: list[Structure]) -> tuple[Real, Real]:
+    def _undamped(self, structures: list[TwinStructure]) -> tuple[Real, Real]:
         """(structures, MODES) rad/s and (structures, n, MODES) shapes."""
         phi, squared = self._phi, self._omega**2
-        pattern = patterns(self._middle.length_m)
+        pattern = beam_matrices(self._middle.length_m)
         heavier = self._changed(mass_terms, structures, pattern.mass)
         # Columns: what the change does on each mode.
         pushed = self._changed(stiffness_terms, structures, pattern.stiffness) - heavier * squared
@@ -78,10 +86,12 @@ class Neighbours:
         moved = phi + phi @ mixing - self._out_of_band @ pushed
         return np.sqrt(np.maximum(squared + coupling[:, own, own], 1e-12)), moved
 
-    def _changed(self, terms_of: Callable[[Structure], Terms], structures: list[Structure], fields: Real) -> Real:
+    def _changed(
+        self, terms_of: Callable[[TwinStructure], Terms], structures: list[TwinStructure], fields: Real
+    ) -> Real:
         """(structures, n, MODES) what their change of stiffness or of inertia does on each mode."""
-        change = _differences(terms_of(self._middle), [terms_of(s) for s in structures])
-        placed = at_places(change)
+        change = _differences_of_terms(terms_of(self._middle), [terms_of(s) for s in structures])
+        placed = terms_at_places(change)
         others = [t for t in change if t not in set(placed)]
         length, phi = self._middle.length_m, self._phi[:OWN]
         rows = term_rows(placed, length)
@@ -95,7 +105,7 @@ class Neighbours:
                 numbers[i, k] = more
         return np.tensordot(numbers, products, 1)
 
-    def _coupled(self, structures: list[Structure], omega: Real, phi: Real) -> tuple[Complex, Complex]:
+    def _coupled(self, structures: list[TwinStructure], omega: Real, phi: Real) -> tuple[Complex, Complex]:
         """(structures, MODES) poles and (structures, MODES, MODES) weights of the undamped shapes in their shapes."""
         more = self._damped(structures, omega, phi) - self._damping
         on_mixing = more @ self._mixing
@@ -105,7 +115,7 @@ class Neighbours:
         kept = self._mixing * (1 - 0.5 * np.sum(self._mixing * on_mixing, axis=1))[:, None, :]
         return self._poles + coupling[:, own, own], kept + self._whole @ (coupling * self._near)
 
-    def _damped(self, structures: list[Structure], omega: Real, phi: Real) -> Real:
+    def _damped(self, structures: list[TwinStructure], omega: Real, phi: Real) -> Real:
         """(structures, MODES, MODES) damping over modes."""
         damping = np.zeros((len(structures), MODES, MODES))
         own = np.arange(MODES)
@@ -122,7 +132,7 @@ class Neighbours:
         return damping
 
 
-def _differences(here: Terms, there: Sequence[Terms]) -> dict[Term, dict[int, float]]:
+def _differences_of_terms(here: Terms, there: Sequence[Terms]) -> dict[Term, dict[int, float]]:
     """What others have more of each term than the one here, by term and by which of them; the alike are left out."""
     change: dict[Term, dict[int, float]] = {}
     for i, own in enumerate(there):

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.twin.bench import Chain, Twin, exchange_plugs, transfer
-from modallab.twin.modes import Modes, solve
-from modallab.twin.nonlinear.element import coupling
-from modallab.twin.nonlinear.records import acceleration, in_hit, in_sine, ready
-from modallab.twin.response import Hits, Sines, SineStartUp
+from modallab.twin.bench import MeasurementChain, Twin, chain_transfer, exchange_plugs
+from modallab.twin.modes import TwinModes, solve_modes
+from modallab.twin.nonlinear.element import couple_to_modes
+from modallab.twin.nonlinear.records import added_acceleration, added_in_hit, added_in_sine, prepared_steps
+from modallab.twin.response import HitsAtPoint, SineBlocks, SineStartUp
 
 
 def predict_hit(
@@ -27,29 +27,29 @@ def predict_hit(
         tau: place of the record in the campaign's time, 0 to 1.
     """
     n, dt = len(force_n), 1 / rate_hz / (1 + twin.clock)
-    modes = drifted_modes(solve(twin.structure), twin.ei_drift, float(twin.drifted(tau)))
+    modes = drifted_modes(solve_modes(twin.structure), twin.ei_drift, float(twin.drifted(tau)))
     x = twin.struck_x_m(drive_x_m)
     struck = np.flatnonzero(force_n)
     first, last = (int(struck[0]), int(struck[-1]) + 1) if len(struck) else (0, 1)
     spectrum = np.fft.rfft(force_n)
     lines = np.arange(float(len(spectrum)))
     one = np.ones((1, len(lines)), dtype=np.complex128)
-    source = Hits(lines, n, dt, force_n[None, first:last], np.array([first]), one)
-    residue = _outputs(twin.chain, modes, channels, x_m) * modes.at(x)[0]
+    source = HitsAtPoint(lines, n, dt, force_n[None, first:last], np.array([first]), one)
+    residue = _outputs_of_modes(twin.chain, modes, channels, x_m) * modes.at(x)[0]
     forced_sum = np.zeros((len(channels), len(lines)), dtype=np.complex128)
     total = np.zeros_like(forced_sum)
     for poles, r in ((modes.poles, residue), (modes.poles.conj(), residue.conj())):
         forced, tail = source.kernel(poles)
         forced_sum += r @ forced
-        total += (r * transfer(twin.chain, channels, poles)) @ tail
-    forced_sum += twin.residual_compliance * np.outer(_out_of_band(twin, modes, channels, x_m, x), source.s**2)
-    chain = transfer(twin.chain, channels, source.s)
+        total += (r * chain_transfer(twin.chain, channels, poles)) @ tail
+    forced_sum += twin.residual_compliance * np.outer(_out_of_band_response(twin, modes, channels, x_m, x), source.s**2)
+    chain = chain_transfer(twin.chain, channels, source.s)
     if twin.element is not None and len(struck):
         stiff = twin.felt(modes)
-        own = coupling(twin.element, twin.structure, stiff)
+        own = couple_to_modes(twin.element, twin.structure, stiff)
         gain = twin.hit_gain(drive_x_m)
-        added = in_hit(ready(stiff, own, dt, x), gain * force_n[first:last], first, n)
-        seen = acceleration(stiff, own, _outputs(twin.chain, stiff, channels, x_m), added, dt)
+        added = added_in_hit(prepared_steps(stiff, own, dt, x), gain * force_n[first:last], first, n)
+        seen = added_acceleration(stiff, own, _outputs_of_modes(twin.chain, stiff, channels, x_m), added, dt)
         total += np.nan_to_num(chain) * np.fft.rfft(seen, axis=1) / gain
     # A high-pass has no answer at rest: 0 / 0 there.
     total += np.nan_to_num(chain) * forced_sum * spectrum
@@ -89,9 +89,11 @@ def predict_sine(
     dt = 1 / rate_hz / (1 + twin.clock)
     rise = rise or SineStartUp.usual(1)
     world_hz = frequency_hz * (1 + twin.clock)
-    modes = drifted_modes(solve(twin.in_sine(drive_x_m)), twin.ei_drift, float(twin.drifted(tau)))
-    source = Sines(np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]), rise.on_clock(twin.clock))
-    residue = _outputs(twin.chain, modes, channels, x_m) * modes.at(drive_x_m)[0]
+    modes = drifted_modes(solve_modes(twin.in_sine(drive_x_m)), twin.ei_drift, float(twin.drifted(tau)))
+    source = SineBlocks(
+        np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]), rise.on_clock(twin.clock)
+    )
+    residue = _outputs_of_modes(twin.chain, modes, channels, x_m) * modes.at(drive_x_m)[0]
     t = np.arange(n) * dt
     drive = source.drive[0]
     up = np.zeros(len(channels), dtype=np.complex128)
@@ -101,26 +103,28 @@ def predict_sine(
         up += r @ a[:, 0]
         down += r @ b[:, 0]
         # The kernel's decay is per n / 2 and per unit of the complex amplitude.
-        weight = r * transfer(twin.chain, channels, poles) * decay[:, 0] * n / 2 * amplitude_n
+        weight = r * chain_transfer(twin.chain, channels, poles) * decay[:, 0] * n / 2 * amplitude_n
         rings += np.real(weight @ np.exp(poles[:, None] * t))
-    residual = twin.residual_compliance * _out_of_band(twin, modes, channels, x_m, drive_x_m) * drive**2
+    residual = twin.residual_compliance * _out_of_band_response(twin, modes, channels, x_m, drive_x_m) * drive**2
     up, down = up + residual, down + residual
-    steady = up * transfer(twin.chain, channels, np.array(drive)) * amplitude_n
-    steady_down = down * transfer(twin.chain, channels, np.array(-drive)) * np.conj(amplitude_n)
+    steady = up * chain_transfer(twin.chain, channels, np.array(drive)) * amplitude_n
+    steady_down = down * chain_transfer(twin.chain, channels, np.array(-drive)) * np.conj(amplitude_n)
     forced = np.real(np.outer(steady, np.exp(drive * t)) + np.outer(steady_down, np.exp(-drive * t))) / 2
     if twin.element is not None:
         stiff = twin.felt(modes)
-        own = coupling(twin.element, twin.in_sine(drive_x_m), stiff)
+        own = couple_to_modes(twin.element, twin.in_sine(drive_x_m), stiff)
         began = source.rise
         times = float(began.history_s[0]), float(began.ramp_s[0]), bool(began.cosine[0])
-        added = in_sine(ready(stiff, own, dt, drive_x_m), own.law, amplitude_n, world_hz, n, dt, *times)
-        seen = np.fft.rfft(acceleration(stiff, own, _outputs(twin.chain, stiff, channels, x_m), added, dt), axis=1)
+        added = added_in_sine(prepared_steps(stiff, own, dt, drive_x_m), own.law, amplitude_n, world_hz, n, dt, *times)
+        seen = np.fft.rfft(
+            added_acceleration(stiff, own, _outputs_of_modes(twin.chain, stiff, channels, x_m), added, dt), axis=1
+        )
         s = 2j * np.pi * np.fft.rfftfreq(n, dt)
-        rings += np.fft.irfft(np.nan_to_num(transfer(twin.chain, channels, s)) * seen, n=n, axis=1)
+        rings += np.fft.irfft(np.nan_to_num(chain_transfer(twin.chain, channels, s)) * seen, n=n, axis=1)
     return exchange_plugs(twin.chain, channels, "sine", forced + rings)
 
 
-def drifted_modes(modes: Modes, ei_drift: float, tau: float) -> Modes:
+def drifted_modes(modes: TwinModes, ei_drift: float, tau: float) -> TwinModes:
     """Modes after EI has changed by its share of the drift."""
     if not ei_drift:
         return modes
@@ -133,15 +137,15 @@ def drifted_modes(modes: Modes, ei_drift: float, tau: float) -> Modes:
     )
 
 
-def sensor_positions(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Real) -> Real:
+def sensor_positions(chain: MeasurementChain, modes: TwinModes, channels: tuple[int, ...], x_m: Real) -> Real:
     """(channels,) places where the accelerometers truly sit, none beyond the beam's ends."""
     x = x_m + np.array([chain.shift.get(c, 0.0) for c in channels])
     return np.clip(x, 0.0, modes.length_m)
 
 
-def _outputs(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Real) -> Complex:
+def _outputs_of_modes(chain: MeasurementChain, modes: TwinModes, channels: tuple[int, ...], x_m: Real) -> Complex:
     return modes.at(sensor_positions(chain, modes, channels, x_m))
 
 
-def _out_of_band(twin: Twin, modes: Modes, channels: tuple[int, ...], x_m: Real, drive_x_m: float) -> Real:
+def _out_of_band_response(twin: Twin, modes: TwinModes, channels: tuple[int, ...], x_m: Real, drive_x_m: float) -> Real:
     return modes.remainder(sensor_positions(twin.chain, modes, channels, x_m), drive_x_m)

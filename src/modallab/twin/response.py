@@ -31,7 +31,7 @@ def pulse_spectra(pulses: Real, starts: NDArray[np.int64], n: int) -> Complex:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Hits:
+class HitsAtPoint:
     """Hits at one point, taken together: sum conj(F_j) Y_j / sum |F_j|^2 on each line.
 
     Attributes:
@@ -99,7 +99,7 @@ class Hits:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Averages:
+class AveragedFrfs:
     """FRFs of settled records, averaged over bands by the power of the force, which says nothing else of the drive.
 
     Attributes:
@@ -179,7 +179,7 @@ class SineStartUp:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Sines:
+class SineBlocks:
     """Sine blocks of one length, each on a few lines about its own; scaled by n / 2 times the force amplitude.
 
     Attributes:
@@ -214,7 +214,7 @@ class Sines:
         """(blocks, k) what exp(j omega t) and what its conjugate leave on the lines, of n / 2 times the force."""
         turned = (np.conj(self.force) / self.force)[:, None]
         drive = self.drive[:, None]
-        return _geometric(drive - self.s, self.dt, self.n) / self.n, turned * _geometric(
+        return _geometric_sum(drive - self.s, self.dt, self.n) / self.n, turned * _geometric_sum(
             -drive - self.s, self.dt, self.n
         ) / self.n
 
@@ -232,10 +232,10 @@ class Sines:
     def decay_shape(self, poles: Complex) -> Complex:
         """(p, blocks, k) DFT of exp(pole t) over the block; poles (p,) or (p, blocks)."""
         poles = poles[:, :, None] if poles.ndim == 2 else poles[:, None, None]
-        return _geometric(poles - self.s, self.dt, self.n)
+        return _geometric_sum(poles - self.s, self.dt, self.n)
 
 
-def _geometric(a: Complex, dt: float, n: int) -> Complex:
+def _geometric_sum(a: Complex, dt: float, n: int) -> Complex:
     """Sum of exp(a dt m) for m = 0 ... n - 1."""
     ratio = np.exp(a * dt)
     one = np.abs(ratio - 1) < 1e-12

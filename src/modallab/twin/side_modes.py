@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from modallab.core.arrays import Complex, Real
-from modallab.twin.elements import ELEMENTS, patterns
+from modallab.twin.elements import ELEMENTS, beam_matrices
 
 MEMBERS = 4
 """Modes of a family that swing: those beyond lie far above the band, and give way as springs do."""
@@ -42,14 +42,14 @@ class SideModes:
     power: float = 1.0
 
 
-def multiples(family: Family) -> Real:
+def frequency_multiples(family: Family) -> Real:
     """(members,) natural frequencies of a family over its lowest."""
-    return _all(family, 1.0, 1.0)[0][:MEMBERS]
+    return _members_of_family(family, 1.0, 1.0)[0][:MEMBERS]
 
 
 def poles_and_columns(side: SideModes, length_m: float) -> tuple[Complex, Complex]:
     """(members,) poles and (n, members) complex shapes over the beam's degrees of freedom, scaled as `Modes` are."""
-    ratios, shapes = _all(side.family, side.power, length_m)
+    ratios, shapes = _members_of_family(side.family, side.power, length_m)
     omega = 2 * np.pi * side.hz * ratios[:MEMBERS]
     damped = omega * np.sqrt(max(1 - side.zeta**2, 1e-6))
     columns = shapes[:, :MEMBERS] / np.sqrt(side.kg) / np.sqrt(2j * damped)
@@ -63,16 +63,16 @@ def given_way(side: SideModes, length_m: float) -> Real:
 
 @lru_cache(maxsize=16)
 def _given_way(family: Family, power: float, length_m: float) -> Real:
-    ratios, shapes = _all(family, power, length_m)
+    ratios, shapes = _members_of_family(family, power, length_m)
     over = shapes[:, MEMBERS:] / ratios[MEMBERS:]
     return over @ over.T
 
 
 @lru_cache(maxsize=16)
-def _all(family: Family, power: float, length_m: float) -> tuple[Real, Real]:
+def _members_of_family(family: Family, power: float, length_m: float) -> tuple[Real, Real]:
     """(modes,) frequencies over the lowest, and (n, modes) deflection and slope at the nodes, 1 at the tip."""
     if family == "across":
-        return _across(length_m)
+        return _modes_across(length_m)
     x = np.linspace(0.0, 1.0, ELEMENTS + 1)[:, None]
     if family == "twist":
         ratios = np.arange(1.0, 2.0 * IN_ALL, 2.0)
@@ -85,9 +85,9 @@ def _all(family: Family, power: float, length_m: float) -> tuple[Real, Real]:
     return ratios, nodal.reshape(2 * len(x), -1)
 
 
-def _across(length_m: float) -> tuple[Real, Real]:
+def _modes_across(length_m: float) -> tuple[Real, Real]:
     """Of the bare clamped beam."""
-    pattern = patterns(length_m)
+    pattern = beam_matrices(length_m)
     values, vectors = eigh(pattern.mass[0][2:, 2:], pattern.stiffness[0][2:, 2:], check_finite=False)
     lowest = values[: -IN_ALL - 1 : -1]
     shapes = np.zeros((2 * ELEMENTS + 2, IN_ALL))

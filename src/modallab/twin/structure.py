@@ -19,7 +19,7 @@ Attached = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Structure:
+class TwinStructure:
     """A cantilever with what may be wrong with it. Places are in m from the clamp.
 
     Attributes:
@@ -65,7 +65,7 @@ class Structure:
     side: tuple[SideModes, ...] = ()
 
     @classmethod
-    def of(cls, beam: Beam, damping_ratio: float) -> "Structure":
+    def of(cls, beam: Beam, damping_ratio: float) -> "TwinStructure":
         """The structure a rig file believes in."""
         return cls(
             beam.length_m,

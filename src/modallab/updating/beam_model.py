@@ -12,7 +12,7 @@ from modallab.modification.freedoms import Freedom
 from modallab.twin.elements import shape_rows
 from modallab.twin.matrices import OWN
 from modallab.twin.modes import undamped_modes
-from modallab.twin.structure import ROOT, Structure, believed_root
+from modallab.twin.structure import ROOT, TwinStructure, believed_root
 from modallab.updating.prior import Prior
 
 OF_BEAM = {"youngs_modulus": "Pa", "density": "kg/m^3", "thickness": "m"}
@@ -85,8 +85,8 @@ class BeamModel:
             )
         return omega / (2 * np.pi), (shape_rows(x, self.beam.length_m) @ phi[:OWN]).T
 
-    def _structure(self, numbers: Mapping[str, float]) -> Structure:
-        s = Structure.of(self.beam, self.rig.damping_ratio.guess)
+    def _structure(self, numbers: Mapping[str, float]) -> TwinStructure:
+        s = TwinStructure.of(self.beam, self.rig.damping_ratio.guess)
         s = replace(
             s,
             youngs_modulus_pa=numbers.get("youngs_modulus", s.youngs_modulus_pa),

@@ -13,14 +13,14 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.identification.selection.criteria import comac, mac
 from modallab.modification.freedoms import Freedom
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 
 PAIRED = 0.5
 """MAC below which two modes are no pair."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Correlation:
+class ModelCorrelation:
     """Modes of two models over the freedoms that both have.
 
     Attributes:
@@ -48,7 +48,7 @@ class Correlation:
     shapes: Complex
 
 
-def correlate(one: Known, other: Known) -> Correlation:
+def correlate_models(one: KnownStructure, other: KnownStructure) -> ModelCorrelation:
     """The pairs of two models, over all points that have a sensor or were driven in both.
 
     Raises:
@@ -73,13 +73,13 @@ def correlate(one: Known, other: Known) -> Correlation:
         for name in ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma")
     }
     alone = tuple(r for r in range(len(a)) if r not in first), tuple(r for r in range(len(b)) if r not in second)
-    shapes = _of_one_size(a[first], b[second])
-    return Correlation(
+    shapes = _at_one_size(a[first], b[second])
+    return ModelCorrelation(
         freedoms=common, mac=found, pairs=pairs, comac=comac(a[first], b[second]), alone=alone, shapes=shapes, **both
     )
 
 
-def _of_one_size(one: Complex, other: Complex) -> Complex:
+def _at_one_size(one: Complex, other: Complex) -> Complex:
     largest = np.take_along_axis(one, np.argmax(np.abs(one), axis=1)[:, None], axis=1)
     factor = np.sum(other.conj() * one, axis=1) / np.sum(np.abs(other) ** 2, axis=1)
     return np.stack([one, factor[:, None] * other]) / largest

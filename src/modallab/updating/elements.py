@@ -13,7 +13,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.model.folded import POWERS, folded
+from modallab.identification.model.folded import POWERS, fold_into_residuals
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
 
@@ -38,12 +38,12 @@ def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inp
     Raises:
         DataError: a point is at no node, a channel has none, or the band holds no mode.
     """
-    channels = _channels(rig)
-    constants = _constants(fem, rig, channels, inputs)
-    hz, zeta = fem.modes.frequency_hz, _damping(fem, rig)
-    rigid = np.arange(hz.size) < _rigid(hz)
+    channels = _channels_of_rig(rig)
+    constants = _modal_constants(fem, rig, channels, inputs)
+    hz, zeta = fem.modes.frequency_hz, _damping_ratios(fem, rig)
+    rigid = np.arange(hz.size) < _rigid_body_modes(hz)
     inside = ~rigid & (hz <= ABOVE * band_hz[1])
-    kept = _kept(inside, constants)
+    kept = _kept_modes(inside, constants)
     if not np.any(kept):
         raise DataError(
             f"the model has no mode up to {band_hz[1]:.4g} Hz that the sensors see",
@@ -54,8 +54,10 @@ def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inp
     # Where nothing moves as a whole, nothing is said of it: a test's own term is then not known, instead of wrong.
     whole = {-2: np.sum(constants[rigid], axis=0)} if np.any(rigid) else {}
     poles = poles_of(2 * np.pi * hz[above], zeta[above])
-    outside = whole | dict(zip(POWERS, folded(poles, constants[above].astype(np.complex128), band_hz), strict=True))
-    return _model(fem, rig, band_hz, channels, inputs, kept, constants, outside)
+    outside = whole | dict(
+        zip(POWERS, fold_into_residuals(poles, constants[above].astype(np.complex128), band_hz), strict=True)
+    )
+    return _model_of_elements(fem, rig, band_hz, channels, inputs, kept, constants, outside)
 
 
 def frf_of_elements(fem: FemModel, rig: Rig, like: Frf, inputs: tuple[int, ...]) -> Frf:
@@ -64,11 +66,11 @@ def frf_of_elements(fem: FemModel, rig: Rig, like: Frf, inputs: tuple[int, ...])
     Raises:
         DataError: a point is at no node.
     """
-    channels = _channels(rig)
+    channels = _channels_of_rig(rig)
     s = like.damping_shift + 2j * np.pi * like.frequency_hz[:, None]
-    omega, zeta = 2 * np.pi * fem.modes.frequency_hz, _damping(fem, rig)
+    omega, zeta = 2 * np.pi * fem.modes.frequency_hz, _damping_ratios(fem, rig)
     kernels = s ** DERIVATIVES[like.quantity] / (s**2 + 2 * zeta * omega * s + omega**2)
-    values = np.einsum("roi,lr->oil", _constants(fem, rig, channels, inputs), kernels, optimize=True)
+    values = np.einsum("roi,lr->oil", _modal_constants(fem, rig, channels, inputs), kernels, optimize=True)
     return replace(
         like,
         values=values,
@@ -92,8 +94,8 @@ def mesh_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inpu
     if not nodes or fem.points:
         return None
     hz = fem.modes.frequency_hz
-    inside = (np.arange(hz.size) >= _rigid(hz)) & (hz <= ABOVE * band_hz[1])
-    kept = _kept(inside, _constants(fem, rig, _channels(rig), inputs))
+    inside = (np.arange(hz.size) >= _rigid_body_modes(hz)) & (hz <= ABOVE * band_hz[1])
+    kept = _kept_modes(inside, _modal_constants(fem, rig, _channels_of_rig(rig), inputs))
     sense, axis = rig.drive_direction
     turned = {a: -1.0 if (sense, a) == ("-", axis) else 1.0 for a in "xyz"}
     motion = np.array([fem.modes.at[node][kept] for node in nodes])
@@ -107,30 +109,30 @@ def shapes_at(fem: FemModel, rig: Rig, freedoms: Sequence[Freedom]) -> tuple[Rea
     Raises:
         DataError: a point is at no node.
     """
-    kept = slice(_rigid(fem.modes.frequency_hz), None)
+    kept = slice(_rigid_body_modes(fem.modes.frequency_hz), None)
     drive = rig.drive_direction
     columns = [_along_axis(fem, rig, point, drive if axis == drive[1] else f"+{axis}") for point, axis in freedoms]
     return fem.modes.frequency_hz[kept], np.stack(columns, axis=1)[kept]
 
 
-def _channels(rig: Rig) -> list[Channel]:
+def _channels_of_rig(rig: Rig) -> list[Channel]:
     return [channel for channel in rig.responses if channel.point is not None]
 
 
-def _constants(fem: FemModel, rig: Rig, channels: list[Channel], inputs: tuple[int, ...]) -> Real:
+def _modal_constants(fem: FemModel, rig: Rig, channels: list[Channel], inputs: tuple[int, ...]) -> Real:
     """(modes, outputs, inputs) of all modes."""
-    out = np.array([_along(fem, rig, c.point or 0, c) for c in channels]).T
-    into = np.array([_along(fem, rig, p, None) for p in inputs]).T
+    out = np.array([_motion_along(fem, rig, c.point or 0, c) for c in channels]).T
+    into = np.array([_motion_along(fem, rig, p, None) for p in inputs]).T
     return out[:, :, None] * into[:, None, :]
 
 
-def _kept(inside: NDArray[np.bool_], constants: Real) -> NDArray[np.bool_]:
+def _kept_modes(inside: NDArray[np.bool_], constants: Real) -> NDArray[np.bool_]:
     """(modes,) those of the band that a sensor sees."""
     size = np.max(np.abs(constants), axis=(1, 2)) if len(constants) else np.zeros(0)
     return inside & (size > UNSEEN * size.max(initial=0.0))
 
 
-def _model(
+def _model_of_elements(
     fem: FemModel,
     rig: Rig,
     band_hz: tuple[float, float],
@@ -145,7 +147,7 @@ def _model(
         method=COMPUTED,
         band_hz=band_hz,
         frequency_hz=fem.modes.frequency_hz[kept],
-        damping_ratio=_damping(fem, rig)[kept],
+        damping_ratio=_damping_ratios(fem, rig)[kept],
         frequency_sigma_hz=nothing,
         damping_sigma=nothing,
         outputs=tuple(c.name for c in channels),
@@ -161,13 +163,13 @@ def _model(
     )
 
 
-def _damping(fem: FemModel, rig: Rig) -> Real:
+def _damping_ratios(fem: FemModel, rig: Rig) -> Real:
     """(modes,) damping ratios, guessed where they were not computed."""
     zeta = fem.modes.damping_ratio
     return np.where(np.isnan(zeta), rig.damping_ratio.guess, zeta)
 
 
-def _rigid(hz: Real) -> int:
+def _rigid_body_modes(hz: Real) -> int:
     """How many of the lowest modes are motions of the whole: they stand apart from all others."""
     first = hz[: RIGID + 1]
     for n in range(first.size - 1, 0, -1):
@@ -176,7 +178,7 @@ def _rigid(hz: Real) -> int:
     return 0
 
 
-def _along(fem: FemModel, rig: Rig, point: int, channel: Channel | None) -> Real:
+def _motion_along(fem: FemModel, rig: Rig, point: int, channel: Channel | None) -> Real:
     """(modes,) motion at a point as the channel reads it, or along the drive."""
     # What reads along the drive's axis has been turned to its sense.
     drive = rig.drive_direction
@@ -186,22 +188,22 @@ def _along(fem: FemModel, rig: Rig, point: int, channel: Channel | None) -> Real
 
 def _along_axis(fem: FemModel, rig: Rig, point: int, direction: str) -> Real:
     sense = -1.0 if direction[0] == "-" else 1.0
-    return sense * fem.modes.at[_node(fem, rig, point)][:, "xyz".index(direction[1])]
+    return sense * fem.modes.at[_node_of_point(fem, rig, point)][:, "xyz".index(direction[1])]
 
 
-def _node(fem: FemModel, rig: Rig, point: int) -> int:
+def _node_of_point(fem: FemModel, rig: Rig, point: int) -> int:
     here = next(p for p in rig.points if p.id == point)
     named = fem.points.get(point, point)
     if point in fem.points or (named in fem.modes.at and not fem.modes.places_m):
-        return _there(fem, named, point)
+        return _require_node(fem, named, point)
     known = [node for node in fem.modes.at if node in fem.modes.places_m]
     if not known:
-        return _there(fem, named, point)
-    away = np.linalg.norm(np.array([fem.modes.places_m[n] for n in known]) - _at(here), axis=1)
+        return _require_node(fem, named, point)
+    away = np.linalg.norm(np.array([fem.modes.places_m[n] for n in known]) - _coordinates(here), axis=1)
     nearest = int(np.argmin(away))
-    if away[nearest] > NEAR * _extent(rig):
+    if away[nearest] > NEAR * _extent_of_rig(rig):
         raise DataError(
-            f"point {point} at {tuple(_at(here).tolist())} m is {away[nearest]:.3g} m from the nearest node",
+            f"point {point} at {tuple(_coordinates(here).tolist())} m is {away[nearest]:.3g} m from the nearest node",
             where=fem.modes.title,
             remedy=f"describe the model in a YAML file: points: {{{point}: NODE}}, or units: mm if that is its unit",
         )
@@ -210,7 +212,7 @@ def _node(fem: FemModel, rig: Rig, point: int) -> int:
     return named if named in same else same[0]
 
 
-def _there(fem: FemModel, node: int, point: int) -> int:
+def _require_node(fem: FemModel, node: int, point: int) -> int:
     if node in fem.modes.at:
         return node
     raise DataError(
@@ -220,9 +222,9 @@ def _there(fem: FemModel, node: int, point: int) -> int:
     )
 
 
-def _at(point: Point) -> Real:
+def _coordinates(point: Point) -> Real:
     return np.array([point.x_m, point.y_m, point.z_m])
 
 
-def _extent(rig: Rig) -> float:
-    return float(np.ptp(np.array([_at(p) for p in rig.points]), axis=0).max())
+def _extent_of_rig(rig: Rig) -> float:
+    return float(np.ptp(np.array([_coordinates(p) for p in rig.points]), axis=0).max())

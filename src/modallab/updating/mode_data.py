@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.modification.known import Known
+from modallab.modification.known import KnownStructure
 from modallab.modification.samples import samples_of
 
 PER_NUMBER = 4
@@ -57,14 +57,14 @@ class ModeData:
         return np.concatenate([np.log(frequency_hz / self.frequency_hz), off.ravel()])
 
 
-def measured_modes(known: Known) -> ModeData:
+def measured_modes(known: KnownStructure) -> ModeData:
     """The modes of a measured model, with the covariance that its noise and its rig's tolerances give."""
     structure = known.structure
-    hz, shapes = _real(structure.poles[None], structure.psi[None])
+    hz, shapes = _real_modes(structure.poles[None], structure.psi[None])
     size = np.sqrt(np.mean(shapes[0] ** 2, axis=1, keepdims=True))
     count = max(FEWEST, PER_NUMBER * (hz.size + shapes.size))
     many = samples_of(known.model, known.rig, known.hits, count)
-    sampled_hz, sampled = _real(many.poles, many.psi)
+    sampled_hz, sampled = _real_modes(many.poles, many.psi)
     sign = np.sign(np.sum(sampled * shapes, axis=2, keepdims=True))
     off = np.concatenate([np.log(sampled_hz / hz), ((sign * sampled - shapes) / size).reshape(count, -1)], axis=1)
     # A covariance of few samples has an inverse that is too large (Hartlap, Simon and Schneider, A&A 464, 2007, 399).
@@ -72,7 +72,7 @@ def measured_modes(known: Known) -> ModeData:
     return ModeData(hz[0], hz[0] * np.sqrt(np.diag(covariance))[: hz.size], shapes[0], covariance)
 
 
-def _real(poles: Complex, psi: Complex) -> tuple[Real, Real]:
+def _real_modes(poles: Complex, psi: Complex) -> tuple[Real, Real]:
     """(..., modes) undamped Hz and (..., modes, freedoms) shapes without the phase that damping gives them."""
     phi = psi * np.sqrt(2j * poles.imag)[..., None]
     phase = np.sqrt(np.sum(phi**2, axis=-1, keepdims=True))

@@ -17,7 +17,7 @@ from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.identification.selection.criteria import mac
 from modallab.updating.mode_data import ModeData
-from modallab.updating.predictor import Predictor, checked
+from modallab.updating.predictor import Predictor, checked_predictor
 from modallab.updating.prior import Prior
 from modallab.updating.result import ModeCheck, UpdatedParameters
 
@@ -42,7 +42,7 @@ FARTHEST = 30.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Fit:
+class _LinearisedFit:
     """A linearisation about the best numbers.
 
     Attributes:
@@ -57,7 +57,7 @@ class _Fit:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Problem:
+class _UpdatingProblem:
     """Measured modes, a model and what is believed of its parameters."""
 
     predict: Predictor
@@ -73,7 +73,7 @@ class _Problem:
         except (DataError, np.linalg.LinAlgError):
             # Such as a mass below 0 that is more than there is: a step to there is rejected.
             return np.full(len(self.data.covariance), IMPOSSIBLE)
-        places, signs = paired(self.data, hz, shapes)
+        places, signs = pair_modes(self.data, hz, shapes)
         return self.data.misfit(hz[places], signs[:, None] * shapes[places])
 
     def slopes(self, u: Real) -> Real:
@@ -98,7 +98,7 @@ class _Problem:
             ends = [self.fit(end.u, off, FEW) for end in ends]
         return min(ends, key=lambda end: self.weighed(end, FIRST[-1])[0]).u
 
-    def fit(self, u: Real, off: tuple[float, float], steps: int = STEPS) -> _Fit:
+    def fit(self, u: Real, off: tuple[float, float], steps: int = STEPS) -> _LinearisedFit:
         """The most probable numbers for what the model is off by."""
         factor = np.linalg.cholesky(self.covariance(off))
 
@@ -113,7 +113,7 @@ class _Problem:
             x_scale=1.0,
             max_nfev=steps,
         )
-        return _Fit(found.x, self.misfit(found.x), self.slopes(found.x))
+        return _LinearisedFit(found.x, self.misfit(found.x), self.slopes(found.x))
 
     def settled(self) -> tuple[Real, tuple[float, float], list[tuple[float, Real, Real]]]:
         """The best numbers at the most probable scales, and the mixture about them."""
@@ -124,7 +124,7 @@ class _Problem:
             off, parts = self.mixture(fit)
         return fit.u, off, parts
 
-    def weighed(self, fit: _Fit, off: tuple[float, float]) -> tuple[float, Real, Real]:
+    def weighed(self, fit: _LinearisedFit, off: tuple[float, float]) -> tuple[float, Real, Real]:
         """-2 ln of the evidence there, the mean and the covariance of u."""
         factor = cho_factor(self.covariance(off), lower=True)
         by, centre = cho_solve(factor, fit.slopes), fit.misfit - fit.slopes @ fit.u
@@ -134,7 +134,7 @@ class _Problem:
         cost = left @ cho_solve(factor, left) + mean @ mean + 2 * np.sum(np.log(np.diag(factor[0])))
         return float(cost + np.linalg.slogdet(curvature)[1]), mean, np.asarray(np.linalg.inv(curvature), np.float64)
 
-    def mixture(self, fit: _Fit) -> tuple[tuple[float, float], list[tuple[float, Real, Real]]]:
+    def mixture(self, fit: _LinearisedFit) -> tuple[tuple[float, float], list[tuple[float, Real, Real]]]:
         """The most probable scales, and the weight, mean and covariance at each."""
         ladder = [(a, b) for a in OFF_HZ for b in OFF_SHAPE]
         each = [self.weighed(fit, off) for off in ladder]
@@ -144,7 +144,7 @@ class _Problem:
         return best, [(w / weight.sum(), mean, cov) for w, (_, mean, cov) in zip(weight, each, strict=True)]
 
 
-def update(
+def update_parameters(
     predict: Predictor, priors: Mapping[str, Prior], data: ModeData, held_out: Sequence[int] = ()
 ) -> UpdatedParameters:
     """The parameters of a model that measured modes leave possible.
@@ -160,11 +160,11 @@ def update(
     """
     if not priors:
         raise DataError("there is no parameter to estimate", remedy="give priors")
-    predict = checked(predict, data.shapes.shape[1])
-    before = _check(predict, {name: prior.value for name, prior in priors.items()}, data)
-    problem = _Problem(predict, priors, data.only(_kept(data.modes, held_out)))
+    predict = checked_predictor(predict, data.shapes.shape[1])
+    before = _check_problem(predict, {name: prior.value for name, prior in priors.items()}, data)
+    problem = _UpdatingProblem(predict, priors, data.only(_modes_to_fit(data.modes, held_out)))
     u, off, parts = problem.settled()
-    drawn = _drawn(parts)
+    drawn = _draw_from_mixture(parts)
     return UpdatedParameters(
         priors=dict(priors),
         numbers=problem.numbers(u),
@@ -178,12 +178,12 @@ def update(
         measured_hz=data.frequency_hz,
         measured_sigma_hz=data.frequency_sigma_hz,
         before=before,
-        after=_check(predict, problem.numbers(u), data),
+        after=_check_problem(predict, problem.numbers(u), data),
         held_out=tuple(held_out),
     )
 
 
-def _kept(modes: int, held_out: Sequence[int]) -> list[int]:
+def _modes_to_fit(modes: int, held_out: Sequence[int]) -> list[int]:
     wrong = [r for r in held_out if not 1 <= r <= modes]
     if wrong:
         raise DataError(f"there is no mode {wrong[0]} to hold out", remedy=f"name modes from 1 to {modes}")
@@ -193,7 +193,7 @@ def _kept(modes: int, held_out: Sequence[int]) -> list[int]:
     return kept
 
 
-def _drawn(parts: list[tuple[float, Real, Real]]) -> Real:
+def _draw_from_mixture(parts: list[tuple[float, Real, Real]]) -> Real:
     """(draws, parameters) of a mixture of normal distributions."""
     rng = np.random.default_rng(0)
     counts = rng.multinomial(DRAWS, [w for w, _, _ in parts])
@@ -202,16 +202,16 @@ def _drawn(parts: list[tuple[float, Real, Real]]) -> Real:
     )
 
 
-def _check(predict: Predictor, numbers: Mapping[str, float], data: ModeData) -> ModeCheck:
+def _check_problem(predict: Predictor, numbers: Mapping[str, float], data: ModeData) -> ModeCheck:
     hz, shapes = predict(numbers)
-    places, _ = paired(data, hz, shapes)
+    places, _ = pair_modes(data, hz, shapes)
     found = shapes[places]
     alike = np.sum(found * data.shapes, axis=1) ** 2
     mac = alike / np.sum(found**2, axis=1) / np.sum(data.shapes**2, axis=1)
     return ModeCheck(hz[places], mac)
 
 
-def paired(data: ModeData, frequency_hz: Real, shapes: Real) -> tuple[NDArray[np.int64], Real]:
+def pair_modes(data: ModeData, frequency_hz: Real, shapes: Real) -> tuple[NDArray[np.int64], Real]:
     """Place of the predicted mode of each measured one, and its sign.
 
     Few points make shapes alike whose frequencies lie far apart: the MAC counts less by the ratio of frequencies.

@@ -19,7 +19,7 @@ Predictor = Callable[[Mapping[str, float]], tuple[Real, Real]]
 LEAST_HZ = 1e-6
 
 
-def of_matrices(model: MatrixModel, rig: Rig, freedoms: tuple[Freedom, ...]) -> Predictor:
+def predictor_of_matrices(model: MatrixModel, rig: Rig, freedoms: tuple[Freedom, ...]) -> Predictor:
     """The modes of matrices at the freedoms of a test.
 
     Args:
@@ -30,7 +30,7 @@ def of_matrices(model: MatrixModel, rig: Rig, freedoms: tuple[Freedom, ...]) -> 
     return lambda numbers: shapes_at(FemModel(model.modes(numbers), dict(model.points)), rig, freedoms)
 
 
-def checked(predict: Predictor, freedoms: int) -> Predictor:
+def checked_predictor(predict: Predictor, freedoms: int) -> Predictor:
     """A predictor that says what is wrong with what it is given.
 
     Raises:

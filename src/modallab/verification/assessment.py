@@ -7,12 +7,12 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
-from modallab.identification.selection.assumptions import Verdict
+from modallab.identification.selection.assumptions import AssumptionVerdict
 from modallab.identification.selection.criteria import auto_mac, mpc, mpd
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Assessment:
+class ModelAssessment:
     """Judgement of a model.
 
     Attributes:
@@ -24,7 +24,7 @@ class Assessment:
         auto_mac: (modes, modes).
     """
 
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[AssumptionVerdict, ...]
     unjudged: tuple[tuple[str, str], ...]
     confidence: Real
     mpc: Real
@@ -33,16 +33,16 @@ class Assessment:
 
 
 def assess_model(
-    model: ModalModel, verdicts: tuple[Verdict, ...], unjudged: tuple[tuple[str, str], ...], confidence: Real
-) -> Assessment:
+    model: ModalModel, verdicts: tuple[AssumptionVerdict, ...], unjudged: tuple[tuple[str, str], ...], confidence: Real
+) -> ModelAssessment:
     """Verdicts and confidence, with the indices of the shapes: operating ones, or from each mode's loudest input."""
     shapes = model.operating_shapes
     if shapes is None:
         size = np.sum(np.abs(model.modal_constants), axis=1)
         shapes = np.stack([model.modal_constants[r, :, k] for r, k in enumerate(np.argmax(size, axis=1))])
     try:
-        return Assessment(verdicts, unjudged, confidence, mpc(shapes), mpd(shapes), auto_mac(shapes))
+        return ModelAssessment(verdicts, unjudged, confidence, mpc(shapes), mpd(shapes), auto_mac(shapes))
     except DataError as error:
         unknown = np.full(model.n_modes, np.nan)
         reasons = (*unjudged, ("shapes", str(error)))
-        return Assessment(verdicts, reasons, confidence, unknown, unknown, np.full((model.n_modes,) * 2, np.nan))
+        return ModelAssessment(verdicts, reasons, confidence, unknown, unknown, np.full((model.n_modes,) * 2, np.nan))

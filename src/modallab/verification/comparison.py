@@ -9,11 +9,11 @@ from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.identification.selection.criteria import comac, mac
-from modallab.identification.selection.pairing import nearest
+from modallab.identification.selection.pairing import nearest_partners
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Comparison:
+class ShapeComparison:
     """Shapes of the modes that two models share, over the points that both have.
 
     Attributes:
@@ -29,20 +29,20 @@ class Comparison:
     comac: Real
 
 
-def compare(one: ModalModel, other: ModalModel) -> Comparison:
+def compare_shapes(one: ModalModel, other: ModalModel) -> ShapeComparison:
     """The shapes of the shared modes.
 
     Raises:
         DataError: fewer than two points are known to both, or no mode is shared.
     """
     points = _common_points(one, other)
-    found = nearest(one.frequency_hz, other.frequency_hz)
+    found = nearest_partners(one.frequency_hz, other.frequency_hz)
     pairs = tuple((i, j) for i, j in enumerate(found) if j is not None)
     if not pairs:
         raise DataError("the models share no mode", remedy="identify bands that overlap")
-    a = _shapes(one, points)[[i for i, _ in pairs]]
-    b = _shapes(other, points)[[j for _, j in pairs]]
-    return Comparison(pairs, points, np.diag(mac(a, b)).copy(), comac(a, b))
+    a = _shapes_at_points(one, points)[[i for i, _ in pairs]]
+    b = _shapes_at_points(other, points)[[j for _, j in pairs]]
+    return ShapeComparison(pairs, points, np.diag(mac(a, b)).copy(), comac(a, b))
 
 
 def common_shapes(one: ModalModel, other: ModalModel) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
@@ -52,7 +52,7 @@ def common_shapes(one: ModalModel, other: ModalModel) -> tuple[NDArray[np.comple
         DataError: fewer than two points are known to both.
     """
     points = _common_points(one, other)
-    return _shapes(one, points), _shapes(other, points)
+    return _shapes_at_points(one, points), _shapes_at_points(other, points)
 
 
 def _common_points(one: ModalModel, other: ModalModel) -> tuple[int, ...]:
@@ -64,7 +64,7 @@ def _common_points(one: ModalModel, other: ModalModel) -> tuple[int, ...]:
     return points
 
 
-def _shapes(model: ModalModel, points: tuple[int, ...]) -> NDArray[np.complex128]:
+def _shapes_at_points(model: ModalModel, points: tuple[int, ...]) -> NDArray[np.complex128]:
     """(modes, points) modal constants of each mode's loudest input: they need no driving point."""
     size = np.sum(np.abs(model.modal_constants), axis=1)
     places = [model.output_points.index(p) for p in points]

@@ -13,10 +13,10 @@ from modallab.core.arrays import Complex128
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, FrfQuantity
 from modallab.core.model import ModalModel
-from modallab.identification.likelihood.excitation import Excitation, Grid, HitExcitation
+from modallab.identification.likelihood.excitation import BlockLines, Excitation, HitExcitation
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.rows import stack
-from modallab.identification.likelihood.sine_block import tone
+from modallab.identification.likelihood.rows import real_rows
+from modallab.identification.likelihood.sine_block import tone_excitation
 from modallab.signals.signals import Signals
 
 
@@ -33,8 +33,8 @@ def replayed_hit(model: ModalModel, column: int, signals: Signals, quantity: Frf
     Raises:
         DataError: the record has other outputs than the model, or no hit.
     """
-    excitation = HitExcitation(_grid(signals, quantity), signals.hit_force, 0, signals.hit.first)
-    return _replayed(model, column, signals, excitation, moving=moving)
+    excitation = HitExcitation(_lines_of_block(signals, quantity), signals.hit_force, 0, signals.hit.first)
+    return _replay_block(model, column, signals, excitation, moving=moving)
 
 
 def replayed_sine(model: ModalModel, signals: Signals, quantity: FrfQuantity) -> Signals:
@@ -44,17 +44,17 @@ def replayed_sine(model: ModalModel, signals: Signals, quantity: FrfQuantity) ->
         DataError: the record has other outputs than the model, or no sine.
     """
     found = signals.tone
-    excitation = tone(_grid(signals, quantity), found.frequency_hz, complex(found.amplitude[0]), 0)
-    return _replayed(model, 0, signals, excitation, moving=True)
+    excitation = tone_excitation(_lines_of_block(signals, quantity), found.frequency_hz, complex(found.amplitude[0]), 0)
+    return _replay_block(model, 0, signals, excitation, moving=True)
 
 
-def _grid(signals: Signals, quantity: FrfQuantity) -> Grid:
+def _lines_of_block(signals: Signals, quantity: FrfQuantity) -> BlockLines:
     """Every line of the block but those at 0 Hz and at half the rate."""
     n, rate = signals.force.size, signals.rate_hz
-    return Grid(2 * np.pi * np.arange(1, (n + 1) // 2) * rate / n, n, 1 / rate, DERIVATIVES[quantity])
+    return BlockLines(2 * np.pi * np.arange(1, (n + 1) // 2) * rate / n, n, 1 / rate, DERIVATIVES[quantity])
 
 
-def _replayed(model: ModalModel, column: int, signals: Signals, excitation: Excitation, *, moving: bool) -> Signals:
+def _replay_block(model: ModalModel, column: int, signals: Signals, excitation: Excitation, *, moving: bool) -> Signals:
     if signals.outputs != model.outputs:
         raise DataError(
             f"the record has outputs {list(signals.outputs)}, and the model {list(model.outputs)}",
@@ -62,8 +62,8 @@ def _replayed(model: ModalModel, column: int, signals: Signals, excitation: Exci
             remedy="give the records that the model was identified from",
         )
     grid, n = excitation.grid, signals.force.size
-    inside = _inside(model, grid)
-    answer = _forced(model, column, excitation, inside)
+    inside = _lines_inside(model, grid)
+    answer = _forced_response(model, column, excitation, inside)
     if moving:
         left = np.fft.rfft(signals.responses)[:, 1 : grid.omega.size + 1] - answer
         answer += _motion_before(model, column, excitation, left, inside)
@@ -72,19 +72,19 @@ def _replayed(model: ModalModel, column: int, signals: Signals, excitation: Exci
     return replace(signals, responses=np.fft.irfft(spectrum, n))
 
 
-def _inside(model: ModalModel, grid: Grid) -> NDArray[np.bool_]:
+def _lines_inside(model: ModalModel, grid: BlockLines) -> NDArray[np.bool_]:
     frequency, slack = grid.omega / (2 * np.pi), 0.5 / (grid.n * grid.dt)
     return (frequency > model.band_hz[0] - slack) & (frequency < model.band_hz[1] + slack)
 
 
-def _residues(model: ModalModel, column: int) -> tuple[Complex128, Complex128]:
+def _poles_and_residues(model: ModalModel, column: int) -> tuple[Complex128, Complex128]:
     """Poles (modes,) and residues (modes, outputs)."""
     poles = poles_of(2 * np.pi * model.frequency_hz, model.damping_ratio)
     return poles, np.asarray(model.modal_constants[:, :, column] / (2j * poles.imag[:, None]), np.complex128)
 
 
-def _forced(model: ModalModel, column: int, excitation: Excitation, inside: NDArray[np.bool_]) -> Complex128:
-    poles, residue = _residues(model, column)
+def _forced_response(model: ModalModel, column: int, excitation: Excitation, inside: NDArray[np.bool_]) -> Complex128:
+    poles, residue = _poles_and_residues(model, column)
     answer = residue.T @ excitation.forced(poles)[0] + residue.conj().T @ excitation.forced(poles.conj())[0]
     # Outside the band a power of s says nothing of the structure, and grows without bound.
     for power, term in zip(model.residual_powers, model.residuals, strict=True):
@@ -96,11 +96,11 @@ def _motion_before(
     model: ModalModel, column: int, excitation: Excitation, left: Complex128, inside: NDArray[np.bool_]
 ) -> Complex128:
     """The free decays (outputs, lines) of the states that explain best what the forced answer leaves."""
-    poles, residue = _residues(model, column)
+    poles, residue = _poles_and_residues(model, column)
     up = residue[:, :, None] * excitation.free(poles)[0][:, None]
     down = residue.conj()[:, :, None] * excitation.free(poles.conj())[0][:, None]
     decays = np.concatenate([up + down, 1j * (up - down)])
-    rows = stack(decays[..., inside].reshape(len(decays), -1))
+    rows = real_rows(decays[..., inside].reshape(len(decays), -1))
     scale = np.maximum(np.linalg.norm(rows, axis=0), np.finfo(float).tiny)
-    states = np.linalg.lstsq(rows / scale, stack(left[:, inside].reshape(1, -1))[:, 0], rcond=None)[0] / scale
+    states = np.linalg.lstsq(rows / scale, real_rows(left[:, inside].reshape(1, -1))[:, 0], rcond=None)[0] / scale
     return np.asarray(np.tensordot(states, decays, 1), np.complex128)

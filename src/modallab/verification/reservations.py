@@ -17,7 +17,7 @@ LEAST_FRAC = 0.9
 """A FRF with a lower FRAC is not what the model says."""
 
 
-def doubts(model: ModalModel, confidence: NDArray[np.float64]) -> tuple[str, ...]:
+def doubts_about_modes(model: ModalModel, confidence: NDArray[np.float64]) -> tuple[str, ...]:
     """Sentences on the modes to be doubted.
 
     Args:
@@ -25,9 +25,12 @@ def doubts(model: ModalModel, confidence: NDArray[np.float64]) -> tuple[str, ...
         confidence: (modes,) 0 to 1, NaN where it is not known.
     """
     weak = np.flatnonzero(confidence < LITTLE)
-    found = [_weak(model, weak)] if weak.size else []
+    found = [_weak_modes(model, weak)] if weak.size else []
     seen = seen_by_one(model)
-    return (*found, *(_alone(model, o, np.flatnonzero(seen == o)) for o in np.unique(seen[seen >= 0]).tolist()))
+    return (
+        *found,
+        *(_modes_of_one_output(model, o, np.flatnonzero(seen == o)) for o in np.unique(seen[seen >= 0]).tolist()),
+    )
 
 
 def seen_by_one(model: ModalModel) -> NDArray[np.int64]:
@@ -71,22 +74,22 @@ def mismatch_warning(model: ModalModel, frac: NDArray[np.float64]) -> tuple[str,
     )
 
 
-def _weak(model: ModalModel, modes: NDArray[np.int64]) -> str:
-    which, hold = _named(model, modes)
+def _weak_modes(model: ModalModel, modes: NDArray[np.int64]) -> str:
+    which, hold = _modes_in_words(model, modes)
     return (
         f"{which} {'are' if modes.size > 1 else 'is'} doubtful: {hold} hardly above what noise, or what the model "
         "leaves unexplained, could pass for. Look at the FRFs there, or leave it out by hand."
     )
 
 
-def _alone(model: ModalModel, output: int, modes: NDArray[np.int64]) -> str:
-    which, _ = _named(model, modes)
+def _modes_of_one_output(model: ModalModel, output: int, modes: NDArray[np.int64]) -> str:
+    which, _ = _modes_in_words(model, modes)
     return (
         f"{which} {'are' if modes.size > 1 else 'is'} seen by {model.outputs[output]} alone, though other points were "
         "driven: no mode of a structure is. Look at that sensor, its mounting, and its records for clipping."
     )
 
 
-def _named(model: ModalModel, modes: Sequence[int] | NDArray[np.int64]) -> tuple[str, str]:
+def _modes_in_words(model: ModalModel, modes: Sequence[int] | NDArray[np.int64]) -> tuple[str, str]:
     listed = ", ".join(f"{model.frequency_hz[r]:.4g}" for r in modes)
     return (f"The modes at {listed} Hz", "they stand") if len(modes) > 1 else (f"The mode at {listed} Hz", "it stands")

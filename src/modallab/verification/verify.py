@@ -11,11 +11,11 @@ from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.verification import Verification
-from modallab.frf.estimate import convert, impact_frf, output_quantity
+from modallab.frf.estimate import convert_frf, impact_frf, output_quantity
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.hit_blocks import moves_before
-from modallab.identification.model.modal_model import receptance
+from modallab.identification.model.modal_model import receptance_of_model
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
 from modallab.verification.replay import replayed_hit, replayed_sine
@@ -23,7 +23,7 @@ from modallab.verification.replay import replayed_hit, replayed_sine
 FINE_LINES = 2000
 
 
-def verify_impact(model: ModalModel, fit: Fit, groups: Sequence[Sequence[Signals]], rig: Rig) -> Verification:
+def verify_impact(model: ModalModel, fit: LikelihoodFit, groups: Sequence[Sequence[Signals]], rig: Rig) -> Verification:
     """H1 of the blocks, and of the model's own answers to the measured forces, cut as the blocks were.
 
     Lines are chosen, nothing is filtered: at the lines of its DFT a block is what the model says it is, whatever lies
@@ -46,11 +46,11 @@ def verify_impact(model: ModalModel, fit: Fit, groups: Sequence[Sequence[Signals
         [replayed_hit(model, k, s, output_quantity(rig), moving=moving) for s in group]
         for k, group in enumerate(groups)
     ]
-    measured = convert(impact_frf(groups, rig, model.band_hz), "mobility")
-    return _verification(measured, convert(impact_frf(regenerated, rig, model.band_hz), "mobility"), model)
+    measured = convert_frf(impact_frf(groups, rig, model.band_hz), "mobility")
+    return _verification_of(measured, convert_frf(impact_frf(regenerated, rig, model.band_hz), "mobility"), model)
 
 
-def _require_blocks(fit: Fit, signals: Sequence[Signals]) -> None:
+def _require_blocks(fit: LikelihoodFit, signals: Sequence[Signals]) -> None:
     blocks = fit.problem.blocks
     if len(signals) != len(blocks):
         found = f"there are {len(signals)} records, and the fit is of {len(blocks)} blocks"
@@ -68,7 +68,7 @@ def _require_blocks(fit: Fit, signals: Sequence[Signals]) -> None:
             )
 
 
-def verify_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Rig) -> Verification:
+def verify_sine(model: ModalModel, fit: LikelihoodFit, signals: Sequence[Signals], rig: Rig) -> Verification:
     """Both sides by the same sine fit of the same block, the decay in it included.
 
     Args:
@@ -85,8 +85,8 @@ def verify_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Ri
     chosen = [s for s in signals if low <= s.tone.frequency_hz <= high]
     _require_blocks(fit, chosen)
     regenerated = [replayed_sine(model, s, output_quantity(rig)) for s in chosen]
-    measured = convert(stepped_frf(chosen, rig), "mobility")
-    return _verification(measured, convert(stepped_frf(regenerated, rig), "mobility"), model)
+    measured = convert_frf(stepped_frf(chosen, rig), "mobility")
+    return _verification_of(measured, convert_frf(stepped_frf(regenerated, rig), "mobility"), model)
 
 
 def verify_frf(model: ModalModel, frf: Frf) -> Verification:
@@ -97,30 +97,30 @@ def verify_frf(model: ModalModel, frf: Frf) -> Verification:
     Raises:
         DataError: no FRF.
     """
-    frf = convert(frf, frf.quantity)
+    frf = convert_frf(frf, frf.quantity)
     inside = (frf.frequency_hz >= model.band_hz[0]) & (frf.frequency_hz <= model.band_hz[1])
     used = replace(
         frf, frequency_hz=frf.frequency_hz[inside], values=frf.values[..., inside], coherence=None, variance=None
     )
-    again = synthesised(model, used.frequency_hz, used.quantity, used.damping_shift)
-    compared = _verification(convert(used, "mobility"), convert(again, "mobility"), model)
+    again = synthesised_frf(model, used.frequency_hz, used.quantity, used.damping_shift)
+    compared = _verification_of(convert_frf(used, "mobility"), convert_frf(again, "mobility"), model)
     return replace(compared, frac=frac(used.values, again.values))
 
 
-def synthesised(
+def synthesised_frf(
     model: ModalModel, frequency_hz: NDArray[np.float64], quantity: FrfQuantity, damping_shift: float = 0.0
 ) -> Frf:
     """The model's own FRF, no block, no truncation; with a damping shift as an exponential window leaves it."""
     plain = Frf(
         frequency_hz=frequency_hz,
-        values=receptance(model, frequency_hz, damping_shift),
+        values=receptance_of_model(model, frequency_hz, damping_shift),
         quantity="receptance",
         outputs=model.outputs,
         output_points=model.output_points,
         input_points=model.input_points,
         damping_shift=damping_shift,
     )
-    return convert(plain, quantity)
+    return convert_frf(plain, quantity)
 
 
 def frac(measured: NDArray[np.complex128], model: NDArray[np.complex128]) -> NDArray[np.float64]:
@@ -147,7 +147,7 @@ def frac(measured: NDArray[np.complex128], model: NDArray[np.complex128]) -> NDA
     return np.divide(cross, power, out=np.zeros_like(cross), where=power > 0)
 
 
-def _verification(measured: Frf, regenerated: Frf, model: ModalModel) -> Verification:
+def _verification_of(measured: Frf, regenerated: Frf, model: ModalModel) -> Verification:
     fine = np.geomspace(measured.frequency_hz[0], measured.frequency_hz[-1], FINE_LINES)
     # The peaks of light modes are narrower than any even grid: their own lines are added.
     fine = np.unique(
@@ -162,6 +162,6 @@ def _verification(measured: Frf, regenerated: Frf, model: ModalModel) -> Verific
     return Verification(
         measured=measured,
         regenerated=regenerated,
-        untruncated=synthesised(model, fine, "mobility"),
+        untruncated=synthesised_frf(model, fine, "mobility"),
         frac=frac(measured.values, regenerated.values),
     )

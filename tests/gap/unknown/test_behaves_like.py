@@ -10,11 +10,11 @@ from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.gap.design.prediction import predict
+from modallab.gap.design.prediction import predict_records
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.revisions.apply import with_diagnosis
 from modallab.gap.simulations.simulation_residual import simulation_residual
-from modallab.gap.words.verdicts import sentence
+from modallab.gap.words.verdicts import verdict_sentence
 from modallab.reporting.gap_report import render
 from modallab_simulators.cantilever import open_bench
 
@@ -53,7 +53,9 @@ def test_it_closes_the_gap_on_records_that_no_fit_has_seen(hung: tuple[Campaign,
     assert described.shrink.closed > 0.99
     bare = diagnosis.model_copy(update={"described": None})
     names = described.shrink.held_out
-    with_it, without = (simulation_residual(campaign, predict(d, campaign), names).gap for d in (diagnosis, bare))
+    with_it, without = (
+        simulation_residual(campaign, predict_records(d, campaign), names).gap for d in (diagnosis, bare)
+    )
     assert with_it < 0.05 * without
 
 
@@ -69,7 +71,7 @@ def test_the_next_revision_carries_it_and_so_does_its_bench(hung: tuple[Campaign
 @pytest.mark.thorough("diagnoses a whole campaign")
 def test_it_is_said_as_a_likeness(hung: tuple[Campaign, Diagnosis]) -> None:
     campaign, diagnosis = hung
-    assert "none of the known effects explains it. It behaves like a mass of" in sentence(diagnosis)
+    assert "none of the known effects explains it. It behaves like a mass of" in verdict_sentence(diagnosis)
     page = render(diagnosis, campaign)
     assert "What it behaves like" in page
     assert "It is no cause" in page

@@ -11,7 +11,7 @@ from modallab.core.effects import Effect
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.exported.mjcf import mjcf
+from modallab.gap.exported.mjcf import mjcf_text
 
 Make = Callable[..., Campaign]
 
@@ -48,7 +48,7 @@ def test_a_push_along_the_axis_is_called_by_no_effect_that_comes_near(make: Make
 def test_a_chain_of_hinges_does_not_claim_to_twist(rig: Rig) -> None:
     twisting = bench(rig, (made("side_modes", twist_hz=141.0, kg=4.0, zeta=0.004),))
     with pytest.raises(DataError, match="twist"):
-        mjcf(twisting, rig, "impact")
+        mjcf_text(twisting, rig, "impact")
 
 
 def _unknown_and_closed(diagnosis: Diagnosis) -> None:

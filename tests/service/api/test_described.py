@@ -10,7 +10,7 @@ import jsonschema_rs
 import pytest
 from lab import RIG, TOKEN, Lab
 
-from modallab.service.api.described import has_value, is_number, operations
+from modallab.service.api.described import has_value, is_number, operations_of_document
 
 Json = dict[str, Any]
 REFERENCE = Path(__file__).parents[3] / "docs" / "reference"
@@ -61,7 +61,7 @@ def test_every_example_is_one(either: Json) -> None:
 
 
 def test_every_operation_and_parameter_is_described_under_a_name_of_its_own(document: Json) -> None:
-    found = list(operations(document))
+    found = list(operations_of_document(document))
     names = [operation["operationId"] for operation in found]
     assert len(set(names)) == len(names)
     assert all(name.isidentifier() and name.islower() for name in names), "such a name does not hold its address"
@@ -76,7 +76,7 @@ def test_every_operation_and_parameter_is_described_under_a_name_of_its_own(docu
 
 
 def test_every_header_of_an_answer_is_documented_and_every_documented_one_is_there(lab: Lab, document: Json) -> None:
-    known = {operation["operationId"]: operation for operation in operations(document)}
+    known = {operation["operationId"]: operation for operation in operations_of_document(document)}
     campaign = lab.campaign("with headers")
     with lab.client() as client, lab.client(token=None) as stranger:
         asked = {

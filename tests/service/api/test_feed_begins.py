@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from modallab.service.api import events
-from modallab.service.api.events import Feed
-from modallab.service.records.event_log import EventLog, Topic
+from modallab.service.api.events import EventFeed
+from modallab.service.records.event_log import EventLog, EventTopic
 from modallab.storage.store import Store
 
 
@@ -21,15 +21,15 @@ def test_an_event_before_the_first_look_is_not_lost(tmp_path: Path, monkeypatch:
 
 
 async def _followed(log: EventLog) -> list[bytes]:
-    log.append("state", Topic(), {"n": 1})
-    feed = Feed(log)
+    log.append("state", EventTopic(), {"n": 1})
+    feed = EventFeed(log)
     feed.open()
-    listening = feed.listen(0, Topic())
+    listening = feed.listen(0, EventTopic())
     await anext(listening)
     first = await anext(listening)
     second = asyncio.ensure_future(anext(listening))
     await asyncio.sleep(0.2)
-    log.append("state", Topic(), {"n": 2})
+    log.append("state", EventTopic(), {"n": 2})
     try:
         return [first, await asyncio.wait_for(second, 10.0)]
     finally:

@@ -17,7 +17,7 @@ from modallab.core.documents.runs import RunNew, Stop
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.service.api.asyncapi import event_kinds
-from modallab.service.campaigns.begin import begin
+from modallab.service.campaigns.begin import begin_run
 
 IN_REAL_TIME = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0&pace=1&reaction_s=0.1,0.2"
 Message = tuple[dict[str, Any], np.ndarray]
@@ -41,7 +41,7 @@ def running(lab: Lab, plan: ImpactPlan) -> Iterator[tuple[str, str]]:
     """A run that is on, and the lease; stopped at the end."""
     lease = lab.lease()
     try:
-        run = begin(lab.service, lab.campaign(), RunNew(plan=plan), lease.id)
+        run = begin_run(lab.service, lab.campaign(), RunNew(plan=plan), lease.id)
         yield run, lease.id
         if lab.store.catalogue.run(run).state not in ("done", "failed", "aborted"):
             lab.controllers.command(RIG, run, Stop(), lease.id)

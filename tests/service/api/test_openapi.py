@@ -7,7 +7,7 @@ from fastapi.responses import JSONResponse
 from lab import Lab
 
 from modallab.core.errors import DeviceBusyError, DeviceGoneError
-from modallab.service.api.problems import kind_of, kinds
+from modallab.service.api.problems import kind_of, problem_kinds
 
 ROOT = Path(__file__).parents[3]
 COMMITTED = ROOT / "docs" / "reference" / "openapi.json"
@@ -28,7 +28,7 @@ def test_the_document_is_serialised_once_and_every_answer_is_its_text(lab: Lab) 
 
 
 def test_codes_and_statuses_are_those_that_clients_know() -> None:
-    assert {kind.code: kind.status for kind in kinds().values()} == {
+    assert {kind.code: kind.status for kind in problem_kinds().values()} == {
         "bench": 503, "bench-busy": 409, "block-damaged": 500, "changed": 412, "media-type": 415, "row-damaged": 500,
         "conflict": 409, "database-lost": 503, "data": 422, "disk_full": 507, "error": 500,
         "foreign-host": 403, "foreign-origin": 403, "format": 422, "idempotency-key": 422, "identification": 422,

@@ -11,9 +11,9 @@ from modallab.client import Client, ServiceProblemError
 from modallab.core.documents.runs import RunNew
 from modallab.core.documents.users import Role, TokenNew, UserNew
 from modallab.core.plan import ImpactPlan
-from modallab.service.campaigns.begin import begin
+from modallab.service.campaigns.begin import begin_run
 from modallab.service.records.users import Users
-from modallab.storage.engine import writing
+from modallab.storage.engine import write_transaction
 from modallab.storage.service_tables import TOKENS
 
 API = "/api/v1"
@@ -128,7 +128,7 @@ def test_a_token_ends_when_it_expires_or_is_revoked_and_its_cookies_with_it(lab:
     with lab.client(made["token"]) as tablet, lab.client(None) as browser:
         assert browser.post(f"{API}/session", json={"token": made["token"]}).status_code == 204
         assert (tablet.get(f"{API}/me").json()["name"], browser.get(f"{API}/me").json()["token"]) == ("Otto", ident)
-        with writing(lab.service.engine) as connection:
+        with write_transaction(lab.service.engine) as connection:
             connection.execute(TOKENS.update().where(TOKENS.c.id == ident).values(expires_utc="2020-01-01"))
         lab.app.state.callers.refresh()
         assert {tablet.get(f"{API}/rigs").status_code, browser.get(f"{API}/rigs").status_code} == {401}
@@ -194,7 +194,7 @@ def test_one_person_does_not_get_the_answer_to_another(lab: Lab, people) -> None
 
 def test_an_old_run_is_judged_without_a_lease_and_not_by_an_observer(lab: Lab, people) -> None:
     lease = lab.lease("Bob")
-    run = begin(lab.service, lab.campaign(), RunNew(plan=ImpactPlan(points=(10,), hits=2)), lease.id)
+    run = begin_run(lab.service, lab.campaign(), RunNew(plan=ImpactPlan(points=(10,), hits=2)), lease.id)
     lab.wait_for_ended(run)
     lab.wait_until_idle()
     # Somebody else holds the rig meanwhile.

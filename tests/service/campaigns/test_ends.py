@@ -20,13 +20,13 @@ from modallab.core.errors import DeviceGoneError
 from modallab.core.events import RunState, StateChanged
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
-from modallab.service.campaigns.begin import begin
+from modallab.service.campaigns.begin import begin_run
 from modallab.service.errors import RigUnavailableError
-from modallab.service.records.event_log import EventLog, Topic
+from modallab.service.records.event_log import EventLog, EventTopic
 from modallab.service.records.repository import RunEntry
 from modallab.service.rigs.active_run import RequestedRun
 from modallab.service.rigs.control import StartRun
-from modallab.service.rigs.run_log import Recovery, RunLog
+from modallab.service.rigs.run_log import RunLog, RunRecovery
 from modallab.storage import Store
 from modallab.storage.records import ENDED
 
@@ -42,7 +42,7 @@ def _ends(run_log: RunLog, run: str) -> list[EventView]:
 
 
 @contextmanager
-def _looking_all_the_time(recovery: Recovery) -> Iterator[None]:
+def _looking_all_the_time(recovery: RunRecovery) -> Iterator[None]:
     enough = Flag()
 
     def look() -> None:
@@ -62,9 +62,9 @@ def _looking_all_the_time(recovery: Recovery) -> Iterator[None]:
 def test_a_rig_that_dies_under_the_eyes_of_the_recovery_ends_its_run_once(lab: Lab) -> None:
     lease, campaign = lab.lease(), lab.campaign()
     try:
-        with _looking_all_the_time(Recovery(lab.run_log, look_s=0.0)):
+        with _looking_all_the_time(RunRecovery(lab.run_log, look_s=0.0)):
             for _ in range(3):
-                run = begin(lab.service, campaign, RunNew(plan=LONG), lease.id)
+                run = begin_run(lab.service, campaign, RunNew(plan=LONG), lease.id)
                 lab.wait_for(lambda e, run=run: e.run == run and e.kind == "block")
                 os.kill(lab.controller.pid or 0, signal.SIGKILL)
                 lab.wait_for(lambda e, run=run: e.run == run and e.kind == "failed")
@@ -85,7 +85,7 @@ def _recorded(store: Store, run_log: RunLog, rig: Rig, state: RunState, reported
             recorder.enter(state, "as the rig said")
         run_log.repository.add_run(RunEntry(recorder.run, campaign, "link", "Ada", None), {})
         said = StateChanged(run=recorder.run, state=reported)
-        run_log.log.append("state", Topic("link", campaign, recorder.run), said.model_dump())
+        run_log.log.append("state", EventTopic("link", campaign, recorder.run), said.model_dump())
         return recorder.run
 
 
@@ -101,7 +101,7 @@ def test_an_end_that_the_service_did_not_live_to_report_is_reported_at_its_next_
         for _ in range(2):
             ended: list[str] = []
             again = RunLog(store, EventLog(store.catalogue.engine))
-            Recovery(again, ended.append).look()
+            RunRecovery(again, ended.append).look()
         assert ended == []
         for run, state in ((done, "done"), (lost, "failed"), (dead, "failed"), (reported, "done")):
             (end,) = _ends(run_log, run)
@@ -116,7 +116,7 @@ def test_whoever_follows_a_run_reports_its_end(tmp_path: Path, link_rig: Rig) ->
         run_log = RunLog(store, EventLog(store.catalogue.engine))
         run = _recorded(store, run_log, link_rig, "failed", "acquiring")
         ended: list[str] = []
-        recovery = Recovery(run_log, ended.append, look_s=0.0)
+        recovery = RunRecovery(run_log, ended.append, look_s=0.0)
         for name in (run, ""):
             with run_log.ends.following(type("Active", (), {"run": name})()):
                 recovery.look()

@@ -13,13 +13,13 @@ from modallab.jobs import Job
 from modallab.jobs.attempt import Attempt
 from modallab.jobs.leases import Leases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
-from modallab.service.campaigns.runs import judge
+from modallab.service.campaigns.runs import judge_block
 from modallab.service.context import Service, open_service
 from modallab.service.jobs.background import AfterRun
-from modallab.service.jobs.campaign_jobs import order
-from modallab.service.records.leases import Leases as RigLeases
+from modallab.service.jobs.campaign_jobs import order_job
+from modallab.service.records.leases import RigLeases as RigLeases
 from modallab.service.records.repository import RunEntry
-from modallab.service.rigs.controllers import Controllers
+from modallab.service.rigs.controllers import RigControllers
 from modallab.storage import Store
 
 RIG = "small"
@@ -28,7 +28,7 @@ RIG = "small"
 @pytest.fixture
 def service(tmp_path: Path) -> Iterator[Service]:
     with Store(tmp_path / "data") as store:
-        nobody = Controllers([], RigLeases(store.catalogue.engine, "start"))
+        nobody = RigControllers([], RigLeases(store.catalogue.engine, "start"))
         opened = open_service(tmp_path / "data", nobody, "start")
         yield opened
         opened.close()
@@ -60,16 +60,16 @@ def _done(service: Service, job: Job) -> None:
 @pytest.mark.parametrize("kind", ["identify", "report", "diagnose"])
 def test_who_asks_again_after_a_verdict_has_it_computed_anew(service: Service, campaign: str, kind) -> None:
     run = _record(service, campaign)
-    first = order(service, campaign, kind, JobNew(), "Ada")
+    first = order_job(service, campaign, kind, JobNew(), "Ada")
     _done(service, first)
-    assert order(service, campaign, kind, JobNew(), "Ada").id == first.id
+    assert order_job(service, campaign, kind, JobNew(), "Ada").id == first.id
     _judge(service, run, False, 0, 1, 2)
-    second = order(service, campaign, kind, JobNew(), "Ada")
+    second = order_job(service, campaign, kind, JobNew(), "Ada")
     assert (second.state, second.result) == ("queued", None)
     _done(service, second)
     # Where the verdicts are taken back it is the first work again, and the newest of the campaign.
     _judge(service, run, True, 0, 1, 2)
-    assert order(service, campaign, kind, JobNew(), "Ada").id == first.id
+    assert order_job(service, campaign, kind, JobNew(), "Ada").id == first.id
     assert service.repository.jobs(campaign, kind) == [first.id, second.id]
 
 
@@ -85,7 +85,7 @@ def test_a_run_that_continues_a_judged_one_is_identified_anew(service: Service, 
 
 def test_a_block_that_is_judged_before_its_job_begins_is_not_passed_over(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
-    job = order(service, campaign, "identify", JobNew(), "Ada")
+    job = order_job(service, campaign, "identify", JobNew(), "Ada")
     _judge(service, run, False, 0)
     (kind, *_) = kinds(campaigns_of(service.store), service.folder, service.store.revision)
     leases = Leases(service.engine, "a runner")
@@ -95,18 +95,18 @@ def test_a_block_that_is_judged_before_its_job_begins_is_not_passed_over(service
     assert ended.state == "failed"
     assert "blocks that count have changed" in str(ended.error)
     assert "order it again" in str(ended.error)
-    assert order(service, campaign, "identify", JobNew(), "Ada").state == "queued"
+    assert order_job(service, campaign, "identify", JobNew(), "Ada").state == "queued"
 
 
 def _verdict(service: Service, run: str, accepted: bool, *numbers: int) -> None:
     for n in numbers:
-        judge(service, run, n, Verdict(accepted=accepted), None, "Ada")
+        judge_block(service, run, n, Verdict(accepted=accepted), None, "Ada")
 
 
 def test_a_verdict_while_jobs_wait_has_them_done_with_what_counts_now(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
     automatic = AfterRun(service.store, service.jobs).identify(run)
-    ordered = order(service, campaign, "report", JobNew(), "Ada")
+    ordered = order_job(service, campaign, "report", JobNew(), "Ada")
     _verdict(service, run, False, 0)
     for old, kind in ((automatic, "identify"), (ordered, "report")):
         ended = service.jobs.get(old.id)
@@ -124,7 +124,7 @@ def test_a_verdict_while_jobs_wait_has_them_done_with_what_counts_now(service: S
 def test_what_a_person_waits_for_stays_before_what_is_done_by_itself(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
     AfterRun(service.store, service.jobs).identify(run)
-    order(service, campaign, "report", JobNew(), "Ada")
+    order_job(service, campaign, "report", JobNew(), "Ada")
     _verdict(service, run, False, 0)
     (taken,) = Leases(service.engine, "a runner").take(["identify", "report"], 1)
     assert taken.job.kind == "report"

@@ -17,7 +17,7 @@ from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.service.api.rigs import state_of
 from modallab.service.campaigns import queueing
-from modallab.service.campaigns.begin import begin
+from modallab.service.campaigns.begin import begin_run
 from modallab.service.errors import LeaseNeededError
 from modallab.service.records.run_queue import RunQueue
 from modallab.service.rigs.queue_runner import QueueRunner
@@ -56,7 +56,7 @@ def queued(lab: Lab, *plans: Plan) -> list[str]:
 
 
 def consent(lab: Lab, lease: Lease, **what: bool) -> None:
-    queueing.consent(lab.service, RIG, ConsentNew.model_validate(what), lease.id)
+    queueing.give_consent(lab.service, RIG, ConsentNew.model_validate(what), lease.id)
 
 
 def item(lab: Lab, name: str) -> QueueItem:
@@ -104,7 +104,7 @@ def test_a_shaker_starts_only_by_the_consent_of_who_holds_the_lease_to_that_very
     assert nothing_begins(lab, runner)
     assert "has not consented to tests that move the output" in waits_for(lab)
     with pytest.raises(LeaseNeededError):
-        queueing.consent(lab.service, RIG, ConsentNew(drive=True), None)
+        queueing.give_consent(lab.service, RIG, ConsentNew(drive=True), None)
     consent(lab, lease, drive=True)
     (later,) = queued(lab, SINE)
     until(lambda: item(lab, first).state == "done")
@@ -115,23 +115,23 @@ def test_a_shaker_starts_only_by_the_consent_of_who_holds_the_lease_to_that_very
 
 def test_with_the_lease_the_consent_ends(lab: Lab, lease: Lease, runner) -> None:
     queued(lab, SINE)
-    queueing.pause(lab.service, RIG, "", "Otto")
+    queueing.pause_queue(lab.service, RIG, "", "Otto")
     consent(lab, lease, drive=True)
     lab.service.leases.release(RIG, lease.id)
     again = lab.lease()
-    queueing.resume(lab.service, RIG, again.id)
+    queueing.resume_queue(lab.service, RIG, again.id)
     assert nothing_begins(lab, runner)
     assert lab.controllers.consent_view(RIG) is None
 
 
 def test_a_run_begun_by_hand_ends_the_consent(lab: Lab, lease: Lease, runner) -> None:
-    queueing.pause(lab.service, RIG, "", "Otto")
+    queueing.pause_queue(lab.service, RIG, "", "Otto")
     queued(lab, SINE)
     consent(lab, lease, drive=True)
-    run = begin(lab.service, lab.campaign(), RunNew(plan=HIT), lease.id)
+    run = begin_run(lab.service, lab.campaign(), RunNew(plan=HIT), lease.id)
     lab.wait_for_ended(run)
     lab.wait_until_idle()
-    queueing.resume(lab.service, RIG, lease.id)
+    queueing.resume_queue(lab.service, RIG, lease.id)
     assert nothing_begins(lab, runner)
 
 
@@ -146,16 +146,16 @@ def test_a_run_that_does_not_end_well_pauses_the_queue_with_its_reason(lab: Lab,
     assert nothing_begins(lab, runner)
     view = queueing.queue_view(lab.service, state_of(lab.service, RIG), ended=True)
     assert (view.paused, "stopped by the operator" in view.reason, view.consent) == (True, True, None)
-    queueing.resume(lab.service, RIG, lease.id)
+    queueing.resume_queue(lab.service, RIG, lease.id)
     # Whoever resumes has not consented yet.
     assert nothing_begins(lab, runner)
 
 
 def test_an_emergency_stop_pauses_it_also_while_nothing_is_on(lab: Lab, lease: Lease, runner) -> None:
-    queueing.pause(lab.service, RIG, "", "Otto")
+    queueing.pause_queue(lab.service, RIG, "", "Otto")
     queued(lab, SINE)
     consent(lab, lease, drive=True)
-    queueing.resume(lab.service, RIG, lease.id)
+    queueing.resume_queue(lab.service, RIG, lease.id)
     lab.controllers.emergency_stop(RIG, "smoke", "passer-by")
     lab.controllers.reset(RIG, "looked at it", lease.id)
     until(lambda: RIG in RunQueue(lab.service.engine).paused())
@@ -164,7 +164,7 @@ def test_an_emergency_stop_pauses_it_also_while_nothing_is_on(lab: Lab, lease: L
 
 
 def test_a_rig_process_that_was_started_anew_starts_no_shaker(lab: Lab, lease: Lease, runner) -> None:
-    queueing.pause(lab.service, RIG, "", "Otto")
+    queueing.pause_queue(lab.service, RIG, "", "Otto")
     queued(lab, SINE)
     consent(lab, lease, drive=True)
     before = lab.controllers.pid(RIG)
@@ -172,7 +172,7 @@ def test_a_rig_process_that_was_started_anew_starts_no_shaker(lab: Lab, lease: L
     os.kill(before, signal.SIGKILL)
     until(lambda: lab.controllers.pid(RIG) not in (before, None) and not psutil.pid_exists(before))
     lab.wait_until_idle()
-    queueing.resume(lab.service, RIG, lease.id)
+    queueing.resume_queue(lab.service, RIG, lease.id)
     until(lambda: RIG in RunQueue(lab.service.engine).paused())
     assert "started again" in RunQueue(lab.service.engine).paused()[RIG]
     assert nothing_begins(lab, runner)

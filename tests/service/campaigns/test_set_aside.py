@@ -19,12 +19,12 @@ from modallab.service.campaigns.purge import Purge
 from modallab.service.campaigns.runs import run_view
 from modallab.service.context import Service, open_service
 from modallab.service.errors import ConflictError, NotFoundError
-from modallab.service.jobs.campaign_jobs import order
+from modallab.service.jobs.campaign_jobs import order_job
 from modallab.service.records.archived import Archive
-from modallab.service.records.leases import Leases
+from modallab.service.records.leases import RigLeases
 from modallab.service.records.repository import RunEntry
 from modallab.service.records.run_queue import RunQueue
-from modallab.service.rigs.controllers import Controllers
+from modallab.service.rigs.controllers import RigControllers
 from modallab.storage import Store
 
 RIG = "small"
@@ -34,7 +34,9 @@ GRACE = timedelta(days=30)
 @pytest.fixture
 def service(tmp_path: Path) -> Iterator[Service]:
     with Store(tmp_path / "data") as store:
-        opened = open_service(tmp_path / "data", Controllers([], Leases(store.catalogue.engine, "start")), "start")
+        opened = open_service(
+            tmp_path / "data", RigControllers([], RigLeases(store.catalogue.engine, "start")), "start"
+        )
         yield opened
         opened.close()
 
@@ -103,11 +105,11 @@ def test_what_is_restored_is_as_it_was(service, aside, campaign) -> None:
 def test_a_deleted_run_is_in_no_result_and_an_archived_one_where_it_is_named(service, aside, campaign) -> None:
     first, second = record(service, campaign), record(service, campaign)
     aside.archive("run", first, "Ada")
-    assert order(service, campaign, "identify", JobNew(), "Ada").inputs == (second,)
-    assert order(service, campaign, "identify", JobNew(runs=(first, second)), "Ada").inputs == (first, second)
+    assert order_job(service, campaign, "identify", JobNew(), "Ada").inputs == (second,)
+    assert order_job(service, campaign, "identify", JobNew(runs=(first, second)), "Ada").inputs == (first, second)
     aside.delete("run", first, "Ada", GRACE)
     with pytest.raises(NotFoundError, match="no run"):
-        order(service, campaign, "identify", JobNew(runs=(first,)), "Ada")
+        order_job(service, campaign, "identify", JobNew(runs=(first,)), "Ada")
     aside.delete("run", second, "Ada", GRACE)
     with pytest.raises(ConflictError, match="no ended, valid run"):
         export_campaign(service, campaign, "hdf5")
@@ -117,7 +119,7 @@ def test_nothing_is_added_to_a_campaign_that_is_set_aside(service, aside, campai
     record(service, campaign)
     aside.archive("campaign", campaign, "Ada")
     with pytest.raises(ConflictError, match="the campaign is archived"):
-        order(service, campaign, "report", JobNew(), "Ada")
+        order_job(service, campaign, "report", JobNew(), "Ada")
     # But a run that was on its way brings it back rather than to be deleted with it.
     run = record(service, campaign)
     assert service.repository.campaign(campaign).archived_utc == ""
@@ -171,7 +173,7 @@ def test_a_deleted_campaign_loses_its_samples_and_reports(service, aside, campai
     report = service.folder / "results" / "one" / "report.html"
     report.parent.mkdir(parents=True)
     report.write_text("a report")
-    job = order(service, campaign, "report", JobNew(), "Ada")
+    job = order_job(service, campaign, "report", JobNew(), "Ada")
     leases = JobLeases(service.engine, "a runner")
     (taken,) = leases.take(["report"], 1)
     assert leases.done(taken, {"document": {}, "files": {"report.html": "results/one/report.html"}})

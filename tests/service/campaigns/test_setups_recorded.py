@@ -9,8 +9,8 @@ from modallab.cli.demo_rig import demo_rig
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SetUp
 from modallab.core.rig import Rig
-from modallab.core.setups import Move, rig_of, setup_problems
-from modallab.identification.options import Options
+from modallab.core.setups import SensorMove, rig_of, setup_problems
+from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.setups import identify_setups
 from modallab.service.campaigns.local_session import record_campaign, record_setups
 
@@ -43,17 +43,17 @@ def test_set_ups_that_cannot_be_are_rejected(setups: tuple[SetUp, ...], words: s
 
 @pytest.mark.thorough("records and identifies two set-ups")
 def test_sensors_are_moved_between_the_runs_and_each_is_kept_with_its_rig(tmp_path: Path) -> None:
-    asked: list[tuple[str, Sequence[Move]]] = []
+    asked: list[tuple[str, Sequence[SensorMove]]] = []
 
-    def moved(name: str, moves: Sequence[Move]) -> bool:
+    def moved(name: str, moves: Sequence[SensorMove]) -> bool:
         asked.append((name, moves))
         return True
 
     rig = three_sensors()
     left, right = record_setups(BENCH, rig, [PLAN], tmp_path, lambda _: None, moved)
-    assert asked == [("right", (Move("a01", 1, 3), Move("a02", 2, 4)))]
+    assert asked == [("right", (SensorMove("a01", 1, 3), SensorMove("a02", 2, 4)))]
     assert (left.rig, right.rig) == (rig, rig_of(rig, RIGHT))
-    joined = identify_setups((left, right), Options())
+    joined = identify_setups((left, right), IdentificationOptions())
     model = joined.result.identified[0].model
     assert model.output_points == (1, 2, 3, 4, 10)
     # 10 g went outwards along the beam: every frequency that moves by much is lower.

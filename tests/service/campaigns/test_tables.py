@@ -8,14 +8,14 @@ from sqlalchemy import text
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew
 from modallab.core.errors import StorageError
-from modallab.service.api.router import Answer, Keys
+from modallab.service.api.router import IdempotencyKeys, KeptAnswer
 from modallab.service.errors import ChangedError, ConflictError, IdempotencyError, LeaseHeldError, LeaseNeededError
-from modallab.service.records.audit import enter
-from modallab.service.records.event_log import EventLog, Topic
-from modallab.service.records.leases import Leases
+from modallab.service.records.audit import enter_action
+from modallab.service.records.event_log import EventLog, EventTopic
+from modallab.service.records.leases import RigLeases
 from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
-from modallab.storage.engine import writing
+from modallab.storage.engine import write_transaction
 
 
 @pytest.fixture
@@ -25,12 +25,12 @@ def store(tmp_path: Path) -> Iterator[Store]:
 
 
 def test_a_lease_is_held_by_one_and_void_after_a_restart(store: Store) -> None:
-    leases = Leases(store.catalogue.engine, "first start")
+    leases = RigLeases(store.catalogue.engine, "first start")
     mine = leases.take("link", "Ada", 60.0)
     with pytest.raises(LeaseHeldError, match="Ada"):
         leases.take("link", "Bob", 60.0)
     assert leases.require("link", mine.id).operator == "Ada"
-    later = Leases(store.catalogue.engine, "second start")
+    later = RigLeases(store.catalogue.engine, "second start")
     with pytest.raises(LeaseNeededError):
         later.require("link", mine.id)
     assert later.take("link", "Bob", 60.0).fence == mine.fence + 1
@@ -39,7 +39,7 @@ def test_a_lease_is_held_by_one_and_void_after_a_restart(store: Store) -> None:
 def test_a_lease_ends_by_itself_and_its_holder_learns_it(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
     monkeypatch.setattr("time.monotonic", lambda: now[0])
-    leases = Leases(store.catalogue.engine, "start")
+    leases = RigLeases(store.catalogue.engine, "start")
     mine = leases.take("link", "Ada", 10.0)
     now[0] += 9.0
     leases.renew("link", mine.id)
@@ -52,7 +52,7 @@ def test_a_lease_ends_by_itself_and_its_holder_learns_it(store: Store, monkeypat
 
 
 def test_no_clock_on_the_wall_ends_or_prolongs_a_lease(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    leases = Leases(store.catalogue.engine, "start")
+    leases = RigLeases(store.catalogue.engine, "start")
     mine = leases.take("link", "Ada", 60.0)
     before = leases.holder("link")
     for step_s in (-3600.0, 3600.0):
@@ -70,19 +70,19 @@ def test_no_clock_on_the_wall_ends_or_prolongs_a_lease(store: Store, monkeypatch
 def test_events_are_read_on_from_any_number_and_never_changed(store: Store) -> None:
     log = EventLog(store.catalogue.engine)
     for n in range(25):
-        log.append("state", Topic(run=f"r{n % 2}"), {"n": n})
+        log.append("state", EventTopic(run=f"r{n % 2}"), {"n": n})
     seen = log.after(0, 10)
     assert [event.content["n"] for event in seen + log.after(seen[-1].seq, 100)] == list(range(25))
-    assert [event.content["n"] for event in log.after(0, 100, Topic(run="r1"))] == list(range(1, 25, 2))
+    assert [event.content["n"] for event in log.after(0, 100, EventTopic(run="r1"))] == list(range(1, 25, 2))
     assert log.last() == 25
-    enter(store.catalogue.engine, "Ada", "look", "link", {})
+    enter_action(store.catalogue.engine, "Ada", "look", "link", {})
     for change in ("UPDATE events SET kind = 'other'", "DELETE FROM events", "DELETE FROM audit"):
         with pytest.raises(StorageError, match="never change"):
             _execute(store, change)
 
 
 def _execute(store: Store, change: str) -> None:
-    with writing(store.catalogue.engine) as connection:
+    with write_transaction(store.catalogue.engine) as connection:
         connection.execute(text(change))
 
 
@@ -90,7 +90,7 @@ def test_events_of_older_programs_are_read_under_todays_kinds(store: Store) -> N
     log = EventLog(store.catalogue.engine)
     renamed = ("hit_wanted", "hit_refused")
     for kind in (*renamed, "progress"):
-        log.append(kind, Topic(run="r1"), {"kind": kind, "run": "r1", "point": 3})
+        log.append(kind, EventTopic(run="r1"), {"kind": kind, "run": "r1", "point": 3})
     events = log.after(0, 10)
     assert [event.kind for event in events] == ["hit_requested", "hit_rejected", "progress"]
     assert [event.content["kind"] for event in events] == [event.kind for event in events]
@@ -99,26 +99,26 @@ def test_events_of_older_programs_are_read_under_todays_kinds(store: Store) -> N
 
 def test_events_wait_in_order_while_the_disk_takes_none(store: Store) -> None:
     log = EventLog(store.catalogue.engine)
-    log.append("state", Topic(), {"n": 0})
+    log.append("state", EventTopic(), {"n": 0})
     with store.catalogue.engine.begin() as connection:
         connection.execute(text("CREATE TRIGGER full BEFORE INSERT ON events BEGIN SELECT RAISE(ABORT, 'full'); END"))
     for n in (1, 2):
-        log.append("state", Topic(), {"n": n})
+        log.append("state", EventTopic(), {"n": n})
     assert log.waiting == 2
     with store.catalogue.engine.begin() as connection:
         connection.execute(text("DROP TRIGGER full"))
-    log.append("state", Topic(), {"n": 3})
+    log.append("state", EventTopic(), {"n": 3})
     assert log.waiting == 0
     assert [event.content["n"] for event in log.after(0, 10)] == [0, 1, 2, 3]
 
 
 def test_a_key_is_for_one_request_and_what_a_dead_process_left_is_done_again(store: Store) -> None:
-    keys = Keys(store.catalogue.engine, "one process")
+    keys = IdempotencyKeys(store.catalogue.engine, "one process")
     assert keys.claim("a-key", b"request") is None
     with pytest.raises(ConflictError):
         keys.claim("a-key", b"request")
-    assert Keys(store.catalogue.engine, "the next").claim("a-key", b"request") is None
-    answer = Answer(201, {"location": "/there"}, "{}")
+    assert IdempotencyKeys(store.catalogue.engine, "the next").claim("a-key", b"request") is None
+    answer = KeptAnswer(201, {"location": "/there"}, "{}")
     keys.keep("a-key", answer)
     assert keys.claim("a-key", b"request") == answer
     with pytest.raises(IdempotencyError):

@@ -14,7 +14,7 @@ from service_process import COMMAND, ServiceProcess
 
 from modallab.core.errors import ModallabError
 from modallab.service.process.orphans import Orphans
-from modallab.service.process.ports import bound
+from modallab.service.process.ports import bound_socket
 
 MOMENTS_S = (0.7, 1.2, 1.8, 2.5, 4.0)
 GONE_S = 15.0
@@ -86,4 +86,4 @@ def test_who_holds_the_port_is_said() -> None:
         other.bind(("127.0.0.1", 0))
         other.listen()
         with pytest.raises(ModallabError, match=f"process {os.getpid()} holds it"):
-            bound("127.0.0.1", other.getsockname()[1])
+            bound_socket("127.0.0.1", other.getsockname()[1])

@@ -13,8 +13,8 @@ import uvicorn
 from fastapi import FastAPI
 
 from modallab.service.process import connections
-from modallab.service.process.connections import RESERVE, guarded
-from modallab.service.process.ports import bound
+from modallab.service.process.connections import RESERVE, guarded_protocol
+from modallab.service.process.ports import bound_socket
 
 ROOM = 64
 
@@ -30,8 +30,8 @@ def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, int]]:
     async def answer(body: dict[str, int]) -> int:
         return body["n"]
 
-    listener = bound("127.0.0.1", 0)
-    server = uvicorn.Server(uvicorn.Config(app, log_config=None, http=guarded(ROOM + RESERVE), lifespan="off"))
+    listener = bound_socket("127.0.0.1", 0)
+    server = uvicorn.Server(uvicorn.Config(app, log_config=None, http=guarded_protocol(ROOM + RESERVE), lifespan="off"))
     thread = Thread(target=lambda: asyncio.run(server.serve([listener])), daemon=True)
     thread.start()
     yield listener.getsockname()

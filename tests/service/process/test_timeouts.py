@@ -7,7 +7,7 @@ from multiprocessing import Pipe
 import pytest
 
 from modallab.service.process.child import HeartbeatTimer
-from modallab.service.process.wire import Counter, RemoteControl, Sign
+from modallab.service.process.wire import CallServer, RemoteControl, SignOfLife
 
 LOOK_S = 0.05
 
@@ -74,9 +74,9 @@ def test_every_sign_begins_anew(clock: Clock) -> None:
 
 def test_new_events_wait_for_nobody_who_reads_no_more() -> None:
     ours, theirs = Pipe()
-    counter = Counter(ours, control=None)
+    counter = CallServer(ours, control=None)
     try:
-        theirs.send(Sign())
+        theirs.send(SignOfLife())
         while not counter.began:
             time.sleep(0.01)
         # Much more than a pipe holds, and nobody reads any of it.
@@ -93,7 +93,7 @@ def test_who_reads_hears_of_new_events() -> None:
     gone, received_s = threading.Event(), threading.Event()
     remote = RemoteControl(theirs, gone.set)
     remote.on_events = received_s.set
-    counter = Counter(ours, control=None)
+    counter = CallServer(ours, control=None)
     while not counter.began:
         time.sleep(0.01)
     for _ in range(20):

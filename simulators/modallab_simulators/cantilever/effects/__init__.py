@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from modallab.core.discovery import declared
+from modallab.core.discovery import declarations_in_package
 from modallab.core.effects import EffectKind, catalogue
 from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever.effect_part import EffectPart
@@ -21,7 +21,7 @@ def parts() -> Mapping[str, EffectPart]:
     Raises:
         FormatError: a module of this package declares no `PART`.
     """
-    found = declared(__name__, "PART", EffectPart).values()
+    found = declarations_in_package(__name__, "PART", EffectPart).values()
     return MappingProxyType({part.name: part for part in sorted(found, key=lambda p: (p.rank, p.name))})
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from modallab.core.discovery import declared
+from modallab.core.discovery import declarations_in_package
 from modallab_simulators.cantilever.effect_part import EffectPart
 
 
@@ -18,4 +18,4 @@ def learned_parts() -> Mapping[str, EffectPart]:
     Raises:
         ConfigurationError: a module of this package declares no `PART`.
     """
-    return MappingProxyType(declared(__name__, "PART", EffectPart))
+    return MappingProxyType(declarations_in_package(__name__, "PART", EffectPart))

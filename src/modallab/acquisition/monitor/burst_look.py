@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
 from modallab.acquisition.monitor.sensor_places import ExchangedChannels
-from modallab.acquisition.monitor.tone_prediction import Foreseen, foresee, tone_basis
+from modallab.acquisition.monitor.tone_prediction import PredictedWindow, predict_later_window, tone_basis
 from modallab.bench.protocol import Burst
 from modallab.core.arrays import Real
 from modallab.storage.samples import Samples
@@ -137,7 +137,7 @@ class BurstLook:
         """(looks, count, 3) what the drive lets every channel do there."""
         return np.array([self._drive[end - count - self._first : end - self._first] for end in ends.tolist()])
 
-    def foreseen(self, later_s: float, earlier_s: float = EARLIER_S) -> tuple[Real, Foreseen] | None:
+    def foreseen(self, later_s: float, earlier_s: float = EARLIER_S) -> tuple[Real, PredictedWindow] | None:
         """The later window of this look, and what the earlier one says of it; None where it is not all of the burst."""
         end, count = self._at(self.hop * HOP_S), self.count(later_s)
         middle = end - count
@@ -149,7 +149,7 @@ class BurstLook:
         earlier, later = (self._drive[first - self._first : last - self._first] for first, last in windows)
         if not has_drive(earlier):
             return None
-        foreseen = foresee(self._cut(begin, stop), earlier, later)
+        foreseen = predict_later_window(self._cut(begin, stop), earlier, later)
         return self._cut(middle, end), foreseen
 
     def changed_places(self) -> tuple[int, int] | None:

@@ -12,8 +12,8 @@ from modallab.acquisition.monitor.settled import (
     Window,
     WindowLevels,
     check_settled,
-    fading,
     floor_of,
+    motion_decays,
 )
 from modallab.acquisition.monitor.stream import Stream, Watch
 from modallab.bench.protocol import Bench
@@ -24,7 +24,7 @@ from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.signals.transform import next_quick_length
 from modallab.storage import BlockNote, Recorder
-from modallab.storage.recorder import Placed
+from modallab.storage.recorder import PlacedSamples
 from modallab.storage.samples import Samples
 
 FLOOR_WINDOWS = 4
@@ -141,11 +141,11 @@ class Context:
         """The block from sample `first`, as it will be written."""
         return HeldBlock(self._cut(first), self._noted(first, note))
 
-    def place(self, first: int) -> Future[Placed]:
+    def place(self, first: int) -> Future[PlacedSamples]:
         """Begin to write the samples of the block from sample `first`, while it is still looked at."""
         return self.recorder.place(self._cut(first))
 
-    def keep(self, first: int, placed: Future[Placed], note: BlockNote) -> BlockAcknowledged:
+    def keep(self, first: int, placed: Future[PlacedSamples], note: BlockNote) -> BlockAcknowledged:
         """Keep a placed block, with what is known of it by now, and report that it is kept."""
         kept = self.recorder.keep(placed, self._noted(first, note))
         self.emit(kept)
@@ -226,5 +226,5 @@ def measure_floor(context: Context, patience_s: float, watch: Watch | None = Non
             stream.advance_to(end, watch)
             windows.append(context.motion(end - context.window, context.window).copy())
         floor = floor_of(windows, counts=stream.counts)
-        if stream.next >= last or not fading(windows, floor):
+        if stream.next >= last or not motion_decays(windows, floor):
             return floor

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.burst_look import BurstLook
-from modallab.acquisition.monitor.tone_prediction import Foreseen
+from modallab.acquisition.monitor.tone_prediction import PredictedWindow
 from modallab.core.errors import SafetyError
 
 SEEN = 4.0
@@ -72,7 +72,7 @@ class ExpectedForce:
                 )
         self.last = LastBurst(frequency_hz, found)
 
-    def believes(self, look: BurstLook, foreseen: Foreseen) -> NDArray[np.bool_]:
+    def believes(self, look: BurstLook, foreseen: PredictedWindow) -> NDArray[np.bool_]:
         """(looks,) whether the force is seen, and within the bracket or no clean tone; of many looks at once."""
         force = self._channel
         level, misfit = foreseen.level[:, force], foreseen.misfit[:, force]
@@ -82,7 +82,7 @@ class ExpectedForce:
         change = foreseen.amplitude[:, force] * self._scale / look.burst.amplitude_v / self.last.force_n_per_v
         return seen & ((misfit >= 0.1 * level) | ((change >= 1 / FORCE_BRACKET) & (change <= FORCE_BRACKET)))
 
-    def require(self, look: BurstLook, foreseen: Foreseen) -> None:
+    def require(self, look: BurstLook, foreseen: PredictedWindow) -> None:
         """The force must be seen once another channel is, or the burst is at full level; and within the bracket."""
         least = SEEN * look.sigma_v
         tone = np.sqrt(2) * foreseen.level

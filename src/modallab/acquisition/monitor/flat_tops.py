@@ -40,11 +40,11 @@ def flat_tops(window: Samples, noise: RestNoise) -> NDArray[np.bool_]:
     found = np.zeros(len(rows), dtype=np.bool_)
     for channel in np.flatnonzero(noise.visible & moves):
         row, rms, step = rows[channel], float(noise.rms[channel]), float(noise.step[channel])
-        found[channel] = _flat(row, rms, step) or _flat(-row, rms, step)
+        found[channel] = _is_flat_topped(row, rms, step) or _is_flat_topped(-row, rms, step)
     return found
 
 
-def _flat(row: Real, noise: float, step: float) -> bool:
+def _is_flat_topped(row: Real, noise: float, step: float) -> bool:
     top = float(row.max())
     at = np.flatnonzero(row == top)
     if at.size < LONG_RUN:

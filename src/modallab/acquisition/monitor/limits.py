@@ -9,7 +9,7 @@ from modallab.bench.protocol import Chunk
 from modallab.core.errors import SafetyError
 from modallab.core.rig import Channel, Limits, Rig
 from modallab.core.units import SI_UNIT
-from modallab.signals.conversion import Conversion, peaks
+from modallab.signals.conversion import Conversion, largest_magnitudes
 from modallab.storage.samples import Samples
 
 
@@ -37,7 +37,7 @@ class LimitWatch:
         Raises:
             SafetyError: names every channel beyond its limit, with the number.
         """
-        magnitude = peaks(chunk.samples)
+        magnitude = largest_magnitudes(chunk.samples)
         # Written so that a sample that is no number is beyond every limit.
         over = np.flatnonzero(~(magnitude <= self.limit))
         if over.size == 0:
@@ -54,19 +54,19 @@ class LimitWatch:
 
     def used(self, samples: Samples) -> float:
         """The largest part of a limit that any of the (channels, n) samples takes."""
-        return float((peaks(samples) / self.limit).max())
+        return float((largest_magnitudes(samples) / self.limit).max())
 
 
 def watch_of(rig: Rig, limits: Limits, conversion: Conversion) -> LimitWatch:
     """The watch for a rig's limits."""
     per_count = np.abs(conversion.si_per_count)
-    limit = np.array([_allowed(rig, limits, channel) for channel in rig.channels]) / per_count
+    limit = np.array([_stated_limit(rig, limits, channel) for channel in rig.channels]) / per_count
     visible = np.where(np.isfinite(limit) & (limit >= conversion.full_scale), conversion.full_scale * (1 - 1e-9), limit)
     units = tuple(SI_UNIT[channel.quantity] for channel in rig.channels)
     return LimitWatch(conversion.names, visible, per_count, units)
 
 
-def _allowed(rig: Rig, limits: Limits, channel: Channel) -> float:
+def _stated_limit(rig: Rig, limits: Limits, channel: Channel) -> float:
     stroke = limits.stroke_m if channel.point in rig.shaker_points else None
     stated = {
         "force": (limits.force_n,),

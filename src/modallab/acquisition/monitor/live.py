@@ -77,9 +77,9 @@ class LiveRing:
 
     def open(self, run: str, rig: Rig, delivery: Delivery) -> LiveTap:
         """Make it for what a device delivers; returns what takes the chunks as they come."""
-        ring = self._ring = _ring(len(rig.channels), delivery)
+        ring = self._ring = _ring_shape(len(rig.channels), delivery)
         if ring is None:
-            return _ignore
+            return _ignore_chunk
         self._info = LiveInfo(
             run=run,
             ring=str(ring.path),
@@ -145,12 +145,12 @@ def clear_left_over(data_folder: Path, ended: Callable[[str], bool]) -> None:
             file.unlink(missing_ok=True)
 
 
-def _ring(channels: int, delivery: Delivery) -> Ring | None:
+def _ring_shape(channels: int, delivery: Delivery) -> Ring | None:
     for seconds in SECONDS:
         with suppress(OSError):
             return make_ring(RingShape.lasting(channels, delivery.rate_hz, delivery.dtype, seconds))
     return None
 
 
-def _ignore(_chunk: Chunk) -> None:
+def _ignore_chunk(_chunk: Chunk) -> None:
     """Nothing is shown."""

@@ -136,7 +136,7 @@ def motion_limits(rig: Rig, limits: Limits) -> tuple[MotionLimit, ...]:
     return tuple(
         MotionLimit(channel.index, f"{what} of {channel.name}", SI_UNIT[quantity], integrations, limit)
         for channel in rig.responses
-        for what, quantity, limit in _stated(rig, limits, channel)
+        for what, quantity, limit in _stated_limit(rig, limits, channel)
         if channel.quantity != "voltage"
         and limit is not None
         and (integrations := DERIVATIVE[channel.quantity] - DERIVATIVE[quantity]) > 0
@@ -151,7 +151,7 @@ def motion_watch(
     return MotionWatch(found, np.abs(conversion.si_per_count), rate_hz, lowest_hz) if found else None
 
 
-def _stated(rig: Rig, limits: Limits, channel: Channel) -> tuple[tuple[str, Quantity, float | None], ...]:
+def _stated_limit(rig: Rig, limits: Limits, channel: Channel) -> tuple[tuple[str, Quantity, float | None], ...]:
     at_shaker = channel.point in rig.shaker_points
     return (
         ("velocity", "velocity", limits.velocity_m_s),

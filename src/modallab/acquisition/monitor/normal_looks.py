@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.burst_look import HOP_S, WEAK_LATER_S, BurstLook, has_drive
 from modallab.acquisition.monitor.expected_force import SEEN, ExpectedForce
-from modallab.acquisition.monitor.tone_prediction import at_noise, dead, foresee, parts
+from modallab.acquisition.monitor.tone_prediction import (
+    departs_from_prediction,
+    is_dead,
+    is_noise_alone,
+    predict_later_window,
+)
 from modallab.core.arrays import Real
 
 FEW = 3
@@ -57,13 +62,13 @@ def normal_looks(look: BurstLook, force: ExpectedForce) -> NormalLooks | None:
     latest = look.windows(ends, later)
     before = ends - later - look.gap
     earlier, following = look.drives(before, look.earlier), look.drives(ends, later)
-    foreseen = foresee(look.windows(before, look.earlier), earlier, following)
+    foreseen = predict_later_window(look.windows(before, look.earlier), earlier, following)
     kept, moments = look.places.kept_to(look.windows(before, learned), latest)
     size = np.sqrt(2) * foreseen.level / look.sigma_v
     suspect = (
-        parts(latest, foreseen, look.noise_v)
-        | dead(latest, foreseen, look.white_v)
-        | at_noise(look.windows(ends, weak), look.white_v)
+        departs_from_prediction(latest, foreseen, look.noise_v)
+        | is_dead(latest, foreseen, look.white_v)
+        | is_noise_alone(look.windows(ends, weak), look.white_v)
         | ~(size > SEEN)
     )
     normal = kept & ~suspect.any(axis=1) & force.believes(look, foreseen) & has_drive(earlier)

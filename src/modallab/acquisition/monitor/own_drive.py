@@ -14,7 +14,7 @@ MUCH_MORE = 2.0
 """Times its own drive's coherence. Drives without relation have 1 / TOGETHER, bursts, whose lines go together, 0.4."""
 
 
-def follows(forces: Real, waves: Sequence[Waveform], first_s: float, rate_hz: float) -> list[int]:
+def drive_followed_by_each_force(forces: Real, waves: Sequence[Waveform], first_s: float, rate_hz: float) -> list[int]:
     """Which of the drives each force follows: its own, unless it follows another much more.
 
     Chirps are alike in one wave, whichever shaker plays them: of these each force follows its own.

@@ -17,12 +17,12 @@ from modallab.acquisition.monitor.known_shapes import KnownShapes
 from modallab.acquisition.monitor.normal_looks import normal_looks
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.tone_prediction import (
-    Foreseen,
-    astray,
-    at_noise,
-    dead,
-    faults,
+    PredictedWindow,
+    channel_faults,
+    is_dead,
+    is_noise_alone,
     kept_up,
+    strays_from_drive,
     tone_is_lost,
 )
 from modallab.bench.protocol import Burst, Chunk
@@ -124,14 +124,14 @@ class Plausibility:
         pair = look.foreseen(look.later_s)
         if pair is None:
             return
-        for channel, reason in faults(*pair, look.noise_v, look.white_v).items():
+        for channel, reason in channel_faults(*pair, look.noise_v, look.white_v).items():
             if self._watched[channel]:
                 raise not_believed(f"{self._names[channel]} {reason.format(*self._names)}")
-        gone = self._unless_beats(dead(*pair, look.white_v), *pair)
+        gone = self._unless_beats(is_dead(*pair, look.white_v), *pair)
         # The responses may beat; the force follows the drive directly.
-        gone[self._force_row] |= astray(*pair, look.noise_v)[self._force_row]
+        gone[self._force_row] |= strays_from_drive(*pair, look.noise_v)[self._force_row]
         # What stands above its noise is not lost, and needs no fit.
-        if at_noise(look.latest(WEAK_LATER_S), look.white_v).any():
+        if is_noise_alone(look.latest(WEAK_LATER_S), look.white_v).any():
             weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
             if weak is not None:
                 gone |= self._unless_beats(tone_is_lost(*weak, look.white_v) & ~self._at_a_node(look, weak[1]), *weak)
@@ -141,7 +141,7 @@ class Plausibility:
             raise not_believed(f"{self._names[channel]} no longer follows the drive: dead, frozen or unplugged")
         self._force.require(look, pair[1])
 
-    def _at_a_node(self, look: BurstLook, foreseen: Foreseen) -> NDArray[np.bool_]:
+    def _at_a_node(self, look: BurstLook, foreseen: PredictedWindow) -> NDArray[np.bool_]:
         """(channels,) whether a response may vanish near a node, since the drive rises or falls."""
         if look.steady(WEAK_LATER_S, WEAK_EARLIER_S):
             return np.zeros(foreseen.level.size, dtype=np.bool_)
@@ -149,7 +149,7 @@ class Plausibility:
         node[self._force_row] = False
         return node
 
-    def _missing(self, look: BurstLook, foreseen: Foreseen) -> NDArray[np.bool_]:
+    def _missing(self, look: BurstLook, foreseen: PredictedWindow) -> NDArray[np.bool_]:
         """(channels,) whether a response shows nothing that must be seen, by the others and the bursts before."""
         tone = look.tone = np.sqrt(2) * foreseen.level / look.sigma_v * foreseen.phase
         unseen = np.abs(tone) <= SEEN
@@ -161,7 +161,7 @@ class Plausibility:
             unseen[responses[place]] = self._shapes.must_read(int(place), tone[responses]) > MISSED
         return unseen
 
-    def _unless_beats(self, gone: NDArray[np.bool_], seen: Real, foreseen: Foreseen) -> NDArray[np.bool_]:
+    def _unless_beats(self, gone: NDArray[np.bool_], seen: Real, foreseen: PredictedWindow) -> NDArray[np.bool_]:
         """(channels,) without those whose fall may be the structure's own beat: the other responses fall too."""
         follows = kept_up(seen, foreseen) if gone.any() else np.zeros(0)
         for channel in np.flatnonzero(gone):

@@ -56,9 +56,9 @@ class RestNoise:
         # Real numbers have a count as well, that of the converter they came from: their smallest step.
         step = np.ones(len(rms)) if counts else np.min(np.where(same, np.inf, steps), axis=1)
         visible = rms >= LEAST_COUNTS * step
-        often = np.maximum(same.mean(axis=1), _repeats(rms / step))
+        often = np.maximum(same.mean(axis=1), _usual_repeats(rms / step))
         likely = np.log(RARE) / np.log(np.minimum(often, 1 - 1e-9))
-        resting = RESTING_RUN * np.array([_longest(row) for row in same])
+        resting = RESTING_RUN * np.array([_longest_run(row) for row in same])
         longest = np.where(visible, np.maximum(np.maximum(likely, LEAST_RUN), resting), np.inf)
         return cls(rms, longest, visible, np.where(np.isfinite(step), step, 0.0))
 
@@ -110,7 +110,7 @@ class Repetition:
         return found
 
 
-def _repeats(rms: Real) -> Real:
+def _usual_repeats(rms: Real) -> Real:
     """(channels,) how often noise of an rms in counts, rounding included, repeats its count where that is likeliest."""
     sigma = np.sqrt(np.maximum(rms**2 - 1 / 12, 0.01))
     # In the middle of a count; the counts next to it add what they share.
@@ -124,6 +124,6 @@ def _fast_rms(window: Samples) -> Real:
     return np.diff(window.astype(float), n=2, axis=1).std(axis=1) / np.sqrt(6)
 
 
-def _longest(same: NDArray[np.bool_]) -> int:
+def _longest_run(same: NDArray[np.bool_]) -> int:
     edges = np.flatnonzero(~np.concatenate([[False], same, [False]]))
     return int(np.diff(edges).max(initial=1))

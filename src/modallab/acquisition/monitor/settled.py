@@ -112,11 +112,11 @@ class WindowLevels:
     def of(cls, window: Window, noise_rms: Real) -> Self:
         """Of a (channels, n) window, compared with noise of (channels,) rms counts."""
         n = window.shape[1]
-        taper, energy = _taper(n)
+        taper, energy = _hann_window(n)
         level, power = np.empty(len(window)), np.zeros(int(USED_BAND * n))
         for i, (row, rms) in enumerate(zip(centred_rows(window), noise_rms, strict=True)):
             level[i] = _rms(row)
-            power += _squares(spectrum(row * taper)[: power.size]) / rms**2
+            power += _power_of_lines(spectrum(row * taper)[: power.size]) / rms**2
         power /= energy * len(window)
         power[0] = 0
         return cls(level, power, n)
@@ -141,7 +141,7 @@ def _rms(row: Single) -> float:
 
 
 @lru_cache(maxsize=16)
-def _taper(n: int) -> tuple[Single, float]:
+def _hann_window(n: int) -> tuple[Single, float]:
     """The Hann window of n samples and its sum of squares: every look of a test has the same."""
     hann = np.hanning(n + 1)[:-1]
     taper = hann.astype(np.float32)
@@ -149,7 +149,7 @@ def _taper(n: int) -> tuple[Single, float]:
     return taper, float((hann**2).sum())
 
 
-def _squares(spectrum: NDArray[np.complexfloating]) -> NDArray[np.floating]:
+def _power_of_lines(spectrum: NDArray[np.complexfloating]) -> NDArray[np.floating]:
     return spectrum.real**2 + spectrum.imag**2
 
 
@@ -174,7 +174,7 @@ def _neighbours(power: Real) -> Real:
     return np.convolve(power, kernel, mode="same") / np.convolve(counted, kernel, mode="same")
 
 
-def fading(windows: list[Window], floor: Floor) -> bool:
+def motion_decays(windows: list[Window], floor: Floor) -> bool:
     """Whether the windows a floor was taken from hold a motion that dies away: then it was no rest."""
     powers = [WindowLevels.of(window, floor.rms).power for window in windows]
     half = len(windows) // 2
@@ -194,7 +194,7 @@ def ringing_lines(look: WindowLevels, floor: Floor) -> tuple[Real, NDArray[np.in
     """(peaks,) amplitudes, in noise rms, of what stands well out of the noise in a window, and their lines."""
     power = look.power
     limit = np.maximum(RINGING_EXCESS * floor.lines * noise_limit(len(floor.rms)), PEAK_RANGE * power.max())
-    peaks = np.flatnonzero((power > limit) & (power == _highest(power, PEAK_LINES)))
+    peaks = np.flatnonzero((power > limit) & (power == _highest_nearby(power, PEAK_LINES)))
     # A tone of amplitude a has the line power a^2 (sum w)^2 / (4 sum w^2) = a^2 n / 6.
     return np.sqrt((power - floor.lines)[peaks] * 6 / look.count), peaks
 
@@ -239,13 +239,13 @@ def largest_ratio(moves: Real, lines: NDArray[np.int64], own: Real) -> tuple[flo
     """
     if lines.size == 0:
         return 0.0, 0
-    beside = _highest(own, 1)[lines] if own.ndim == 1 else own.max(axis=0)
+    beside = _highest_nearby(own, 1)[lines] if own.ndim == 1 else own.max(axis=0)
     ratio = moves / np.maximum(beside, 1e-300)
     worst = int(np.argmax(ratio))
     return float(ratio[worst]), int(lines[worst])
 
 
-def _highest(values: Real, reach: int) -> Real:
+def _highest_nearby(values: Real, reach: int) -> Real:
     highest = values.copy()
     for off in range(1, reach + 1):
         np.maximum(highest[off:], values[:-off], out=highest[off:])

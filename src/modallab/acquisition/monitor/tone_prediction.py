@@ -1,6 +1,6 @@
 """Whether a channel still does what the drive made it do a moment ago; pure functions of samples.
 
-All but `faults` and `tone_is_lost` take one look or many: then looks are the first axis of samples, bases and
+All but `channel_faults` and `tone_is_lost` take one look or many: then looks are the first axis of samples, bases and
 results.
 
 While a sine is on, x(t) = c + e(t) Re(A exp(j omega t)) holds from one moment to the next, e the drive's known
@@ -57,7 +57,7 @@ LOST_SIGMA = 5.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Foreseen:
+class PredictedWindow:
     """What an earlier window says of a later one.
 
     Attributes:
@@ -85,13 +85,13 @@ def tone_basis(times_s: Real, frequency_hz: float, envelope: Real) -> Real:
     return basis
 
 
-def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
+def predict_later_window(earlier: Real, earlier_basis: Real, later_basis: Real) -> PredictedWindow:
     """Fit (channels, n) samples by least squares and carry the fit on to a later window."""
     values = np.swapaxes(earlier, -1, -2)
     solved = _least_squares(earlier_basis, values)
     fitted = earlier_basis @ solved
     cosine, sine = solved[..., 1, :], solved[..., 2, :]
-    return Foreseen(
+    return PredictedWindow(
         amplitude=np.hypot(cosine, sine),
         phase=np.exp(-1j * np.arctan2(sine, cosine)),
         misfit=_rms(values - fitted, axis=-2),
@@ -112,13 +112,13 @@ def _least_squares(basis: Real, values: Real) -> Real:
         return np.linalg.pinv(basis) @ values
 
 
-def parts(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
+def departs_from_prediction(seen: Real, foreseen: PredictedWindow, noise: Real) -> NDArray[np.bool_]:
     """(channels,) whether a channel parts from what was foreseen by more than noise and a change of amplitude do."""
     least = np.maximum(OVER_MISFIT * foreseen.misfit, OVER_SIGNAL * np.sqrt(2) * foreseen.level)
     return _rms(seen - foreseen.later, axis=-1) > np.maximum(least, OVER_NOISE * noise)
 
 
-def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int, str]:
+def channel_faults(seen: Real, foreseen: PredictedWindow, noise: Real, white: Real) -> dict[int, str]:
     """What has become of channels, in words by channel; none for those that follow, or merely part from it.
 
     Args:
@@ -128,7 +128,7 @@ def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int
         white: (channels,) the part of it that goes from sample to sample, to which a dead channel falls.
     """
     found: dict[int, str] = {}
-    suspects = parts(seen, foreseen, noise)
+    suspects = departs_from_prediction(seen, foreseen, noise)
     if not suspects.any():
         return found
     parted = _rms(seen - foreseen.later, axis=1)
@@ -149,24 +149,24 @@ def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int
     return found
 
 
-def tone_is_lost(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
+def tone_is_lost(seen: Real, foreseen: PredictedWindow, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a weak tone that was to stand above the noise over the later window is gone from it."""
     steady = foreseen.misfit < UNBEATEN * white
     expected = np.hypot(about_line_rms(foreseen.later), white)
-    return steady & at_noise(seen, white) & (expected > white * (1 + 3 * _noise_spread(seen)))
+    return steady & is_noise_alone(seen, white) & (expected > white * (1 + 3 * _noise_spread(seen)))
 
 
-def at_noise(seen: Real, white: Real) -> NDArray[np.bool_]:
+def is_noise_alone(seen: Real, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether the power over a window is no more than that of the noise."""
     return about_line_rms(seen) < white * (1 + _noise_spread(seen))
 
 
-def kept_up(seen: Real, foreseen: Foreseen) -> Real:
+def kept_up(seen: Real, foreseen: PredictedWindow) -> Real:
     """(channels,) rms over what was foreseen; where the structure itself beats, it falls in all responses at once."""
     return about_line_rms(seen) / np.maximum(about_line_rms(foreseen.later), 1e-300)
 
 
-def dead(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
+def is_dead(seen: Real, foreseen: PredictedWindow, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a channel stays within its noise where it was to move far beyond it."""
     still = about_line_rms(seen) < STILL * white
     if not still.any():
@@ -177,7 +177,7 @@ def dead(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
     return still & moving
 
 
-def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
+def strays_from_drive(seen: Real, foreseen: PredictedWindow, noise: Real) -> NDArray[np.bool_]:
     """(channels,) whether what followed the drive well parts from what was foreseen by as much as it moved."""
     least = np.maximum.reduce([ASTRAY * noise, ASTRAY * foreseen.misfit, foreseen.level])
     return _rms(seen - foreseen.later, axis=1) > least
@@ -185,12 +185,12 @@ def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
 
 def about_line_rms(values: Real) -> Real:
     """(channels,) rms about a straight line: what is left of a channel that decays or drifts, but does not move."""
-    line = _line(values.shape[-1])
+    line = _straight_line_basis(values.shape[-1])
     return _rms(values - (values @ line.T) @ line, axis=-1)
 
 
 @lru_cache
-def _line(n: int) -> Real:
+def _straight_line_basis(n: int) -> Real:
     """(2, n) an orthonormal basis of the straight lines over n samples."""
     ramp = np.arange(n) - (n - 1) / 2
     return np.array([np.full(n, n**-0.5), ramp / max(float(np.linalg.norm(ramp)), 1.0)])

@@ -10,7 +10,7 @@ from modallab.acquisition.monitor.requests import DropBlock
 from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
 from modallab.acquisition.procedures.broadband_checks import driven_points, over_limits
 from modallab.acquisition.procedures.broadband_wave import (
-    Layout,
+    WaveLayout,
     blocks_a_wave,
     blocks_of_wave,
     layout_of,
@@ -43,7 +43,7 @@ class _Wave:
     level: str
     number: int
     start: int
-    layout: Layout
+    layout: WaveLayout
     waves: Sequence[Waveform]
 
 
@@ -118,7 +118,7 @@ class BroadbandTest:
             raise PlanError("; ".join(problems), remedy="lower levels_v, or raise the rig's limits")
         context.excitation.on = True
         stream.poll()
-        wave = _Wave(level, number, _started(context.bench, waves), layout, waves)
+        wave = _Wave(level, number, _start_of_waves(context.bench, waves), layout, waves)
         self.believed.begin(waves, wave.start, rest, noise, layout.block_s)
         held: list[HeldBlock] = []
         try:
@@ -143,7 +143,7 @@ class BroadbandTest:
             self.watch.end()
             # A channel that is cut off may have been so for a while, in few samples, before it was found.
             doubt = f"in one wave with: {error}" if self.believed.failed else ""
-            self._keep([_doubted(block, doubt) if doubt else block for block in held])
+            self._keep([_with_doubt(block, doubt) if doubt else block for block in held])
         if isinstance(error, SafetyError):
             first = stream.next - context.block
             overload = stream.overload(first, context.block)
@@ -214,7 +214,7 @@ class BroadbandTest:
                         names.remove(request.block)
 
 
-def _started(bench: Bench, waves: Sequence[Waveform]) -> int:
+def _start_of_waves(bench: Bench, waves: Sequence[Waveform]) -> int:
     """The sample at which the waves begin, one on each output."""
     if len(waves) > 1:
         assert isinstance(bench, WavesPlaying)
@@ -223,7 +223,7 @@ def _started(bench: Bench, waves: Sequence[Waveform]) -> int:
     return bench.play_wave(waves[0])
 
 
-def _doubted(block: HeldBlock, reason: str) -> HeldBlock:
+def _with_doubt(block: HeldBlock, reason: str) -> HeldBlock:
     return replace(block, note=replace(block.note, accepted=False, reason=reason))
 
 

@@ -27,7 +27,7 @@ def driven_points(plan: BroadbandPlan, rig: Rig) -> tuple[int, ...]:
 def longest_wave_s(plan: BroadbandPlan, rig: Rig) -> float:
     """How long the longest wave of a plan lasts, from 0 V to 0 V."""
     fitting = blocks_a_wave(plan, inf if rig.limits is None else rig.limits.max_burst_s)
-    return layout_of(plan, _sizes(plan, fitting, len(driven_points(plan, rig)))[0], plan.block_s).end_s
+    return layout_of(plan, _blocks_of_each_wave(plan, fitting, len(driven_points(plan, rig)))[0], plan.block_s).end_s
 
 
 def wave_problems(plan: BroadbandPlan, limits: Limits, shakers: int) -> list[str]:
@@ -37,10 +37,12 @@ def wave_problems(plan: BroadbandPlan, limits: Limits, shakers: int) -> list[str
     problems = _too_few(plan, shakers)
     if not problems and fitting < least:
         lasts_s = layout_of(plan, least, plan.block_s).end_s
-        problems = [f"a wave of {_blocks(least)} lasts {lasts_s:.4g} s; allowed by the rig: {limits.max_burst_s:g} s"]
+        problems = [
+            f"a wave of {_blocks_in_words(least)} lasts {lasts_s:.4g} s; allowed by the rig: {limits.max_burst_s:g} s"
+        ]
     if problems:
         return problems
-    sizes = _sizes(plan, fitting, shakers)
+    sizes = _blocks_of_each_wave(plan, fitting, shakers)
     layouts = [layout_of(plan, size, plan.block_s) for size in sizes]
     for level in plan.levels_v:
         played = [waves_of(plan, level, number, layout, shakers) for number, layout in enumerate(layouts)]
@@ -51,7 +53,7 @@ def wave_problems(plan: BroadbandPlan, limits: Limits, shakers: int) -> list[str
     return problems
 
 
-def _sizes(plan: BroadbandPlan, most: int, shakers: int) -> list[int]:
+def _blocks_of_each_wave(plan: BroadbandPlan, most: int, shakers: int) -> list[int]:
     """Blocks of each wave of a level."""
     sizes: list[int] = []
     while most and sum(sizes) < plan.blocks:
@@ -59,7 +61,7 @@ def _sizes(plan: BroadbandPlan, most: int, shakers: int) -> list[int]:
     return sizes or [0]
 
 
-def _blocks(count: int) -> str:
+def _blocks_in_words(count: int) -> str:
     return "one block" if count == 1 else f"{count} blocks"
 
 

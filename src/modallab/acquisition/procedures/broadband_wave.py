@@ -30,7 +30,7 @@ GROUP = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class WaveLayout:
     """How one wave is laid out in time.
 
     Attributes:
@@ -46,11 +46,11 @@ class Layout:
     end_s: float
 
 
-def layout_of(plan: BroadbandPlan, blocks: int, block_s: float) -> Layout:
+def layout_of(plan: BroadbandPlan, blocks: int, block_s: float) -> WaveLayout:
     """The layout of a wave. Burst random needs neither lead nor taper: each of its blocks begins at rest."""
     if plan.signal == "burst-random":
-        return Layout(0.0, blocks, block_s, blocks * block_s + MARGIN_S)
-    return Layout(plan.settle_s, blocks, block_s, plan.settle_s + blocks * block_s + MARGIN_S + plan.ramp_s)
+        return WaveLayout(0.0, blocks, block_s, blocks * block_s + MARGIN_S)
+    return WaveLayout(plan.settle_s, blocks, block_s, plan.settle_s + blocks * block_s + MARGIN_S + plan.ramp_s)
 
 
 def blocks_a_wave(plan: BroadbandPlan, max_burst_s: float) -> int:
@@ -79,7 +79,7 @@ def is_periodic(plan: BroadbandPlan) -> bool:
     return plan.signal in ("pseudo-random", "chirp")
 
 
-def waves_of(plan: BroadbandPlan, level: str, number: int, layout: Layout, shakers: int) -> tuple[Waveform, ...]:
+def waves_of(plan: BroadbandPlan, level: str, number: int, layout: WaveLayout, shakers: int) -> tuple[Waveform, ...]:
     """What each of several shakers plays at once, the first one's first.
 
     Random drive is another noise for each. Of a periodic drive, the wave of each shaker is turned by another angle in
@@ -100,7 +100,7 @@ def waves_of(plan: BroadbandPlan, level: str, number: int, layout: Layout, shake
 
 
 def wave_of(
-    plan: BroadbandPlan, level: str, number: int, layout: Layout, shaker: int = 0, shakers: int = 1
+    plan: BroadbandPlan, level: str, number: int, layout: WaveLayout, shaker: int = 0, shakers: int = 1
 ) -> Waveform:
     """One wave.
 
@@ -125,9 +125,9 @@ def wave_of(
     rate_hz = period / layout.block_s
     count = ceil(layout.end_s * rate_hz) + 1
     undriven = detection_lines(plan, number, layout.block_s) if plan.detection_lines else ()
-    samples = plan.levels_v[level] * _unit(plan, rng, turned, period, rate_hz, count, layout, undriven)
+    samples = plan.levels_v[level] * _unit_rms_wave(plan, rng, turned, period, rate_hz, count, layout, undriven)
     if plan.signal != "burst-random":
-        samples *= _taper(np.arange(count) / rate_hz, layout.end_s, plan.ramp_s)
+        samples *= _tapered_envelope(np.arange(count) / rate_hz, layout.end_s, plan.ramp_s)
     samples[0] = samples[-1] = 0.0
     return Waveform(samples, rate_hz)
 
@@ -139,7 +139,7 @@ def detection_lines(plan: BroadbandPlan, number: int, block_s: float) -> list[in
     Source: Pintelon and Schoukens, section 4.3.2, random harmonic grids.
     """
     count = ceil(block_s * max(LEAST_RATE_HZ, OVERSAMPLED * plan.band_hz[1]))
-    chosen = _band(count, count / block_s, plan.band_hz)
+    chosen = _lines_of_band(count, count / block_s, plan.band_hz)
     every = np.arange(chosen.start, chosen.stop)
     odd = every[every % 2 == 1]
     rng = np.random.default_rng([plan.seed, number // GROUP, 1, 1])
@@ -157,55 +157,55 @@ def slew_v_per_s(wave: Waveform) -> float:
     return float(np.abs(np.diff(wave.samples)).max() * wave.rate_hz)
 
 
-def _unit(
+def _unit_rms_wave(
     plan: BroadbandPlan,
     rng: np.random.Generator,
     turned: float,
     period: int,
     rate_hz: float,
     count: int,
-    layout: Layout,
+    layout: WaveLayout,
     undriven: Sequence[int],
 ) -> Real:
     """(count,) of a root mean square of 1 while it is on."""
     if plan.signal == "random":
-        return _noise(rng, count, rate_hz, plan.band_hz)
+        return _noise_wave(rng, count, rate_hz, plan.band_hz)
     if plan.signal == "burst-random":
-        return _bursts(plan, rng, period, rate_hz, count, layout)
+        return _burst_wave(plan, rng, period, rate_hz, count, layout)
     if plan.signal == "chirp":
-        one = _sweep(period, rate_hz, plan.band_hz)
+        one = _sweep_wave(period, rate_hz, plan.band_hz)
     else:
-        one = _lines(rng, period, rate_hz, plan.band_hz, undriven)
+        one = _random_phase_wave(rng, period, rate_hz, plan.band_hz, undriven)
     if turned:
         one = np.fft.irfft(np.fft.rfft(one) * np.exp(1j * turned), period)
     # A block begins with a period, whatever came before it.
     return one[(np.arange(count) - round(layout.lead_s * rate_hz)) % period]
 
 
-def _band(count: int, rate_hz: float, band_hz: tuple[float, float]) -> slice:
+def _lines_of_band(count: int, rate_hz: float, band_hz: tuple[float, float]) -> slice:
     line_hz = rate_hz / count
     return slice(max(1, ceil(band_hz[0] / line_hz - 1e-9)), floor(band_hz[1] / line_hz + 1e-9) + 1)
 
 
-def _noise(rng: np.random.Generator, count: int, rate_hz: float, band_hz: tuple[float, float]) -> Real:
+def _noise_wave(rng: np.random.Generator, count: int, rate_hz: float, band_hz: tuple[float, float]) -> Real:
     spectrum = np.zeros(count // 2 + 1, complex)
-    inside = spectrum[_band(count, rate_hz, band_hz)]
+    inside = spectrum[_lines_of_band(count, rate_hz, band_hz)]
     inside[:] = rng.standard_normal(inside.size) + 1j * rng.standard_normal(inside.size)
     return _of_unit_rms(np.fft.irfft(spectrum, count))
 
 
-def _lines(
+def _random_phase_wave(
     rng: np.random.Generator, period: int, rate_hz: float, band_hz: tuple[float, float], undriven: Sequence[int]
 ) -> Real:
     spectrum = np.zeros(period // 2 + 1, complex)
-    inside = spectrum[_band(period, rate_hz, band_hz)]
+    inside = spectrum[_lines_of_band(period, rate_hz, band_hz)]
     inside[:] = np.exp(2j * np.pi * rng.random(inside.size))
     spectrum[list(undriven)] = 0
     return _of_unit_rms(np.fft.irfft(spectrum, period))
 
 
-def _sweep(period: int, rate_hz: float, band_hz: tuple[float, float]) -> Real:
-    chosen = _band(period, rate_hz, band_hz)
+def _sweep_wave(period: int, rate_hz: float, band_hz: tuple[float, float]) -> Real:
+    chosen = _lines_of_band(period, rate_hz, band_hz)
     first, last = chosen.start, chosen.stop - 1
     # A whole number of cycles in a period: it joins itself without a jump.
     last -= (first + last) % 2
@@ -213,15 +213,15 @@ def _sweep(period: int, rate_hz: float, band_hz: tuple[float, float]) -> Real:
     return sqrt(2) * np.sin(2 * np.pi * (first * share + (last - first) * share**2 / 2))
 
 
-def _bursts(
-    plan: BroadbandPlan, rng: np.random.Generator, period: int, rate_hz: float, count: int, layout: Layout
+def _burst_wave(
+    plan: BroadbandPlan, rng: np.random.Generator, period: int, rate_hz: float, count: int, layout: WaveLayout
 ) -> Real:
     samples = np.zeros(count)
     on, begins = int(plan.burst_share * period), int(BURST_BEGINS * period)
     for block in range(layout.blocks):
-        noise = _noise(rng, period, rate_hz, plan.band_hz)[:on]
+        noise = _noise_wave(rng, period, rate_hz, plan.band_hz)[:on]
         first = block * period + begins
-        samples[first : first + on] = noise * _taper(np.arange(on) / on, 1.0, BURST_EDGE)
+        samples[first : first + on] = noise * _tapered_envelope(np.arange(on) / on, 1.0, BURST_EDGE)
     return samples
 
 
@@ -229,7 +229,7 @@ STEP_S = 1e-9
 """What rises in less is a step, at any rate."""
 
 
-def _taper(at: Real, end: float, ramp: float) -> Real:
+def _tapered_envelope(at: Real, end: float, ramp: float) -> Real:
     return (1 - np.cos(np.pi * np.clip(np.minimum(at, end - at) / max(ramp, STEP_S), 0, 1))) / 2
 
 

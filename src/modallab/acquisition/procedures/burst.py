@@ -88,7 +88,7 @@ def look_at(context: Context, plan: SinePlan, watch: BurstWatch, note: BlockNote
         measured,
         verdict,
         settling.missing_s(plan.settled_ratio),
-        _unsettled(settling, plan) if verdict == "no" else "",
+        _unsettled_reason(settling, plan) if verdict == "no" else "",
         facts | settling.facts(plan.settled_ratio),
     )
 
@@ -107,7 +107,7 @@ def _settling(context: Context, plan: SinePlan, note: BlockNote, setting: Settin
     )
 
 
-def _unsettled(settling: Settling, plan: SinePlan) -> str:
+def _unsettled_reason(settling: Settling, plan: SinePlan) -> str:
     worst = int(np.argmax(settling.ratio))
     return (
         f"not settled: the decay of {settling.mode_hz[worst]:.4g} Hz is {100 * settling.total:.3g} % of the response,"

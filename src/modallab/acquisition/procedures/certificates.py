@@ -43,7 +43,7 @@ def remarks_on(rig: Rig, test: Test, today: date, bench: Bench | None = None) ->
     found: list[Remark] = []
     for channel in rig.channels:
         name = channel.name
-        found += [Remark(name, what, contradiction=False) for what in _expired(channel, today)]
+        found += [Remark(name, what, contradiction=False) for what in _expiry_remark(channel, today)]
         wrong = [
             *_other_serial(channel, serials),
             *_other_sensitivity(channel, rig, test),
@@ -53,7 +53,7 @@ def remarks_on(rig: Rig, test: Test, today: date, bench: Bench | None = None) ->
     return found
 
 
-def _expired(channel: Channel, today: date) -> list[str]:
+def _expiry_remark(channel: Channel, today: date) -> list[str]:
     certificate = channel.certificate
     if certificate is None or certificate.expires is None or certificate.expires >= today:
         return []
@@ -68,12 +68,12 @@ def _other_serial(channel: Channel, serials: Mapping[str, str]) -> list[str]:
     if certificate is not None and channel.serial and certificate.serial != channel.serial:
         found.append(f"the rig file has the sensor {channel.serial}, its certificate is that of {certificate.serial}")
     sensed = serials.get(channel.name, "")
-    if sensed and channel.serial and _number(sensed) != _number(channel.serial):
+    if sensed and channel.serial and _serial_number(sensed) != _serial_number(channel.serial):
         found.append(f"the rig file has the sensor {channel.serial}, the sensor itself says (TEDS) {sensed}")
     return found
 
 
-def _number(serial: str) -> str:
+def _serial_number(serial: str) -> str:
     # A TEDS holds the number only, without the letters and zeros before it.
     digits = re.findall(r"\d+", serial)
     return digits[-1].lstrip("0") if digits else serial.casefold()

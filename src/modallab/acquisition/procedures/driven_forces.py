@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.acquisition.monitor.own_drive import follows
+from modallab.acquisition.monitor.own_drive import drive_followed_by_each_force
 from modallab.bench.protocol import Waveform
 from modallab.core.arrays import Real
 from modallab.core.errors import SafetyError
@@ -68,7 +68,7 @@ class DrivenForces:
         """
         if self.count < 2:
             return
-        found = follows(self._of(samples), waves, first_s, rate_hz)
+        found = drive_followed_by_each_force(self._of(samples), waves, first_s, rate_hz)
         wrong = [(name, other) for n, (name, other) in enumerate(zip(self._names, found, strict=True)) if other != n]
         if wrong and sorted(found) == list(range(self.count)):
             listed = ", ".join(f"{name} follows the drive of {self._names[other]}'s shaker" for name, other in wrong)

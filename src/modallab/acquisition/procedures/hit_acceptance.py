@@ -53,7 +53,7 @@ def hit_of(force_n: Real, rate_hz: float, before: int, band_hz: float) -> Hit:
     force = force_n - force_n[: max(1, before - 1)].mean()
     peak = float(force.max())
     merge = max(1, round(MERGE_S * rate_hz))
-    start, end = _contact(force, before, CONTACT_LEVEL * peak, merge)
+    start, end = _contact_samples(force, before, CONTACT_LEVEL * peak, merge)
     mean = np.convolve(force, np.full(merge, 1 / merge), mode="same")
     # The mean still holds the contact for half its length after its end.
     rest = mean[end + merge // 2 + 1 :]
@@ -86,7 +86,7 @@ def rejections(hit: Hit, limits: HitAcceptance) -> list[str]:
     return found
 
 
-def _contact(force: Real, trigger: int, threshold: float, merge: int) -> tuple[int, int]:
+def _contact_samples(force: Real, trigger: int, threshold: float, merge: int) -> tuple[int, int]:
     touching = np.flatnonzero(force > threshold)
     # The trigger may stand below the threshold of a strong hit, so the contact is the first stretch at or after it.
     first = int(np.searchsorted(touching, trigger))

@@ -12,7 +12,7 @@ from modallab.core.errors import PlanError
 from modallab.core.hardware import require_guarded
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, least_rate_hz, records_of
 from modallab.core.rig import Limits, Rig
-from modallab.core.setups import moves, rig_of, setup_problems
+from modallab.core.setups import rig_of, sensor_moves, setup_problems
 
 LEAST_LINES = 8
 
@@ -70,7 +70,7 @@ def _setup_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
         f"setups: {setup.name} has {move.channel} at point {move.after}, the rig at {move.before};"
         " allowed: a rig as in the set-up"
         for setup in plan.setups
-        for move in moves(rig, rig_of(rig, setup))
+        for move in sensor_moves(rig, rig_of(rig, setup))
     ]
 
 

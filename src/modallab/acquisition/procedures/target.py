@@ -95,7 +95,7 @@ def require_step(plan: Plan, frequency_hz: float, level: str = "") -> SinePlan:
             f"an {plan.kind} test has no frequencies to repeat",
             remedy="drop a hit instead; it is then asked for again",
         )
-    if not any(_same(f, frequency_hz) for f in plan.frequencies_hz):
+    if not any(_is_same_frequency(f, frequency_hz) for f in plan.frequencies_hz):
         raise PlanError(
             f"{frequency_hz:g} Hz is none of the plan's frequencies",
             where="frequencies_hz",
@@ -125,5 +125,5 @@ def require_recorded(plan: SinePlan, frequency_hz: float, level: str, blocks: Co
         raise PlanError(f"{frequency_hz:g} Hz has not been recorded yet", remedy="wait: it is still to come")
 
 
-def _same(one_hz: float, other_hz: float) -> bool:
+def _is_same_frequency(one_hz: float, other_hz: float) -> bool:
     return round(one_hz, 3) == round(other_hz, 3)

@@ -81,7 +81,7 @@ def wait_for_record(
     assert isinstance(bench, HardwareTriggered)
     before = context.window + stream.samples_of(plan.pre_trigger_s)
     bench.stop()
-    bench.arm(_reference(context, plan, before))
+    bench.arm(_reference_trigger(context, plan, before))
     while not bench.is_armed():
         stream.poll()
         time.sleep(ARM_LOOK_S)
@@ -101,7 +101,7 @@ def wait_for_record(
             return before
 
 
-def _reference(context: Context, plan: ImpactPlan, before: int) -> ReferenceTrigger:
+def _reference_trigger(context: Context, plan: ImpactPlan, before: int) -> ReferenceTrigger:
     per_count = context.conversion.si_per_count[context.conversion.force]
     block = context.block if context.recut is None else context.recut.native
     return ReferenceTrigger(

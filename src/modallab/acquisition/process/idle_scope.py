@@ -25,7 +25,7 @@ def idle_name(url: str) -> str:
     return f"{IDLE}{sha256(url.encode()).hexdigest()[:16]}"
 
 
-def want(data_folder: Path, name: str) -> None:
+def request_idle_view(data_folder: Path, name: str) -> None:
     """Say that somebody looks, or still does."""
     file = _request_file(data_folder, name)
     with suppress(OSError):

@@ -95,7 +95,7 @@ class Supervisor:
                 self._connection.send("zero")
                 answer = self._connection.recv() if self._connection.poll(LEAVE_S) else BenchError("no answer")
             except (EOFError, OSError) as error:
-                raise _gone() from error
+                raise _output_lost_error() from error
         if isinstance(answer, ModallabError):
             raise answer
 
@@ -121,7 +121,7 @@ class Supervisor:
         try:
             answer = self._connection.recv() if self._connection.poll(READY_S) else BenchError("no answer")
         except (EOFError, OSError) as error:
-            raise _gone() from error
+            raise _output_lost_error() from error
         if isinstance(answer, ModallabError):
             self.process.join(LEAVE_S)
             raise answer
@@ -145,7 +145,7 @@ def start_supervisor(url: str, rig: Rig, data_folder: Path) -> tuple[Supervisor 
         return None, f"there is NO supervisor ({error.what}): should the acquisition die, only {left} ends the output"
 
 
-def _gone() -> BenchError:
+def _output_lost_error() -> BenchError:
     return BenchError(
         "the supervisor of the output is gone",
         remedy="switch the amplifier off; a burst that is on ends by itself within the rig's max_burst_s",

@@ -58,9 +58,9 @@ def supervise(watched: Connection, owner: Connection, url: str, rig: Rig, data_f
     finally:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         # The rig's process has left or died: nobody needs what it may still hold. To end the output comes first.
-        _try(handle.release)
+        _try_call(handle.release)
         if cause is not None:
-            _try(cause)
+            _try_call(cause)
         handle.close()
 
 
@@ -98,7 +98,7 @@ def _watch(watched: Connection, owner: Connection, handle: OutputHandle, latch: 
                 message: Sign | int = watched.recv()
                 received_s = time.monotonic()
                 if isinstance(message, int):
-                    process = _found(message)
+                    process = _find_process(message)
                 else:
                     sign = message
         except (EOFError, OSError):
@@ -108,27 +108,27 @@ def _watch(watched: Connection, owner: Connection, handle: OutputHandle, latch: 
                 order: Order = owner.recv()
                 if order == "leave":
                     return None
-                owner.send(_try(handle.zero))
+                owner.send(_try_call(handle.zero))
         except (EOFError, OSError):
             # The rig's process hears of it too, and ends its run in good order; if it can't, somebody must be there.
             ends = [watched]
-            _try(handle.zero)
-        frozen = sign != "idle" and not ready and _frozen(process)
+            _try_call(handle.zero)
+        frozen = sign != "idle" and not ready and _is_frozen(process)
         if sign != "idle" and (frozen or time.monotonic() - received_s > TIMEOUT_S):
-            _try(handle.zero)
+            _try_call(handle.zero)
             if sign == "driving":
-                _try(partial(latch.trip, "time-out", FROZEN if frozen else TIMED_OUT))
+                _try_call(partial(latch.trip, "time-out", FROZEN if frozen else TIMED_OUT))
             sign = "idle"
 
 
-def _found(process: int) -> psutil.Process | None:
+def _find_process(process: int) -> psutil.Process | None:
     try:
         return psutil.Process(process)
     except psutil.Error:
         return None
 
 
-def _frozen(process: psutil.Process | None) -> bool:
+def _is_frozen(process: psutil.Process | None) -> bool:
     # One who is frozen can't be merely slow: there is no need to wait for a sign of life.
     try:
         return process is not None and process.status() == psutil.STATUS_STOPPED
@@ -136,7 +136,7 @@ def _frozen(process: psutil.Process | None) -> bool:
         return False
 
 
-def _try(call: Callable[[], None]) -> ModallabError | None:
+def _try_call(call: Callable[[], None]) -> ModallabError | None:
     failed: ModallabError | None = None
     for _ in range(TRIES):
         try:

@@ -115,7 +115,7 @@ def prepare(setup: Setup) -> Context:
     _report_rate(setup, delivery)
     conversion = Conversion.of(setup.rig, records_of(plan), delivery.units, delivery.scale, delivery.dtype)
     block = round(plan.block_s * delivery.rate_hz)
-    recut = _recut(plan, delivery)
+    recut = _recut_of_plan(plan, delivery)
     if recut is None:
         setup.recorder.open(delivery, block)
     else:
@@ -175,7 +175,7 @@ def wait_for_supplies(setup: Setup, context: Context) -> None:
         setup.emit(Notice(run=run, what=what))
 
 
-def _recut(plan: Plan, delivery: Delivery) -> Recut | None:
+def _recut_of_plan(plan: Plan, delivery: Delivery) -> Recut | None:
     if plan.delivered_hz is None or plan.delivered_hz == delivery.rate_hz:
         return None
     if plan.delivered_hz > delivery.rate_hz:

@@ -66,7 +66,7 @@ def _command_held(ways: Sequence[tuple[str, ...]]) -> Generator[str]:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True,
         )  # fmt: skip
         try:
-            if _answers(holder):
+            if _lock_answers(holder):
                 yield HELD
                 return
             why = f"{way[0]} was rejected"
@@ -75,7 +75,7 @@ def _command_held(ways: Sequence[tuple[str, ...]]) -> Generator[str]:
     yield NOT_HELD.format(why)
 
 
-def _answers(holder: "subprocess.Popen[bytes]") -> bool:
+def _lock_answers(holder: "subprocess.Popen[bytes]") -> bool:
     assert holder.stdout is not None
     ready, _, _ = select.select([holder.stdout], [], [], ANSWER_S)
     return bool(ready) and holder.stdout.readline() == b"held\n"

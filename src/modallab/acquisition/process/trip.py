@@ -90,7 +90,7 @@ class TripLatch:
     def read(self) -> Trip | None:
         """What tripped it; None if nothing did."""
         try:
-            return _parsed(self._path.read_text(encoding="utf-8"))
+            return _parse_trip(self._path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return None
         except (OSError, ValueError):
@@ -117,7 +117,7 @@ class TripLatch:
             )
 
 
-def _parsed(text: str) -> Trip:
+def _parse_trip(text: str) -> Trip:
     content = json.loads(text)
     if isinstance(content, dict):
         fields = cast("dict[str, object]", content)

@@ -7,7 +7,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from modallab.blind.measured.put import Put
+from modallab.blind.measured.put import AppliedEffect
 from modallab.core.arrays import Real
 from modallab.core.frozen import Frozen
 from modallab.core.model import ModalModel
@@ -47,11 +47,11 @@ class MeasuredRequest(Frozen):
         return self
 
 
-def draw_effects(model: ModalModel, rig: Rig, request: MeasuredRequest) -> list[Put | None]:
+def draw_effects(model: ModalModel, rig: Rig, request: MeasuredRequest) -> list[AppliedEffect | None]:
     """The effects of all trials, None for nothing done, in an order that says nothing."""
     rng = np.random.default_rng(request.seed)
-    kinds = _kinds(model, rig)
-    found: list[Put | None] = [kinds[int(rng.integers(len(kinds)))](rng) for _ in range(request.trials)]
+    kinds = _drawable_kinds(model, rig)
+    found: list[AppliedEffect | None] = [kinds[int(rng.integers(len(kinds)))](rng) for _ in range(request.trials)]
     found += [None] * request.none
     return [found[n] for n in rng.permutation(len(found))]
 
@@ -62,35 +62,37 @@ def driving_points(model: ModalModel, rig: Rig) -> list[tuple[int, int]]:
     return [(o, i) for o, f in enumerate(outputs) for i, g in enumerate(inputs) if f == g]
 
 
-def _kinds(model: ModalModel, rig: Rig) -> list[Callable[[np.random.Generator], Put]]:
+def _drawable_kinds(model: ModalModel, rig: Rig) -> list[Callable[[np.random.Generator], AppliedEffect]]:
     outputs = len(model.outputs)
-    kinds: list[Callable[[np.random.Generator], Put]] = [
-        lambda rng: Put("gain_error", _gain(rng), output=int(rng.integers(outputs))),
-        lambda rng: Put("trigger_delay", _sign(rng) * _log(rng, DELAY) / float(_omega(model).max())),
+    kinds: list[Callable[[np.random.Generator], AppliedEffect]] = [
+        lambda rng: AppliedEffect("gain_error", _draw_gain(rng), output=int(rng.integers(outputs))),
+        lambda rng: AppliedEffect(
+            "trigger_delay", _draw_sign(rng) * _draw_logarithmic(rng, DELAY) / float(_angular_frequencies(model).max())
+        ),
     ]
     if driving_points(model, rig):
-        kinds += [partial(_hanging, model, rig, effect) for effect in ON_STRUCTURE]
+        kinds += [partial(_draw_attached_effect, model, rig, effect) for effect in ON_STRUCTURE]
     if any(_places_beside(model, rig, o) for o in range(outputs)):
-        kinds.append(partial(_moved, model, rig))
+        kinds.append(partial(_draw_moved_sensor, model, rig))
     return kinds
 
 
-def _hanging(model: ModalModel, rig: Rig, effect: str, rng: np.random.Generator) -> Put:
+def _draw_attached_effect(model: ModalModel, rig: Rig, effect: str, rng: np.random.Generator) -> AppliedEffect:
     points = driving_points(model, rig)
     output, driven = points[int(rng.integers(len(points)))]
-    omega, zeta = _omega(model), model.damping_ratio
+    omega, zeta = _angular_frequencies(model), model.damping_ratio
     by = {"added_mass": np.ones(omega.size), "local_damper": 2 * zeta * omega}
     own = by.get(effect, omega**2)
     least = float(np.min(own / np.abs(model.modal_constants[:, output, driven])))
-    share = _log(rng, DAMPING if effect == "local_damper" else HANGING)
+    share = _draw_logarithmic(rng, DAMPING if effect == "local_damper" else HANGING)
     sense = -1.0 if np.sum(model.modal_constants[:, output, driven].real) < 0 else 1.0
-    return Put(effect, share * least, output, driven, sense=sense)
+    return AppliedEffect(effect, share * least, output, driven, sense=sense)
 
 
-def _moved(model: ModalModel, rig: Rig, rng: np.random.Generator) -> Put:
+def _draw_moved_sensor(model: ModalModel, rig: Rig, rng: np.random.Generator) -> AppliedEffect:
     there = [(o, others) for o in range(len(model.outputs)) if (others := _places_beside(model, rig, o))]
     output, others = there[int(rng.integers(len(there)))]
-    return Put("position_error", output=output, other=others[0])
+    return AppliedEffect("position_error", output=output, other=others[0])
 
 
 def _places_beside(model: ModalModel, rig: Rig, output: int) -> list[int]:
@@ -99,10 +101,10 @@ def _places_beside(model: ModalModel, rig: Rig, output: int) -> list[int]:
     at = places_of(model, rig)
     away = np.linalg.norm(at - at[output], axis=1)
     there = [int(o) for o in np.argsort(away) if away[o] > 0 and freedoms[o][1] == freedoms[output][1]]
-    return [o for o in there if _differs(model, output, o)]
+    return [o for o in there if _modes_differ_at(model, output, o)]
 
 
-def _differs(model: ModalModel, one: int, other: int) -> bool:
+def _modes_differ_at(model: ModalModel, one: int, other: int) -> bool:
     """Whether the modes move otherwise there: where they do not, a moved sensor has not been moved."""
     constants = model.modal_constants[:, [one, other]]
     return float(np.linalg.norm(constants[:, 0] - constants[:, 1])) > DIFFERENT * float(np.linalg.norm(constants[:, 0]))
@@ -114,17 +116,17 @@ def places_of(model: ModalModel, rig: Rig) -> Real:
     return np.array([points[p or 0] for p in model.output_points])
 
 
-def _gain(rng: np.random.Generator) -> float:
-    return -1.0 if rng.random() < 0.2 else 1 + _sign(rng) * _log(rng, GAIN)
+def _draw_gain(rng: np.random.Generator) -> float:
+    return -1.0 if rng.random() < 0.2 else 1 + _draw_sign(rng) * _draw_logarithmic(rng, GAIN)
 
 
-def _sign(rng: np.random.Generator) -> float:
+def _draw_sign(rng: np.random.Generator) -> float:
     return float(rng.choice([-1.0, 1.0]))
 
 
-def _log(rng: np.random.Generator, within: tuple[float, float]) -> float:
+def _draw_logarithmic(rng: np.random.Generator, within: tuple[float, float]) -> float:
     return float(np.exp(rng.uniform(*np.log(within))))
 
 
-def _omega(model: ModalModel) -> Real:
+def _angular_frequencies(model: ModalModel) -> Real:
     return 2 * np.pi * model.frequency_hz

@@ -13,7 +13,7 @@ from modallab.core.frf import DERIVATIVES, Frf
 
 
 @dataclass(frozen=True, slots=True)
-class Put:
+class AppliedEffect:
     """An effect with its true numbers.
 
     Attributes:
@@ -33,12 +33,12 @@ class Put:
     sense: float = 1.0
 
 
-def with_effect(frf: Frf, put: Put | None) -> Frf:
+def with_effect(frf: Frf, put: AppliedEffect | None) -> Frf:
     """FRFs of the same structure and chain with the effect in them; None: as they are."""
     if put is None:
         return frf
     if put.input is not None and put.output is not None:
-        return replace(frf, values=_hung(frf, put, put.output, put.input))
+        return replace(frf, values=_with_attachment(frf, put, put.output, put.input))
     values = frf.values.copy()
     if put.other is not None and put.output is not None:
         values[put.output] = frf.values[put.other]
@@ -52,7 +52,7 @@ def with_effect(frf: Frf, put: Put | None) -> Frf:
     return replace(frf, values=values)
 
 
-def _hung(frf: Frf, put: Put, output: int, driven: int) -> NDArray[np.complex128]:
+def _with_attachment(frf: Frf, put: AppliedEffect, output: int, driven: int) -> NDArray[np.complex128]:
     s = 2j * np.pi * frf.frequency_hz
     # Lines at 0 Hz have no receptance, and nothing that is measured.
     rate = np.where(s == 0, 1.0, s) ** DERIVATIVES[frf.quantity]

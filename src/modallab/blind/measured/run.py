@@ -8,20 +8,20 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from modallab.blind.measured.draw import MeasuredRequest, draw_effects, places_of
-from modallab.blind.measured.put import Put, with_effect
-from modallab.blind.measured.score import MeasuredOutcome, Truth, figures, judge_trial
-from modallab.blind.seal import open_truth, publish, seal
+from modallab.blind.measured.put import AppliedEffect, with_effect
+from modallab.blind.measured.score import MeasuredOutcome, Truth, judge_trial, judged_figures
+from modallab.blind.seal import open_truth, publish_hashes, seal_truth
 from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.core.model import ModalModel
-from modallab.core.progress import part, report
+from modallab.core.progress import part_of_progress, report_progress
 from modallab.core.rig import Rig
 from modallab.frf.line_noise import variance_of
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.modification.freedoms import with_points
 
 ANSWERS = "answers"
@@ -45,35 +45,35 @@ def blind_on(frf: Frf, rig: Rig, folder: Path, request: MeasuredRequest, named: 
         IdentificationError: the FRFs hold no mode.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    report(0.0, "identifying")
-    reference = _model(frf, rig)
+    report_progress(0.0, "identifying")
+    reference = _model_of_frf(frf, rig)
     puts = draw_effects(reference, rig, request)
     names = [f"trial_{n:03d}" for n in range(len(puts))]
-    truths = [_truth(put, reference, rig) for put in puts]
-    hashes = {name: seal(folder, name, _as_document(truth)) for name, truth in zip(names, truths, strict=True)}
-    sealed = publish(folder, request.model_dump(mode="json") | {"on": named}, hashes)
+    truths = [_truth_of_trial(put, reference, rig) for put in puts]
+    hashes = {name: seal_truth(folder, name, _truth_document(truth)) for name, truth in zip(names, truths, strict=True)}
+    sealed = publish_hashes(folder, request.model_dump(mode="json") | {"on": named}, hashes)
     variance = variance_of(frf)
     for n, (name, put) in enumerate(zip(names, puts, strict=True)):
-        with part(n / len(puts), (n + 1) / len(puts), name):
+        with part_of_progress(n / len(puts), (n + 1) / len(puts), name):
             rng = np.random.default_rng((request.seed, 1, n))
             there = with_noise(with_effect(frf, put), variance, rng)
-            _keep(folder, name, _diagnosed(reference, (frf, there), rig))
-    trials = [judge_trial(name, _opened(folder, name), _answer(folder, name)) for name in names]
-    return MeasuredOutcome(campaign=named, sealed=sealed, figures=figures(trials), trials=trials)
+            _keep_diagnosis(folder, name, _diagnose_trial(reference, (frf, there), rig))
+    trials = [judge_trial(name, _open_seal(folder, name), _read_answer(folder, name)) for name in names]
+    return MeasuredOutcome(campaign=named, sealed=sealed, figures=judged_figures(trials), trials=trials)
 
 
-def _model(frf: Frf, rig: Rig) -> ModalModel:
-    return with_points(identify_frf(frf, rig, Options())[0], rig)
+def _model_of_frf(frf: Frf, rig: Rig) -> ModalModel:
+    return with_points(identify_frf(frf, rig, IdentificationOptions())[0], rig)
 
 
-def _diagnosed(reference: ModalModel, frfs: tuple[Frf, Frf], rig: Rig) -> ModalDiagnosis | None:
+def _diagnose_trial(reference: ModalModel, frfs: tuple[Frf, Frf], rig: Rig) -> ModalDiagnosis | None:
     try:
-        return diagnose_by_model(reference, _model(frfs[1], rig), rig, frfs=frfs)
+        return diagnose_by_model(reference, _model_of_frf(frfs[1], rig), rig, frfs=frfs)
     except IdentificationError:
         return None
 
 
-def _truth(put: Put | None, model: ModalModel, rig: Rig) -> Truth:
+def _truth_of_trial(put: AppliedEffect | None, model: ModalModel, rig: Rig) -> Truth:
     if put is None or put.output is None:
         return Truth(put, "")
     if put.input is not None:
@@ -83,26 +83,26 @@ def _truth(put: Put | None, model: ModalModel, rig: Rig) -> Truth:
     return Truth(put, model.outputs[put.output], moved)
 
 
-def _as_document(truth: Truth) -> dict[str, Any]:
+def _truth_document(truth: Truth) -> dict[str, Any]:
     return asdict(truth)
 
 
-def _opened(folder: Path, name: str) -> Truth:
+def _open_seal(folder: Path, name: str) -> Truth:
     content = open_truth(folder, name)
     put = content["put"]
-    return Truth(None if put is None else Put(**put), content["place"], content["moved_m"])
+    return Truth(None if put is None else AppliedEffect(**put), content["place"], content["moved_m"])
 
 
 _STORED: TypeAdapter[ModalDiagnosis | None] = TypeAdapter(ModalDiagnosis | None)
 
 
-def _keep(folder: Path, name: str, found: ModalDiagnosis | None) -> None:
+def _keep_diagnosis(folder: Path, name: str, found: ModalDiagnosis | None) -> None:
     place = folder / ANSWERS / f"{name}.json"
     place.parent.mkdir(exist_ok=True)
     place.write_bytes(_STORED.dump_json(found, indent=1) + b"\n")
 
 
-def _answer(folder: Path, name: str) -> ModalDiagnosis | None:
+def _read_answer(folder: Path, name: str) -> ModalDiagnosis | None:
     return _STORED.validate_json((folder / ANSWERS / f"{name}.json").read_bytes())
 
 

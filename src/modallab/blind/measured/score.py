@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.blind.measured.put import Put
-from modallab.blind.outcome import Share
+from modallab.blind.measured.put import AppliedEffect
+from modallab.blind.outcome import OutcomeFigure
 from modallab.core.frozen import Frozen
 from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.core.places import BetweenPoints, EveryOutput, NamedChannel, PlaceOnStructure
@@ -59,7 +59,7 @@ class MeasuredOutcome(Frozen):
 
     campaign: str
     sealed: str
-    figures: list[Share]
+    figures: list[OutcomeFigure]
     trials: list[MeasuredTrial]
 
 
@@ -67,7 +67,7 @@ class MeasuredOutcome(Frozen):
 class Truth:
     """A trial's effect with its place in words, and how far a moved sensor went."""
 
-    put: Put | None
+    put: AppliedEffect | None
     place: str
     moved_m: float = 0.0
 
@@ -77,8 +77,8 @@ def judge_trial(name: str, truth: Truth, found: ModalDiagnosis | None) -> Measur
     put, named = truth.put, found.effects[0] if found and found.effects else None
     verdict = found.verdict if found else "not_identified"
     value = None if put is None else (put.value if put.other is None else truth.moved_m)
-    said = None if named is None else _number(named.parameters)
-    there = "" if named is None else _said(named.place)
+    said = None if named is None else _size_of_effect(named.parameters)
+    there = "" if named is None else _place_in_words(named.place)
     right = verdict == "no_gap" if put is None else named is not None and named.effect == put.effect
     counts = right and put is not None
     return MeasuredTrial(
@@ -91,12 +91,12 @@ def judge_trial(name: str, truth: Truth, found: ModalDiagnosis | None) -> Measur
         said_value=said,
         said_place=there,
         right=right,
-        size_error=_off(put, said, value) if counts else None,
+        size_error=_relative_error(put, said, value) if counts else None,
         place_right=there == truth.place if counts and truth.place else None,
     )
 
 
-def _said(place: PlaceOnStructure) -> str:
+def _place_in_words(place: PlaceOnStructure) -> str:
     if isinstance(place, EveryOutput):
         return ""
     if isinstance(place, BetweenPoints):
@@ -104,38 +104,42 @@ def _said(place: PlaceOnStructure) -> str:
     return place.channel if isinstance(place, NamedChannel) else str(place.point)
 
 
-def _off(put: Put | None, said: float | None, value: float | None) -> float | None:
+def _relative_error(put: AppliedEffect | None, said: float | None, value: float | None) -> float | None:
     """Relative error of a size; of a gain that of its distance from 1."""
     if put is None or said is None or value is None:
         return None
     return abs(said - value) / abs(value - (1.0 if put.effect == "gain_error" else 0.0))
 
 
-def _number(parameters: dict[str, float]) -> float:
+def _size_of_effect(parameters: dict[str, float]) -> float:
     """The number of an effect; of a move its length."""
     values = list(parameters.values())
     return values[0] if len(values) == 1 else float(np.linalg.norm(values))
 
 
-def figures(trials: Sequence[MeasuredTrial]) -> list[Share]:
+def judged_figures(trials: Sequence[MeasuredTrial]) -> list[OutcomeFigure]:
     """The figures they are judged by."""
     done = [t for t in trials if t.effect != "none"]
     sizes = [t for t in trials if t.size_error is not None]
     placed = [t for t in trials if t.place_right is not None]
     sure = [t for t in trials if t.probability > SURE]
     return [
-        _share("named right", done, lambda t: t.right),
-        _share("size within 10 %, of those named right", sizes, lambda t: (t.size_error or 0.0) <= SIZE),
-        _share("place right, of those named right", placed, lambda t: bool(t.place_right)),
-        _share("right where it names above 0.9", sure, lambda t: t.right),
-        _share("no gap though something was done", done, lambda t: t.said == "no_gap", expected=False),
-        _share("false alarms", [t for t in trials if t.effect == "none"], lambda t: not t.right, expected=False),
+        _share_of_trials("named right", done, lambda t: t.right),
+        _share_of_trials("size within 10 %, of those named right", sizes, lambda t: (t.size_error or 0.0) <= SIZE),
+        _share_of_trials("place right, of those named right", placed, lambda t: bool(t.place_right)),
+        _share_of_trials("right where it names above 0.9", sure, lambda t: t.right),
+        _share_of_trials("no gap though something was done", done, lambda t: t.said == "no_gap", expected=False),
+        _share_of_trials(
+            "false alarms", [t for t in trials if t.effect == "none"], lambda t: not t.right, expected=False
+        ),
     ]
 
 
-def _share(
+def _share_of_trials(
     name: str, trials: Sequence[MeasuredTrial], test: Callable[[MeasuredTrial], bool], expected: bool = True
-) -> Share:
+) -> OutcomeFigure:
     matches = [test(t) for t in trials]
     misses = tuple(t.name for t, match in zip(trials, matches, strict=True) if match is not expected)
-    return Share(name=name, value=float(np.mean(matches)) if matches else None, count=len(trials), misses=misses)
+    return OutcomeFigure(
+        name=name, value=float(np.mean(matches)) if matches else None, count=len(trials), misses=misses
+    )

@@ -16,7 +16,7 @@ GLYPHS = {
 ROWS = 5
 
 
-def big(text: str, width: int, largest: int = 3) -> list[str]:
+def big_letters(text: str, width: int, largest: int = 3) -> list[str]:
     """Lines of a text in the largest letters that fit into `width` columns; the text itself where none does."""
     glyphs = [GLYPHS[letter].split("|") for letter in text.upper() if letter in GLYPHS]
     for scale in range(largest, 0, -1):

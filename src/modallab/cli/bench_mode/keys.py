@@ -66,19 +66,19 @@ class KeyMap:
 
 
 @contextmanager
-def listening(keys: KeyMap, pressed: Callable[[Meaning], None]) -> Generator[Callable[[], bool]]:
+def listen_to_keys(keys: KeyMap, pressed: Callable[[Meaning], None]) -> Generator[Callable[[], bool]]:
     """Call `pressed`, from a thread, for each key; without a terminal for the first letter of each line of input.
 
     Yields:
         whether a key can still come, or the input has ended.
     """
     with _single_keys() as read:
-        thread = Thread(target=_follow, args=(read, keys, pressed), name="keys", daemon=True)
+        thread = Thread(target=_follow_keys, args=(read, keys, pressed), name="keys", daemon=True)
         thread.start()
         yield thread.is_alive
 
 
-def _follow(read: Callable[[], str], keys: KeyMap, pressed: Callable[[Meaning], None]) -> None:
+def _follow_keys(read: Callable[[], str], keys: KeyMap, pressed: Callable[[Meaning], None]) -> None:
     while typed := read():
         meaning = keys.meaning(typed)
         if meaning is not None:
@@ -88,7 +88,7 @@ def _follow(read: Callable[[], str], keys: KeyMap, pressed: Callable[[Meaning], 
 @contextmanager
 def _single_keys() -> Generator[Callable[[], str]]:
     if not sys.stdin.isatty():
-        yield _line
+        yield _typed_line
     elif sys.platform == "win32":
         import msvcrt
 
@@ -101,17 +101,17 @@ def _single_keys() -> Generator[Callable[[], str]]:
         before = termios.tcgetattr(descriptor)
         tty.setcbreak(descriptor)
         try:
-            yield lambda: _typed(descriptor)
+            yield lambda: _typed_key(descriptor)
         finally:
             termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
 
 
-def _typed(descriptor: int) -> str:
+def _typed_key(descriptor: int) -> str:
     # A key that is sent as several characters arrives at once.
     return os.read(descriptor, LONGEST).decode(errors="replace")
 
 
-def _line() -> str:
+def _typed_line() -> str:
     try:
         line = sys.stdin.readline()
     except (OSError, ValueError):

@@ -8,13 +8,13 @@ from rich.console import Console
 
 from modallab.cli.bench_mode.agreement_watch import AgreementWatch
 from modallab.cli.bench_mode.keys import KeyMap, Meaning
-from modallab.cli.bench_mode.screen import Screen, sentence
+from modallab.cli.bench_mode.screen import Screen, status_sentence
 from modallab.cli.bench_mode.session_state import SessionState
 from modallab.cli.bench_mode.tones import Tones
 from modallab.core.documents.pages import EventView
 from modallab.core.documents.runs import Accept, Command, Drop, Pause, Resume, Stop
 from modallab.core.errors import ConfigurationError, ModallabError
-from modallab.core.setups import Move
+from modallab.core.setups import SensorMove
 from modallab.service.campaigns.local_session import LocalCampaign
 
 LOOK_S = 0.2
@@ -76,7 +76,7 @@ class Operator:
         except ModallabError as error:
             self._console.print(error.what, markup=False, highlight=False)
 
-    def moved(self, setup: str, moves: Sequence[Move], key_pressed: Callable[[], bool]) -> bool:
+    def moved(self, setup: str, moves: Sequence[SensorMove], key_pressed: Callable[[], bool]) -> bool:
         """Say which sensors to move, and wait for the key that says they are; False if the operator quits instead.
 
         Args:
@@ -99,7 +99,7 @@ class Operator:
                 self._done.wait(LOOK_S)
         return not self.left
 
-    def _to_move(self, setup: str, moves: Sequence[Move]) -> str:
+    def _to_move(self, setup: str, moves: Sequence[SensorMove]) -> str:
         each = ", ".join(f"{m.channel} from {'nowhere' if m.before is None else m.before} to {m.after}" for m in moves)
         return f"set-up {setup}: {each}; then press {self._keys.names['pause']}"
 
@@ -116,7 +116,7 @@ class Operator:
         if replace(state, text="") == replace(before, text="") and state.phase == "wait":
             # One line a wait: the countdown is for a screen.
             return
-        lines = [f"{state.done}/{state.total}  {sentence(state)}"]
+        lines = [f"{state.done}/{state.total}  {status_sentence(state)}"]
         if state.compared != before.compared:
             lines = [state.compared]
         if state.news != before.news and state.news:

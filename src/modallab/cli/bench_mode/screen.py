@@ -4,7 +4,7 @@ from rich.align import Align
 from rich.console import Console, Group
 from rich.text import Text
 
-from modallab.cli.bench_mode.big_text import big
+from modallab.cli.bench_mode.big_text import big_letters
 from modallab.cli.bench_mode.keys import KeyMap
 from modallab.cli.bench_mode.session_state import Phase, SessionState
 
@@ -24,7 +24,7 @@ LOOKS: dict[Phase, tuple[str, str]] = {
 """Word and colour of each phase."""
 
 
-def sentence(state: SessionState) -> str:
+def status_sentence(state: SessionState) -> str:
     """What the screen says, in one line of words."""
     word = LOOKS[state.phase][0].lower()
     where = f" point {state.point}, hit {state.hit} of {state.of}" if state.point else ""
@@ -43,13 +43,14 @@ class Screen:
         """Paint a state."""
         word, style = LOOKS[state.phase]
         width = self._console.width
-        lines = big(word, width, 1)
+        lines = big_letters(word, width, 1)
         if state.point:
-            lines += ["", *big(str(state.point), width, 2)]
+            lines += ["", *big_letters(str(state.point), width, 2)]
         prompt = Text("\n".join(lines), style=style, justify="left", no_wrap=True)
         news = Text(state.news, style="cyan" if state.phase == "good" else "bold red", overflow="fold")
         below = Text(
-            f"{sentence(state)}\n{state.done}/{state.total}   {self._keys.help()}\n{state.compared}", overflow="fold"
+            f"{status_sentence(state)}\n{state.done}/{state.total}   {self._keys.help()}\n{state.compared}",
+            overflow="fold",
         )
         self._console.clear()
         self._console.print(Group(Align.center(prompt), news, below))

@@ -37,7 +37,7 @@ class Tones:
         self._mute = mute
         self._wanted: SimpleQueue[Phase | None] = SimpleQueue()
         self._folder = tempfile.TemporaryDirectory(prefix="modallab-tones-", ignore_cleanup_errors=True)
-        self._player = _player()
+        self._player = _sound_player()
         self._thread = Thread(target=self._work, name="tones", daemon=True)
         self._thread.start()
 
@@ -55,7 +55,7 @@ class Tones:
     def _work(self) -> None:
         while (phase := self._wanted.get()) is not None:
             if not self._played(phase):
-                _ring(BELLS[phase])
+                _ringing_tone(BELLS[phase])
 
     def _played(self, phase: Phase) -> bool:
         file = Path(self._folder.name) / f"{phase}.wav"
@@ -89,11 +89,11 @@ def write_tone(file: Path, parts: tuple[tuple[float, float], ...]) -> None:
         out.writeframes((32767 * np.concatenate(pieces)).astype("<i2").tobytes())
 
 
-def _player() -> tuple[str, ...] | None:
+def _sound_player() -> tuple[str, ...] | None:
     return next((player for player in PLAYERS if shutil.which(player[0])), None)
 
 
-def _ring(times: int) -> None:
+def _ringing_tone(times: int) -> None:
     for _ in range(times):
         sys.stdout.write("\a")
         sys.stdout.flush()

@@ -1,6 +1,6 @@
 """MATLAB files: versions 4 and 5 by SciPy, version 7.3, which is HDF5, by h5py."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -77,22 +77,39 @@ def _texts(value: object) -> tuple[str, ...]:
 
 
 def _of_hdf5(path: Path) -> Iterator[tuple[str, Variable]]:
-    found: dict[str, Variable] = {}
-
-    def look(name: str, item: object) -> None:
-        if isinstance(item, h5py.Dataset) and not name.startswith("#") and "MATLAB_empty" not in item.attrs:
-            values = item[()]
-            if text := _hdf5_texts(item):
-                found[name.replace("/", ".")] = text
-            if values.dtype.names == ("real", "imag"):
-                values = values["real"] + 1j * values["imag"]
-            if values.dtype.kind in "fiuc" and item.attrs.get("MATLAB_class", b"double") not in (b"char", b"cell"):
-                # MATLAB stores columns first, HDF5 rows.
-                found[name.replace("/", ".")] = np.squeeze(values.T)
-
     with h5py.File(path, "r") as source:
-        source.visititems(look)
-    yield from found.items()
+        yield from _of_group("", source)
+
+
+def _of_group(prefix: str, group: Mapping[str, h5py.Dataset | h5py.Group]) -> Iterator[tuple[str, Variable]]:
+    for key, item in group.items():
+        if key.startswith("#"):
+            continue
+        if isinstance(item, h5py.Group):
+            yield from _of_group(f"{prefix}{key}.", item)
+        elif _class_of(item) == b"" and item.dtype == h5py.ref_dtype:
+            # A field of an array of structures holds a reference for each of them.
+            for k, one in enumerate(np.ravel(item[()].T), start=1):
+                yield from _of_group(f"{prefix.removesuffix('.')}({k}).", {key: item.file[one]})
+        else:
+            yield from _of_dataset(f"{prefix}{key}", item)
+
+
+def _of_dataset(name: str, item: h5py.Dataset) -> Iterator[tuple[str, Variable]]:
+    if "MATLAB_empty" in item.attrs:
+        return
+    values = item[()]
+    if text := _hdf5_texts(item):
+        yield name, text
+    if values.dtype.names == ("real", "imag"):
+        values = values["real"] + 1j * values["imag"]
+    if values.dtype.kind in "fiuc" and _class_of(item) not in (b"char", b"cell"):
+        # MATLAB stores columns first, HDF5 rows.
+        yield name, np.squeeze(values.T)
+
+
+def _class_of(item: h5py.Dataset) -> bytes:
+    return bytes(item.attrs.get("MATLAB_class", b""))
 
 
 def _hdf5_texts(item: h5py.Dataset) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from modallab.formats.arrays.arrays_draft import draft_arrays
 from modallab.formats.arrays.implied import implied
 from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.arrays.named import Arrays, Texts, campaign_of_arrays
+from modallab.formats.arrays.scaled import in_their_unit
 from modallab.formats.options import ImportOptions
 
 
@@ -17,7 +18,7 @@ def campaign_of_variables(arrays: Arrays, texts: Texts, path: Path, rig: Rig, op
     Raises:
         DataError: variables that are missing or do not fit.
     """
-    found = options.array_map
+    found, arrays = options.array_map, in_their_unit(arrays, str(path))
     if found is None and not options.variables:
         arrays, texts, found = implied(arrays, texts, rig, str(path))
     if found is not None:

@@ -30,7 +30,7 @@ from modallab.formats.unit_text import frf_unit, normal_unit
 
 Complex = NDArray[np.complex128]
 
-_TO_RAD = {"deg": np.pi / 180, "°": np.pi / 180, "rad": 1.0}
+_TO_RAD = {"deg": np.pi / 180, "rad": 1.0}
 _PAIRS: tuple[tuple[Part, Part], ...] = (("re", "im"), ("magnitude", "phase"))
 
 

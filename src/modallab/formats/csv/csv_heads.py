@@ -4,14 +4,11 @@ import re
 from collections.abc import Sequence
 
 from modallab.core.errors import DataError
+from modallab.formats.axis_units import is_of_frequency, is_of_time
 from modallab.formats.csv.csv_cells import head_cells, is_number
 from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 
-_SQUARE = re.compile(r"^(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]\s*$")
-_ROUND = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>.*)[\])]\s*$")
-_OF_FREQUENCY = {"Hz", "hz", "HZ", "kHz", "rad/s"}
-_OF_TIME = {"s", "ms", "us", "ns", "min", "h", "d"}
-_OF_AXES = {*_OF_TIME, "%", *_OF_FREQUENCY, "deg", "rad", "dB", ""}
+_OF_PARTS = {"%", "deg", "rad", "dB"}
 _UNIT_TAG = re.compile(r"unit|einheit", re.IGNORECASE)
 _UNIT_FACT = re.compile(r"^\W*(?P<axis>[xy])\W*(?:axis)?\W*(?:unit|einheit)s?\W+(?P<unit>\S.*?)\W*$", re.IGNORECASE)
 """A line that gives the unit of the abscissa or of all else."""
@@ -160,7 +157,7 @@ def time_column(names: Sequence[str], units: Sequence[str]) -> int | None:
     said = units or ("",) * len(names)
     pairs = list(zip(names, said, strict=True))
     named = (k for k, (name, unit) in enumerate(pairs) if is_time_name(name) and not quantity_of(unit))
-    return next(named, 0 if said[0] in _OF_TIME else None)
+    return next(named, 0 if is_of_time(said[0]) else None)
 
 
 def is_time_name(name: str) -> bool:
@@ -170,7 +167,8 @@ def is_time_name(name: str) -> bool:
 
 def is_frequency(name: str, unit: str) -> bool:
     """Whether a column is one of frequencies, by its name or its unit."""
-    return unit in _OF_FREQUENCY or (unit == "" and _FREQUENCY_WORD.search(name) is not None)
+    other = is_of_time(unit) or quantity_of(unit) is not None
+    return is_of_frequency(unit) or (not other and _FREQUENCY_WORD.search(name) is not None)
 
 
 def _are_units(row: Sequence[str]) -> bool:
@@ -180,15 +178,26 @@ def _are_units(row: Sequence[str]) -> bool:
 
 
 def _is_unit(unit: str) -> bool:
-    return bool(unit) and bool(unit in _OF_AXES or quantity_of(unit) or frf_unit(unit, ""))
+    of_axis = is_of_time(unit) or is_of_frequency(unit) or unit in _OF_PARTS
+    return bool(unit) and bool(of_axis or quantity_of(unit) or frf_unit(unit, ""))
 
 
 def _split(heading: str) -> tuple[str, str]:
     """Name and unit of a heading: `force [N]`, `force (N)`, or a quantity over its unit, as ISO 80000 has it."""
-    match = _SQUARE.match(heading) or _ROUND.match(heading)
-    if match is not None and not is_number(match["unit"]):
-        return match["name"].rstrip("/ "), normal_unit(match["unit"])
+    place = _last_bracket(heading.strip())
+    if place is not None and not is_number(heading.strip()[place + 1 : -1]):
+        return heading.strip()[:place].rstrip("/ "), normal_unit(heading.strip()[place + 1 : -1])
     name, _, unit = (part.strip() for part in heading.partition("/"))
     if name and _is_unit(normal_unit(unit)) and not _is_unit(name.split()[-1]):
         return name, normal_unit(unit)
     return heading.strip(), ""
+
+
+def _last_bracket(heading: str) -> int | None:
+    """Where the bracket opens that closes at the end; None if none does."""
+    depth = 0
+    for place in range(len(heading) - 1, -1, -1):
+        depth += (heading[place] in ")]") - (heading[place] in "([")
+        if depth == 0:
+            return place if heading[place] in "([" else None
+    return None

@@ -32,7 +32,9 @@ _NUMBERED = re.compile(
     re.I,
 )
 _LEVEL = re.compile(r"^dB\b(?:\s*\(?(?:re|ref|rel)\b[.:]?)?\s*(?:1(?:\.0*)?\s+)?(?P<of>.*)$", re.I)
-_TO = re.compile(r"^(?P<output>.+?)\s*[/:]\s*(?:p(?P<input>\d+)|(?P<force>[^/:]+))$", re.I)
+_FUNCTION = re.compile(r"^(?:H[12v]?|FRF|TF|G)\s*\((?P<of>[^()]*)\)?$", re.I)
+"""An FRF as a function of its response and its force, as H1(a01,force)."""
+_TO = re.compile(r"^(?P<output>.+?)\s*[/:,]\s*(?:p(?P<input>\d+)|(?P<force>[^/:,]+))$", re.I)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +75,7 @@ def frf_heading(name: str, unit: str) -> FrfHeading:
     """What a column's name and unit say."""
     text = name
     if not unit and (worded := _UNIT_WORD.match(name)):
-        name, unit = worded["rest"], {"degrees": "deg", "db": "dB"}.get(worded["unit"].lower(), worded["unit"].lower())
+        name, unit = worded["rest"], {"db": "dB"}.get(worded["unit"].lower(), normal_unit(worded["unit"].lower()))
     if unit and not _is_unit(unit) and _FIRST.fullmatch(unit):
         # The part stands in brackets behind the name, as in a1(Real).
         name, unit = f"{name} {unit}", ""
@@ -91,6 +93,8 @@ def frf_heading(name: str, unit: str) -> FrfHeading:
 
 def pair_of(of: str) -> Pair:
     """Response and force from a text such as "a01", "a01/p10", "H3,10", "3z" or ""."""
+    if function := _FUNCTION.match(of):
+        of = function["of"].strip()
     if numbered := _NUMBERED.match(of):
         axis = (numbered["axis"] or "").lower()
         into = None if numbered["input"] is None else int(numbered["input"])
@@ -149,5 +153,5 @@ def _part(word: str) -> Part:
 
 
 def _is_unit(unit: str) -> bool:
-    known = unit in {"deg", "°", "rad", "dB", "-", "1", "%"} or any(unit in units for units in TO_SI.values())
+    known = unit in {"deg", "rad", "dB", "-", "1", "%"} or any(unit in units for units in TO_SI.values())
     return known or is_level(unit) or frf_unit(normal_unit(unit), "") is not None

@@ -18,6 +18,10 @@ _SHOWN = 300
 """Lines at either end that show the layout of a longer file."""
 _BEGINS_A_ROW = re.compile(r"\s*[\"(+\-.,\d]")
 _SEPARATOR = re.compile(r"sep=(.)")
+_OPEN_QUOTE = re.compile(r'^[^"]*(?:"[^"]*"[^"]*)*(?:^|[,;\t])\s*"[^"]*$')
+"""A cell in quotes that does not end in its line."""
+_WRAPPED = 16
+"""Most lines of such a row."""
 _MARK = re.compile(r"^\s*(?:[#%*!]+|//)\s*")
 """What begins a comment."""
 
@@ -94,7 +98,7 @@ def read_text(path: Path) -> list[TextTable]:
         FormatError: no text, no table, or marks in numbers that may be of decimals or of thousands.
     """
     text = decoded(path)
-    lines = [Line(k, line) for k, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    lines = [line for line in _whole_lines(text) if line.text.strip()]
     said = _SEPARATOR.fullmatch(lines[0].text.strip()) if lines else None
     lines = [_plain(line) for line in (lines[1:] if said else lines)]
     layout = _layout(lines, (said[1],) if said else (*DELIMITERS, BLANKS), str(path))
@@ -115,6 +119,19 @@ def read_text(path: Path) -> list[TextTable]:
         return TextTable(tuple(words), tuple(comments), plain, *shape, remark, ended or end < last, below)
 
     return [table(*span) for span in _spans(cut, kinds[:last], layout.columns)]
+
+
+def _whole_lines(text: str) -> list[Line]:
+    """The lines; a cell in quotes may hold ends of lines, as spreadsheets write wrapped headings."""
+    found = [Line(k, line) for k, line in enumerate(text.splitlines(), start=1)]
+    for k in [k for k, line in enumerate(found) if line.text.count('"') % 2]:
+        if not _OPEN_QUOTE.search(found[k].text):
+            continue
+        parts = [line.text for line in found[k : k + _WRAPPED]]
+        ends = (n for n in range(2, len(parts) + 1) if not sum(part.count('"') for part in parts[:n]) % 2)
+        if n := next(ends, 0):
+            found[k : k + n] = [Line(found[k].number, " ".join(parts[:n])), *(Line(k, "") for _ in range(1, n))]
+    return found
 
 
 def decoded(path: Path) -> str:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.core.digits import percent
+from modallab.core.digits import percent_text
 from modallab.core.errors import DataError
 from modallab.formats.fem.node_modes import NodeModes
 from modallab.formats.uff.uff_results import NodeMode, read_results
@@ -48,7 +48,7 @@ def _check_real(modes: list[NodeMode], where: str) -> None:
         share = float(np.linalg.norm(motion.imag) / max(np.linalg.norm(motion), np.finfo(float).tiny))
         if share > COMPLEX:
             raise DataError(
-                f"the mode at {mode.frequency_hz:.4g} Hz is complex: {percent(share)} of it is imaginary",
+                f"the mode at {mode.frequency_hz:.4g} Hz is complex: {percent_text(share)} of it is imaginary",
                 where=where,
                 remedy="export normal modes",
             )

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from modallab.core.effect import Revision
-from modallab.core.field_errors import allowed, short_of_wrong_entries, shown
+from modallab.core.field_errors import allowed_values, quoted_value, short_of_wrong_entries
 from modallab.core.frozen import Frozen
 from modallab.core.hardware import Calibration, Excitation, Shaker, Synchronisation
 from modallab.core.metrology import Certificate
@@ -56,10 +56,10 @@ def _problem(detail: ErrorDetails) -> Problem:
     field = _path(loc)
     if kind == "extra_forbidden":
         return Problem(field, "no such field", _nearest(loc))
-    found = "missing" if kind == "missing" else f"found {shown(value)}"
+    found = "missing" if kind == "missing" else f"found {quoted_value(value)}"
     if kind == "literal_error" and loc == ("format_version",):
         return Problem(field, found, "1 or 2; a newer file needs a newer modallab")
-    return Problem(field, found, allowed(detail))
+    return Problem(field, found, allowed_values(detail))
 
 
 def _other_arm(detail: ErrorDetails) -> bool:
@@ -75,7 +75,7 @@ def _sensitivity_problem(detail: ErrorDetails) -> Problem:
     if "[key]" in detail["loc"]:
         return Problem(_path(place), "no such test", " or ".join(_TESTS))
     whole = place[-1] == _SENSITIVITY and not isinstance(value, float)
-    return Problem(_path(place), f"found {shown(value)}", _PER_TEST if whole else allowed(detail))
+    return Problem(_path(place), f"found {quoted_value(value)}", _PER_TEST if whole else allowed_values(detail))
 
 
 def _place(detail: ErrorDetails) -> tuple[int | str, ...]:

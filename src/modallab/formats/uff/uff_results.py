@@ -17,6 +17,8 @@ NORMAL, COMPLEX = 2, 3
 MOTION = (8, 11, 12)
 """Result types that are motions: displacement, velocity and acceleration."""
 AT_NODES = 1
+PAIRS = (5, 6)
+"""Data types that are complex, in single and double precision; others are real."""
 _OPEN = range(11, 25)
 """Descriptors of rods and beams, whose nodes follow each other along a line."""
 FIRST_SOLID = 101
@@ -161,7 +163,8 @@ def _mode_2414(content: Mapping[str, Any]) -> NodeMode:
         mass = 0.0
         more = [float(content[f"record13_field{k}"]) for k in range(1, 3)]
         frequency, damping = _of_pole(complex(*more) if any(more) else complex(reals[0], reals[1]))
-    rows = np.array([_motion(row) for row in _rows(content)])
+    pairs = int(content["data_type"]) in PAIRS
+    rows = np.array([_motion(row, pairs=pairs) for row in _rows(content)])
     at = dict(zip((int(n) for n in content["node_nums"]), rows, strict=True))
     name = str(content.get("analysis_dataset_name", "")).strip()
     return NodeMode(name or _title(content), frequency, damping, at, mass)
@@ -173,10 +176,10 @@ def _rows(content: Mapping[str, Any]) -> Sequence[Any]:
     return list(np.stack([np.asarray(content[axis]) for axis in "xyz"], axis=1))
 
 
-def _motion(row: Any) -> NDArray[np.complex128]:
-    """(3,) of three real numbers, of three pairs of real and imaginary parts, or of more with rotations behind."""
+def _motion(row: Any, *, pairs: bool) -> NDArray[np.complex128]:
+    """(3,) of real numbers or of pairs of real and imaginary parts; rotations may stand behind."""
     values = np.asarray(row)
-    if not np.iscomplexobj(values) and values.size in (6, 12):
+    if pairs and not np.iscomplexobj(values):
         values = values[0::2] + 1j * values[1::2]
     return values[:3].astype(np.complex128)
 

@@ -15,7 +15,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.hum import NO_DECAYS
-from modallab.gap.conditioning.reduce import on_line, wide_hit
+from modallab.gap.conditioning.reduce import frequency_on_line, wide_hit
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import volts_per_si
 from modallab.signals.signals import to_signals
@@ -74,7 +74,7 @@ def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> float:
         signals = to_signals(b, rig)
         before = signals.responses[:, : max(1, wide_hit(signals).first)]
         if before.shape[1] > 20:
-            ratios.append(float(np.median(np.sqrt(np.mean(before**2, axis=1)) / _sigma(b, rig, noise_v))))
+            ratios.append(float(np.median(np.sqrt(np.mean(before**2, axis=1)) / _ringing_sigma(b, rig, noise_v))))
     return float(np.median(ratios)) if ratios else 1.0
 
 
@@ -99,7 +99,7 @@ def find_floor(blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Complex,
     if z < 2.0 or (hits and before_hit(hits, rig, noise_v) < 1.15):
         return None
     # What the base excites rings at the resonances as what the drive has left does: neither is taken out here.
-    per_hz = _sigma(sines[0], rig, noise_v)[:, None] ** 2 / rate
+    per_hz = _ringing_sigma(sines[0], rig, noise_v)[:, None] ** 2 / rate
     spectrum, density = (
         per_hz * _above_noise([_beside_drive(b, rig, noise_v, NO_DECAYS, ratio, w) for b in sines])
         for w in (np.ones, np.hanning)
@@ -133,7 +133,7 @@ def _beside_drive(
     a = to_signals(block, rig).responses
     n, dt = block.n_samples, 1 / block.rate_hz
     t = np.arange(n) * dt
-    drive = on_line(block.frequency_hz or 0.0, n, dt) * ratio * n * dt
+    drive = frequency_on_line(block.frequency_hz or 0.0, n, dt) * ratio * n * dt
     columns = [np.ones(n), np.cos(2 * np.pi * drive * t / (n * dt)), np.sin(2 * np.pi * drive * t / (n * dt))]
     for pole in poles[:3]:
         wave = np.exp(pole * t)
@@ -141,7 +141,7 @@ def _beside_drive(
     basis = np.column_stack(columns)
     residual = a.T - basis @ np.linalg.lstsq(basis, a.T, rcond=None)[0]
     w = window(n)
-    power = np.abs(np.fft.rfft(residual.T * w)) ** 2 / np.sum(w**2) / _sigma(block, rig, noise_v)[:, None] ** 2
+    power = np.abs(np.fft.rfft(residual.T * w)) ** 2 / np.sum(w**2) / _ringing_sigma(block, rig, noise_v)[:, None] ** 2
     lines = np.arange(power.shape[1])
     for k in range(1, 8):
         power[:, np.abs(lines - k * drive) < 3.5] = np.nan
@@ -155,11 +155,11 @@ def find_ringing(blocks: Sequence[Block], rig: Rig, noise_v: Real, poles: Comple
     if z < MOVES or not len(poles) or not hits:
         return None
     poles = poles[: min(5, len(poles))]
-    shapes = _shapes(hits, rig, poles)
+    shapes = _shapes_of_decays(hits, rig, poles)
     states: dict[str, Complex] = {}
     left, fractions = [], []
     for b in hits:
-        state, residual, fraction = _state(b, rig, noise_v, poles, shapes)
+        state, residual, fraction = _ringing_state(b, rig, noise_v, poles, shapes)
         states[b.name] = state
         left.append(residual)
         fractions.append(fraction)
@@ -182,12 +182,12 @@ def without_ringing(block: Block, rig: Rig, ringing: Ringing) -> Block:
     return replace(block, samples=samples)
 
 
-def _shapes(hits: Sequence[Block], rig: Rig, poles: Complex) -> Complex:
+def _shapes_of_decays(hits: Sequence[Block], rig: Rig, poles: Complex) -> Complex:
     """(channels, modes) shapes of the decays after the hits, each of unit length."""
     stacks: list[Complex] = []
     for b in hits:
         signals = to_signals(b, rig)
-        stacks.append(_decays(signals.responses[:, wide_hit(signals).stop :], poles, b.rate_hz))
+        stacks.append(_fit_decays(signals.responses[:, wide_hit(signals).stop :], poles, b.rate_hz))
     residues = np.array(stacks)
     shapes = np.zeros(residues.shape[1:], dtype=np.complex128)
     for r in range(len(poles)):
@@ -195,7 +195,7 @@ def _shapes(hits: Sequence[Block], rig: Rig, poles: Complex) -> Complex:
     return shapes
 
 
-def _decays(a: Real, poles: Complex, rate_hz: float) -> Complex:
+def _fit_decays(a: Real, poles: Complex, rate_hz: float) -> Complex:
     """(channels, modes) complex amplitudes at the start of a stretch of free decay."""
     t = np.arange(a.shape[1]) / rate_hz
     # Modes without a pole here are as large at first: under a window they do not leak into the others.
@@ -206,11 +206,13 @@ def _decays(a: Real, poles: Complex, rate_hz: float) -> Complex:
     return (found[: len(poles)] + 1j * found[len(poles) :]).T
 
 
-def _state(block: Block, rig: Rig, noise_v: Real, poles: Complex, shapes: Complex) -> tuple[Complex, float, float]:
+def _ringing_state(
+    block: Block, rig: Rig, noise_v: Real, poles: Complex, shapes: Complex
+) -> tuple[Complex, float, float]:
     signals = to_signals(block, rig)
     a, hit = signals.responses, wide_hit(signals)
     before, stop = max(24, hit.first), max(24, hit.first) + hit.stop - hit.first
-    sigma = _sigma(block, rig, noise_v)
+    sigma = _ringing_sigma(block, rig, noise_v)
     t = np.arange(before) / block.rate_hz
     wave = shapes[:, :, None] * np.exp(poles[:, None] * t) / sigma[:, None, None]
     basis = np.concatenate([2 * wave.real, -2 * wave.imag], axis=1).transpose(0, 2, 1).reshape(-1, 2 * len(poles))
@@ -218,7 +220,7 @@ def _state(block: Block, rig: Rig, noise_v: Real, poles: Complex, shapes: Comple
     found = np.linalg.lstsq(basis, y, rcond=1e-6)[0]
     left = float(np.sqrt(np.mean((y - basis @ found) ** 2)))
     amplitude = found[: len(poles)] + 1j * found[len(poles) :]
-    after = _decays(a[:, stop:], poles, block.rate_hz)
+    after = _fit_decays(a[:, stop:], poles, block.rate_hz)
     later = np.exp(poles * stop / block.rate_hz)
     # What the hit itself leaves, referred to the start of the record, less what rang before.
     own = np.linalg.norm(after / later - shapes * amplitude, axis=0)
@@ -226,5 +228,5 @@ def _state(block: Block, rig: Rig, noise_v: Real, poles: Complex, shapes: Comple
     return shapes * amplitude, left, float(shares[0])
 
 
-def _sigma(block: Block, rig: Rig, noise_v: Real) -> Real:
+def _ringing_sigma(block: Block, rig: Rig, noise_v: Real) -> Real:
     return (noise_v / np.abs(volts_per_si(rig, block.test)))[[c.index for c in rig.responses]]

@@ -49,13 +49,13 @@ def find_clipped(blocks: Sequence[Block], noise_v: Real, full_scale_v: Real, for
         near = 6 * noise_v[row]
         flat = [i for i, b in enumerate(blocks) if peaks[i] > level - near and _is_flat(b, row, peaks[i], near)]
         if flat:
-            level = float(np.median([_level(blocks[i], row, peaks[i], near) for i in flat]))
+            level = float(np.median([_clipping_level(blocks[i], row, peaks[i], near) for i in flat]))
             reached = tuple(b.name for b, p in zip(blocks, peaks, strict=True) if p > level - near)
             found.append(Clipped(row, level, reached))
     return found
 
 
-def _level(block: Block, row: int, peak: float, near: float) -> float:
+def _clipping_level(block: Block, row: int, peak: float, near: float) -> float:
     volts = np.abs(block.samples[row] * block.scale[row])
     return float(np.median(volts[volts > peak - near]))
 
@@ -69,17 +69,17 @@ def _is_flat(block: Block, row: int, peak: float, near: float) -> bool:
     if block.test == "impact" or not block.frequency_hz or share < SHARE or near > peak / 2:
         return False
     own = 2 / np.pi * np.arccos(1 - min(near / peak, 1.0))
-    if share > MORE * own + FEW / _phases(block.frequency_hz / block.rate_hz, block.n_samples):
+    if share > MORE * own + FEW / _phases_of_sine(block.frequency_hz / block.rate_hz, block.n_samples):
         return True
     arc = 2 * np.arccos(1 - min(near / peak, 1.0)) / (2 * np.pi * block.frequency_hz) * block.rate_hz
     edges = np.diff(np.concatenate([[0], top.astype(int), [0]]))
     runs = np.flatnonzero(edges == -1) - np.flatnonzero(edges == 1)
     # A sine that repeats after few samples may have the same two of them beside its top in every period.
-    repeats = _phases(block.frequency_hz / block.rate_hz, block.n_samples) * REPEATS_IN < block.n_samples
+    repeats = _phases_of_sine(block.frequency_hz / block.rate_hz, block.n_samples) * REPEATS_IN < block.n_samples
     return float(np.mean(runs)) > 1.8 * arc + (2 if repeats else 1)
 
 
-def _phases(per_sample: float, n: int) -> int:
+def _phases_of_sine(per_sample: float, n: int) -> int:
     """How many different phases the samples of a sine see: few, where it repeats after some samples."""
     periods = round(per_sample * n)
     return n // gcd(periods, n) if periods and abs(per_sample * n - periods) < 0.02 else n

@@ -18,7 +18,7 @@ from modallab.core.units import BROADBAND
 from modallab.gap.conditioning.rows import ImpactData, Piece, rows_of
 from modallab.gap.conditioning.weights import Weights
 from modallab.signals.signals import to_signals
-from modallab.twin.response import Averages
+from modallab.twin.response import AveragedFrfs
 
 Lines = NDArray[np.int64]
 V = TypeVar("V", Real, Complex)
@@ -29,7 +29,7 @@ CLEAR, DRIVEN = 30.0, 0.1
 """A line is driven where the force's power is as many times its noise, and that share of the drive's median."""
 
 
-def drives(blocks: Sequence[Block]) -> list[list[Block]]:
+def group_drives(blocks: Sequence[Block]) -> list[list[Block]]:
     """Records of broadband drives, those together that are of one drive and length."""
     found: dict[tuple[object, ...], list[Block]] = {}
     for b in blocks:
@@ -47,39 +47,42 @@ def reduce_drive(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactD
     first = blocks[0]
     n, dt, test = first.n_samples, 1 / first.rate_hz, first.test
     signals = [to_signals(b, rig) for b in blocks]
-    force, responses = _spectra([s.forces for s in signals])[:, 0], _spectra([s.responses for s in signals])
+    force, responses = (
+        _spectra_of_records([s.forces for s in signals])[:, 0],
+        _spectra_of_records([s.responses for s in signals]),
+    )
     doubt = np.array([weights.doubt[b.name] for b in blocks])
     own = weights.force(rig, test) ** 2 * n * len(blocks)
     fine, starts = _driven_bands(np.where(np.isfinite(doubt), np.abs(force) ** 2, 0).sum(axis=0), own)
     if not len(fine):
         raise DataError(f"the force of {first.name} does not stand out of its noise", remedy="drive at a higher level")
     power: Real = np.abs(force[:, fine]) ** 2
-    counts, whole = np.diff(starts, append=len(fine)), _banded(power, starts)
+    counts, whole = np.diff(starts, append=len(fine)), _sum_in_bands(power, starts)
     # What the force's own noise adds to its power drives nothing.
     clean = whole - counts * own
-    y = _banded(force[:, None, fine].conj() * responses[:, :, fine], starts) / clean
-    lines = _banded(power * fine.astype(np.float64), starts) / whole
-    doubted = 1 + _banded(power * doubt[:, fine], starts) / whole
+    y = _sum_in_bands(force[:, None, fine].conj() * responses[:, :, fine], starts) / clean
+    lines = _sum_in_bands(power * fine.astype(np.float64), starts) / whole
+    doubted = 1 + _sum_in_bands(power * doubt[:, fine], starts) / whole
     sigma = weights.sigma(rig, test, lines, n, dt) * np.sqrt(n / 2 / clean * doubted)
     sigma = np.hypot(sigma, weights.hum(rig, test, lines, n, dt) * n / 2 / np.sqrt(2 * clean))
     sigma[[any((b.name, c.index) in weights.masked for b in blocks) for c in rig.responses]] = np.inf
-    source = Averages(lines, n, dt, fine.astype(float), power.sum(axis=0) / np.repeat(whole, counts), starts)
+    source = AveragedFrfs(lines, n, dt, fine.astype(float), power.sum(axis=0) / np.repeat(whole, counts), starts)
     force_noise = weights.force(rig, test) * np.sqrt(n / 2 / clean)
-    return ImpactData(_piece(blocks, rig), source, rows_of(y, sigma, force_noise))
+    return ImpactData(_piece_of_drive(blocks, rig), source, rows_of(y, sigma, force_noise))
 
 
-def _banded(values: V, starts: Lines) -> V:
+def _sum_in_bands(values: V, starts: Lines) -> V:
     """(..., bands) sums over the records (records, ..., lines) and over the lines of each band."""
     return cast(V, np.add.reduceat(values.sum(axis=0), starts, axis=-1))
 
 
-def _spectra(records: Sequence[Real]) -> Complex:
+def _spectra_of_records(records: Sequence[Real]) -> Complex:
     """(records, rows, lines) of records (rows, n)."""
     rows = np.array(records)
     return np.fft.rfft(rows - rows.mean(axis=2, keepdims=True), axis=2)
 
 
-def _piece(blocks: Sequence[Block], rig: Rig) -> Piece:
+def _piece_of_drive(blocks: Sequence[Block], rig: Rig) -> Piece:
     first = blocks[0]
     return Piece(
         f"{first.test}_p{first.drive_point:02d}" + (f"_{first.level}" if first.level else ""),

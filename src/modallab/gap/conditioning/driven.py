@@ -20,11 +20,11 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.frf.broadband import driven_band
-from modallab.frf.driven import driven_frf, on_own_clock
-from modallab.frf.joined import contiguous
+from modallab.frf.driven import cut_to_own_clock, driven_frf
+from modallab.frf.joined import contiguous_blocks
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.options import Options
+from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import Signals, to_signals
 
 LOOKS = 5
@@ -36,7 +36,7 @@ OUT_OF_BAND = (0, 1, 2)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Settled:
+class SettledRecords:
     """Records whose broadband ones are joined and without free decays.
 
     Attributes:
@@ -51,7 +51,7 @@ class Settled:
     doubt: dict[str, Real]
 
 
-def settled(blocks: Sequence[Block], rig: Rig) -> Settled:
+def settle_drives(blocks: Sequence[Block], rig: Rig) -> SettledRecords:
     """The records of broadband drives joined and without free decays, other records as they are.
 
     Args:
@@ -61,40 +61,44 @@ def settled(blocks: Sequence[Block], rig: Rig) -> Settled:
     kept = [b for b in blocks if b.test not in BROADBAND]
     found: list[Complex] = [np.zeros(0, np.complex128)]
     doubt: dict[str, Real] = {}
-    for _, drive in groupby(sorted((b for b in blocks if b.test in BROADBAND), key=_drive), key=_drive):
+    for _, drive in groupby(
+        sorted((b for b in blocks if b.test in BROADBAND), key=_drive_of_block), key=_drive_of_block
+    ):
         signals = [to_signals(b, rig) for b in drive]
         band = driven_band(signals)
-        parts = (_joined(part) for run in contiguous(signals) for part in _parts(run))
+        parts = (_join_run(part) for run in contiguous_blocks(signals) for part in _fitted_and_held_out(run))
         records = [_Record.of(block, rig, band) for block in parts]
-        poles = _refined(records, _poles(signals, rig, band))
+        poles = _refine_poles(records, _poles_of_drive(signals, rig, band))
         found.append(poles)
         for record in records:
             block, doubt[record.block.name] = record.settled(poles)
             kept.append(block)
-    return Settled(tuple(sorted(kept, key=lambda b: b.order)), max(found, key=len), doubt)
+    return SettledRecords(tuple(sorted(kept, key=lambda b: b.order)), max(found, key=len), doubt)
 
 
-def _drive(block: Block) -> tuple[str, int, str, int]:
+def _drive_of_block(block: Block) -> tuple[str, int, str, int]:
     """Records with the same are of one test, driven at one point at one level."""
     return block.test, block.drive_point or 0, block.level or "", block.n_samples
 
 
-def _poles(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Complex:
+def _poles_of_drive(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Complex:
     """The modes that the FRFs of a drive show, sorted; none where they show none."""
     try:
-        model, _ = identify_frf(driven_frf(on_own_clock(signals, band_hz), rig, band_hz), rig, Options())
+        model, _ = identify_frf(
+            driven_frf(cut_to_own_clock(signals, band_hz), rig, band_hz), rig, IdentificationOptions()
+        )
     except ModallabError:
         return np.zeros(0, np.complex128)
     return np.asarray(poles_of(2 * np.pi * model.frequency_hz, model.damping_ratio))
 
 
-def _parts(run: Sequence[Signals]) -> list[Sequence[Signals]]:
+def _fitted_and_held_out(run: Sequence[Signals]) -> list[Sequence[Signals]]:
     """A run of blocks, the last third of them apart, so that it can be held out."""
     cut = len(run) - len(run) // 3
     return [part for part in (run[:cut], run[cut:]) if part]
 
 
-def _joined(run: Sequence[Signals]) -> Block:
+def _join_run(run: Sequence[Signals]) -> Block:
     blocks = [s.block for s in run]
     return replace(
         blocks[0],
@@ -103,7 +107,7 @@ def _joined(run: Sequence[Signals]) -> Block:
     )
 
 
-def _refined(records: Sequence["_Record"], poles: Complex) -> Complex:
+def _refine_poles(records: Sequence["_Record"], poles: Complex) -> Complex:
     """The poles after some steps by what the derivatives of all answers by each pole take up."""
     for _ in range(LOOKS if len(poles) else 0):
         residues, slopes = map(np.concatenate, zip(*(r.slopes(poles) for r in records), strict=True))
@@ -141,7 +145,7 @@ class _Record:
         return cls(block, rows, lines, spectra[rig.force_channel.index], spectra[rows])
 
     def settled(self, poles: Complex) -> tuple[Block, Real]:
-        """The record less the decays of these poles, and the doubt (lines,) that it leaves, see `Settled`."""
+        """The record less the decays of these poles, and the doubt (lines,) that it leaves, see `SettledRecords`."""
         poles = np.append(poles, self._above)
         decays = self._decays(poles)
         sizes, covariance = self._sizes([*self._answers(poles), *self._out_of_band()], decays)

@@ -73,13 +73,13 @@ def find_hum(blocks: Sequence[Block], noise_v: Real, force: int) -> Hum | None:
     off = [(b.frequency_hz or 0.0, _drive_off(b, force)) for b in sines]
     for hz in MAINS_HZ:
         ratio = _drive_ratio(off, hz)
-        with_hum = [b for b in blocks if b.test == "sine" and _clear(b, hz)]
+        with_hum = [b for b in blocks if b.test == "sine" and _is_hum_clear(b, hz)]
         if len(with_hum) < 4:
             with_hum = [b for b in blocks if b.test == "impact"]
         if len(with_hum) < 3:
             continue
         records = [_Record.of(b, hz, force, ratio) for b in with_hum]
-        seen_hz = _tuned(records, hz, noise_v) if with_hum[0].test == "sine" else hz
+        seen_hz = _mains_frequency(records, hz, noise_v) if with_hum[0].test == "sine" else hz
         size = np.abs(np.array([r.amplitudes(seen_hz) for r in records]))
         volts = np.median(size, axis=0)
         n = int(np.median([_samples_with_hum(b, force) for b in with_hum]))
@@ -120,7 +120,7 @@ def without_hum(block: Block, hum: Hum, decays: Complex | None = None) -> Block:
     return replace(block, samples=cleaned / block.scale[:, None])
 
 
-def _tuned(records: Sequence["_Record"], hz: float, noise_v: Real) -> float:
+def _mains_frequency(records: Sequence["_Record"], hz: float, noise_v: Real) -> float:
     """Where the mains stands in the records: at its own frequency, unless another one nearby holds plainly more.
 
     Each row counts by its noise: a channel a thousand times as noisy as the others would decide it by chance.
@@ -129,11 +129,11 @@ def _tuned(records: Sequence["_Record"], hz: float, noise_v: Real) -> float:
     def power(f: float) -> float:
         return float(np.median([np.sum(np.abs(r.amplitudes(f) / noise_v) ** 2) for r in records]))
 
-    found, most = _strongest(power, hz, 15)
+    found, most = _strongest_nearby(power, hz, 15)
     return found if most > PLAINLY * power(hz) else hz
 
 
-def _strongest(power: Callable[[float], float], hz: float, points: int) -> tuple[float, float]:
+def _strongest_nearby(power: Callable[[float], float], hz: float, points: int) -> tuple[float, float]:
     """The frequency around `hz`, within what a clock may be off, that holds most, and its power."""
     grid = hz * (1 + np.linspace(-OFF, OFF, points))
     start = float(grid[int(np.argmax([power(float(f)) for f in grid]))])
@@ -142,7 +142,7 @@ def _strongest(power: Callable[[float], float], hz: float, points: int) -> tuple
     return float(found.x), -float(found.fun)
 
 
-def _clear(block: Block, hz: float) -> bool:
+def _is_hum_clear(block: Block, hz: float) -> bool:
     return abs((block.frequency_hz or 0.0) - hz) > 3.0
 
 
@@ -174,7 +174,7 @@ class _Record:
         window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
         beside = [np.ones(len(t))]
         if block.test == "sine" and block.frequency_hz:
-            drive = _line(block.frequency_hz, t, block.rate_hz)
+            drive = _sine_columns(block.frequency_hz, t, block.rate_hz)
             if abs(block.frequency_hz - near_hz) < BESIDE_HZ:
                 drive *= ratio
             beside += [np.cos(2 * np.pi * drive * t), np.sin(2 * np.pi * drive * t)]
@@ -201,7 +201,7 @@ def _amplitudes(block: Block, hz: float, force: int, ratio: float, decays: Compl
     return _Record.of(block, hz, force, ratio, decays).amplitudes(hz)
 
 
-def _line(hz: float, t: Real, rate_hz: float) -> float:
+def _sine_columns(hz: float, t: Real, rate_hz: float) -> float:
     return round(hz * len(t) / rate_hz) * rate_hz / len(t)
 
 
@@ -224,8 +224,8 @@ def _drive_off(block: Block, force: int) -> float:
     def power(f: float) -> float:
         return float(np.abs(np.exp(-2j * np.pi * f * t) @ weighed))
 
-    line = _line(block.frequency_hz or 0.0, t, block.rate_hz)
-    return _strongest(power, line, 29)[0] / line
+    line = _sine_columns(block.frequency_hz or 0.0, t, block.rate_hz)
+    return _strongest_nearby(power, line, 29)[0] / line
 
 
 def _samples_with_hum(block: Block, force: int) -> int:

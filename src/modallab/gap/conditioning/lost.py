@@ -19,7 +19,7 @@ RECORDS = 3
 """Lively records that must show it."""
 
 
-def losing(blocks: Sequence[Block], noise_v: Real, force: int) -> tuple[int, ...]:
+def rows_losing_samples(blocks: Sequence[Block], noise_v: Real, force: int) -> tuple[int, ...]:
     """Rows that lose samples, as most of their lively records show.
 
     Args:
@@ -27,13 +27,13 @@ def losing(blocks: Sequence[Block], noise_v: Real, force: int) -> tuple[int, ...
         noise_v: (rows,) V rms.
         force: row of the force, which is 0 most of the time.
     """
-    found = [_shares(b, noise_v) for b in blocks]
+    found = [_shares_repeated_and_zero(b, noise_v) for b in blocks]
     repeats, zeros = (np.ma.masked_invalid(np.array(shares)) for shares in zip(*found, strict=True))
-    lost = (_typical(repeats) > REPEATS) | (_typical(zeros) > ZEROS)
+    lost = (_typical_share(repeats) > REPEATS) | (_typical_share(zeros) > ZEROS)
     return tuple(int(i) for i in np.flatnonzero(lost & (repeats.count(axis=0) >= RECORDS)) if i != force)
 
 
-def _shares(block: Block, noise_v: Real) -> tuple[Real, Real]:
+def _shares_repeated_and_zero(block: Block, noise_v: Real) -> tuple[Real, Real]:
     """(rows,) shares of one record's samples that repeat, and that are 0 beside others; NaN where little moves."""
     volts = block.samples * block.scale[:, None]
     far = np.maximum(LIVELY * noise_v, COUNTS * np.abs(block.scale))
@@ -44,5 +44,5 @@ def _shares(block: Block, noise_v: Real) -> tuple[Real, Real]:
     return np.where(lively, repeats, np.nan), np.where(lively, zeros, np.nan)
 
 
-def _typical(shares: "np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]") -> Real:
+def _typical_share(shares: "np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]") -> Real:
     return np.ma.median(shares, axis=0).filled(0.0)

@@ -46,7 +46,7 @@ def measured_noise(blocks: Sequence[Block], rig: Rig) -> Real:
     The lower quartile over the records: what is in every record is noise, what is in some is a response.
     """
     force = rig.force_channel.index
-    spreads = [spread for b in blocks if (spread := _of_block(b, force, _driven_to(b, rig))) is not None]
+    spreads = [spread for b in blocks if (spread := _noise_of_block(b, force, _driven_to(b, rig))) is not None]
     if not spreads:
         return np.full(len(blocks[0].scale) if blocks else 0, np.nan)
     return np.quantile(np.array(spreads), 0.25, axis=0)
@@ -63,7 +63,7 @@ def _driven_to(block: Block, rig: Rig) -> float:
     return driven_band([to_signals(block, rig)])[1] * 2 / block.rate_hz if block.test in BROADBAND else 0.0
 
 
-def _of_block(block: Block, force: int, driven_to: float = 0.0) -> Real | None:
+def _noise_of_block(block: Block, force: int, driven_to: float = 0.0) -> Real | None:
     volts = block.samples * block.scale[:, None]
     if block.test == "impact":
         before = min(PRE_TRIGGER, int(np.argmax(np.abs(volts[force]))) - 30)
@@ -91,7 +91,7 @@ def own_noise(blocks: Sequence[Block], believed: Real, force: int) -> Real:
 
     Half of all blocks lie below their median: other than a quartile it is not low by chance.
     """
-    spreads = [s for b in blocks if b.test == "sine" and (s := _of_block(b, force)) is not None]
+    spreads = [s for b in blocks if b.test == "sine" and (s := _noise_of_block(b, force)) is not None]
     if len(spreads) < LEAST_BLOCKS:
         return believed
     return np.maximum(np.median(np.array(spreads), axis=0), LEAST_V)

@@ -27,7 +27,7 @@ FITTED = 7
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Overtone:
+class Harmonic:
     """One multiple of a sine's frequency in one record.
 
     Attributes:
@@ -54,7 +54,7 @@ class Overtone:
         return np.abs(self.y) > CLEAR * self.beside
 
 
-def overtones(blocks: Sequence[Block], rig: Rig, ratio: float = 1.0) -> list[Overtone]:
+def harmonics_of_sines(blocks: Sequence[Block], rig: Rig, ratio: float = 1.0) -> list[Harmonic]:
     """The multiples of each sine in the band of the chain, clear or not.
 
     Args:
@@ -62,14 +62,14 @@ def overtones(blocks: Sequence[Block], rig: Rig, ratio: float = 1.0) -> list[Ove
         rig: that of the records.
         ratio: the frequency of the sines in the records over what the generator was set to.
     """
-    found: list[Overtone] = []
+    found: list[Harmonic] = []
     for b in blocks:
         if b.test == "sine" and b.frequency_hz:
-            found += of_record(b.name, to_signals(b, rig).responses, b.rate_hz, b.frequency_hz * ratio)
+            found += harmonics_in_record(b.name, to_signals(b, rig).responses, b.rate_hz, b.frequency_hz * ratio)
     return found
 
 
-def of_record(name: str, responses: Real, rate_hz: float, frequency_hz: float) -> list[Overtone]:
+def harmonics_in_record(name: str, responses: Real, rate_hz: float, frequency_hz: float) -> list[Harmonic]:
     """The multiples of one sine in responses (channels, n)."""
     n = responses.shape[1]
     line = rate_hz / n
@@ -83,11 +83,11 @@ def of_record(name: str, responses: Real, rate_hz: float, frequency_hz: float) -
     solution = np.linalg.lstsq(basis.T, responses.T, rcond=None)[0]
     left = responses - solution.T @ basis
     whole = np.fft.rfft(responses, axis=1) * 2 / n
-    found: list[Overtone] = []
+    found: list[Harmonic] = []
     for k in orders:
         around = np.exp(-np.outer(at, k * frequency_hz + line * np.array([-2, -1, 1, 2])))
         beside = np.max(np.abs(left @ around), axis=1) * 2 / n
         lines = round(k * frequency_hz / line) + np.arange(-2, 3)
         y = solution[k] + 1j * solution[count + k]
-        found.append(Overtone(name, k, k * frequency_hz, y, beside, lines, whole[:, lines]))
+        found.append(Harmonic(name, k, k * frequency_hz, y, beside, lines, whole[:, lines]))
     return found

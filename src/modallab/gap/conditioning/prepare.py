@@ -18,9 +18,9 @@ from modallab.gap.conditioning.ambient import (
     without_ringing,
 )
 from modallab.gap.conditioning.clipped import Clipped, find_clipped
-from modallab.gap.conditioning.driven import Settled, settled
+from modallab.gap.conditioning.driven import SettledRecords, settle_drives
 from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, weak_hum, without_hum
-from modallab.gap.conditioning.lost import losing
+from modallab.gap.conditioning.lost import rows_losing_samples
 from modallab.gap.conditioning.noise import (
     believed_noise,
     lines_behind,
@@ -29,7 +29,7 @@ from modallab.gap.conditioning.noise import (
     own_noise,
     rising_power,
 )
-from modallab.gap.conditioning.records import as_volts, usable
+from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.conditioning.reduce import sine_clock_of
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.conversion import Conversion
@@ -47,7 +47,7 @@ CHANCE = 4.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Prepared:
+class PreparedCampaign:
     """A campaign made ready.
 
     Attributes:
@@ -86,35 +86,35 @@ class Prepared:
     noisy: tuple[int, ...]
     repeated: tuple[int, ...]
     poles: Complex
-    driven: Settled
+    driven: SettledRecords
     sine_ratio: float
     notes: tuple[str, ...]
 
 
-def prepare(campaign: Campaign) -> Prepared:
+def prepare_campaign(campaign: Campaign) -> PreparedCampaign:
     """Look at a campaign before any fit.
 
     Raises:
         DataError: there are no records, or none that says what drove it.
     """
-    campaign = as_volts(campaign)
+    campaign = records_in_volts(campaign)
     force, as_built = campaign.rig.force_channel.index, campaign.rig.tolerance.of_assembly
     blocks, (believed, measured, noise), hum = _with_hum(campaign)
-    at_full_scale = _overloaded(blocks, campaign.rig)
+    at_full_scale = _overloaded_blocks(blocks, campaign.rig)
     clipped = tuple(find_clipped(blocks, noise, _full_scale_v(blocks, campaign.rig), force))
     masked = at_full_scale | {(name, c.row) for c in clipped for name in c.records}
     noisy = _standing_out(measured, lines_behind(blocks), NOISY_AS_BUILT if as_built else NOISY)
     # Samples that are lost are noise to a spectrum, and would hide themselves.
-    repeated = losing(blocks, np.fmin(noise, measured), force)
+    repeated = rows_losing_samples(blocks, np.fmin(noise, measured), force)
     cleaned, poles = _cleaned_of_hum(campaign, blocks, hum, noise, masked, noisy)
-    driven = settled(cleaned, campaign.rig)
+    driven = settle_drives(cleaned, campaign.rig)
     cleaned, poles = driven.blocks, poles if len(poles) else driven.poles
     ratio = sine_clock_of(cleaned, campaign.rig, noise)
     floor = find_floor(cleaned, campaign.rig, noise, poles, ratio)
     ringing = None if floor is not None else find_ringing(cleaned, campaign.rig, noise, poles)
     if ringing is not None:
         cleaned = tuple(without_ringing(b, campaign.rig, ringing) for b in cleaned)
-    return Prepared(
+    return PreparedCampaign(
         campaign,
         cleaned,
         believed,
@@ -132,19 +132,19 @@ def prepare(campaign: Campaign) -> Prepared:
         poles,
         driven,
         ratio,
-        _notes(campaign, blocks, at_full_scale),
+        _notes_on_campaign(campaign, blocks, at_full_scale),
     )
 
 
-def _with_hum(campaign: Campaign) -> tuple[tuple[Block, ...], "Noises", Hum | None]:
+def _with_hum(campaign: Campaign) -> tuple[tuple[Block, ...], "RowNoises", Hum | None]:
     """The records that can be used, their noise, and the hum in them: once it is known, more of them can be."""
-    blocks = usable(campaign)
-    noises = Noises.of(blocks, campaign.rig)
+    blocks = usable_records(campaign)
+    noises = RowNoises.of(blocks, campaign.rig)
     hum = find_hum(blocks, noises.in_use, campaign.rig.force_channel.index)
     if hum is None or len(blocks) == len(campaign.blocks):
         return blocks, noises, hum
-    blocks = usable(campaign, hum)
-    return blocks, Noises.of(blocks, campaign.rig), hum
+    blocks = usable_records(campaign, hum)
+    return blocks, RowNoises.of(blocks, campaign.rig), hum
 
 
 def _cleaned_of_hum(
@@ -157,15 +157,15 @@ def _cleaned_of_hum(
 ) -> tuple[tuple[Block, ...], Complex]:
     """The records without hum, and their poles: where the structure moves before a hit, its decays are no hum."""
     if hum is None:
-        return blocks, _poles(campaign, blocks, masked, noisy)
+        return blocks, _poles_of_campaign(campaign, blocks, masked, noisy)
     cleaned = tuple(without_hum(b, hum) for b in blocks)
-    poles = _poles(campaign, cleaned, masked, noisy)
+    poles = _poles_of_campaign(campaign, cleaned, masked, noisy)
     decays = poles if moves_before_hits(cleaned, campaign.rig, noise) else NO_DECAYS
     cleaned = tuple(without_hum(b, hum, decays) for b in blocks)
-    return cleaned, _poles(campaign, cleaned, masked, noisy)
+    return cleaned, _poles_of_campaign(campaign, cleaned, masked, noisy)
 
 
-class Noises(NamedTuple):
+class RowNoises(NamedTuple):
     """(rows,) V rms of each row: by the rig file, as the records show it, and what is used."""
 
     believed: Real
@@ -181,7 +181,7 @@ class Noises(NamedTuple):
         return cls(believed, measured, noise_in_use(measured, believed))
 
 
-def _overloaded(blocks: Sequence[Block], rig: Rig) -> set[tuple[str, int]]:
+def _overloaded_blocks(blocks: Sequence[Block], rig: Rig) -> set[tuple[str, int]]:
     rows = {c.name: c.index for c in rig.channels}
     return {(b.name, rows[name]) for b in blocks for name in overloaded_channels(b, rig)}
 
@@ -199,7 +199,9 @@ def _standing_out(measured: Real, lines: int, least: float) -> tuple[int, ...]:
     return tuple(int(i) for i in raised) if len(raised) <= max(2, len(measured) // 4) else ()
 
 
-def _poles(campaign: Campaign, blocks: Sequence[Block], masked: set[tuple[str, int]], noisy: Sequence[int]) -> Complex:
+def _poles_of_campaign(
+    campaign: Campaign, blocks: Sequence[Block], masked: set[tuple[str, int]], noisy: Sequence[int]
+) -> Complex:
     rig = campaign.rig
     hits = [b for b in blocks if b.test == "impact"]
     points = sorted({b.drive_point for b in hits if b.drive_point is not None})
@@ -213,7 +215,9 @@ def _poles(campaign: Campaign, blocks: Sequence[Block], masked: set[tuple[str, i
     return poles[-poles.real / np.abs(poles) > 2e-4]
 
 
-def _notes(campaign: Campaign, blocks: Sequence[Block], at_full_scale: set[tuple[str, int]]) -> tuple[str, ...]:
+def _notes_on_campaign(
+    campaign: Campaign, blocks: Sequence[Block], at_full_scale: set[tuple[str, int]]
+) -> tuple[str, ...]:
     notes: list[str] = []
     if len(blocks) < len(campaign.blocks):
         left_out = len(campaign.blocks) - len(blocks)

@@ -13,13 +13,13 @@ from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.gap.conditioning.hum import Hum, without_hum
 from modallab.signals.checks import check_block
-from modallab.signals.conversion import Conversion, in_volts
+from modallab.signals.conversion import Conversion, block_in_volts
 from modallab.signals.drive_kind import check_kind, is_hit
 from modallab.signals.hit import find_hit
 from modallab.signals.signals import to_signals
 
 
-def as_volts(campaign: Campaign) -> Campaign:
+def records_in_volts(campaign: Campaign) -> Campaign:
     """The campaign with every record as its converter saw it: noise, hum and flat tops are of volts.
 
     Raises:
@@ -35,10 +35,10 @@ def as_volts(campaign: Campaign) -> Campaign:
         )
     for block in campaign.blocks:
         check_block(block, campaign.rig)
-    return replace(campaign, blocks=tuple(in_volts(b, campaign.rig) for b in campaign.blocks))
+    return replace(campaign, blocks=tuple(block_in_volts(b, campaign.rig) for b in campaign.blocks))
 
 
-def usable(campaign: Campaign, hum: Hum | None = None) -> tuple[Block, ...]:
+def usable_records(campaign: Campaign, hum: Hum | None = None) -> tuple[Block, ...]:
     """The records that say where they were driven and hold a force.
 
     Args:
@@ -54,7 +54,7 @@ def usable(campaign: Campaign, hum: Hum | None = None) -> tuple[Block, ...]:
         for b in campaign.blocks
         if b.drive_point is not None
         and np.ptp(b.samples[rig.force_channel.index]) > 0
-        and _drives(b if hum is None else without_hum(b, hum), rig)
+        and _states_its_drive(b if hum is None else without_hum(b, hum), rig)
     ]
     if not found:
         check_kind([to_signals(b, rig) for b in campaign.blocks if b.test == "impact"])
@@ -66,7 +66,7 @@ def usable(campaign: Campaign, hum: Hum | None = None) -> tuple[Block, ...]:
     return tuple(sorted(found, key=lambda b: b.order))
 
 
-def as_recorded(campaign: Campaign, cleaned: Sequence[Block]) -> list[Block]:
+def records_as_recorded(campaign: Campaign, cleaned: Sequence[Block]) -> list[Block]:
     """Records as they came, but for a force in which hum hides the hit, and for drives, which are joined.
 
     Args:
@@ -85,7 +85,7 @@ def as_recorded(campaign: Campaign, cleaned: Sequence[Block]) -> list[Block]:
     return found
 
 
-def _drives(block: Block, rig: Rig) -> bool:
+def _states_its_drive(block: Block, rig: Rig) -> bool:
     """Whether a record says what drove it."""
     return _has_hit(block, rig) if block.test == "impact" else block.test in BROADBAND or bool(block.frequency_hz)
 

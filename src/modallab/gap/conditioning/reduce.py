@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.drive_rows import drives, reduce_drive
+from modallab.gap.conditioning.drive_rows import group_drives, reduce_drive
 from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, Rows, SineData, rows_of
 from modallab.gap.conditioning.weights import Weights
-from modallab.signals.hit import Hit
+from modallab.signals.hit import HitSamples
 from modallab.signals.signals import Signals, to_signals
 from modallab.signals.tone_fit import clock_ratio, fit_at
-from modallab.twin.response import HISTORY_S, RAMP_S, Hits, Sines, SineStartUp, pulse_spectra
+from modallab.twin.response import HISTORY_S, RAMP_S, HitsAtPoint, SineBlocks, SineStartUp, pulse_spectra
 
 IMPACT_BAND = 0.2
 """Share of the rate up to which hits are used."""
@@ -32,14 +32,14 @@ NEIGHBOURS = 2
 """Lines on either side of a sine's own."""
 
 
-def reduce(campaign: Campaign, blocks: Sequence[Block], weights: Weights) -> Reduced:
+def reduce_blocks(campaign: Campaign, blocks: Sequence[Block], weights: Weights) -> Reduced:
     """Reduce some blocks of a campaign."""
     rig = campaign.rig
     points = sorted({b.drive_point for b in blocks if b.test == "impact" and b.drive_point is not None})
     impacts = tuple(
         reduce_hits([b for b in blocks if b.test == "impact" and b.drive_point == p], rig, weights) for p in points
     )
-    impacts += tuple(reduce_drive(records, rig, weights) for records in drives(blocks))
+    impacts += tuple(reduce_drive(records, rig, weights) for records in group_drives(blocks))
     sines = [b for b in blocks if b.test == "sine"]
     x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
     last = float(max(1, *(b.order for b in campaign.blocks))) if campaign.blocks else 1.0
@@ -58,7 +58,7 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
     Y = np.array([np.fft.rfft(s.responses, axis=1)[:, 1 : len(lines) + 1] for s in signals])
     power = np.sum(np.abs(F) ** 2, axis=0)
     conj = F.conj() / power
-    if _apart(rig):
+    if _closest_frequencies(rig):
         # Each hit lands elsewhere: alike weights leave one mean place on all lines.
         conj = 1 / F / len(F)
         power = 1 / np.sum(np.abs(conj) ** 2, axis=0)
@@ -75,11 +75,11 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
         tuple(b.name for b in blocks),
         tuple(float(b.order) for b in blocks),
     )
-    source = Hits(lines, n, dt, pulses, starts, conj)
+    source = HitsAtPoint(lines, n, dt, pulses, starts, conj)
     return ImpactData(piece, source, rows_of(np.einsum("hk,hck->ck", conj, Y), sigma, force_noise))
 
 
-def _apart(rig: Rig) -> bool:
+def _closest_frequencies(rig: Rig) -> bool:
     return bool(rig.tolerance.hit_position_m or rig.tolerance.hit_gain)
 
 
@@ -92,7 +92,7 @@ def hit_pulses(signals: Sequence[Signals]) -> tuple[Real, NDArray[np.int64]]:
     return pulses, np.array([w.first for w in windows])
 
 
-def wide_hit(signals: Signals) -> Hit:
+def wide_hit(signals: Signals) -> HitSamples:
     """The hit with the stretch about its peak in which an anti-alias filter still rings."""
     hit, rate = signals.hit, signals.rate_hz
     first = max(0, min(hit.first, hit.peak - round(BEFORE_S * rate)))
@@ -112,7 +112,7 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
     scale = _where_shown(ratio, ratio_sigma)
     lines, drive, forces, y, sigma, noise, pieces = [], [], [], [], [], [], []
     for block, signal in zip(blocks, signals, strict=True):
-        f0 = on_line(block.frequency_hz or 0.0, n, dt) * scale
+        f0 = frequency_on_line(block.frequency_hz or 0.0, n, dt) * scale
         line = round(f0 * n * dt)
         amplitude = force_amplitude(signal, f0)
         at = line + offsets
@@ -132,7 +132,7 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
             Piece(block.name, float(block.order), rig.x_of(block.drive_point or 0), block.level, (block.name,))
         )
     rows = rows_of(np.concatenate(y, axis=1), np.concatenate(sigma, axis=1), np.concatenate(noise))
-    source = Sines(np.array(lines), np.array(drive), n, dt, np.array(forces), rise_of(blocks))
+    source = SineBlocks(np.array(lines), np.array(drive), n, dt, np.array(forces), rise_of(blocks))
     return SineData(tuple(pieces), source, rows, ratio, ratio_sigma)
 
 
@@ -149,7 +149,7 @@ def rise_of(blocks: Sequence[Block]) -> SineStartUp:
 def sine_ratio(signals: Sequence[Signals], force_sigma: float) -> tuple[float, float]:
     """Frequency of the sines in the records over what the generator was set to, and its deviation."""
     rate, n = signals[0].rate_hz, signals[0].force.size
-    set_hz = np.array([on_line(s.block.frequency_hz or 0.0, n, 1 / rate) for s in signals])
+    set_hz = np.array([frequency_on_line(s.block.frequency_hz or 0.0, n, 1 / rate) for s in signals])
     return clock_ratio(np.array([s.force for s in signals]), rate, set_hz, force_sigma)
 
 
@@ -174,33 +174,33 @@ def force_amplitude(signals: Signals, frequency_hz: float) -> complex:
     return complex(fit_at(signals.force[None], signals.rate_hz, frequency_hz).amplitude[0])
 
 
-def on_line(hz: float, n: int, dt: float) -> float:
+def frequency_on_line(hz: float, n: int, dt: float) -> float:
     """A frequency that was rounded when it was written down, put back on its DFT line."""
     line = hz * n * dt
     return round(line) / (n * dt) if abs(line - round(line)) < 2e-3 else hz
 
 
-def thinned(data: Reduced, poles: Complex) -> Reduced:
+def thin_lines(data: Reduced, poles: Complex) -> Reduced:
     """The data with fewer lines, for a first look: all lines about the poles, few between them, three about a sine."""
     sines = _thin_sines(data.sines) if data.sines is not None else None
-    return replace(data, impacts=tuple(_thin(d, poles) for d in data.impacts), sines=sines)
+    return replace(data, impacts=tuple(_thin_part(d, poles) for d in data.impacts), sines=sines)
 
 
 def _thin_sines(d: SineData) -> SineData:
     count = d.source.lines.shape[1]
     keep = np.abs(np.arange(count) - count // 2) <= 1
-    rows = _kept(d.rows, np.tile(keep, len(d.source.lines)))
+    rows = _keep_lines(d.rows, np.tile(keep, len(d.source.lines)))
     return replace(d, source=replace(d.source, lines=d.source.lines[:, keep]), rows=rows)
 
 
-def _kept(rows: Rows, keep: NDArray[np.bool_]) -> Rows:
+def _keep_lines(rows: Rows, keep: NDArray[np.bool_]) -> Rows:
     return Rows(rows.y[:, keep], rows.sigma[:, keep], rows.common[keep], rows.direction[:, keep])
 
 
-def _thin(d: ImpactData, poles: Complex) -> ImpactData:
+def _thin_part(d: ImpactData, poles: Complex) -> ImpactData:
     df = 1 / (d.source.n * d.source.dt)
     hz = d.source.lines * df
     keep = (np.arange(len(hz)) % 12 == 0) | (hz < 8)
     for pole in np.abs(poles) / (2 * np.pi):
         keep |= np.abs(hz - pole) < np.maximum(3.5 * df, 0.025 * pole)
-    return replace(d, source=d.source.kept(keep), rows=_kept(d.rows, keep))
+    return replace(d, source=d.source.kept(keep), rows=_keep_lines(d.rows, keep))

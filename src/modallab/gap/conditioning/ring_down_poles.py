@@ -32,7 +32,7 @@ def ring_down_poles(blocks: Sequence[Block], rig: Rig, keep: Sequence[int], top_
         keep: indices of the accelerometers to use.
         top_hz: end of the band.
     """
-    decays = [d for b in blocks if (d := _decay(b, rig, keep, top_hz)) is not None]
+    decays = [d for b in blocks if (d := _decay_after_hit(b, rig, keep, top_hz)) is not None]
     if not decays:
         return np.zeros(0, dtype=np.complex128)
     dt = decays[0][1]
@@ -47,7 +47,7 @@ def ring_down_poles(blocks: Sequence[Block], rig: Rig, keep: Sequence[int], top_
     return np.array(sorted(agreed, key=abs), dtype=np.complex128)
 
 
-def _decay(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[Real, float] | None:
+def _decay_after_hit(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[Real, float] | None:
     """(channels, n) after the hit, and s between samples; None where next to nothing comes after it."""
     signals = to_signals(block, rig)
     motion, start = signals.responses, wide_hit(signals).stop

@@ -11,7 +11,7 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.twin.response import Averages, Hits, Sines
+from modallab.twin.response import AveragedFrfs, HitsAtPoint, SineBlocks
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -75,7 +75,7 @@ class ImpactData:
     """All hits at one point that are taken together, or all records of a broadband drive."""
 
     piece: Piece
-    source: Hits | Averages
+    source: HitsAtPoint | AveragedFrfs
     rows: Rows
 
 
@@ -84,7 +84,7 @@ class SineData:
     """All sine blocks; rows are blocks x lines, flattened. `ratio` is the seen frequency over the one that was set."""
 
     pieces: tuple[Piece, ...]
-    source: Sines
+    source: SineBlocks
     rows: Rows
     ratio: float
     ratio_sigma: float

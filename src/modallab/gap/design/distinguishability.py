@@ -14,14 +14,14 @@ from modallab.core.arrays import Real
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.design.planned import planned
+from modallab.gap.design.planned import records_of_plans
 from modallab.gap.model.candidates import of_bench, of_channel, testable
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.tolerances import with_tolerances
-from modallab.twin.candidate import Candidate, Slot
-from modallab.twin.effects import models
+from modallab.twin.candidate import CandidateEffect, FreeNumber
+from modallab.twin.effects import effect_models
 
 ALIKE = 0.95
 """Cosine from which two effects count as not to be distinguished."""
@@ -70,13 +70,13 @@ class Distinguishability:
         return sorted(pairs, key=lambda p: -p[2])
 
 
-def distinguishability(rig: Rig, plans: Sequence[Plan]) -> Distinguishability:
+def distinguishability_of_plan(rig: Rig, plans: Sequence[Plan]) -> Distinguishability:
     """The distinguishability of a plan on a rig, its tolerances free; a lab's usual ones where it states none."""
     hits = [(rig.x_of(p), plan.hits) for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points]
-    return of_data(planned(with_tolerances(rig), plans), hits)
+    return distinguishability_of_data(records_of_plans(with_tolerances(rig), plans), hits)
 
 
-def of_data(
+def distinguishability_of_data(
     data: Reduced, hits: Collection[tuple[float, int]] = (), names: Collection[str] | None = None
 ) -> Distinguishability:
     """The distinguishability of reduced data, around the nominal bench.
@@ -97,7 +97,7 @@ def of_data(
     found: dict[str, list[Real]] = {}
     strength: dict[str, list[float]] = {}
     left: dict[str, list[float]] = {}
-    for candidate, values in _signatures(rig, data):
+    for candidate, values in _signatures_of_effects(rig, data):
         if names is not None and candidate.effect not in names:
             continue
         u = np.concatenate([zero, values])
@@ -108,7 +108,7 @@ def of_data(
         if whole > 0:
             found.setdefault(candidate.effect, []).append(rest / max(float(np.linalg.norm(rest)), 1e-300))
             strength.setdefault(candidate.effect, []).append(float(np.linalg.norm(rest)) / whole)
-            left.setdefault(candidate.effect, []).append(float(np.linalg.norm(rest)) * _plainly(candidate))
+            left.setdefault(candidate.effect, []).append(float(np.linalg.norm(rest)) * _plain_over_small(candidate))
     listed = tuple(found)
     cosine = np.eye(len(listed))
     for i, a in enumerate(listed):
@@ -118,22 +118,22 @@ def of_data(
     return Distinguishability(listed, cosine, strengths, lefts)
 
 
-def _signatures(rig: Rig, data: Reduced) -> list[tuple[Candidate, Real]]:
+def _signatures_of_effects(rig: Rig, data: Reduced) -> list[tuple[CandidateEffect, Real]]:
     """Every effect in a small size, at a few places."""
     middle = data.channels[len(data.channels) // 2]
-    found: list[tuple[Candidate, Real]] = []
+    found: list[tuple[CandidateEffect, Real]] = []
     for c in of_bench(rig) + of_channel(rig, middle):
         # What has no size, as a turned sensor, has no signature of a small one.
         if not c.slots or not testable(c, data):
             continue
         places = PLACES if any(s.name == "x" for s in c.slots) else (None,)
         for x in places:
-            values = [s.coordinate(x if s.name == "x" and x is not None else _small(s)) for s in c.slots]
+            values = [s.coordinate(x if s.name == "x" and x is not None else _small_value(s)) for s in c.slots]
             found.append((c, np.array(values)))
     return found
 
 
-def _small(slot: Slot) -> float:
+def _small_value(slot: FreeNumber) -> float:
     if slot.power < 0:
         return 10 * max(slot.starts)
     if slot.none:
@@ -141,20 +141,20 @@ def _small(slot: Slot) -> float:
     return min((v for v in slot.starts if v > 0), key=abs) / (30 if slot.power else 1)
 
 
-def _plainly(candidate: Candidate) -> float:
+def _plain_over_small(candidate: CandidateEffect) -> float:
     """How many times larger than the small effect's a plain one's signature is: one in the middle of those looked for.
 
     Signatures grow with a mass, with the compliance of a spring that something stands on, and so on.
     """
     slot = next(s for s in candidate.slots if s.name != "x")
     positive = [v for v in slot.starts if v > 0]
-    plain, small = positive[len(positive) // 2], _small(slot)
+    plain, small = positive[len(positive) // 2], _small_value(slot)
     if slot.none:
         return abs(float(np.log(min(v for v in positive if v > slot.none) / slot.none) / np.log(small / slot.none)))
     return (small / plain) ** -slot.power if slot.power < 0 else (plain / small) ** slot.power
 
 
-def advice(found: Distinguishability, plans: Sequence[Plan]) -> list[str]:
+def advice_on_plan(found: Distinguishability, plans: Sequence[Plan]) -> list[str]:
     """What to add to the plan."""
     kinds = {p.kind for p in plans}
     advices: list[str] = []
@@ -172,6 +172,6 @@ def advice(found: Distinguishability, plans: Sequence[Plan]) -> list[str]:
     if any(isinstance(p, SinePlan) and len(p.levels_v) < 2 for p in plans):
         advices.append("Add a second level: an effect that depends on the size of the motion shows only there.")
     pairs = {frozenset(pair[:2]) for pair in found.alike()}
-    rivals = [(name, rival) for name, model in models().items() for rival in model.rivals if rival.plan]
+    rivals = [(name, rival) for name, model in effect_models().items() for rival in model.rivals if rival.plan]
     advices += [r.plan for name, r in rivals if any(name in p and (not r.effect or r.effect in p) for p in pairs)]
     return advices

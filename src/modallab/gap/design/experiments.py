@@ -12,8 +12,8 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.frozen import Frozen
 from modallab.core.plan import Plan
-from modallab.core.progress import report
-from modallab.gap.design.planning import Planning, Prospect
+from modallab.core.progress import report_progress
+from modallab.gap.design.planning import ExperimentPlanner, RankedExperiment
 
 DECIDES = 0.65
 """Expected probability of the true explanation below which no experiment is said to decide."""
@@ -56,26 +56,26 @@ def next_experiments(campaign: Campaign, diagnosis: Diagnosis) -> list[Experimen
         PlanError: fewer than two explanations are left standing, or one of them depends on the size of the motion.
         DataError: the campaign holds no record that says what drove it, or the diagnosis not the explanations' numbers.
     """
-    report(0.0, "the explanations")
-    planning = Planning.of(campaign, diagnosis)
-    report(0.3, "experiments")
+    report_progress(0.0, "the explanations")
+    planning = ExperimentPlanner.of(campaign, diagnosis)
+    report_progress(0.3, "experiments")
     found = planning.prospects()
     for k in range(LOOKED):
         # A full fit may take from the best what slopes promised; then the next is the best.
-        found.sort(key=_value, reverse=True)
+        found.sort(key=_expected_value, reverse=True)
         if not found or found[0].looked:
             break
-        report(0.5 + 0.5 * k / LOOKED, f"full fits of {found[0].option.name}")
+        report_progress(0.5 + 0.5 * k / LOOKED, f"full fits of {found[0].option.name}")
         found[0] = planning.looked_at(found[0])
-    found.sort(key=_value, reverse=True)
-    return [_experiment(p) for p in found]
+    found.sort(key=_expected_value, reverse=True)
+    return [_experiment_of_prospect(p) for p in found]
 
 
-def _value(prospect: Prospect) -> float:
+def _expected_value(prospect: RankedExperiment) -> float:
     return prospect.outlook.right - HOUR * prospect.option.seconds / 3600
 
 
-def _experiment(prospect: Prospect) -> Experiment:
+def _experiment_of_prospect(prospect: RankedExperiment) -> Experiment:
     option, outlook = prospect.option, prospect.outlook
     return Experiment(
         name=option.name,

@@ -11,15 +11,15 @@ from modallab.core.diagnosis import CandidateSet, Diagnosis
 from modallab.core.effects import kind_of
 from modallab.core.errors import DataError, PlanError
 from modallab.core.hold_out import SPREAD
-from modallab.gap.conditioning.prepare import Prepared, prepare
-from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
+from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.split import split
+from modallab.gap.conditioning.split import split_held_out
 from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import Nuisances, nuisances
-from modallab.gap.model.restored import begin_of
+from modallab.gap.model.restored import first_fit_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import TOP_HZ, weights_of
 from modallab.gap.search.best_place import at_best_place
@@ -48,7 +48,7 @@ class Explanation:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Recorded:
+class RecordsSoFar:
     """What is there to plan with.
 
     Attributes:
@@ -59,19 +59,19 @@ class Recorded:
 
     data: Reduced
     weights: Weights
-    prepared: Prepared
+    prepared: PreparedCampaign
 
 
-def recorded(campaign: Campaign) -> Recorded:
+def records_to_plan_with(campaign: Campaign) -> RecordsSoFar:
     """The records of a campaign as a diagnosis of them and of later ones would fit them.
 
     Raises:
         DataError: the campaign holds no record that says what drove it.
     """
-    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
+    prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
     weights = weights_of(prepared)
-    fitted, _ = split(prepared.blocks, SPREAD)
-    return Recorded(reduce(prepared.campaign, fitted, weights), weights, prepared)
+    fitted, _ = split_held_out(prepared.blocks, SPREAD)
+    return RecordsSoFar(reduce_blocks(prepared.campaign, fitted, weights), weights, prepared)
 
 
 def remaining_explanations(diagnosis: Diagnosis) -> list[CandidateSet]:
@@ -93,7 +93,7 @@ def without_needless(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
     return kept
 
 
-def undecided(diagnosis: Diagnosis) -> list[CandidateSet]:
+def undecided_explanations(diagnosis: Diagnosis) -> list[CandidateSet]:
     """The explanations left standing, where an experiment can be planned for them.
 
     Raises:
@@ -112,13 +112,13 @@ def undecided(diagnosis: Diagnosis) -> list[CandidateSet]:
     return sets
 
 
-def explanations(
-    sets: Sequence[CandidateSet], there: Recorded, points: Collection[tuple[float, int]]
+def fit_explanations(
+    sets: Sequence[CandidateSet], there: RecordsSoFar, points: Collection[tuple[float, int]]
 ) -> list[Explanation]:
     """Explanations, fitted to what is there.
 
     Args:
-        sets: the explanations, as `undecided`.
+        sets: the explanations, as `undecided_explanations`.
         there: the records.
         points: place in m and number of further hits that are planned: where each lands is free as well.
 
@@ -128,16 +128,16 @@ def explanations(
     free = free_with(there, points)
     total = sum(c.probability for c in sets) or 1.0
     names = Counter(frozenset(c.effects) for c in sets)
-    fits = [minimise(*begin_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4) for c in sets]
+    fits = [minimise(*first_fit_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4) for c in sets]
     best = min(fits, key=lambda f: f.cost)
-    fits = [at_best_place(beside(f, best)) for f in fits]
+    fits = [at_best_place(better_of_two_fits(f, best)) for f in fits]
     return [
         Explanation(tuple(sorted(e.effect for e in c.fitted)), c.probability / total, fit)
         for c, fit in zip(sets, fits, strict=True)
     ]
 
 
-def beside(fit: Fit, other: Fit) -> Fit:
+def better_of_two_fits(fit: Fit, other: Fit) -> Fit:
     """A fit, or the one that begins where another's nuisances are, if that is the better one.
 
     Many numbers that do nearly the same settle slowly: what two explanations differ by must not be where each fit has
@@ -163,7 +163,7 @@ def _require_planned(diagnosis: Diagnosis, c: CandidateSet) -> None:
         )
 
 
-def free_with(there: Recorded, points: Collection[tuple[float, int]]) -> Nuisances:
+def free_with(there: RecordsSoFar, points: Collection[tuple[float, int]]) -> Nuisances:
     """The free numbers of a fit to the records that are there and to hits at further points."""
     rig = there.prepared.campaign.rig
     counts = Counter(b.drive_point for b in there.prepared.blocks if b.test == "impact" and b.drive_point is not None)

@@ -19,7 +19,7 @@ from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import Explanation
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import jacobian
-from modallab.gap.search.choose import shares_of
+from modallab.gap.search.choose import probabilities_of
 from modallab.gap.search.fitting import excess, temperature_of
 
 DRAWS = 100
@@ -34,12 +34,12 @@ SEED = 20261125
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Rivals:
+class RivalExplanations:
     """Explanations, linear about their fits to the records that are there.
 
     Attributes:
         listed: the explanations.
-        numbers: of each, which columns of `columns_of` are its own.
+        numbers: of each, which columns of `predicted_differences` are its own.
         starts: (numbers, numbers) curvature and (numbers,) slope of each one's squares.
     """
 
@@ -52,7 +52,7 @@ class Rivals:
         """At least two explanations, fitted to the same records."""
         ends = np.cumsum([0, *(r.fit.u.size for r in listed)]).tolist()
         numbers = tuple(slice(a, b) for a, b in pairwise(ends))
-        return cls(tuple(listed), numbers, tuple(_start(r.fit) for r in listed))
+        return cls(tuple(listed), numbers, tuple(_coordinates_of_fit(r.fit) for r in listed))
 
     @property
     def excess(self) -> float:
@@ -67,7 +67,7 @@ class Rivals:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Outlook:
+class ExpectedOutcome:
     """What an experiment is expected to bring.
 
     Attributes:
@@ -89,16 +89,16 @@ class Outlook:
         return float(self.chances @ np.min(others, axis=1))
 
 
-def _start(fit: Fit) -> tuple[Real, Real]:
+def _coordinates_of_fit(fit: Fit) -> tuple[Real, Real]:
     J, n = jacobian(fit.problem, fit.u, fit.residual), fit.problem.free.size
     _, slope, curvature = fit.problem.priors(fit.u)
     normal, gradient = J.T @ J, J.T @ fit.residual
-    normal[np.diag_indices(len(normal))] += np.concatenate([curvature, (FAR * _open(fit)) ** -2])
+    normal[np.diag_indices(len(normal))] += np.concatenate([curvature, (FAR * _widest_draws(fit)) ** -2])
     gradient[:n] += slope
     return normal, gradient
 
 
-def columns_of(rivals: Rivals, data: Reduced) -> Real:
+def predicted_differences(rivals: RivalExplanations, data: Reduced) -> Real:
     """(residuals, all numbers + explanations) slopes of each explanation's answers, and its answers less the first's.
 
     In noise units; what the records so far say of the generator's clock does not count twice.
@@ -114,7 +114,9 @@ def columns_of(rivals: Rivals, data: Reduced) -> Real:
     return found[:-1] if known else found
 
 
-def outlook(rivals: Rivals, gram: Real, count: int, nonlinear: Real | None = None) -> Outlook:
+def expected_outcome(
+    rivals: RivalExplanations, gram: Real, count: int, nonlinear: Real | None = None
+) -> ExpectedOutcome:
     """What an experiment is expected to bring.
 
     Args:
@@ -130,24 +132,24 @@ def outlook(rivals: Rivals, gram: Real, count: int, nonlinear: Real | None = Non
     right, alone, ratio = np.zeros(size), np.zeros(size), np.zeros((size, size))
     for true in range(size):
         noise = rng.standard_normal((DRAWS, len(gram))) @ root.T
-        costs = _costs(rivals, gram, true, _drawn(rivals, true, rng), noise)
+        costs = _costs_of_rivals(rivals, gram, true, _draw_numbers(rivals, true, rng), noise)
         costs += count if nonlinear is None else count + nonlinear[true]
-        after = believed(rivals, costs, count)[:, true]
+        after = probabilities_of_rivals(rivals, costs, count)[:, true]
         right[true], alone[true] = np.mean(after), np.mean(after >= ALONE)
         ratio[true] = np.mean(costs - costs[:, [true]], axis=0) / 2
-    chances = believed(rivals, np.array([r.fit.cost for r in rivals.listed]), 0)
-    return Outlook(float(chances @ right), float(chances @ alone), ratio, chances)
+    chances = probabilities_of_rivals(rivals, np.array([r.fit.cost for r in rivals.listed]), 0)
+    return ExpectedOutcome(float(chances @ right), float(chances @ alone), ratio, chances)
 
 
-def without_noise(rivals: Rivals, gram: Real, true: int) -> list[tuple[float, Real]]:
+def without_noise(rivals: RivalExplanations, gram: Real, true: int) -> list[tuple[float, Real]]:
     """What each explanation leaves by slopes of the answers of one and of the records before, and its numbers then."""
     answers = np.zeros((1, len(gram)))
     answers[0, len(gram) - len(rivals.listed) + true] = 1
-    found = [_again(rivals, gram, k, answers, np.zeros((1, len(gram)))) for k in range(len(rivals.listed))]
+    found = [_refit_rival(rivals, gram, k, answers, np.zeros((1, len(gram)))) for k in range(len(rivals.listed))]
     return [(float(cost[0]), r.fit.u + step[0]) for r, (cost, step) in zip(rivals.listed, found, strict=True)]
 
 
-def apart_by_row(rivals: Rivals, columns: Real) -> Real:
+def apart_by_row(rivals: RivalExplanations, columns: Real) -> Real:
     """(residuals,) what the second explanation, fitted again, leaves of the answers of the first, in noise units."""
     own, first = rivals.numbers[1], columns.shape[1] - len(rivals.listed)
     slopes, off = columns[:, own], -columns[:, first + 1]
@@ -156,38 +158,38 @@ def apart_by_row(rivals: Rivals, columns: Real) -> Real:
     return off - slopes @ step
 
 
-def believed(rivals: Rivals, costs: Real, count: int) -> Real:
+def probabilities_of_rivals(rivals: RivalExplanations, costs: Real, count: int) -> Real:
     """(..., explanations) probabilities, as a diagnosis of all records would give them, of squares left of all."""
     n = rivals.count + count
     effects = np.array([len(r.effects) for r in rivals.listed])
     # What is above the floor counts for less among more records.
-    return shares_of(costs, effects, n, temperature_of(rivals.excess / n))
+    return probabilities_of(costs, effects, n, temperature_of(rivals.excess / n))
 
 
-def _open(fit: Fit) -> Real:
+def _widest_draws(fit: Fit) -> Real:
     """(numbers of its effects,) how far each is drawn from the fit at most, about."""
     return np.array([OPEN_PLACE if s.name == "x" else OPEN for c in fit.problem.candidates for s in c.slots])
 
 
-def _drawn(rivals: Rivals, true: int, rng: np.random.Generator) -> Real:
+def _draw_numbers(rivals: RivalExplanations, true: int, rng: np.random.Generator) -> Real:
     """(draws, numbers) what the records so far leave open of an explanation's numbers."""
     fit, normal = rivals.listed[true].fit, rivals.starts[true][0].copy()
     own = np.arange(fit.problem.free.size, len(normal))
-    normal[own, own] += _open(fit) ** -2
+    normal[own, own] += _widest_draws(fit) ** -2
     z = rng.standard_normal((len(normal), DRAWS))
     drawn: Real = np.linalg.solve(np.linalg.cholesky(normal).T, z).T.astype(np.float64)
     return drawn
 
 
-def _costs(rivals: Rivals, gram: Real, true: int, drawn: Real, noise: Real) -> Real:
+def _costs_of_rivals(rivals: RivalExplanations, gram: Real, true: int, drawn: Real, noise: Real) -> Real:
     """(draws, explanations) squares that each leaves of all records, less those of the new noise alone."""
     answers = np.zeros((len(drawn), len(gram)))
     answers[:, rivals.numbers[true]] = drawn
     answers[:, len(gram) - len(rivals.listed) + true] += 1
-    return np.array([_again(rivals, gram, k, answers, noise)[0] for k in range(len(rivals.listed))]).T
+    return np.array([_refit_rival(rivals, gram, k, answers, noise)[0] for k in range(len(rivals.listed))]).T
 
 
-def _again(rivals: Rivals, gram: Real, k: int, answers: Real, noise: Real) -> tuple[Real, Real]:
+def _refit_rival(rivals: RivalExplanations, gram: Real, k: int, answers: Real, noise: Real) -> tuple[Real, Real]:
     """(draws,) squares that an explanation leaves, fitted again, and (draws, numbers) how far its numbers go.
 
     Args:

@@ -10,7 +10,7 @@ import numpy as np
 from modallab.core.block import Campaign
 from modallab.core.plan import PAPER_LINES, ForceControl, HitAcceptance, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.records import as_volts, usable
+from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.conditioning.reduce import force_amplitude
 from modallab.gap.design.planned import N_PER_V
 from modallab.signals.signals import to_signals
@@ -39,7 +39,7 @@ SHAPE = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Option:
+class PossibleExperiment:
     """Something that could be done.
 
     Attributes:
@@ -55,7 +55,7 @@ class Option:
     @property
     def seconds(self) -> float:
         """What it takes at the bench, about."""
-        return sum(_seconds(plan) for plan in self.plans)
+        return sum(_bench_seconds(plan) for plan in self.plans)
 
 
 def plans_of(campaign: Campaign) -> list[Plan]:
@@ -64,8 +64,8 @@ def plans_of(campaign: Campaign) -> list[Plan]:
     Raises:
         DataError: the campaign holds no record that says what drove it.
     """
-    volts = as_volts(campaign)
-    blocks = usable(volts)
+    volts = records_in_volts(campaign)
+    blocks = usable_records(volts)
     hits = [b for b in blocks if b.test == "impact"]
     plans: list[Plan] = []
     counts = Counter(b.drive_point for b in hits if b.drive_point is not None)
@@ -91,7 +91,7 @@ def plans_of(campaign: Campaign) -> list[Plan]:
     return plans
 
 
-def options(rig: Rig, done: Sequence[Plan], poles_hz: Sequence[float]) -> list[Option]:
+def possible_experiments(rig: Rig, done: Sequence[Plan], poles_hz: Sequence[float]) -> list[PossibleExperiment]:
     """What could be done, of one kind each.
 
     Args:
@@ -99,10 +99,10 @@ def options(rig: Rig, done: Sequence[Plan], poles_hz: Sequence[float]) -> list[O
         done: what was done, as `plans_of`.
         poles_hz: frequencies of the ring-down.
     """
-    return [*_hits(rig, done), *(_sines(rig, done, poles_hz) if rig.shaker_point is not None else [])]
+    return [*_possible_hits(rig, done), *(_possible_sines(rig, done, poles_hz) if rig.shaker_point is not None else [])]
 
 
-def _hits(rig: Rig, done: Sequence[Plan]) -> list[Option]:
+def _possible_hits(rig: Rig, done: Sequence[Plan]) -> list[PossibleExperiment]:
     before = [plan for plan in done if isinstance(plan, ImpactPlan)]
     struck = sorted({p for plan in before for p in plan.points})
     # At one point all hits are one set of lines: they must be as long as those before.
@@ -111,14 +111,16 @@ def _hits(rig: Rig, done: Sequence[Plan]) -> list[Option]:
     acceptance = HitAcceptance(check_point=len(rig.responses) >= SHAPE, max_residual_ratio=STILL)
     like = like.model_copy(update={"acceptance": acceptance})
     found = [
-        Option(f"hits at {p.id}", f"Strike {HITS} times at point {p.id}.", (struck_at(like, (p.id,)),))
+        PossibleExperiment(f"hits at {p.id}", f"Strike {HITS} times at point {p.id}.", (struck_at(like, (p.id,)),))
         # Of points that tell alike, that is struck which moves most: near the root a hit is felt least.
         for p in sorted(rig.points, key=lambda p: -p.x_m)
         if p.id not in struck and p.x_m > 0
     ]
     if struck:
         again = struck_at(like, tuple(struck))
-        found.append(Option("hits again", "Repeat the hits where they were: noise falls, and time shows.", (again,)))
+        found.append(
+            PossibleExperiment("hits again", "Repeat the hits where they were: noise falls, and time shows.", (again,))
+        )
     return found
 
 
@@ -127,23 +129,23 @@ def struck_at(like: ImpactPlan, points: tuple[int, ...]) -> ImpactPlan:
     return like.model_copy(update={"points": points, "hits": HITS})
 
 
-def _sines(rig: Rig, done: Sequence[Plan], poles_hz: Sequence[float]) -> list[Option]:
+def _possible_sines(rig: Rig, done: Sequence[Plan], poles_hz: Sequence[float]) -> list[PossibleExperiment]:
     before = next((plan for plan in done if isinstance(plan, SinePlan)), None)
     if before is None:
-        first = at_force(rig, SinePlan(), SinePlan().frequencies_hz, "low", FIRST_N)
-        return [Option("sines", "Run a sine test.", (first,))]
+        first = sines_at_force(rig, SinePlan(), SinePlan().frequencies_hz, "low", FIRST_N)
+        return [PossibleExperiment("sines", "Run a sine test.", (first,))]
     top = max(before.levels_v.values()) * N_PER_V
-    louder = at_force(rig, before, before.frequencies_hz, "louder", LOUDER * top)
-    found = [Option("third level", "Repeat the sines at a level above.", (louder,))]
+    louder = sines_at_force(rig, before, before.frequencies_hz, "louder", LOUDER * top)
+    found = [PossibleExperiment("third level", "Repeat the sines at a level above.", (louder,))]
     inside = [f for f in poles_hz if f < BAND * before.rate_hz]
     if inside:
         close = tuple(round(f * share, 3) for f in inside for share in ABOUT)
-        about = at_force(rig, before, close, "about", top)
-        found.append(Option("sines about modes", "Drive five frequencies about each mode.", (about,)))
+        about = sines_at_force(rig, before, close, "about", top)
+        found.append(PossibleExperiment("sines about modes", "Drive five frequencies about each mode.", (about,)))
     return found
 
 
-def at_force(rig: Rig, like: SinePlan, frequencies_hz: tuple[float, ...], level: str, newtons: float) -> SinePlan:
+def sines_at_force(rig: Rig, like: SinePlan, frequencies_hz: tuple[float, ...], level: str, newtons: float) -> SinePlan:
     """Sines of a force, recorded as those of a plan before: records do not say how many volts drove them."""
     if rig.limits is not None:
         newtons = min(newtons, MOST_OF_LIMIT * rig.limits.force_n)
@@ -158,7 +160,7 @@ def at_force(rig: Rig, like: SinePlan, frequencies_hz: tuple[float, ...], level:
     )
 
 
-def no_louder(plan: SinePlan, newtons: float) -> SinePlan:
+def limit_force(plan: SinePlan, newtons: float) -> SinePlan:
     """The same at this force at most, where it holds one."""
     if plan.force is None or max(plan.force.levels_n.values()) <= newtons:
         return plan
@@ -176,10 +178,10 @@ def every_line(rig: Rig, done: Sequence[Plan]) -> SinePlan:
     lines = [k / like.block_s for k in range(min(PAPER_LINES), max(PAPER_LINES) + 1)]
     free = tuple(round(f, 3) for f in lines if all(abs(f - d) * like.block_s > 0.5 for d in driven))
     newtons = FIRST_N if before is None else max(before.levels_v.values()) * N_PER_V
-    return at_force(rig, like, free, "chosen", newtons)
+    return sines_at_force(rig, like, free, "chosen", newtons)
 
 
-def _seconds(plan: Plan) -> float:
+def _bench_seconds(plan: Plan) -> float:
     if isinstance(plan, ImpactPlan):
         return HIT_S * plan.hits * len(plan.points)
     if not isinstance(plan, SinePlan):

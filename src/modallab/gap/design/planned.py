@@ -20,7 +20,7 @@ from modallab.gap.model.fit import GENERATOR
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import nuisances
 from modallab.twin.bench import Twin
-from modallab.twin.response import Hits, Sines, SineStartUp
+from modallab.twin.response import HitsAtPoint, SineBlocks, SineStartUp
 
 HIT_N, HIT_S = 80.0, 0.003
 """A plain hit: half a sine of this height and length."""
@@ -29,7 +29,7 @@ N_PER_V = 1.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Layout:
+class PlannedRecords:
     """Records that have not been made: what drives them and their noise, without an answer.
 
     Attributes:
@@ -54,17 +54,17 @@ class Layout:
         return replace(self.data, impacts=impacts, sines=sines)
 
 
-def together(layouts: Sequence[Layout]) -> Layout:
+def join_planned(layouts: Sequence[PlannedRecords]) -> PlannedRecords:
     """The records of several plans side by side, each as it would be were it run alone; at least one."""
     first = layouts[0].data
     impacts = tuple(d for one in layouts for d in one.data.impacts)
     of_hits = tuple(noise for one in layouts for noise in one.force_noise[: len(one.data.impacts)])
     sines = [(one.data.sines, one.force_noise[-1]) for one in layouts if one.data.sines is not None]
     test, noise = _one_test(sines) if sines else (None, ())
-    return Layout(replace(first, impacts=impacts, sines=test), (*of_hits, *noise))
+    return PlannedRecords(replace(first, impacts=impacts, sines=test), (*of_hits, *noise))
 
 
-def planned(rig: Rig, plans: Sequence[Plan]) -> Reduced:
+def records_of_plans(rig: Rig, plans: Sequence[Plan]) -> Reduced:
     """What a campaign of these plans would give on the nominal bench.
 
     Raises:
@@ -82,8 +82,8 @@ def nominal_weights(rig: Rig) -> Weights:
 
 
 def laid_out(
-    rig: Rig, plans: Sequence[Plan], weights: Weights, pulse: Hits | None = None, done: Reduced | None = None
-) -> Layout:
+    rig: Rig, plans: Sequence[Plan], weights: Weights, pulse: HitsAtPoint | None = None, done: Reduced | None = None
+) -> PlannedRecords:
     """The records that plans would give; those of all sine tests are one.
 
     Args:
@@ -106,17 +106,17 @@ def laid_out(
     for plan in plans:
         if isinstance(plan, ImpactPlan):
             for point in plan.points:
-                hits.append(_hits(rig, plan, point, weights, order + plan.hits / 2, pulse))
+                hits.append(_planned_hits(rig, plan, point, weights, order + plan.hits / 2, pulse))
                 order += plan.hits
         elif isinstance(plan, SinePlan):
-            sines.append(_sines(rig, plan, weights, order))
+            sines.append(_planned_sines(rig, plan, weights, order))
             order += len(sines[-1][0].pieces)
     channels = tuple(c.index for c in rig.responses)
     x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
     last = max(order, 1.0) if done is None else done.last_order
     test, noise = _one_test(sines) if sines else (None, ())
     data = Reduced(rig, tuple(d for d, _ in hits), test, channels, x, last)
-    return Layout(data, (*(noise for _, noise in hits), *noise))
+    return PlannedRecords(data, (*(noise for _, noise in hits), *noise))
 
 
 def _one_test(sines: Sequence[tuple[SineData, Real]]) -> tuple[SineData, tuple[Real]]:
@@ -149,13 +149,13 @@ def with_more_sines(data: SineData, more: SineData) -> SineData:
     return replace(data, pieces=(*data.pieces, *more.pieces), source=source, rows=rows)
 
 
-def _empty(sigma: Real) -> Rows:
+def _empty_answer(sigma: Real) -> Rows:
     zero = np.zeros(sigma.shape, dtype=np.complex128)
     return Rows(zero, sigma, np.zeros(sigma.shape[1]), zero)
 
 
-def _hits(
-    rig: Rig, plan: ImpactPlan, point: int, weights: Weights, order: float, pulse: Hits | None
+def _planned_hits(
+    rig: Rig, plan: ImpactPlan, point: int, weights: Weights, order: float, pulse: HitsAtPoint | None
 ) -> tuple[ImpactData, Real]:
     n, dt = round(plan.block_s * plan.rate_hz), 1 / plan.rate_hz
     lines = np.arange(1.0, int(IMPACT_BAND * n) + 1)
@@ -167,11 +167,11 @@ def _hits(
     whole[start : start + len(force)] = force[: n - start]
     F = np.fft.rfft(whole)[1 : len(lines) + 1]
     power = plan.hits * np.abs(F) ** 2
-    source = Hits(lines, n, dt, np.array([force]), np.array([start]), (F.conj() / np.abs(F) ** 2)[None])
+    source = HitsAtPoint(lines, n, dt, np.array([force]), np.array([start]), (F.conj() / np.abs(F) ** 2)[None])
     sigma = weights.sigma(rig, "impact", lines, n, dt) * np.sqrt(n / 2 / power)
     noise = weights.force(rig, "impact") * np.sqrt(len(force) / 2 / power)
     piece = Piece(f"impact_p{point:02d}", order, rig.x_of(point), None, ())
-    return ImpactData(piece, source, _empty(sigma)), noise
+    return ImpactData(piece, source, _empty_answer(sigma)), noise
 
 
 def _plain_hit(plan: ImpactPlan, dt: float) -> tuple[Real, int]:
@@ -181,7 +181,7 @@ def _plain_hit(plan: ImpactPlan, dt: float) -> tuple[Real, int]:
     return pulse, max(0, round(plan.pre_trigger_s * plan.rate_hz) - before)
 
 
-def _sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> tuple[SineData, Real]:
+def _planned_sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> tuple[SineData, Real]:
     if rig.shaker_point is None:
         raise PlanError("the plan has a sine test, the rig no shaker point", remedy="add shaker_point to the rig file")
     n, dt = round(plan.block_s * plan.rate_hz), 1 / plan.rate_hz
@@ -193,7 +193,7 @@ def _sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> tuple[Si
     count = len(pairs)
     yes = np.ones(count, dtype=np.bool_)
     rise = SineStartUp(np.full(count, plan.settle_s), np.full(count, plan.ramp_s), yes, yes)
-    source = Sines(lines, np.array([hz for _, _, hz in pairs]), n, dt, force, rise)
+    source = SineBlocks(lines, np.array([hz for _, _, hz in pairs]), n, dt, force, rise)
     sigma = np.concatenate(
         [weights.sigma(rig, "sine", at, n, dt) * np.sqrt(2 / n) / abs(f) for at, f in zip(lines, force, strict=True)],
         axis=1,
@@ -203,4 +203,4 @@ def _sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> tuple[Si
     noise = np.where(offsets == 0, weights.force(rig, "sine") * np.sqrt(2 / n), 0.0) / np.abs(force)[:, None]
     x = rig.x_of(rig.shaker_point)
     pieces = tuple(Piece(f"sine_{v}_{hz:.3f}", order + i, x, v, ()) for i, (v, _, hz) in enumerate(pairs))
-    return SineData(pieces, source, _empty(sigma), 1.0, GENERATOR), noise.ravel()
+    return SineData(pieces, source, _empty_answer(sigma), 1.0, GENERATOR), noise.ravel()

@@ -11,23 +11,37 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.split import third
-from modallab.gap.design.explanations import Explanation, Recorded, explanations, recorded, undecided
+from modallab.gap.conditioning.split import every_third
+from modallab.gap.design.explanations import (
+    Explanation,
+    RecordsSoFar,
+    fit_explanations,
+    records_to_plan_with,
+    undecided_explanations,
+)
 from modallab.gap.design.information import (
-    Outlook,
-    Rivals,
+    ExpectedOutcome,
+    RivalExplanations,
     apart_by_row,
-    columns_of,
-    outlook,
+    expected_outcome,
+    predicted_differences,
     without_noise,
 )
-from modallab.gap.design.options import HITS, MOST_OF_LIMIT, Option, every_line, no_louder, options, plans_of
-from modallab.gap.design.planned import Layout, laid_out, together, with_more_sines
-from modallab.gap.model.fit import Fit, Problem, seen, softened
+from modallab.gap.design.options import (
+    HITS,
+    MOST_OF_LIMIT,
+    PossibleExperiment,
+    every_line,
+    limit_force,
+    plans_of,
+    possible_experiments,
+)
+from modallab.gap.design.planned import PlannedRecords, join_planned, laid_out, with_more_sines
+from modallab.gap.model.fit import Fit, Problem, evaluated, with_relative_noise
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.best_place import at_best_place
 from modallab.twin.bench import Twin
-from modallab.twin.response import Hits
+from modallab.twin.response import HitsAtPoint
 
 CHOSEN = 9
 """Sines at frequencies where the explanations differ most."""
@@ -42,7 +56,7 @@ LONGEST = 4.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Prospect:
+class RankedExperiment:
     """An experiment, and what it is expected to bring.
 
     Attributes:
@@ -54,16 +68,16 @@ class Prospect:
         looked: whether full fits say so; else slopes.
     """
 
-    option: Option
-    layout: Layout
+    option: PossibleExperiment
+    layout: PlannedRecords
     gram: Real
     count: int
-    outlook: Outlook
+    outlook: ExpectedOutcome
     looked: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Planning:
+class ExperimentPlanner:
     """What experiments are planned with.
 
     Attributes:
@@ -73,22 +87,22 @@ class Planning:
         listed: what could be done, of one kind each.
     """
 
-    there: Recorded
+    there: RecordsSoFar
     done: tuple[Plan, ...]
-    rivals: Rivals
-    listed: tuple[Option, ...]
+    rivals: RivalExplanations
+    listed: tuple[PossibleExperiment, ...]
 
     @classmethod
     def of(cls, campaign: Campaign, diagnosis: Diagnosis) -> Self:
         """What is planned with beside a campaign; errors as of `next_experiments`."""
-        sets, there, done = undecided(diagnosis), recorded(campaign), plans_of(campaign)
+        sets, there, done = undecided_explanations(diagnosis), records_to_plan_with(campaign), plans_of(campaign)
         rig = there.prepared.campaign.rig
-        listed = options(rig, done, diagnosis.gap.poles_hz)
+        listed = possible_experiments(rig, done, diagnosis.gap.poles_hz)
         struck = [p for o in listed for plan in o.plans if isinstance(plan, ImpactPlan) for p in plan.points]
-        rivals = explanations(sets, there, [(rig.x_of(p), HITS) for p in struck])
-        return cls(there, tuple(done), Rivals.of(rivals), tuple(listed))
+        rivals = fit_explanations(sets, there, [(rig.x_of(p), HITS) for p in struck])
+        return cls(there, tuple(done), RivalExplanations.of(rivals), tuple(listed))
 
-    def prospects(self) -> list[Prospect]:
+    def prospects(self) -> list[RankedExperiment]:
         """Every experiment by slopes, and the best of them two and two."""
         found = [self._prospect(o) for o in self.listed]
         chosen = self._chosen()
@@ -96,42 +110,44 @@ class Planning:
         best = sorted(found, key=lambda p: -p.outlook.right)[:BESIDE]
         return [*found, *(self._both(a, b) for a, b in combinations(best, 2))]
 
-    def looked_at(self, prospect: Prospect) -> Prospect:
+    def looked_at(self, prospect: RankedExperiment) -> RankedExperiment:
         """The same by full fits of every explanation to what every other one would answer."""
         listed = self.rivals.listed
         nonlinear = np.zeros((len(listed), len(listed)))
         for true, rival in enumerate(listed):
-            joint = _joint(self.there.data, self._answered(prospect.layout, rival))
+            joint = _join_data(self.there.data, self._answered(prospect.layout, rival))
             straight = without_noise(self.rivals, prospect.gram, true)
             for k, other in enumerate(listed):
                 problem, (squares, end) = replace(other.fit.problem, data=joint), straight[k]
-                nonlinear[true, k] = _least(problem, other.fit, end, rival.fit) - squares
-        expected = outlook(self.rivals, prospect.gram, prospect.count, nonlinear)
+                nonlinear[true, k] = _least_squares_left(problem, other.fit, end, rival.fit) - squares
+        expected = expected_outcome(self.rivals, prospect.gram, prospect.count, nonlinear)
         return replace(prospect, outlook=expected, looked=True)
 
-    def _prospect(self, option: Option) -> Prospect:
+    def _prospect(self, option: PossibleExperiment) -> RankedExperiment:
         option = replace(option, plans=tuple(self._within_limits(plan) for plan in option.plans))
-        layout = together([self._laid_out(self._fitted(plan)) for plan in option.plans])
+        layout = join_planned([self._laid_out(self._fitted(plan)) for plan in option.plans])
         columns = self._columns(layout)
         gram = columns.T @ columns
-        return Prospect(option, layout, gram, len(columns), outlook(self.rivals, gram, len(columns)))
+        return RankedExperiment(option, layout, gram, len(columns), expected_outcome(self.rivals, gram, len(columns)))
 
-    def _laid_out(self, plan: Plan) -> Layout:
+    def _laid_out(self, plan: Plan) -> PlannedRecords:
         data = self.there.data
-        hits = next((d.source for d in data.impacts if isinstance(d.source, Hits)), None)
+        hits = next((d.source for d in data.impacts if isinstance(d.source, HitsAtPoint)), None)
         return laid_out(data.rig, [plan], self.there.weights, hits, data)
 
-    def _columns(self, layout: Layout) -> Real:
+    def _columns(self, layout: PlannedRecords) -> Real:
         # The force's noise lies along the answer, which is nearly the same of all that are left standing.
-        return columns_of(self.rivals, self._answered(layout, self.rivals.listed[0]))
+        return predicted_differences(self.rivals, self._answered(layout, self.rivals.listed[0]))
 
-    def _answered(self, layout: Layout, rival: Explanation) -> Reduced:
+    def _answered(self, layout: PlannedRecords, rival: Explanation) -> Reduced:
         """What an explanation answers; of a test that was not made before nobody knows how exact the twin is in it."""
-        data, done = layout.answered(_twin(rival)), self.there.data
+        data, done = layout.answered(_twin_of_rival(rival)), self.there.data
         if not done.impacts:
-            data = replace(data, impacts=tuple(replace(d, rows=softened(d.rows, UNPROVEN)) for d in data.impacts))
+            data = replace(
+                data, impacts=tuple(replace(d, rows=with_relative_noise(d.rows, UNPROVEN)) for d in data.impacts)
+            )
         if done.sines is None and data.sines is not None:
-            data = replace(data, sines=replace(data.sines, rows=softened(data.sines.rows, UNPROVEN)))
+            data = replace(data, sines=replace(data.sines, rows=with_relative_noise(data.sines.rows, UNPROVEN)))
         return data
 
     def _within_limits(self, plan: Plan) -> Plan:
@@ -143,26 +159,26 @@ class Planning:
             or any(c.quantity != "acceleration" for c in rig.responses)
         ):
             return plan
-        sines = self._laid_out(plan).answered(_twin(self.rivals.listed[0])).sines
+        sines = self._laid_out(plan).answered(_twin_of_rival(self.rivals.listed[0])).sines
         assert sines is not None
-        return no_louder(plan, MOST_OF_LIMIT * rig.limits.acceleration_m_s2 / float(np.max(np.abs(sines.rows.y))))
+        return limit_force(plan, MOST_OF_LIMIT * rig.limits.acceleration_m_s2 / float(np.max(np.abs(sines.rows.y))))
 
     def _fitted(self, plan: Plan) -> Plan:
         """What of a plan a fit would see."""
         if isinstance(plan, ImpactPlan):
-            return plan.model_copy(update={"hits": plan.hits - len(third(range(plan.hits), 2))})
+            return plan.model_copy(update={"hits": plan.hits - len(every_third(range(plan.hits), 2))})
         assert isinstance(plan, SinePlan)
         before = {f for p in self.done if isinstance(p, SinePlan) for f in p.frequencies_hz}
-        held = set(third(sorted(before | set(plan.frequencies_hz)), 1))
+        held = set(every_third(sorted(before | set(plan.frequencies_hz)), 1))
         kept = tuple(f for f in plan.frequencies_hz if f not in held)
         return plan.model_copy(update={"frequencies_hz": kept or plan.frequencies_hz})
 
-    def _both(self, one: Prospect, two: Prospect) -> Prospect:
+    def _both(self, one: RankedExperiment, two: RankedExperiment) -> RankedExperiment:
         a, b = one.option, two.option
-        option = Option(f"{a.name}, {b.name}", f"{a.says} {b.says}", (*a.plans, *b.plans))
+        option = PossibleExperiment(f"{a.name}, {b.name}", f"{a.says} {b.says}", (*a.plans, *b.plans))
         return self._prospect(option)
 
-    def _chosen(self) -> Option | None:
+    def _chosen(self) -> PossibleExperiment | None:
         """Sines at the frequencies where the two likeliest explanations differ most, once both are fitted."""
         rig = self.there.prepared.campaign.rig
         if rig.shaker_point is None:
@@ -171,9 +187,11 @@ class Planning:
         layout = self._laid_out(plan)
         best = np.sort(np.argsort(-self._apart_by_sine(layout))[:CHOSEN])
         kept = plan.model_copy(update={"frequencies_hz": tuple(plan.frequencies_hz[k] for k in best)})
-        return Option("sines where they differ", f"Drive {CHOSEN} frequencies where the explanations differ.", (kept,))
+        return PossibleExperiment(
+            "sines where they differ", f"Drive {CHOSEN} frequencies where the explanations differ.", (kept,)
+        )
 
-    def _apart_by_sine(self, layout: Layout) -> Real:
+    def _apart_by_sine(self, layout: PlannedRecords) -> Real:
         """(sines,) squares that the likeliest explanation's answers leave of the next."""
         assert layout.data.sines is not None
         sines, channels = layout.data.sines.source.lines, len(layout.data.channels)
@@ -181,21 +199,21 @@ class Planning:
         return np.sum(left.reshape(2 * channels, *sines.shape) ** 2, axis=(0, 2))
 
 
-def _twin(rival: Explanation) -> Twin:
+def _twin_of_rival(rival: Explanation) -> Twin:
     return rival.fit.problem.twin(rival.fit.u)
 
 
-def _least(problem: Problem, fit: Fit, end: Real, other: Fit) -> float:
+def _least_squares_left(problem: Problem, fit: Fit, end: Real, other: Fit) -> float:
     """Least squares that an explanation leaves, from its own numbers, where slopes lead, and beside another's twin."""
     own = problem.free.size
     begins = (fit.u, np.clip(end, fit.u - LONGEST, fit.u + LONGEST), np.concatenate([other.u[:own], fit.u[own:]]))
-    first = min((seen(problem, u) for u in begins), key=lambda f: f.cost)
+    first = min((evaluated(problem, u) for u in begins), key=lambda f: f.cost)
     best = min([first, *(minimise(problem, u, STEPS, 1e-4) for u in (first.u, fit.u))], key=lambda f: f.cost)
     # What is true is where it is; what is not may follow it from any other place.
     return best.cost if fit is other else at_best_place(best).cost
 
 
-def _joint(data: Reduced, more: Reduced) -> Reduced:
+def _join_data(data: Reduced, more: Reduced) -> Reduced:
     """Records that are there and planned ones."""
     if data.sines is None or more.sines is None:
         sines = data.sines or more.sines

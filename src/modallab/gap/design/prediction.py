@@ -13,10 +13,10 @@ from modallab.core.effects import row_of
 from modallab.core.errors import DataError
 from modallab.core.places import OneChannel
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.records import as_volts, usable
+from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.conditioning.reduce import sine_clock_of
 from modallab.gap.model.predicted_records import predict_record
-from modallab.gap.report.calibrated import carried, diagnosed_twin
+from modallab.gap.report.calibrated import diagnosed_twin, effects_for_twin
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import unit_per_si, volts_per_si
 from modallab.twin.learned.row_curve import MODEL, apply_curve
@@ -26,7 +26,7 @@ Records = Mapping[str, Real]
 """Record -> (channels, n) of the response channels, each in its own unit and direction."""
 
 
-def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Real]:
+def predict_records(diagnosis: Diagnosis, other: Campaign) -> dict[str, Real]:
     """Record -> (channels, n): what each response channel of another campaign would read, each record begun from rest.
 
     Every row is in its channel's own unit, in the direction of its positive readings, and as late and as AC-coupled as
@@ -39,16 +39,16 @@ def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Real]:
     Raises:
         DataError: the rig has no beam, the diagnosis is another version's, or no record says what drove it.
     """
-    rig, other = other.rig, as_volts(other)
+    rig, other = other.rig, records_in_volts(other)
     twin = diagnosed_twin(diagnosis, rig)
     twin = replace(twin, chain=twin.chain.as_delivered(rig, lags_s(rig)))
-    blocks = usable(other)
+    blocks = usable_records(other)
     ratio = clock_of(other, blocks)
     last = float(max(1, *(b.order for b in other.blocks)))
     rows = [c.index for c in rig.responses]
     levels = [f.place for f in diagnosis.effects if isinstance(f.place, OneChannel)]
     cut = {place.channel: place.level_v for place in levels if place.level_v is not None}
-    curves = _curves([*rig.known_effects, *carried(diagnosis)])
+    curves = _static_curves([*rig.known_effects, *effects_for_twin(diagnosis)])
     found: dict[str, Real] = {}
     for b in blocks:
         si = predict_record(twin, rig, b, last, ratio)
@@ -60,7 +60,7 @@ def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Real]:
     return found
 
 
-def _curves(effects: Iterable[Effect]) -> list[tuple[int, Mapping[str, float]]]:
+def _static_curves(effects: Iterable[Effect]) -> list[tuple[int, Mapping[str, float]]]:
     """(row, law) of the static curves among them."""
     return [(row_of(e), e.parameters) for e in effects if e.effect == CURVE]
 
@@ -76,9 +76,9 @@ def predicted_campaign(diagnosis: Diagnosis, other: Campaign) -> Campaign:
     """The same as a campaign: the forces as measured, beside them what the accelerometers would read.
 
     Raises:
-        DataError: as `predict`.
+        DataError: as `predict_records`.
     """
-    return with_records(other, predict(diagnosis, other))
+    return with_records(other, predict_records(diagnosis, other))
 
 
 def with_records(other: Campaign, records: Records) -> Campaign:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from modallab.core.arrays import Real
-from modallab.twin.modes import solve
-from modallab.twin.structure import Structure
+from modallab.twin.modes import solve_modes
+from modallab.twin.structure import TwinStructure
 
 LINKS = 20
 """At least so many; points at which something acts or is sensed are nodes."""
@@ -29,7 +29,7 @@ OTHERS_ZETA = 0.05
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Chain:
+class JointedChain:
     """A chain along x whose nodes move along z.
 
     Attributes:
@@ -53,27 +53,27 @@ class Chain:
     @property
     def displacement(self) -> Real:
         """(nodes, joints) what each node moves by each joint; of links only, not of the slide."""
-        return _displacement(self.nodes_m, self.slides)
+        return _joint_displacements(self.nodes_m, self.slides)
 
 
-def chain(structure: Structure, places_m: Real) -> Chain:
+def chain_of_structure(structure: TwinStructure, places_m: Real) -> JointedChain:
     """The chain of a structure, with nodes at these places."""
-    modes = solve(replace(structure, dampers=()))
+    modes = solve_modes(replace(structure, dampers=()))
     omega, zeta = np.abs(modes.poles), -modes.poles.real / np.abs(modes.poles)
-    nodes = _nodes(structure.length_m, places_m)
+    nodes = _chain_nodes(structure.length_m, places_m)
     # Undamped shapes at unit modal mass: those of the poles but for the factor of their scale.
     scale = np.sqrt(2j * modes.poles.imag)
     shapes = np.asarray(np.real(modes.at(nodes) * scale), dtype=np.float64)
     slides = bool(structure.root_translation)
-    masses = _masses(shapes, structure)
-    moved = _displacement(nodes, slides)
+    masses = _lumped_masses(shapes, structure)
+    moved = _joint_displacements(nodes, slides)
     used = nodes > 0 if not slides else np.ones(len(nodes), dtype=np.bool_)
     joints = np.asarray(np.linalg.lstsq(moved[used], shapes[used], rcond=None)[0], dtype=np.float64)
-    dampers = tuple((_row(x, nodes, moved), c) for x, c in structure.dampers if c)
-    return Chain(nodes, masses, slides, joints, omega, zeta, dampers)
+    dampers = tuple((_row_at(x, nodes, moved), c) for x, c in structure.dampers if c)
+    return JointedChain(nodes, masses, slides, joints, omega, zeta, dampers)
 
 
-def _nodes(length_m: float, places_m: Real) -> Real:
+def _chain_nodes(length_m: float, places_m: Real) -> Real:
     fixed = np.unique(np.round(np.concatenate([[0.0, length_m], places_m]), 9))
     step = length_m / LINKS
     grid = np.linspace(0.0, length_m, LINKS + 1)
@@ -81,7 +81,7 @@ def _nodes(length_m: float, places_m: Real) -> Real:
     return np.asarray(np.sort(np.concatenate([fixed, grid[room]])), dtype=np.float64)
 
 
-def _masses(shapes: Real, structure: Structure) -> Real:
+def _lumped_masses(shapes: Real, structure: TwinStructure) -> Real:
     count = shapes.shape[1]
     first, second = np.triu_indices(count)
     # What the low modes need counts most: the band lies there.
@@ -93,22 +93,22 @@ def _masses(shapes: Real, structure: Structure) -> Real:
     return np.maximum(found, LEAST_MASS * mean)
 
 
-def _displacement(nodes_m: Real, slides: bool) -> Real:
+def _joint_displacements(nodes_m: Real, slides: bool) -> Real:
     hinges = np.maximum(nodes_m[:, None] - nodes_m[None, :-1], 0.0)
     return np.hstack([np.ones((len(nodes_m), 1)), hinges]) if slides else hinges
 
 
-def _row(x_m: float, nodes_m: Real, moved: Real) -> Real:
+def _row_at(x_m: float, nodes_m: Real, moved: Real) -> Real:
     return np.array([np.interp(x_m, nodes_m, column) for column in moved.T])
 
 
-def combinations(found: Chain, mass: Real) -> list[tuple[Real, float, float]]:
+def joint_combinations(found: JointedChain, mass: Real) -> list[tuple[Real, float, float]]:
     """Combinations of joints with their stiffness and damping, for joints with this mass matrix (joints, joints).
 
     With M-orthonormal shapes theta_r, stiffness sum_r omega_r^2 (M theta_r)(M theta_r)^T has them as its modes.
     """
-    theta = orthonormal(found.modes, mass)
-    whole = np.hstack([theta, _complement(theta, mass)])
+    theta = mass_orthonormal(found.modes, mass)
+    whole = np.hstack([theta, _complement_shapes(theta, mass)])
     rest = whole.shape[1] - len(found.omega)
     omega = np.concatenate([found.omega, np.full(rest, OTHERS * float(found.omega.max()))])
     zeta = np.concatenate([found.zeta, np.full(rest, OTHERS_ZETA)])
@@ -118,13 +118,13 @@ def combinations(found: Chain, mass: Real) -> list[tuple[Real, float, float]]:
     return springs + [(row, 0.0, c) for row, c in found.dampers]
 
 
-def orthonormal(shapes: Real, mass: Real) -> Real:
+def mass_orthonormal(shapes: Real, mass: Real) -> Real:
     """The shapes, each made orthonormal to those before: the low modes stay as they are (Gram and Schmidt)."""
     lower: NDArray[Any] = np.linalg.cholesky(shapes.T @ mass @ shapes)
     return np.asarray(np.linalg.solve(lower, shapes.T), dtype=np.float64).T
 
 
-def _complement(theta: Real, mass: Real) -> Real:
+def _complement_shapes(theta: Real, mass: Real) -> Real:
     """M-orthonormal shapes of all else."""
     lower: NDArray[Any] = np.linalg.cholesky(mass)
     known = lower.T @ theta

@@ -14,18 +14,18 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import DataError
 from modallab.core.frozen import Frozen
-from modallab.core.progress import report
+from modallab.core.progress import report_progress
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.gap.conditioning.records import as_volts, usable
-from modallab.gap.design.prediction import Records, predict
+from modallab.gap.conditioning.records import records_in_volts, usable_records
+from modallab.gap.design.prediction import Records, predict_records
 from modallab.gap.exported.mjcf import write_mjcf
 from modallab.gap.exported.modal_file import read_modal, write_modal
 from modallab.gap.exported.mujoco_run import mujoco_simulation
 from modallab.gap.exported.state_space import state_space
 from modallab.gap.exported.state_space_file import read_state_space, write_state_space
 from modallab.gap.report.calibrated import believed_twin, diagnosed_twin
-from modallab.gap.report.shrinkage import BARE, closed
+from modallab.gap.report.shrinkage import BARE, closed_share
 from modallab.gap.simulations.simulated_records import Simulate, simulated_records
 from modallab.gap.simulations.simulation_residual import simulation_residual
 from modallab.twin.bench import Twin
@@ -34,7 +34,7 @@ Simulations = Mapping[Test, Simulate]
 
 
 @dataclass(frozen=True, slots=True)
-class Form:
+class MeasuredForm:
     """One form.
 
     Attributes:
@@ -80,7 +80,7 @@ def tests_of(rig: Rig) -> list[Test]:
 
 
 def write_form(
-    path: Path, form: Form, diagnosis: Diagnosis, rig: Rig, tests: Sequence[Test], rate_hz: float | None
+    path: Path, form: MeasuredForm, diagnosis: Diagnosis, rig: Rig, tests: Sequence[Test], rate_hz: float | None
 ) -> None:
     """Write the twin of a diagnosis in a form.
 
@@ -94,7 +94,9 @@ def write_form(
     form.write(path, diagnosed_twin(diagnosis, rig), rig, tests, rate_hz)
 
 
-def in_form(form: Form, diagnosis: Diagnosis, campaign: Campaign, tests: Sequence[Test], most: int | None) -> InForm:
+def measure_form(
+    form: MeasuredForm, diagnosis: Diagnosis, campaign: Campaign, tests: Sequence[Test], most: int | None
+) -> InForm:
     """Measure a form on records of a campaign: those its diagnosis held out, where it is of this campaign.
 
     Args:
@@ -107,26 +109,26 @@ def in_form(form: Form, diagnosis: Diagnosis, campaign: Campaign, tests: Sequenc
     Raises:
         DataError: no record of these tests says what drove it; or as `write_form`.
     """
-    names = _names(campaign, diagnosis, tests, most)
+    names = _record_names(campaign, diagnosis, tests, most)
     rig = campaign.rig
     gaps: list[float] = []
     for step, twin in enumerate((believed_twin(rig), diagnosed_twin(diagnosis, rig))):
-        report(step / 2, f"{form.name}, {'after' if step else 'before'}")
-        gaps.append(simulation_residual(campaign, _played(form, twin, campaign, names)).gap)
+        report_progress(step / 2, f"{form.name}, {'after' if step else 'before'}")
+        gaps.append(simulation_residual(campaign, _simulate_form(form, twin, campaign, names)).gap)
     used = {name for of_test in names.values() for name in of_test}
-    own = {name: values for name, values in predict(diagnosis, campaign).items() if name in used}
+    own = {name: values for name, values in predict_records(diagnosis, campaign).items() if name in used}
     before, after = gaps
     return InForm(
         form=form.name,
         before=before,
         after=after,
-        closed=closed(before, after) if before**2 - 1 > BARE else None,
+        closed=closed_share(before, after) if before**2 - 1 > BARE else None,
         twin_after=simulation_residual(campaign, own).gap,
         records=sorted(used),
     )
 
 
-def _played(form: Form, twin: Twin, campaign: Campaign, names: Mapping[Test, list[str]]) -> Records:
+def _simulate_form(form: MeasuredForm, twin: Twin, campaign: Campaign, names: Mapping[Test, list[str]]) -> Records:
     """Records of the twin in a form, by the file that it is written to."""
     rig, tests = campaign.rig, list(names)
     with TemporaryDirectory() as folder:
@@ -144,8 +146,10 @@ FINER = 16
 """Steps per sample: MuJoCo's must be short enough for the fastest mode, whatever the rate of the records."""
 
 
-def _names(campaign: Campaign, diagnosis: Diagnosis, tests: Sequence[Test], most: int | None) -> dict[Test, list[str]]:
-    blocks = [b for b in usable(as_volts(campaign)) if b.test in tests]
+def _record_names(
+    campaign: Campaign, diagnosis: Diagnosis, tests: Sequence[Test], most: int | None
+) -> dict[Test, list[str]]:
+    blocks = [b for b in usable_records(records_in_volts(campaign)) if b.test in tests]
     held = set(diagnosis.shrink.held_out)
     chosen = [b for b in blocks if b.name in held] or blocks
     if not chosen:
@@ -174,9 +178,9 @@ def _read_modes(path: Path, rig: Rig, tests: Sequence[Test]) -> Simulations:
 FORMS = {
     form.name: form
     for form in (
-        Form("npz", "state space for NumPy", ".npz", _write_systems, _read_systems),
-        Form("mat", "state space for MATLAB", ".mat", _write_systems, _read_systems),
-        Form(
+        MeasuredForm("npz", "state space for NumPy", ".npz", _write_systems, _read_systems),
+        MeasuredForm("mat", "state space for MATLAB", ".mat", _write_systems, _read_systems),
+        MeasuredForm(
             "mjcf",
             "chain of links for MuJoCo",
             ".xml",
@@ -184,7 +188,7 @@ FORMS = {
             lambda path, rig, tests: {tests[0]: mujoco_simulation(path, rig)},
             one_test=True,
         ),
-        Form(
+        MeasuredForm(
             "uff",
             "modes and FRFs as a universal file, of the structure alone",
             ".uff",

@@ -17,7 +17,7 @@ from modallab.core.extras import optional_package
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.atomic import write_text
-from modallab.gap.exported.chain import Chain, chain, combinations
+from modallab.gap.exported.chain import JointedChain, chain_of_structure, joint_combinations
 from modallab.gap.exported.mjcf_laws import law_tendon
 from modallab.twin.bench import Twin
 
@@ -38,11 +38,11 @@ def write_mjcf(path: Path, twin: Twin, rig: Rig, test: Test) -> None:
             modes beside those of bending.
         StorageError: the file cannot be written.
     """
-    text = mjcf(twin, rig, test)
+    text = mjcf_text(twin, rig, test)
     write_text(path, text)
 
 
-def mjcf(twin: Twin, rig: Rig, test: Test) -> str:
+def mjcf_text(twin: Twin, rig: Rig, test: Test) -> str:
     """The same as text; errors as there."""
     others = [c.name for c in rig.responses if c.quantity != "acceleration"]
     if others:
@@ -62,14 +62,17 @@ def mjcf(twin: Twin, rig: Rig, test: Test) -> str:
     if test == "sine" and rig.shaker_point is not None:
         structure = twin.in_sine(rig.x_of(rig.shaker_point))
     length = structure.length_m
-    sensors = {c.name: _on(rig.x_of(c.point or 0) + twin.chain.shift.get(c.index, 0.0), length) for c in rig.responses}
+    sensors = {
+        c.name: _interpolation_on(rig.x_of(c.point or 0) + twin.chain.shift.get(c.index, 0.0), length)
+        for c in rig.responses
+    }
     points = {p.id: twin.struck_x_m(p.x_m) if test == "impact" else p.x_m for p in rig.points}
     acts = [] if twin.element is None else [twin.element.x_m]
-    found = chain(structure, np.array([*sensors.values(), *points.values(), *acts]))
-    root = _bodies(found, rig, sensors, points)
+    found = chain_of_structure(structure, np.array([*sensors.values(), *points.values(), *acts]))
+    root = _bodies_xml(found, rig, sensors, points)
     mass = mass_matrix(ET.tostring(root, encoding="unicode"))
     names = [*(["slide"] if found.slides else []), *(f"hinge{k}" for k in range(1, len(found.nodes_m)))]
-    tendons = _tendons(found, mass)
+    tendons = _tendons_of_modes(found, mass)
     if twin.element is not None:
         tendons["law"] = law_tendon(twin.element, structure, found, mass)
     _add_tendons(root, names, tendons)
@@ -81,7 +84,7 @@ def mjcf(twin: Twin, rig: Rig, test: Test) -> str:
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _bodies(found: Chain, rig: Rig, sensors: dict[str, float], points: dict[int, float]) -> ET.Element:
+def _bodies_xml(found: JointedChain, rig: Rig, sensors: dict[str, float], points: dict[int, float]) -> ET.Element:
     root = ET.Element("mujoco", model=rig.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     # Steps that are short enough for the fastest combination; nothing damps but what the twin damps.
@@ -118,11 +121,11 @@ def _inertia(body: ET.Element, at: float, mass_kg: float, link_m: float) -> None
     ET.SubElement(body, "inertial", pos=f"{_number(at)} 0 0", mass=_number(mass_kg), diaginertia=" ".join([small] * 3))
 
 
-def _tendons(found: Chain, mass: Real) -> dict[str, tuple[Real, dict[str, str]]]:
+def _tendons_of_modes(found: JointedChain, mass: Real) -> dict[str, tuple[Real, dict[str, str]]]:
     """Name -> what it takes of each joint, and its spring and damper: one for each mode and each damper."""
     return {
         f"mode{k}": (row, {"stiffness": _number(stiffness), "damping": _number(damping), "springlength": "0"})
-        for k, (row, stiffness, damping) in enumerate(combinations(found, mass), 1)
+        for k, (row, stiffness, damping) in enumerate(joint_combinations(found, mass), 1)
     }
 
 
@@ -158,7 +161,7 @@ def require_mujoco() -> Any:
     return optional_package("mujoco", "a MuJoCo model")
 
 
-def _on(x_m: float, length_m: float) -> float:
+def _interpolation_on(x_m: float, length_m: float) -> float:
     return min(max(x_m, 0.0), length_m)
 
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
-from modallab.gap.exported.chain import Chain, orthonormal
+from modallab.gap.exported.chain import JointedChain, mass_orthonormal
 from modallab.twin.bench import Twin
 from modallab.twin.elements import slope_rows
-from modallab.twin.modes import solve
-from modallab.twin.nonlinear.element import Element, Law
-from modallab.twin.structure import Structure
+from modallab.twin.modes import solve_modes
+from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
+from modallab.twin.structure import TwinStructure
 
 
 def require_proportion(twin: Twin, form: str) -> None:
@@ -30,7 +30,9 @@ def require_proportion(twin: Twin, form: str) -> None:
         )
 
 
-def law_tendon(element: Element, structure: Structure, found: Chain, mass: Real) -> tuple[Real, dict[str, str]]:
+def law_tendon(
+    element: NonlinearElement, structure: TwinStructure, found: JointedChain, mass: Real
+) -> tuple[Real, dict[str, str]]:
     """What the law's tendon takes of each joint, (joints,), and its spring.
 
     Args:
@@ -42,14 +44,14 @@ def law_tendon(element: Element, structure: Structure, found: Chain, mass: Real)
     Raises:
         DataError: MuJoCo's springs do not have this law.
     """
-    if element.law is Law.CUBIC:
+    if element.law is NonlinearLaw.CUBIC:
         # It acts at a node.
         row = found.displacement[int(np.argmin(np.abs(found.nodes_m - element.x_m)))]
         # Of the length's first, second and third power.
         spring = {"stiffness": f"0 0 {element.numbers[0]!r}", "springlength": "0"}
-    elif element.law is Law.PLAY:
+    elif element.law is NonlinearLaw.PLAY:
         (slope,) = slope_rows(element.x_m, structure.length_m)
-        row = mass @ orthonormal(found.modes, mass) @ _of_modes(structure, slope)
+        row = mass @ mass_orthonormal(found.modes, mass) @ _row_in_modes(structure, slope)
         contact, gap = element.numbers
         spring = {"stiffness": repr(contact), "springlength": f"{-gap!r} {gap!r}"}
     else:
@@ -60,7 +62,7 @@ def law_tendon(element: Element, structure: Structure, found: Chain, mass: Real)
     return row, spring
 
 
-def _of_modes(structure: Structure, row: Real) -> Real:
+def _row_in_modes(structure: TwinStructure, row: Real) -> Real:
     """(m,) what a row over the elements' degrees of freedom is in each shape of unit modal mass."""
-    modes = solve(replace(structure, dampers=()))
+    modes = solve_modes(replace(structure, dampers=()))
     return np.asarray(np.real(row @ modes.columns * np.sqrt(2j * modes.poles.imag)), dtype=np.float64)

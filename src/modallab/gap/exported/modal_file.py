@@ -15,11 +15,11 @@ from modallab.formats.modes import ModeShapes
 from modallab.formats.uff.uff_shapes import read_uff_shapes
 from modallab.formats.uff.uff_write import write_uff
 from modallab.gap.exported.mjcf_laws import require_proportion
-from modallab.gap.exported.state_space import StateSpace, modal
+from modallab.gap.exported.state_space import StateSpace, modal_state_space
 from modallab.signals.conversion import sign_of
 from modallab.twin.bench import Twin
-from modallab.twin.modes import solve
-from modallab.twin.structure import Structure
+from modallab.twin.modes import solve_modes
+from modallab.twin.structure import TwinStructure
 
 TOP_HZ = 800.0
 STEP_HZ = 0.5
@@ -33,10 +33,10 @@ def write_modal(path: Path, twin: Twin, rig: Rig, tests: Sequence[Test]) -> None
         StorageError: the file cannot be written.
     """
     require_proportion(twin, "a modal model")
-    channels = _channels(rig)
-    structures: dict[Test, Structure] = {test: _structure(twin, rig, test) for test in tests}
-    models = [_model(structure, rig, channels, test) for test, structure in structures.items()]
-    frfs = (_frf(next(iter(structures.values())), rig, channels),)
+    channels = _exported_channels(rig)
+    structures: dict[Test, TwinStructure] = {test: _structure_of_twin(twin, rig, test) for test in tests}
+    models = [_exported_model(structure, rig, channels, test) for test, structure in structures.items()]
+    frfs = (_exported_frf(next(iter(structures.values())), rig, channels),)
     write_uff(Campaign(rig, (), frfs), path, models)
 
 
@@ -49,23 +49,23 @@ def read_modal(path: Path, rig: Rig) -> dict[Test, StateSpace]:
     found: dict[Test, StateSpace] = {}
     for shapes in read_uff_shapes(path, rig):
         tests: list[Test] = [test for test in ("impact", "sine") if f", {test}, " in f"{shapes.title}, "]
-        found |= dict.fromkeys(tests, _system(shapes, rig))
+        found |= dict.fromkeys(tests, _exported_system(shapes, rig))
     return found
 
 
-def _structure(twin: Twin, rig: Rig, test: Test) -> Structure:
+def _structure_of_twin(twin: Twin, rig: Rig, test: Test) -> TwinStructure:
     return twin.in_sine(rig.x_of(rig.shaker_point)) if test == "sine" and rig.shaker_point else twin.structure
 
 
-def _channels(rig: Rig) -> list[Channel]:
+def _exported_channels(rig: Rig) -> list[Channel]:
     first = {c.point: c for c in reversed(rig.responses) if c.point is not None}
     if not first:
         raise DataError("no response channel stands at a point", where=rig.name, remedy="give channels their points")
     return sorted(first.values(), key=lambda c: c.index)
 
 
-def _model(structure: Structure, rig: Rig, channels: Sequence[Channel], test: Test) -> ModalModel:
-    modes = solve(structure)
+def _exported_model(structure: TwinStructure, rig: Rig, channels: Sequence[Channel], test: Test) -> ModalModel:
+    modes = solve_modes(structure)
     points = tuple(c.point for c in channels)
     x = np.array([rig.x_of(c.point or 0) for c in channels])
     # At unit modal mass; positive in the direction of each channel.
@@ -93,8 +93,8 @@ def _model(structure: Structure, rig: Rig, channels: Sequence[Channel], test: Te
     )
 
 
-def _frf(structure: Structure, rig: Rig, channels: Sequence[Channel]) -> Frf:
-    modes = solve(structure)
+def _exported_frf(structure: TwinStructure, rig: Rig, channels: Sequence[Channel]) -> Frf:
+    modes = solve_modes(structure)
     x = np.array([rig.x_of(c.point or 0) for c in channels])
     out = modes.at(x)
     hz = np.arange(1, round(TOP_HZ / STEP_HZ) + 1) * STEP_HZ
@@ -113,7 +113,7 @@ def _frf(structure: Structure, rig: Rig, channels: Sequence[Channel]) -> Frf:
     )
 
 
-def _system(shapes: ModeShapes, rig: Rig) -> StateSpace:
+def _exported_system(shapes: ModeShapes, rig: Rig) -> StateSpace:
     by_name = {c.name: c for c in rig.channels}
     turned = np.array([sign_of(rig, by_name[name]) for name in shapes.outputs])
     omega, zeta = 2 * np.pi * shapes.frequency_hz, shapes.damping_ratio
@@ -125,4 +125,4 @@ def _system(shapes: ModeShapes, rig: Rig) -> StateSpace:
     into = np.array([at_point.get(p.id, missing) for p in rig.points])
     order = np.array([DERIVATIVE[by_name[name].quantity] for name in shapes.outputs])
     # What no shape is known of cannot be driven: it gives no number, which is seen where it is played.
-    return modal(poles, columns, into, order)
+    return modal_state_space(poles, columns, into, order)

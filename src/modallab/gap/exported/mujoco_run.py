@@ -26,15 +26,16 @@ def mujoco_simulation(path: Path, rig: Rig) -> Simulate:
         model: Any = mujoco.MjModel.from_xml_path(str(path))
     except ValueError as error:
         raise FormatError(f"MuJoCo does not take it: {error}", where=str(path), remedy="export it again") from error
-    motors = [_id(mujoco, model, "ACTUATOR", f"force{p.id}", path) for p in rig.points]
+    motors = [_mujoco_id(mujoco, model, "ACTUATOR", f"force{p.id}", path) for p in rig.points]
     rows = [
-        int(model.sensor_adr[_id(mujoco, model, "SENSOR", f"acceleration_{c.name}", path)]) + 2 for c in rig.responses
+        int(model.sensor_adr[_mujoco_id(mujoco, model, "SENSOR", f"acceleration_{c.name}", path)]) + 2
+        for c in rig.responses
     ]
-    gains = np.array([_gain(mujoco, model, f"gain_{c.name}") for c in rig.responses])
+    gains = np.array([_motor_gain(mujoco, model, f"gain_{c.name}") for c in rig.responses])
 
     def simulate(force_n: Real, dt: float) -> Real:
         model.opt.timestep = dt
-        at_once = _at_once(mujoco, model, motors, rows)
+        at_once = _static_acceleration(mujoco, model, motors, rows)
         # A control is held over its step: its middle is what the straight line has in the mean.
         following = np.concatenate([force_n[:, 1:], force_n[:, -1:]], axis=1)
         middle = (force_n + following) / 2
@@ -54,7 +55,7 @@ def _rollout(model: Any, data: Any, initial: Real, control: Real) -> tuple[Real,
     return np.asarray(state), np.asarray(sensed)
 
 
-def _at_once(mujoco: Any, model: Any, motors: list[int], rows: list[int]) -> Real:
+def _static_acceleration(mujoco: Any, model: Any, motors: list[int], rows: list[int]) -> Real:
     """(channels, points) acceleration at rest for 1 N."""
     data = mujoco.MjData(model)
     columns: list[Real] = []
@@ -66,13 +67,13 @@ def _at_once(mujoco: Any, model: Any, motors: list[int], rows: list[int]) -> Rea
     return np.array(columns).T
 
 
-def _id(mujoco: Any, model: Any, kind: str, name: str, path: Path) -> int:
+def _mujoco_id(mujoco: Any, model: Any, kind: str, name: str, path: Path) -> int:
     found = mujoco.mj_name2id(model, getattr(mujoco.mjtObj, f"mjOBJ_{kind}"), name)
     if found < 0:
         raise DataError(f"has no {kind.lower()} {name!r}", where=str(path), remedy="export it for this rig")
     return int(found)
 
 
-def _gain(mujoco: Any, model: Any, name: str) -> float:
+def _motor_gain(mujoco: Any, model: Any, name: str) -> float:
     found = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, name)
     return 1.0 if found < 0 else float(model.numeric_data[model.numeric_adr[found]])

@@ -17,8 +17,8 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.gap.exported.mjcf_laws import require_proportion
-from modallab.twin.bench import Chain, Twin
-from modallab.twin.modes import Modes, solve
+from modallab.twin.bench import MeasurementChain, Twin
+from modallab.twin.modes import TwinModes, solve_modes
 from modallab.twin.predict import sensor_positions
 
 FAST = 6.0
@@ -67,7 +67,7 @@ class StateSpace:
         for k in range(1, len(states)):
             states[k] = A @ states[k - 1] + pushed[k - 1]
         y = C @ states.T + D[:, driven] @ force_n[driven]
-        return _later(y, self.delay_s / dt) if np.any(self.delay_s) else y
+        return _delay_samples(y, self.delay_s / dt) if np.any(self.delay_s) else y
 
 
 def state_space(twin: Twin, rig: Rig, test: Test) -> StateSpace:
@@ -88,23 +88,25 @@ def state_space(twin: Twin, rig: Rig, test: Test) -> StateSpace:
     structure = twin.structure
     if not hit and rig.shaker_point is not None:
         structure = twin.in_sine(rig.x_of(rig.shaker_point))
-    modes = solve(structure)
+    modes = solve_modes(structure)
     drive = np.array([twin.struck_x_m(p.x_m) if hit else p.x_m for p in rig.points])
     rows = tuple(c.index for c in rig.responses)
     x = sensor_positions(twin.chain, modes, rows, np.array([rig.x_of(c.point or 0) for c in rig.responses]))
     order = np.array([2 - twin.chain.integrals.get(row, 0) for row in rows])
-    bare = _with_residual(modal(modes.poles, modes.at(x), modes.at(drive), order), twin, modes, x, drive, order)
-    chained = _through(bare, twin.chain, rows, test)
+    bare = _with_residual(
+        modal_state_space(modes.poles, modes.at(x), modes.at(drive), order), twin, modes, x, drive, order
+    )
+    chained = _add_measurement_chain(bare, twin.chain, rows, test)
     gains = np.array([twin.hit_gain(p.x_m) if hit else 1.0 for p in rig.points])
     return replace(chained, B=chained.B * gains, D=chained.D * gains, clock=twin.clock)
 
 
-def modal(poles: Complex, out: Complex, into: Complex, order: NDArray[np.int64]) -> StateSpace:
+def modal_state_space(poles: Complex, out: Complex, into: Complex, order: NDArray[np.int64]) -> StateSpace:
     """The state space of modes.
 
     Args:
         poles: (p,) rad/s, one of each conjugate pair.
-        out: (channels, p) shapes where the outputs are, scaled as in `Modes`.
+        out: (channels, p) shapes where the outputs are, scaled as in `TwinModes`.
         into: (points, p) shapes where the forces act.
         order: (channels,) times the displacement is differentiated.
     """
@@ -118,7 +120,7 @@ def modal(poles: Complex, out: Complex, into: Complex, order: NDArray[np.int64])
 
 
 def _with_residual(
-    bare: StateSpace, twin: Twin, modes: Modes, x: Real, drive: Real, order: NDArray[np.int64]
+    bare: StateSpace, twin: Twin, modes: TwinModes, x: Real, drive: Real, order: NDArray[np.int64]
 ) -> StateSpace:
     """With the static compliance of the modes left out, as one fast mode an input."""
     if not twin.residual_compliance:
@@ -134,30 +136,32 @@ def _with_residual(
     return StateSpace(block_diag(bare.A, A), np.vstack([bare.B, B]), np.hstack([bare.C, C]), bare.D + D, bare.delay_s)
 
 
-def _through(bare: StateSpace, chain: Chain, rows: tuple[int, ...], test: Test) -> StateSpace:
+def _add_measurement_chain(bare: StateSpace, chain: MeasurementChain, rows: tuple[int, ...], test: Test) -> StateSpace:
     """What the measurement chain makes of it: gains, exchanged plugs, loose mounts, AC coupling, delays."""
     gain = np.array([chain.gain.get(row, 1.0) for row in rows])[:, None] / chain.force_gain
     found = replace(bare, C=bare.C * gain, D=bare.D * gain)
     for mount in chain.mounts:
         omega, zeta = 2 * np.pi * mount.hz, mount.zeta
         A = np.array([[0.0, 1.0], [-(omega**2), -2 * zeta * omega]])
-        found = _filtered(found, rows.index(mount.channel), A, np.array([0.0, 1.0]), [omega**2, 2 * zeta * omega], 0.0)
+        found = _filter_output(
+            found, rows.index(mount.channel), A, np.array([0.0, 1.0]), [omega**2, 2 * zeta * omega], 0.0
+        )
     if chain.corner_hz:
         corner = 2 * np.pi * chain.corner_hz
         for k in range(len(rows)):
-            found = _filtered(found, k, np.array([[-corner]]), np.array([corner]), [-1.0], 1.0)
+            found = _filter_output(found, k, np.array([[-corner]]), np.array([corner]), [-1.0], 1.0)
     for row, hz in chain.low_pass_hz:
         corner = 2 * np.pi * hz
-        found = _filtered(found, rows.index(row), np.array([[-corner]]), np.array([corner]), [1.0], 0.0)
+        found = _filter_output(found, rows.index(row), np.array([[-corner]]), np.array([corner]), [1.0], 0.0)
     for row, hz in chain.own_corner_hz.items():
         corner = 2 * np.pi * hz
-        found = _filtered(found, rows.index(row), np.array([[-corner]]), np.array([corner]), [-1.0], 1.0)
+        found = _filter_output(found, rows.index(row), np.array([[-corner]]), np.array([corner]), [-1.0], 1.0)
     delay = np.array([chain.delay_s - row * chain.skew_s + chain.lag_s.get(row, 0.0) for row in rows])
     found = replace(found, delay_s=delay)
-    return found if chain.swap is None else _exchanged(found, chain, rows, test)
+    return found if chain.swap is None else _exchange_plugs(found, chain, rows, test)
 
 
-def _filtered(s: StateSpace, k: int, a: Real, b: Real, c: list[float], d: float) -> StateSpace:
+def _filter_output(s: StateSpace, k: int, a: Real, b: Real, c: list[float], d: float) -> StateSpace:
     """One output through a filter of its own."""
     n = len(a)
     A = np.block([[s.A, np.zeros((len(s.A), n))], [np.outer(b, s.C[k]), a]])
@@ -167,7 +171,7 @@ def _filtered(s: StateSpace, k: int, a: Real, b: Real, c: list[float], d: float)
     return replace(s, A=A, B=B, C=C, D=D)
 
 
-def _exchanged(s: StateSpace, chain: Chain, rows: tuple[int, ...], test: Test) -> StateSpace:
+def _exchange_plugs(s: StateSpace, chain: MeasurementChain, rows: tuple[int, ...], test: Test) -> StateSpace:
     assert chain.swap is not None
     ratio = chain.swap_ratio.get(test, 1.0)
     i, j = (rows.index(row) for row in chain.swap)
@@ -176,6 +180,6 @@ def _exchanged(s: StateSpace, chain: Chain, rows: tuple[int, ...], test: Test) -
     return replace(s, C=C, D=D)
 
 
-def _later(y: Real, samples: Real) -> Real:
+def _delay_samples(y: Real, samples: Real) -> Real:
     steps = np.arange(y.shape[1], dtype=np.float64)
     return np.stack([np.interp(steps - late, steps, row) for row, late in zip(y, samples, strict=True)])

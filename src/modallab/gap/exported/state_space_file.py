@@ -63,12 +63,12 @@ def read_state_space(path: Path) -> dict[Test, StateSpace]:
     try:
         content: Mapping[str, Any] = loadmat(path) if path.suffix == ".mat" else np.load(path)
         tests: list[Test] = [test for test in ("impact", "sine") if f"A_{test}" in content]
-        return {test: _system(content, test) for test in tests}
+        return {test: _read_system(content, test) for test in tests}
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise FormatError(f"is no state space: {error}", where=str(path), remedy="export it again") from error
 
 
-def _system(content: Mapping[str, Any], test: Test) -> StateSpace:
+def _read_system(content: Mapping[str, Any], test: Test) -> StateSpace:
     A, B, C, D = (np.asarray(content[f"{name}_{test}"], dtype=np.float64) for name in MATRICES)
     delay = np.asarray(content[f"delay_s_{test}"], dtype=np.float64).ravel()
     return StateSpace(A, B, C, D, delay, float(np.asarray(content[f"clock_{test}"]).item()))

@@ -9,9 +9,9 @@ import numpy as np
 
 from modallab.core.blas_threads import one_thread
 from modallab.core.block import Campaign
-from modallab.core.digits import percent
+from modallab.core.digits import percent_text
 from modallab.core.errors import DataError
-from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.posterior import Posterior
 from modallab.gap.inference.settings import DEFAULT
@@ -58,15 +58,16 @@ class Agreement:
     @property
     def sentence(self) -> str:
         """What agrees, what does not, and what to check."""
-        off = [f"{name} ({percent(self.channels[name])})" for name in self.differing]
+        off = [f"{name} ({percent_text(self.channels[name])})" for name in self.differing]
         if self.frequencies is not None and self.damping is not None and self.modes_differ:
             return (
-                f"Natural frequencies differ from the simulation by about {percent(self.frequencies)}, or damping "
-                f"ratios by {percent(self.damping)}. Check the clamp, added masses and the beam of the rig file."
+                f"Natural frequencies differ from the simulation by about {percent_text(self.frequencies)}, or damping "
+                f"ratios by {percent_text(self.damping)}. Check the clamp, added masses and the beam of the rig file."
             )
         if not off:
             return (
-                f"The simulation agrees with all {len(self.channels)} channels within {percent(self.tolerated)} of "
+                f"The simulation agrees with all {len(self.channels)} channels within "
+                f"{percent_text(self.tolerated)} of "
                 "their response."
             )
         if len(off) <= len(self.channels) // 2:
@@ -97,7 +98,7 @@ def agreement(campaign: Campaign) -> Agreement:
         DataError: the records show no natural frequency and contain no sine test.
         RigError: the rig has no beam.
     """
-    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
+    prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
     rig = prepared.campaign.rig
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: False)
     if not bench.points and bench.data.sines is None:

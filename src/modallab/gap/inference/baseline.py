@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.progress import report
-from modallab.gap.inference.posterior import Posterior, descended
+from modallab.core.progress import report_progress
+from modallab.gap.inference.posterior import Posterior, improved_posterior
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.inference.view import View, sparse
-from modallab.gap.model.fit import Fit, Problem, seen
-from modallab.gap.search.fitting import Bench, completed
+from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.search.fitting import Bench, converged
 
 Array = NDArray[np.float64]
 
@@ -23,15 +23,15 @@ STEPS = 12
 def baseline(bench: Bench) -> Fit:
     """The twin without effects, fitted to modal rows and then to the records."""
     found = without_effects(bench)[1]
-    return completed(bench, seen(found.problem, found.u))
+    return converged(bench, evaluated(found.problem, found.u))
 
 
 def without_effects(bench: Bench) -> tuple[View, Posterior]:
     """The modal rows of a bench, and the twin without effects fitted to them."""
-    report(0.0, "the bench without any effect")
+    report_progress(0.0, "the bench without any effect")
     problem = Problem(bench.data, bench.free)
     view = View.of(bench.points, bench.thin, DEFAULT)
-    return view, descended(view, problem, _begin(bench, problem), STEPS)
+    return view, improved_posterior(view, problem, _begin(bench, problem), STEPS)
 
 
 def _begin(bench: Bench, problem: Problem) -> Array:
@@ -39,7 +39,7 @@ def _begin(bench: Bench, problem: Problem) -> Array:
     zero = np.zeros(bench.free.size)
     if bench.points:
         hits = replace(bench.thin, sines=None)
-        return descended(View.of(bench.points, hits, DEFAULT), problem, zero, STEPS).u
+        return improved_posterior(View.of(bench.points, hits, DEFAULT), problem, zero, STEPS).u
     view = View.of((), sparse(bench.thin), DEFAULT)
     tried = np.tile(zero, (len(MODULI), 1))
     tried[:, 0] = MODULI

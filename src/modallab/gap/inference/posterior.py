@@ -15,7 +15,7 @@ from modallab.core.rig import Rig
 from modallab.gap.inference.discrepancy import Levels
 from modallab.gap.inference.view import STEP, Match, View
 from modallab.gap.model.fit import Problem
-from modallab.twin.candidate import Candidate, Slot
+from modallab.twin.candidate import CandidateEffect, FreeNumber
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ SAME_SLOPES = 3
 """Steps that one evaluation of the slopes serves, at most."""
 
 
-def key_of(candidates: tuple[Candidate, ...]) -> Key:
+def key_of(candidates: tuple[CandidateEffect, ...]) -> Key:
     """The effects and fixed places of candidates."""
     return tuple(sorted((c.effect, str(c.place)) for c in candidates))
 
@@ -72,14 +72,14 @@ class _Place:
     cost: float
 
 
-def bounds(candidates: tuple[Candidate, ...], rig: Rig) -> tuple[Array, Array]:
+def bounds(candidates: tuple[CandidateEffect, ...], rig: Rig) -> tuple[Array, Array]:
     """(numbers,) lowest and highest coordinates of the effects' numbers: the catalogue's ranges."""
     pairs = [_bounds(c, s, rig) for c in candidates for s in c.slots]
     low, high = np.array(pairs).reshape(-1, 2).T
     return low, high
 
 
-def _bounds(candidate: Candidate, slot: Slot, rig: Rig) -> tuple[float, float]:
+def _bounds(candidate: CandidateEffect, slot: FreeNumber, rig: Rig) -> tuple[float, float]:
     if slot.name == "x":
         return NEAREST_ROOT, 1.0
     assert rig.beam is not None
@@ -108,7 +108,7 @@ def _widths(problem: Problem, u: Array) -> Array:
     return widths
 
 
-def descended(view: View, problem: Problem, u: Array, steps: int, known: Array | None = None) -> Posterior:
+def improved_posterior(view: View, problem: Problem, u: Array, steps: int, known: Array | None = None) -> Posterior:
     """The explanation after at most so many evaluations of the slopes from u.
 
     Args:

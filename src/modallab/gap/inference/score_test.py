@@ -16,7 +16,7 @@ from modallab.gap.inference.screen import Start, best_share
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.fitting import Bench
-from modallab.twin.candidate import Candidate
+from modallab.twin.candidate import CandidateEffect
 
 Array = NDArray[np.float64]
 
@@ -38,12 +38,12 @@ class ScoreTest:
         gradient[:n] += slope
         self.rest = self.r - self.J @ (self.inverse @ gradient)
 
-    def best(self, candidates: Iterable[Candidate]) -> Start | None:
+    def best(self, candidates: Iterable[CandidateEffect]) -> Start | None:
         """The grid point that takes most from the cost, with minus twice that as its score; None without candidates."""
         starts = [start for c in candidates for start in self._starts(c)]
         return min(starts, key=lambda s: s.score, default=None)
 
-    def _starts(self, candidate: Candidate) -> list[Start]:
+    def _starts(self, candidate: CandidateEffect) -> list[Start]:
         problem = replace(self.problem, candidates=(*self.problem.candidates, candidate))
         grid = list(product(*([slot.coordinate(v) for v in slot.starts] for slot in candidate.slots)))
         return [self._start(problem, np.append(self.u, own)) for own in grid]

@@ -15,7 +15,7 @@ from modallab.gap.inference.discrepancy import Levels
 from modallab.gap.inference.view import View
 from modallab.gap.model.fit import Problem
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Candidate
+from modallab.twin.candidate import CandidateEffect
 
 Array = NDArray[np.float64]
 
@@ -89,7 +89,7 @@ class Screen:
             ]
         )
 
-    def starts(self, candidate: Candidate, most: int) -> list[ScreenedStart]:
+    def starts(self, candidate: CandidateEffect, most: int) -> list[ScreenedStart]:
         """The best places for a candidate to begin, each a local minimum of its grid, best first."""
         chosen: list[ScreenedStart] = []
         for start in sorted(self._grid(candidate), key=lambda s: s.score):
@@ -98,7 +98,7 @@ class Screen:
                 chosen.append(start)
         return chosen
 
-    def _grid(self, candidate: Candidate) -> list[ScreenedStart]:
+    def _grid(self, candidate: CandidateEffect) -> list[ScreenedStart]:
         """The whole grid of a candidate; its smallest sizes are the most probable ones from there down to none."""
         problem = replace(self.problem, candidates=(*self.problem.candidates, candidate))
         cells = list(product(*(range(len(slot.starts)) for slot in candidate.slots)))
@@ -112,7 +112,7 @@ class Screen:
             found.append(ScreenedStart(problem, u, score, cell))
         return found
 
-    def _scored(self, candidate: Candidate, u: Array, twin: Twin, smallest: bool) -> tuple[Array, float]:
+    def _scored(self, candidate: CandidateEffect, u: Array, twin: Twin, smallest: bool) -> tuple[Array, float]:
         """Numbers and score of a grid point, or of the smaller effect on the line to none that is more probable."""
         try:
             residual = self.view.residual(twin)

@@ -10,18 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.progress import report
-from modallab.gap.inference.posterior import Key, Posterior, descended, key_of
+from modallab.core.progress import report_progress
+from modallab.gap.inference.posterior import Key, Posterior, improved_posterior, key_of
 from modallab.gap.inference.score_test import ScoreTest
 from modallab.gap.inference.screen import Screen, ScreenedStart
 from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
-from modallab.gap.model.fit import Fit, Problem, seen
-from modallab.gap.model.minimise import narrow
-from modallab.gap.search.clock import clock_shows
-from modallab.gap.search.fitting import Bench, completed, excess, left_out, ordinary, temperature_of
-from modallab.twin.candidate import Candidate
+from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.minimise import near_floor
+from modallab.gap.search.clock import clock_error_visible
+from modallab.gap.search.fitting import Bench, converged, excess, temperature_of, within_tolerances, without_effect
+from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import model_of, search_of
 
 Array = NDArray[np.float64]
@@ -59,21 +59,21 @@ class StepwiseSelection:
         self.best = base
         self._view, self._coarse = (View.of(bench.points, d, settings) for d in (bench.thin, sparse(bench.thin)))
         problem = Problem(bench.data, bench.free, base.problem.candidates)
-        self._here = descended(self._view, problem, base.u, 12)
-        self.ended = base.gap <= bench.watched and self._sound(base)
+        self._here = improved_posterior(self._view, problem, base.u, 12)
+        self.finished = base.gap <= bench.watched and self._sound(base)
 
     def rounds(self, most: int | None = None) -> list[Level]:
         """All levels after at most so many rounds in all, fewer where no further effect is worth its price."""
         most = self.settings.most_effects if most is None else most
-        while not self.ended and len(self.levels) < most:
+        while not self.finished and len(self.levels) < most:
             self._round()
         return self.levels or [Level(self.best, ())]
 
     def _round(self) -> None:
         self._progress(0.0, "candidates screened")
-        found = [self._pruned(f) for f in self._added(self._here)]
+        found = [self._pruned(f) for f in self._with_one_more(self._here)]
         if not self.levels:
-            found += [descended(self._view, self._problem(p.candidates), u, 10) for p, u in self.bench.known]
+            found += [improved_posterior(self._view, self._problem(p.candidates), u, 10) for p, u in self.bench.known]
         found = [f for f in _best_of_each(found) if f.key != self._here.key][: self.settings.rivals]
         self._progress(0.7, "explanations fitted to the records")
         fitted: list[tuple[Posterior, Fit]] = []
@@ -88,11 +88,11 @@ class StepwiseSelection:
             fitted += self._exchanged(min(fitted, key=_score), {f.key for f, _ in fitted})
         fitted.sort(key=_score)
         if not fitted or self._gain(*fitted[0]) < self.settings.effect_price:
-            self.ended = True
+            self.finished = True
             return
         self.levels.append(Level(self.best, tuple(fit for _, fit in fitted)))
         self._here, self.best = fitted[0]
-        self.ended = self.best.gap <= self.bench.flat and self._sound(self.best)
+        self.finished = self.best.gap <= self.bench.flat and self._sound(self.best)
 
     def _gain(self, posterior: Posterior, fit: Fit) -> float:
         """What an explanation gains, -2 log evidence.
@@ -101,7 +101,7 @@ class StepwiseSelection:
         effect may be missing yet.
         """
         ranges = (self._here.evidence - self._here.cost) - (posterior.evidence - posterior.cost)
-        return (self.best.cost - fit.cost) / (temperature_of(excess(fit)) if narrow(fit) else 1.0) + ranges
+        return (self.best.cost - fit.cost) / (temperature_of(excess(fit)) if near_floor(fit) else 1.0) + ranges
 
     def _explained(self, fitted: list[tuple[Posterior, Fit]]) -> bool:
         """Whether one of these leaves nothing but noise: no other can explain more."""
@@ -110,14 +110,14 @@ class StepwiseSelection:
     def _sound(self, fit: Fit) -> bool:
         """Whether beam and assembly are within tolerance, and the generator's lines show no other clock."""
         clocked = any(search_of(c.effect).tolerance.is_clock for c in fit.problem.candidates)
-        return ordinary(fit) and (clocked or not clock_shows(self.bench))
+        return within_tolerances(fit) and (clocked or not clock_error_visible(self.bench))
 
-    def _problem(self, candidates: tuple[Candidate, ...]) -> Problem:
+    def _problem(self, candidates: tuple[CandidateEffect, ...]) -> Problem:
         return Problem(self.bench.data, self.bench.free, candidates)
 
-    def _fit(self, candidates: tuple[Candidate, ...], u: Array) -> Fit:
+    def _fit(self, candidates: tuple[CandidateEffect, ...], u: Array) -> Fit:
         """An explanation on the records, which say how large its numbers are and whether more is left."""
-        return completed(self.bench, seen(self._problem(candidates), u))
+        return converged(self.bench, evaluated(self._problem(candidates), u))
 
     def _by_records(self, there: set[Key]) -> list[tuple[Posterior, Fit]]:
         """The explanation that the records speak for most to first order, of those that are not there already."""
@@ -127,7 +127,7 @@ class StepwiseSelection:
         begun = test.best(listed)
         if begun is None:
             return []
-        found = descended(self._view, self._problem(begun.problem.candidates), self._rested(begun.u), 10)
+        found = improved_posterior(self._view, self._problem(begun.problem.candidates), self._rested(begun.u), 10)
         return [(found, self._fit(begun.problem.candidates, found.u))]
 
     def _exchanged(self, best: tuple[Posterior, Fit], there: set[Key]) -> list[tuple[Posterior, Fit]]:
@@ -135,13 +135,13 @@ class StepwiseSelection:
         (posterior, fit), found = best, list[tuple[Posterior, Fit]]()
         problem = self._problem(fit.problem.candidates)
         for at in range(len(problem.candidates) - 1):
-            bare = descended(self._view, *left_out(problem, fit.u, at), 4)
-            begun = (f for f in self._added(bare) if f.key not in there or f.evidence < posterior.evidence - 1)
+            bare = improved_posterior(self._view, *without_effect(problem, fit.u, at), 4)
+            begun = (f for f in self._with_one_more(bare) if f.key not in there or f.evidence < posterior.evidence - 1)
             chosen = [self._pruned(f) for f in sorted(begun, key=lambda f: f.evidence)[:1]]
             found += [(f, self._fit(f.problem.candidates, f.u)) for f in chosen]
         return found
 
-    def _added(self, here: Posterior) -> list[Posterior]:
+    def _with_one_more(self, here: Posterior) -> list[Posterior]:
         """The best explanations with one effect more, best first.
 
         The rows are linear in the nuisances near those that were fitted, unless these have replaced an effect: then
@@ -158,10 +158,10 @@ class StepwiseSelection:
         """The best of some starts, each stage with more steps for fewer of them."""
         self._progress(0.3, "explanations compared")
         (steps, keep), *stages = HALVING
-        found = _distinct(descended(self._coarse, s.problem, s.u, steps, slopes) for s in starts)[:keep]
+        found = _distinct(improved_posterior(self._coarse, s.problem, s.u, steps, slopes) for s in starts)[:keep]
         for stage, (steps, keep) in enumerate(stages):
             self._progress(0.5 + 0.15 * stage, "explanations compared")
-            found = _distinct(descended(self._view, f.problem, f.u, steps) for f in found)[:keep]
+            found = _distinct(improved_posterior(self._view, f.problem, f.u, steps) for f in found)[:keep]
         return found
 
     def _rested(self, u: Array) -> Array:
@@ -171,7 +171,7 @@ class StepwiseSelection:
 
     def _progress(self, share: float, what: str) -> None:
         at = len(self.levels)
-        report((at + share) / self.settings.most_effects, f"round {at + 1}: {what}")
+        report_progress((at + share) / self.settings.most_effects, f"round {at + 1}: {what}")
 
     def _pruned(self, found: Posterior) -> Posterior:
         """The same without effects and without numbers that the evidence does not ask for."""
@@ -187,14 +187,14 @@ class StepwiseSelection:
 
     def _simpler(self, found: Posterior, at: int) -> list[Posterior]:
         """An explanation without one of its effects, and with one that has no numbers in its place."""
-        problem, u = left_out(found.problem, found.u, at)
+        problem, u = without_effect(found.problem, found.u, at)
         place = found.problem.candidates[at].place
-        bare = [descended(self._view, problem, u, 4)] if problem.candidates else []
+        bare = [improved_posterior(self._view, problem, u, 4)] if problem.candidates else []
         fixed = (c for c in candidates(self.bench, problem.candidates) if not c.slots and c.place == place)
-        return bare + [descended(self._view, self._problem((*problem.candidates, c)), u, 4) for c in fixed]
+        return bare + [improved_posterior(self._view, self._problem((*problem.candidates, c)), u, 4) for c in fixed]
 
 
-def candidates(bench: Bench, present: Iterable[Candidate] = ()) -> list[Candidate]:
+def candidates(bench: Bench, present: Iterable[CandidateEffect] = ()) -> list[CandidateEffect]:
     """Every linear effect that may stand beside those present."""
     rig, channels, there = bench.data.rig, bench.data.channels, list(present)
     if bench.row is not None:

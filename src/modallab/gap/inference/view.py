@@ -18,8 +18,8 @@ from modallab.gap.inference.settings import Settings
 from modallab.gap.model.fit import GENERATOR, Problem
 from modallab.gap.model.forward import forward, impact_residue, with_shaker
 from modallab.gap.model.sensitivity import Tangent, next_to, smooth_in
-from modallab.twin.bench import Twin, exchange_plugs, transfer
-from modallab.twin.modes import Modes, solve
+from modallab.twin.bench import Twin, chain_transfer, exchange_plugs
+from modallab.twin.modes import TwinModes, solve_modes
 
 Array = NDArray[np.float64]
 Match = tuple[NDArray[np.intp], ...]
@@ -71,13 +71,13 @@ class View:
 
     def matched(self, twin: Twin) -> Match:
         """Which mode of a twin each identified pole is."""
-        modes = solve(twin.structure)
+        modes = solve_modes(twin.structure)
         hung = with_shaker(twin, modes, self.data)
         return tuple(_matched(q.poles, self._predicted(twin, modes, hung, q)[0]) for q in self.points)
 
     def predict(self, twin: Twin, match: Match | None = None) -> Array:
         """(rows,) what a twin says; the poles are matched to its modes where that is not given."""
-        parts = [self._modal(twin, solve(twin.structure), match)]
+        parts = [self._modal(twin, solve_modes(twin.structure), match)]
         if self.sines.sines is not None:
             parts += [_flat(forward(twin, self.sines)), np.array([1 / (1 + twin.clock)])]
         return np.concatenate(parts)
@@ -96,7 +96,7 @@ class View:
         n = problem.free.size
         # Of the nuisances, which are many and small, the first order of the eigenvalue problem will do.
         order = [*range(n, len(u)), *range(n)]
-        near = next_to(solve(here.structure), here.structure, [twins[k].structure for k in order], len(u) - n)
+        near = next_to(solve_modes(here.structure), here.structure, [twins[k].structure for k in order], len(u) - n)
         J = np.zeros((len(u), len(at)))
         for k, modes in zip(order, near, strict=True):
             J[k, : self.modal] = (self._modal(twins[k], modes, match) - at[: self.modal]) / STEP
@@ -118,7 +118,7 @@ class View:
                 J[k] = (_flat(forward(twin, self.sines)) - at) / STEP
         return J
 
-    def _modal(self, twin: Twin, modes: Modes, match: Match | None) -> Array:
+    def _modal(self, twin: Twin, modes: TwinModes, match: Match | None) -> Array:
         parts, hung = [np.zeros(0)], with_shaker(twin, modes, self.data)
         for k, q in enumerate(self.points):
             poles, constants = self._predicted(twin, modes, hung, q)
@@ -128,11 +128,11 @@ class View:
             parts += [np.log(np.abs(poles)), np.log(damping), *_parts(used)]
         return np.concatenate(parts)
 
-    def _predicted(self, twin: Twin, modes: Modes, hung: Modes, q: PointModes) -> tuple[Complex, Complex]:
+    def _predicted(self, twin: Twin, modes: TwinModes, hung: TwinModes, q: PointModes) -> tuple[Complex, Complex]:
         """(modes,) poles and (channels, modes) modal constants as they would be identified from the hits at a point."""
         own = hung if q.data.piece.by_shaker else modes
         poles, constants = impact_residue(twin, own, q.data, self.data)
-        constants = constants * transfer(twin.chain, self.data.channels, poles)
+        constants = constants * chain_transfer(twin.chain, self.data.channels, poles)
         if twin.clock:
             poles, constants = poles / (1 + twin.clock), constants * (1 + twin.clock)
         return poles, exchange_plugs(twin.chain, self.data.channels, q.data.piece.test, constants)

@@ -22,8 +22,8 @@ from modallab.gap.modal.state import Hung
 from modallab.gap.modal.weights import Weights
 from modallab.modification.freedoms import Freedom, freedoms_of
 from modallab.modification.mesh import Mesh
-from modallab.modification.shapes import Shapes, shapes_of
-from modallab.modification.synthesis import kernels, synthesised
+from modallab.modification.shapes import FreedomShapes, shapes_of
+from modallab.modification.synthesis import receptance_of_modes, receptances_of_model
 from modallab.updating.elements import COMPUTED
 
 SMOOTH = 0.01
@@ -64,7 +64,7 @@ class Compared:
     rig: Rig
     model: ModalModel
     bench: ModalModel
-    shapes: Shapes
+    shapes: FreedomShapes
     out_psi: Complex
     into_psi: Complex
     out_slopes: Complex
@@ -187,7 +187,7 @@ def compared(
     into_psi = np.array([shapes.driven[:, shapes.index(f)] for f in inputs]) * shapes.turn
     means = _means(s, before, after)
     if means is None:
-        known, measured, noise = synthesised(model, s), synthesised(other, s), None
+        known, measured, noise = receptances_of_model(model, s), receptances_of_model(other, s), None
     else:
         s, (known, measured) = means[0].s, (m.receptances for m in means)
         noise = means[0].noise() + means[1].noise()
@@ -201,7 +201,7 @@ def compared(
         out_slopes=np.array([shapes.slopes(f) for f in outputs]),
         into_slopes=_into_slopes(shapes, inputs, into_psi, other),
         s=s,
-        outside=known - np.einsum("lr,or,ir->loi", kernels(model, s), out_psi, into_psi),
+        outside=known - np.einsum("lr,or,ir->loi", receptance_of_modes(model, s), out_psi, into_psi),
         known=known,
         measured=measured,
         # What hangs on a computed reference is not coupled line by line: its resonances are not the bench's.
@@ -211,7 +211,7 @@ def compared(
     )
 
 
-def _into_slopes(shapes: Shapes, inputs: Sequence[Freedom], into_psi: Complex, bench: ModalModel) -> Complex:
+def _into_slopes(shapes: FreedomShapes, inputs: Sequence[Freedom], into_psi: Complex, bench: ModalModel) -> Complex:
     if bench.operating_shapes is not None:
         each = np.diag(into_psi[0])
         return np.concatenate([each, 1j * each])[None]

@@ -10,7 +10,7 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.gap.modal.weights import Weights
-from modallab.modification.synthesis import kernels
+from modallab.modification.synthesis import receptance_of_modes
 
 ERROR = 0.007
 """By how much of its size a line of an FRF is off for reasons that no free number stands for, one deviation."""
@@ -57,7 +57,7 @@ def weights(
     # One that was not found at all is believed to be as large as it is.
     of_modes = np.hypot(SHAPE * size, np.minimum(np.nan_to_num(bench.modal_constant_sigma), size))
     # A modal constant is complex: it may be off in size and in phase.
-    modes = kernels(bench, s).T
+    modes = receptance_of_modes(bench, s).T
     shapes = np.concatenate([terms, modes, 1j * modes])
     spread = np.concatenate([of_terms, of_modes, of_modes])
     return Weights.of(ERROR * lines * sizes(measured), shapes, along * spread, noise)

@@ -10,7 +10,7 @@ from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.free import Change
 from modallab.gap.modal.state import Hung
 from modallab.modification.freedoms import Freedom, freedoms_of
-from modallab.modification.mesh import apart
+from modallab.modification.mesh import median_spacing
 
 MASSES = np.geomspace(0.004, 1.5, 8)
 """Masses to begin with, over the modal mass seen from there."""
@@ -43,7 +43,7 @@ MOST_SPREAD = 4.0
 
 def spacing(c: Compared) -> float:
     """Median distance from a point to the nearest other, m."""
-    return apart(c.shapes.at_m)
+    return median_spacing(c.shapes.at_m)
 
 
 def hanging(c: Compared, effect: str) -> Iterator[Candidate]:

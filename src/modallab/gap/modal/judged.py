@@ -16,7 +16,7 @@ from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import Fitted, fit
 from modallab.gap.modal.scales import Rung, estimated, nameless, settled, usual
 from modallab.gap.modal.search import ModalSearch, best_first
-from modallab.modification.synthesis import beside
+from modallab.modification.synthesis import frfs_without_shapes
 
 PRIOR = {"no_gap": 0.5, "known": 0.4, "unknown": 0.1}
 """Probabilities before the comparison."""
@@ -128,7 +128,7 @@ def moves(fitted: Fitted) -> float:
     free, c = fitted.free, fitted.free.of
     hz = np.concatenate([c.model.frequency_hz, c.bench.frequency_hz])
     s = np.asarray(2j * np.pi * hz[hz >= c.model.band_hz[0]])
-    outside = beside(c.model, s, c.out_psi, c.into_psi)
+    outside = frfs_without_shapes(c.model, s, c.out_psi, c.into_psi)
     there = free.at(s, outside)
     moved, without = there.predicted(fitted.u, fitted.change.between_lines), there.predicted(fitted.u)
     return float(np.sqrt(np.max(np.mean((np.abs(moved - without) / sizes(without)) ** 2, axis=(0, 2)))))

@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.model import ModalModel
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.model.folded import POWERS, folded
+from modallab.identification.model.folded import POWERS, fold_into_residuals
 
 BY_MODE = (
     "frequency_hz",
@@ -34,7 +34,7 @@ def in_band(model: ModalModel, band_hz: tuple[float, float]) -> ModalModel:
     if not np.any(above) or np.all(above):
         return model
     poles = poles_of(2 * np.pi * model.frequency_hz[above], model.damping_ratio[above])
-    terms = dict(zip(POWERS, folded(poles, model.modal_constants[above], band_hz), strict=True))
+    terms = dict(zip(POWERS, fold_into_residuals(poles, model.modal_constants[above], band_hz), strict=True))
     for power, term in zip(model.residual_powers, model.residuals, strict=True):
         terms[power] = terms.get(power, 0.0) + term
     kept = {name: of[~above] for name in BY_MODE if (of := getattr(model, name)) is not None}

@@ -19,7 +19,7 @@ from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.frf.line_noise import variance_of
 from modallab.gap.modal.point_models import PointModels
-from modallab.identification.frf_model import in_band
+from modallab.identification.frf_model import frf_in_band
 
 REACH = 4.0
 """c over sigma."""
@@ -54,7 +54,7 @@ class MeasuredFrfs:
         """In the band of the model that was identified from them; None where they are not its own, or not there."""
         if frf is None or frf.outputs != model.outputs or frf.values.shape[:2] != model.modal_constants.shape[1:]:
             return None
-        lines = in_band(frf, model.band_hz)
+        lines = frf_in_band(frf, model.band_hz)
         s = frf.damping_shift + 2j * np.pi * lines.frequency_hz
         values, variance = np.moveaxis(lines.values, -1, 0), np.moveaxis(variance_of(lines), -1, 0)
         return cls(np.asarray(s), DERIVATIVES[frf.quantity], values, variance, PointModels.of(lines, model))

@@ -13,31 +13,31 @@ import numpy as np
 from modallab.core.arrays import Complex
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.twin.bench import Twin
-from modallab.twin.modes import Modes, undamped_key
-from modallab.twin.nonlinear.element import Coupling, Law, coupling
-from modallab.twin.nonlinear.records import in_hit, in_sine, ready
-from modallab.twin.nonlinear.steps import Steps
+from modallab.twin.modes import TwinModes, undamped_key
+from modallab.twin.nonlinear.element import ModalCoupling, NonlinearLaw, couple_to_modes
+from modallab.twin.nonlinear.records import added_in_hit, added_in_sine, prepared_steps
+from modallab.twin.nonlinear.steps import ModalSteps
 from modallab.twin.predict import drifted_modes, sensor_positions
-from modallab.twin.response import Hits, Sines
+from modallab.twin.response import HitsAtPoint, SineBlocks
 
 _KEPT: OrderedDict[tuple[object, ...], tuple[object, Any, Any]] = OrderedDict()
 _MOST = 24
 _LOCK = Lock()
 
 
-def added_to_hits(twin: Twin, modes: Modes, d: ImpactData, source: Hits, data: Reduced) -> Complex:
+def added_to_hits(twin: Twin, modes: TwinModes, d: ImpactData, source: HitsAtPoint, data: Reduced) -> Complex:
     """(channels, lines) acceleration per N that the element adds to the hits at one point, before the chain."""
     assert twin.element is not None
     x, gain = twin.struck_x_m(d.piece.drive_x_m), twin.hit_gain(d.piece.drive_x_m)
     share = float(twin.drifted(d.piece.order / data.last_order)) if twin.ei_drift else 0.0
     modes = drifted_modes(twin.felt(modes), twin.ei_drift, share)
-    own = coupling(twin.element, twin.structure, modes)
+    own = couple_to_modes(twin.element, twin.structure, modes)
 
     def step() -> tuple[Complex, Complex]:
         total, pushed = None, None
-        steps = ready(modes, own, source.dt, x)
+        steps = prepared_steps(modes, own, source.dt, x)
         for pulse, first, weight in zip(source.pulses, source.first, source.weights, strict=True):
-            motion, force = in_hit(steps, gain * pulse, int(first), source.n).on_lines(source.lines)
+            motion, force = added_in_hit(steps, gain * pulse, int(first), source.n).on_lines(source.lines)
             total = motion * weight if total is None else total + motion * weight
             pushed = force * weight if pushed is None else pushed + force * weight
         assert total is not None
@@ -48,7 +48,7 @@ def added_to_hits(twin: Twin, modes: Modes, d: ImpactData, source: Hits, data: R
     return _read(twin, modes, own, data, source.s, motion, force)
 
 
-def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: Reduced) -> Complex:
+def added_to_sines(twin: Twin, modes: TwinModes, d: SineData, source: SineBlocks, data: Reduced) -> Complex:
     """(channels, blocks, lines) acceleration that the element adds to the sines, per n / 2 and per N."""
     assert twin.element is not None
     element, structure = twin.element, twin.in_sine(d.pieces[0].drive_x_m)
@@ -56,13 +56,13 @@ def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: R
     shares = [float(twin.drifted(p.order / data.last_order)) if twin.ei_drift else 0.0 for p in d.pieces]
     modes = twin.felt(modes)
     of_block = [drifted_modes(modes, twin.ei_drift, share) for share in shares]
-    same = coupling(element, structure, modes)
-    owns = [coupling(element, structure, m) if twin.ei_drift else same for m in of_block]
+    same = couple_to_modes(element, structure, modes)
+    owns = [couple_to_modes(element, structure, m) if twin.ei_drift else same for m in of_block]
 
     def step() -> tuple[list[Complex], list[Complex]]:
-        steps = [ready(modes, same, source.dt, x)] * len(owns)
+        steps = [prepared_steps(modes, same, source.dt, x)] * len(owns)
         if twin.ei_drift:
-            steps = [ready(m, own, source.dt, x) for m, own in zip(of_block, owns, strict=True)]
+            steps = [prepared_steps(m, own, source.dt, x) for m, own in zip(of_block, owns, strict=True)]
         stepped = [_in_block(source, j, s, own.law) for j, (s, own) in enumerate(zip(steps, owns, strict=True))]
         # Fewer modes are followed in time where the steps are long.
         return [motion for motion, _ in stepped], [force for _, force in stepped]
@@ -75,10 +75,12 @@ def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: R
     return np.stack(answers, axis=1)
 
 
-def _in_block(source: Sines, j: int, steps: Callable[[int], Steps], law: Law) -> tuple[Complex, Complex]:
+def _in_block(
+    source: SineBlocks, j: int, steps: Callable[[int], ModalSteps], law: NonlinearLaw
+) -> tuple[Complex, Complex]:
     """What an element adds to the motion of the modes in a block of a sine, and its force, per n / 2 and per N."""
     rise = source.rise
-    found = in_sine(
+    found = added_in_sine(
         steps,
         law,
         complex(source.force[j]),
@@ -96,7 +98,7 @@ def _in_block(source: Sines, j: int, steps: Callable[[int], Steps], law: Law) ->
 
 
 def _read(
-    twin: Twin, modes: Modes, own: Coupling, data: Reduced, s: Complex, motion: Complex, force: Complex
+    twin: Twin, modes: TwinModes, own: ModalCoupling, data: Reduced, s: Complex, motion: Complex, force: Complex
 ) -> Complex:
     """(channels, lines) acceleration where the accelerometers sit."""
     psi = modes.at(sensor_positions(twin.chain, modes, data.channels, data.x_m))

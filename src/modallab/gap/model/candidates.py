@@ -9,37 +9,37 @@ from itertools import combinations
 from modallab.core.effects import PlaceKind
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.rows import Reduced
-from modallab.twin.candidate import Candidate
+from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effect_model import EffectModel, Overtones
-from modallab.twin.effects import models, search_of
+from modallab.twin.effects import effect_models, search_of
 
 
-def of_bench(rig: Rig) -> list[Candidate]:
+def of_bench(rig: Rig) -> list[CandidateEffect]:
     """Linear effects that have one place each, or lie somewhere along the beam."""
     return [c for m in _searched() if m.kind.place not in ("channel", "pair") for c in m.candidates(rig)]
 
 
-def of_motion(rig: Rig, overtones: Overtones) -> list[Candidate]:
+def of_motion(rig: Rig, overtones: Overtones) -> list[CandidateEffect]:
     """Effects of the beam that depend on the size of the motion and make such overtones; each is stepped in time."""
     found = [
         (m.search.rank, m)
-        for m in models().values()
+        for m in effect_models().values()
         if m.search is not None and m.search.law.overtones == overtones and not m.kind.linear
     ]
     return [c for _, m in sorted(found, key=lambda f: f[0]) for c in m.candidates(rig)]
 
 
-def of_channel(rig: Rig, channel: int) -> list[Candidate]:
+def of_channel(rig: Rig, channel: int) -> list[CandidateEffect]:
     """Effects on one accelerometer."""
     return [c for m in _searched("channel") for c in m.candidates(rig, (channel,))]
 
 
-def of_pairs(rig: Rig, channels: tuple[int, ...]) -> list[Candidate]:
+def of_pairs(rig: Rig, channels: tuple[int, ...]) -> list[CandidateEffect]:
     """Effects on two accelerometers, for every two of these channels."""
     return [c for m in _searched("pair") for pair in combinations(channels, 2) for c in m.candidates(rig, pair)]
 
 
-def testable(candidate: Candidate, data: Reduced) -> bool:
+def testable(candidate: CandidateEffect, data: Reduced) -> bool:
     """Whether the data hold the test that the effect needs."""
     needs = search_of(candidate.effect).needs
     struck = any(not d.piece.by_shaker for d in data.impacts)
@@ -47,5 +47,5 @@ def testable(candidate: Candidate, data: Reduced) -> bool:
 
 
 def _searched(place: PlaceKind | None = None) -> list[EffectModel]:
-    found = [(m.search.rank, m) for m in models().values() if m.search is not None and m.kind.linear]
+    found = [(m.search.rank, m) for m in effect_models().values() if m.search is not None and m.kind.linear]
     return [m for _, m in sorted(found, key=lambda f: f[0]) if place in (None, m.kind.place)]

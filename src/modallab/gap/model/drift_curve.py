@@ -25,7 +25,7 @@ def with_drift_curve(fit: Fit) -> Fit:
         return fit
     best = fit
     for _ in range(ROUNDS):
-        drift_curve = improved(best)
+        drift_curve = improved_curve(best)
         problem = replace(best.problem, drift_curve=drift_curve)
         trial = minimise(problem, best.u, 3, 1e-3)
         if trial.cost >= best.cost * (1 - 1e-3):
@@ -34,7 +34,7 @@ def with_drift_curve(fit: Fit) -> Fit:
     return best
 
 
-def improved(fit: Fit) -> tuple[tuple[float, float], ...]:
+def improved_curve(fit: Fit) -> tuple[tuple[float, float], ...]:
     """The curve after a Gauss-Newton step of every piece's own share at once: pieces do not know of each other."""
     data = fit.problem.data
     orders = np.array([*(d.piece.order for d in data.impacts), *(p.order for p in _sine_pieces(fit))]) / data.last_order

@@ -17,8 +17,8 @@ from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import Nuisances
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Candidate
-from modallab.twin.effects import apply, search_of
+from modallab.twin.candidate import CandidateEffect
+from modallab.twin.effects import apply_effect, search_of
 
 HELD_WEIGHT = 300.0
 """Weight that holds the beam, in deviations of its priors, per unit of the relative error that is forgiven."""
@@ -41,7 +41,7 @@ class Problem:
 
     data: Reduced
     free: Nuisances
-    candidates: tuple[Candidate, ...] = ()
+    candidates: tuple[CandidateEffect, ...] = ()
     floor: float = 0.0
     drift_curve: tuple[tuple[float, float], ...] = ()
     held: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -94,7 +94,7 @@ class Problem:
 
     def _with_effects(self, twin: Twin, u: Real) -> Twin:
         for effect in self.effects(u):
-            twin = apply(twin, effect, self.data.rig)
+            twin = apply_effect(twin, effect, self.data.rig)
         return replace(twin, drift_curve=self.drift_curve) if self.drift_curve else twin
 
     def residual(self, u: Real) -> Real:
@@ -105,12 +105,12 @@ class Problem:
         except np.linalg.LinAlgError:
             # A beam that has buckled has no motion about its rest.
             answers = [np.full_like(rows.y, np.nan) for rows in all_rows(self.data)]
-        return self.left(twin, answers)
+        return self.residual_of(twin, answers)
 
-    def left(self, twin: Twin, answers: Sequence[Complex]) -> Real:
+    def residual_of(self, twin: Twin, answers: Sequence[Complex]) -> Real:
         """The same of a twin whose answers are known."""
         parts = [
-            softened(rows, self.floor).whiten(rows.y - y).ravel()
+            with_relative_noise(rows, self.floor).whiten(rows.y - y).ravel()
             for rows, y in zip(all_rows(self.data), answers, strict=True)
         ]
         values = np.concatenate(parts)
@@ -154,13 +154,13 @@ def cost_of(fit: Fit) -> float:
     return fit.cost
 
 
-def priced(fit: Fit) -> float:
+def cost_with_price(fit: Fit) -> float:
     """Cost of a fit with the price of its effects' numbers (Schwarz, Ann. Stat. 6, 1978, 461)."""
     numbers = sum(len(c.slots) for c in fit.problem.candidates)
     return fit.cost + numbers * float(np.log(max(np.count_nonzero(fit.residual), 1)))
 
 
-def seen(problem: Problem, u: Real, normal: Real | None = None) -> Fit:
+def evaluated(problem: Problem, u: Real, normal: Real | None = None) -> Fit:
     """These numbers as a fit of a problem; its curvature is that of priors alone where none is given."""
     r = problem.residual(u)
     return Fit(problem, u, float(r @ r + problem.priors(u)[0]), r, np.eye(len(u)) if normal is None else normal)
@@ -179,7 +179,7 @@ def row_frequencies_hz(data: Reduced) -> list[Real]:
     return found
 
 
-def softened(rows: Rows, floor: float) -> Rows:
+def with_relative_noise(rows: Rows, floor: float) -> Rows:
     """Rows whose noise is at least a share of the response itself."""
     if not floor:
         return rows

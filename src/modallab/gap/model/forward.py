@@ -12,12 +12,12 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.rows import ImpactData, Piece, Reduced, SineData
 from modallab.gap.model.added_motion import added_to_hits, added_to_sines
-from modallab.twin.bench import Chain, Twin, exchange_plugs, transfer
-from modallab.twin.modes import Modes, solve
+from modallab.twin.bench import MeasurementChain, Twin, chain_transfer, exchange_plugs
+from modallab.twin.modes import TwinModes, solve_modes
 from modallab.twin.predict import sensor_positions
-from modallab.twin.response import Averages, Hits, Sines
+from modallab.twin.response import AveragedFrfs, HitsAtPoint, SineBlocks
 
-S = TypeVar("S", Hits | Averages, Sines)
+S = TypeVar("S", HitsAtPoint | AveragedFrfs, SineBlocks)
 
 APART = 0.003
 """Drift from which hits at one point are no longer alike: their mean then answers as no beam does."""
@@ -25,7 +25,7 @@ APART = 0.003
 
 def forward(twin: Twin, data: Reduced) -> list[Complex]:
     """What the twin says the reduced data are: (channels, rows) for each drive point, then for the sine test."""
-    modes = solve(twin.structure)
+    modes = solve_modes(twin.structure)
     hung = with_shaker(twin, modes, data)
     answers = [_impact(twin, hung if d.piece.by_shaker else modes, d, data) for d in data.impacts]
     if data.sines is not None:
@@ -33,14 +33,14 @@ def forward(twin: Twin, data: Reduced) -> list[Complex]:
     return answers
 
 
-def with_shaker(twin: Twin, modes: Modes, data: Reduced) -> Modes:
+def with_shaker(twin: Twin, modes: TwinModes, data: Reduced) -> TwinModes:
     """The modes while the shaker hangs on the beam: those without it where it adds nothing, or drove nothing."""
     x = data.shaker_x_m
     structure = twin.structure if x is None else twin.in_sine(x)
-    return modes if structure is twin.structure else solve(structure)
+    return modes if structure is twin.structure else solve_modes(structure)
 
 
-def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
+def _impact(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Complex:
     poles, residue = impact_residue(twin, modes, d, data)
     source = on_clock(d.source, twin)
     total: Complex = np.zeros(d.rows.y.shape, dtype=np.complex128)
@@ -48,15 +48,15 @@ def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
     for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
         forced, tail = source.kernel(pole, hit_ratios(twin, d, data))
         forced_sum += r @ forced
-        total += (r * transfer(twin.chain, data.channels, pole)) @ tail
+        total += (r * chain_transfer(twin.chain, data.channels, pole)) @ tail
     # The FRF of a drive is that of the best linear approximation: it says nothing of a law.
-    if twin.element is not None and isinstance(source, Hits):
+    if twin.element is not None and isinstance(source, HitsAtPoint):
         forced_sum += added_to_hits(twin, modes, d, source, data)
-    total += transfer(twin.chain, data.channels, source.s) * forced_sum
+    total += chain_transfer(twin.chain, data.channels, source.s) * forced_sum
     return exchange_plugs(twin.chain, data.channels, d.piece.test, total)
 
 
-def impact_residue(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> tuple[Complex, Complex]:
+def impact_residue(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> tuple[Complex, Complex]:
     """(p,) poles and (channels, p) displacement residues of hits at one point, drift included."""
     scale = float(drift_scale(twin, d.piece.order, data))
     x, gain = driven_at(twin, d.piece)
@@ -82,7 +82,7 @@ def hit_ratios(twin: Twin, d: ImpactData, data: Reduced) -> Real | None:
     return drift_scale(twin, np.array(d.piece.orders), data) / drift_scale(twin, d.piece.order, data)
 
 
-def impact_residual(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Real:
+def impact_residual(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Real:
     """(channels,) static displacement per N of hits at one point that the modes left out add, drift included."""
     drive, gain = driven_at(twin, d.piece)
     softer = float(drift_scale(twin, d.piece.order, data)) ** 2
@@ -90,7 +90,7 @@ def impact_residual(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> R
     return share * modes.remainder(_sensor_positions(twin.chain, modes, data), drive)
 
 
-def sine_residual(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Real | None) -> Real:
+def sine_residual(twin: Twin, modes: TwinModes, d: SineData, data: Reduced, scale: Real | None) -> Real:
     """(channels, blocks) the same in the sine test."""
     softer = np.ones(len(d.pieces)) if scale is None else scale**2
     static = modes.remainder(_sensor_positions(twin.chain, modes, data), d.pieces[0].drive_x_m)
@@ -101,7 +101,7 @@ def on_clock(source: S, twin: Twin) -> S:
     """The source on the clock of the world."""
     if not twin.clock:
         return source
-    if isinstance(source, Sines):
+    if isinstance(source, SineBlocks):
         hz, rise = source.frequency_hz * (1 + twin.clock), source.rise.on_clock(twin.clock)
         return replace(source, dt=source.dt / (1 + twin.clock), frequency_hz=hz, rise=rise)
     return replace(source, dt=source.dt / (1 + twin.clock))
@@ -114,13 +114,15 @@ def sine_drift(twin: Twin, d: SineData, data: Reduced) -> Real | None:
     return drift_scale(twin, np.array([p.order for p in d.pieces]), data)
 
 
-def sine_residue(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Real | None) -> tuple[Complex, Complex]:
+def sine_residue(
+    twin: Twin, modes: TwinModes, d: SineData, data: Reduced, scale: Real | None
+) -> tuple[Complex, Complex]:
     """(p,) or (p, blocks) poles and (channels, p) residues of the sine test, those without drift."""
     poles = modes.poles if scale is None else modes.poles[:, None] * scale
     return poles, _outputs(twin.chain, modes, data) * modes.at(d.pieces[0].drive_x_m)[0]
 
 
-def _sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> Complex:
+def _sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> Complex:
     source = on_clock(d.source, twin)
     scale = sine_drift(twin, d, data)
     poles, residue = sine_residue(twin, modes, d, data, scale)
@@ -136,23 +138,23 @@ def _sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> Complex:
         amplitude = r[:, :, None] * decay * at_poles(twin.chain, data, pole)
         shape = source.decay_shape(pole)
         rings += np.moveaxis(np.moveaxis(amplitude, 2, 0) @ np.moveaxis(shape, 1, 0), 0, 1)
-    at_up, at_down = (transfer(twin.chain, data.channels, sign * source.drive) for sign in (1, -1))
+    at_up, at_down = (chain_transfer(twin.chain, data.channels, sign * source.drive) for sign in (1, -1))
     share_up, share_down = source.shares()
     if twin.element is not None:
-        rings += transfer(twin.chain, data.channels, source.s) * added_to_sines(twin, modes, d, source, data)
+        rings += chain_transfer(twin.chain, data.channels, source.s) * added_to_sines(twin, modes, d, source, data)
     total = rings + (up * at_up)[:, :, None] * share_up + (down * at_down)[:, :, None] * share_down
     return exchange_plugs(twin.chain, data.channels, "sine", total.reshape(len(data.channels), -1))
 
 
-def at_poles(chain: Chain, data: Reduced, pole: Complex) -> Complex:
+def at_poles(chain: MeasurementChain, data: Reduced, pole: Complex) -> Complex:
     """(channels, p, blocks or 1) what the chain makes of a decay at each pole."""
-    values = transfer(chain, data.channels, pole)
+    values = chain_transfer(chain, data.channels, pole)
     return values if values.ndim == 3 else values[:, :, None]
 
 
-def _sensor_positions(chain: Chain, modes: Modes, data: Reduced) -> Real:
+def _sensor_positions(chain: MeasurementChain, modes: TwinModes, data: Reduced) -> Real:
     return sensor_positions(chain, modes, data.channels, data.x_m)
 
 
-def _outputs(chain: Chain, modes: Modes, data: Reduced) -> Complex:
+def _outputs(chain: MeasurementChain, modes: TwinModes, data: Reduced) -> Complex:
     return modes.at(_sensor_positions(chain, modes, data))

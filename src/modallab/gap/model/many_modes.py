@@ -14,7 +14,7 @@ from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.gap.model.forward import drift_scale, driven_at
 from modallab.twin.bench import Twin
 from modallab.twin.elements import shape_rows
-from modallab.twin.modes import Modes
+from modallab.twin.modes import TwinModes
 from modallab.twin.predict import sensor_positions
 
 Numbers = tuple[Complex, Complex, Real]
@@ -27,8 +27,8 @@ class ManyModes:
 
     Attributes:
         poles: (twins, p); NaN for a twin with other modes.
-        columns: (twins, n, p) as in `Modes`; NaN too.
-        out_of_band: of each twin, as in `Modes`.
+        columns: (twins, n, p) as in `TwinModes`; NaN too.
+        out_of_band: of each twin, as in `TwinModes`.
         sensors: (twins, channels, n) rows that take a shape at the accelerometers.
         outputs: (twins, channels, p) shapes there, which all drive points share.
         length_m: of the beam.
@@ -42,7 +42,7 @@ class ManyModes:
     length_m: float
 
     @classmethod
-    def of(cls, modes: Sequence[Modes], sensors: Real, count: int) -> Self:
+    def of(cls, modes: Sequence[TwinModes], sensors: Real, count: int) -> Self:
         """Of twins whose accelerometers sit there, with so many modes as a rule."""
         poles = np.full((len(modes), count), np.nan, dtype=np.complex128)
         columns: Complex = np.full((len(modes), sensors.shape[2], count), np.nan, dtype=np.complex128)
@@ -59,7 +59,7 @@ class ManyModes:
         return (rows[:, None] @ self.columns)[:, 0], (self.sensors @ pushed[:, :, None])[:, :, 0]
 
 
-def sensor_rows(twins: Sequence[Twin], modes: Modes, data: Reduced) -> Real:
+def sensor_rows(twins: Sequence[Twin], modes: TwinModes, data: Reduced) -> Real:
     """(twins, channels, n) rows that take a shape at the accelerometers of each twin."""
     first, *others = twins
     usual = shape_rows(sensor_positions(first.chain, modes, data.channels, data.x_m), modes.length_m)

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.gap.model.fit import Fit, Problem, all_rows, softened
+from modallab.gap.model.fit import Fit, Problem, all_rows, with_relative_noise
 from modallab.gap.model.sensitivity import Tangent, smooth_in
 from modallab.twin.bench import Twin
 
@@ -160,7 +160,7 @@ def _residuals(problem: Problem, moved: Real) -> list[Real]:
 def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: int) -> Real:
     """(twins, residuals); NaN for a twin to which no slope leads."""
     changes = Tangent(here, problem.data).changes(twins, near)
-    weights = [softened(rows, problem.floor) for rows in all_rows(problem.data)]
+    weights = [with_relative_noise(rows, problem.floor) for rows in all_rows(problem.data)]
     # What the clock says of the sines does not depend on the beam.
     rows, at = np.zeros((len(twins), size)), 0
     half = sum(w.y.size for w in weights)
@@ -183,7 +183,7 @@ def _step(
     while damping < STIFFEST:
         held_back = normal + damping * scale
         step: Real = np.clip(-np.linalg.solve(held_back, gradient), -4.0, 4.0).astype(np.float64)
-        if not once and not problem.floor and _narrow(here.cost, here.r):
+        if not once and not problem.floor and _near_floor(here.cost, here.r):
             step = _curved_step(problem, here, J, held_back, step)
         there = _at(problem, here.u + np.clip(step, -4, 4))
         if there.cost < here.cost:
@@ -194,12 +194,12 @@ def _step(
     return None, first
 
 
-def narrow(fit: Fit) -> bool:
+def near_floor(fit: Fit) -> bool:
     """Whether a fit is so near the floor that the valley is narrower than it is curved."""
-    return _narrow(fit.cost, fit.residual)
+    return _near_floor(fit.cost, fit.residual)
 
 
-def _narrow(cost: float, r: Real) -> bool:
+def _near_floor(cost: float, r: Real) -> bool:
     return cost < NARROW * np.count_nonzero(r)
 
 

@@ -17,9 +17,9 @@ from modallab.core.errors import RigError
 from modallab.core.places import RowsOfPlace
 from modallab.core.rig import Beam, Rig
 from modallab.gap.model.tolerances import Departed, Deviation, Scales, applied, deviations, held, sensors_x_m
-from modallab.twin.bench import Chain, Twin
+from modallab.twin.bench import MeasurementChain, Twin
 from modallab.twin.effects import with_known
-from modallab.twin.structure import MODES, ROOT, Structure, believed_root
+from modallab.twin.structure import MODES, ROOT, TwinStructure, believed_root
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -119,7 +119,8 @@ class Nuisances:
             yield twin
 
     def _beams(self, u: Real, softer: bool) -> Iterator[dict[str, Any]]:
-        """What the first numbers (twins, size) make of the beam, by the names of `Structure`; `softer` of its root."""
+        """What the first numbers (twins, size) make of the beam, by the names of `TwinStructure`; `softer` "
+        "of its root."""
         tolerance, damping = self.rig.tolerance, self.rig.damping_ratio
         nominal = _nominal(self)[0]
         believed = np.array([nominal.youngs_modulus_pa, nominal.thickness_m, nominal.density_kg_m3])
@@ -152,11 +153,11 @@ def _without(values: Departed, replaced: Collection[tuple[str, RowsOfPlace | Non
 
 
 @lru_cache(maxsize=16)
-def _nominal(free: Nuisances) -> tuple[Structure, Chain, dict[float, float], Scales]:
+def _nominal(free: Nuisances) -> tuple[TwinStructure, MeasurementChain, dict[float, float], Scales]:
     """What the rig file says of beam, chain, places of the sensors and deviations: read once a search."""
     rig = free.rig
-    structure = Structure.of(beam_of(rig), rig.damping_ratio.guess)
-    return structure, Chain.of(rig), sensors_x_m(rig), Scales.of_all(free.deviations)
+    structure = TwinStructure.of(beam_of(rig), rig.damping_ratio.guess)
+    return structure, MeasurementChain.of(rig), sensors_x_m(rig), Scales.of_all(free.deviations)
 
 
 def beam_of(rig: Rig) -> Beam:

@@ -10,7 +10,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.model.drift_curve import improved
+from modallab.gap.model.drift_curve import improved_curve
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import STEP
 from modallab.twin.bench import Twin
@@ -27,7 +27,7 @@ def twin_of(fit: Fit, data: Reduced) -> Twin:
         return own.problem.twin(own.u)
     own = replace(own, problem=replace(own.problem, data=data))
     for _ in range(STEPS):
-        own = replace(own, problem=replace(own.problem, drift_curve=improved(own)))
+        own = replace(own, problem=replace(own.problem, drift_curve=improved_curve(own)))
     return own.problem.twin(own.u)
 
 

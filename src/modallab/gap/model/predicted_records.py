@@ -5,7 +5,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import force_amplitude, on_line, rise_of, wide_hit
+from modallab.gap.conditioning.reduce import force_amplitude, frequency_on_line, rise_of, wide_hit
 from modallab.signals.hit import windowed_force
 from modallab.signals.signals import to_signals
 from modallab.twin.bench import Twin
@@ -30,6 +30,6 @@ def predict_record(twin: Twin, rig: Rig, block: Block, last_order: float, ratio:
         force = windowed_force(signals.force, wide_hit(signals))
         return predict_hit(twin, force, block.rate_hz, drive, channels, x, tau)
     n, dt = block.n_samples, 1 / block.rate_hz
-    f0 = on_line(block.frequency_hz or 0.0, n, dt) * ratio
+    f0 = frequency_on_line(block.frequency_hz or 0.0, n, dt) * ratio
     amplitude = force_amplitude(signals, f0)
     return predict_sine(twin, amplitude, f0, n, block.rate_hz, drive, channels, x, tau, rise_of([block]))

@@ -14,9 +14,9 @@ from scipy.optimize import minimize
 
 from modallab.core.arrays import Complex, Real
 from modallab.gap.model.nuisances import Nuisances
-from modallab.twin.candidate import Candidate
-from modallab.twin.effects import apply
-from modallab.twin.modes import solve
+from modallab.twin.candidate import CandidateEffect
+from modallab.twin.effects import apply_effect
+from modallab.twin.modes import solve_modes
 
 SPREAD = 0.004
 """Relative deviation of a frequency that is called a match."""
@@ -31,7 +31,7 @@ class Start:
 
 
 def starts(
-    candidates: tuple[Candidate, ...], free: Nuisances, poles: Complex, best: int = 2, former: Real | None = None
+    candidates: tuple[CandidateEffect, ...], free: Nuisances, poles: Complex, best: int = 2, former: Real | None = None
 ) -> list[Start]:
     """The best places to begin: the last candidate on its grid, those before it where they are.
 
@@ -57,7 +57,7 @@ def starts(
     return [refined(s, candidates, free, poles) for s in sorted(found, key=lambda s: s.cost)[:best]]
 
 
-def refined(begin: Start, candidates: tuple[Candidate, ...], free: Nuisances, poles: Complex) -> Start:
+def refined(begin: Start, candidates: tuple[CandidateEffect, ...], free: Nuisances, poles: Complex) -> Start:
     """The same with the last candidate's numbers moved to where the frequencies fit best nearby."""
     count = len(candidates[-1].slots) if candidates else 0
     if not count or not len(poles):
@@ -76,16 +76,16 @@ def refined(begin: Start, candidates: tuple[Candidate, ...], free: Nuisances, po
     return moved if moved.cost < begin.cost else begin
 
 
-def start(candidates: tuple[Candidate, ...], effect_u: Real, free: Nuisances, poles: Complex) -> Start:
+def start(candidates: tuple[CandidateEffect, ...], effect_u: Real, free: Nuisances, poles: Complex) -> Start:
     """A start with these effect coordinates; Young's modulus and damping follow from the poles."""
     u = np.concatenate([np.zeros(free.size), effect_u])
     twin, at = free.build(u[: free.size]), free.size
     # The tolerances of a damper are no reason to doubt what the ring-down says of the damping.
     twin = replace(twin, structure=replace(twin.structure, dampers=()))
     for candidate in candidates:
-        twin = apply(twin, candidate.at(u[at : at + len(candidate.slots)]), free.rig)
+        twin = apply_effect(twin, candidate.at(u[at : at + len(candidate.slots)]), free.rig)
         at += len(candidate.slots)
-    model = solve(twin.structure).poles / (1 + twin.clock) * np.sqrt(1 + 0.15 * twin.ei_drift)
+    model = solve_modes(twin.structure).poles / (1 + twin.clock) * np.sqrt(1 + 0.15 * twin.ei_drift)
     scale, cost, pairs = _match(np.abs(poles), np.abs(model), free)
     u[0] = scale
     u[3 : 3 + free.modes] = _damping(poles, model, pairs, free, bool(twin.structure.dampers))

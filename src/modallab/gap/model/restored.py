@@ -14,7 +14,7 @@ from modallab.gap.model.candidates import of_bench, of_channel, of_pairs
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.nuisances import Nuisances, beam_of
 from modallab.gap.model.tolerances import FREE, MOST
-from modallab.twin.candidate import Candidate, Slot
+from modallab.twin.candidate import CandidateEffect, FreeNumber
 from modallab.twin.structure import ROOT, believed_root
 
 EDGE = 1e-6
@@ -59,7 +59,7 @@ def _free(value: float, free: float = FREE, most: float = MOST) -> float:
     return float(np.sign(value) * (free + room * np.arctanh(min((abs(value) - free) / room, 1 - 1e-9))))
 
 
-def begin_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool = False) -> tuple[Problem, Real]:
+def first_fit_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool = False) -> tuple[Problem, Real]:
     """An explanation's problem on records, and (u,) its numbers, from which a fit begins.
 
     Args:
@@ -78,7 +78,7 @@ def begin_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool 
     return Problem(data, free, tuple(f for f, _ in found), drift_curve=tuple(said.twin.drift_curve)), u
 
 
-def _free_again(effect: Effect, data: Reduced) -> tuple[Candidate, Real]:
+def _free_again(effect: Effect, data: Reduced) -> tuple[CandidateEffect, Real]:
     """An effect with its numbers free, and the coordinates at which it is this one."""
     for c in _like(effect, data):
         values = effect.parameters | ({"x": effect.place.x} if isinstance(effect.place, AlongBeam) else {})
@@ -92,7 +92,7 @@ def _free_again(effect: Effect, data: Reduced) -> tuple[Candidate, Real]:
     )
 
 
-def _held_in_place(candidate: Candidate, own: Real) -> tuple[Candidate, Real]:
+def _held_in_place(candidate: CandidateEffect, own: Real) -> tuple[CandidateEffect, Real]:
     names = [s.name for s in candidate.slots]
     if "x" not in names:
         return candidate, own
@@ -100,13 +100,13 @@ def _held_in_place(candidate: Candidate, own: Real) -> tuple[Candidate, Real]:
     return candidate.held_at(candidate.slots[at].value(float(own[at]))), np.delete(own, at)
 
 
-def _like(effect: Effect, data: Reduced) -> list[Candidate]:
+def _like(effect: Effect, data: Reduced) -> list[CandidateEffect]:
     if isinstance(effect.place, TwoChannels):
         return of_pairs(data.rig, effect.place.channel)
     kind, row = kind_of(effect.effect).place, rows_of(effect.place)
     return of_channel(data.rig, row) if kind == "channel" and isinstance(row, int) else of_bench(data.rig)
 
 
-def _coordinate(slot: Slot, value: float) -> float:
+def _coordinate(slot: FreeNumber, value: float) -> float:
     near = float(np.clip(value, EDGE, 1 - EDGE)) if slot.transform == "share" else float(value)
     return slot.coordinate(near)

@@ -18,10 +18,10 @@ from modallab.core.units import Test
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.gap.model.forward import hit_ratios, on_clock, sine_drift, with_shaker
 from modallab.gap.model.many_modes import ManyModes, Numbers, of_hits, of_sines, sensor_rows
-from modallab.twin.bench import Chain, Twin, exchange_plugs, is_flat, transfer
-from modallab.twin.modes import Modes, have_same_modes, solve
-from modallab.twin.neighbours import Neighbours
-from modallab.twin.structure import Structure
+from modallab.twin.bench import MeasurementChain, Twin, chain_transfer, exchange_plugs, is_flat
+from modallab.twin.modes import TwinModes, have_same_modes, solve_modes
+from modallab.twin.neighbours import NeighbourStructures
+from modallab.twin.structure import TwinStructure
 
 Kernel = Callable[[Complex], Complex]
 """From (p,) poles to (channels or 1, p, rows), the answers per unit residue at gain 1."""
@@ -38,7 +38,7 @@ class Tangent:
     def __init__(self, twin: Twin, data: Reduced) -> None:
         """Evaluate the kernels of `twin` on `data`."""
         self.data, self.twin = data, twin
-        modes = self._modes = solve(twin.structure)
+        modes = self._modes = solve_modes(twin.structure)
         self._hung = with_shaker(twin, modes, data)
         self._parts = [_of_hits(twin, self._hung if d.piece.by_shaker else modes, d, data) for d in data.impacts]
         if data.sines is not None:
@@ -66,7 +66,7 @@ class Tangent:
         zipped = zip(self._parts, own, strict=True)
         return [exchange_plugs(chain, channels, p.test, p.changes(twins, m, self.data)) for p, m in zipped]
 
-    def _all_hung(self, twins: Sequence[Twin], modes: list[Modes], x_m: float, first: int) -> list[Modes]:
+    def _all_hung(self, twins: Sequence[Twin], modes: list[TwinModes], x_m: float, first: int) -> list[TwinModes]:
         """The modes while the shaker hangs on them."""
         here, hung = self.twin.in_sine(x_m), [t.in_sine(x_m) for t in twins]
         if here is self.twin.structure and all(s is t.structure for s, t in zip(hung, twins, strict=True)):
@@ -74,15 +74,15 @@ class Tangent:
         return next_to(self._hung, here, hung, first)
 
 
-def next_to(modes: Modes, here: Structure, there: Sequence[Structure], first: int) -> list[Modes]:
+def next_to(modes: TwinModes, here: TwinStructure, there: Sequence[TwinStructure], first: int) -> list[TwinModes]:
     """The modes of structures next to one whose modes are known; those of the first of them exactly."""
-    found = [solve(s) for s in there[:first]]
+    found = [solve_modes(s) for s in there[:first]]
     moved = [k for k in range(first, len(there)) if not have_same_modes(there[k], here)]
-    near = dict(zip(moved, Neighbours(here).solve([there[k] for k in moved]), strict=True)) if moved else {}
+    near = dict(zip(moved, NeighbourStructures(here).solve([there[k] for k in moved]), strict=True)) if moved else {}
     return [*found, *(near.get(k, modes) for k in range(first, len(there)))]
 
 
-def _gains(chain: Chain, data: Reduced) -> Real:
+def _gains(chain: MeasurementChain, data: Reduced) -> Real:
     return np.array([chain.gain.get(c, 1.0) for c in data.channels]) / chain.force_gain
 
 
@@ -129,7 +129,7 @@ class _Part:
 
 
 def _part(
-    test: Test, numbers: Follow, kernel: Kernel, static: Complex, middle: tuple[Twin, Modes], data: Reduced
+    test: Test, numbers: Follow, kernel: Kernel, static: Complex, middle: tuple[Twin, TwinModes], data: Reduced
 ) -> _Part:
     twin, modes = middle
     many = ManyModes.of([modes], sensor_rows([twin], modes, data), len(modes.poles))
@@ -146,15 +146,15 @@ def _with_slope(kernel: Kernel, poles: Complex) -> tuple[Complex, Complex]:
     return here, (kernel(poles * (1 + SLOPE)) - here) / (poles * SLOPE)[:, None]
 
 
-def _unit(chain: Chain, data: Reduced) -> Callable[[Complex], Complex]:
+def _unit(chain: MeasurementChain, data: Reduced) -> Callable[[Complex], Complex]:
     """(channels or 1, ...) what the chain makes of an acceleration at complex frequencies (...), but for the gains."""
     if is_flat(chain):
         return lambda s: np.ones((1, *s.shape), dtype=np.complex128)
     own = replace(chain, gain={}, force_gain=1.0)
-    return lambda s: transfer(own, data.channels, s)
+    return lambda s: chain_transfer(own, data.channels, s)
 
 
-def _of_hits(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> _Part:
+def _of_hits(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> _Part:
     source, unit = on_clock(d.source, twin), _unit(twin.chain, data)
     on_lines, ratios = unit(source.s), hit_ratios(twin, d, data)
 
@@ -168,7 +168,7 @@ def _of_hits(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> _Part:
     return _part(d.piece.test, numbers, kernel, on_lines * source.s**2, (twin, modes), data)
 
 
-def _of_sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> _Part:
+def _of_sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> _Part:
     source, unit = on_clock(d.source, twin), _unit(twin.chain, data)
     drift = sine_drift(twin, d, data)
     scale = np.ones(len(d.pieces)) if drift is None else drift

@@ -67,7 +67,9 @@ def _noise(rows: Rows) -> Real:
     return 2 * rows.sigma**2 * (1 + rows.common * np.abs(rows.direction) ** 2)
 
 
-def left(data: Reduced, answers: Sequence[Complex], resonances_hz: Real) -> tuple[float | None, float | None]:
+def relative_residuals(
+    data: Reduced, answers: Sequence[Complex], resonances_hz: Real
+) -> tuple[float | None, float | None]:
     """Median over records of measured less predicted over the response, at resonance and away from it; noise taken off.
 
     Args:
@@ -108,7 +110,7 @@ def discrepancies(data: Reduced, answers: Sequence[Complex]) -> dict[str, float]
     return found
 
 
-def apart(data: Reduced, one: Sequence[Complex], other: Sequence[Complex]) -> float:
+def largest_difference(data: Reduced, one: Sequence[Complex], other: Sequence[Complex]) -> float:
     """How far two twins' answers lie apart, as a share of the first, on the channel and in the test where it is most.
 
     Rms over the records of a test; a channel at a node is measured by what the others of its record answer.
@@ -135,7 +137,7 @@ def _most(data: Reduced, one: Sequence[Complex], other: Sequence[Complex], noisy
     return float(np.sqrt(max(*squares, 0.0))) if squares else 0.0
 
 
-def relative(data: Reduced) -> tuple[Real, Reduced]:
+def weighed_by_record(data: Reduced) -> tuple[Real, Reduced]:
     """The data weighed so that each record's squares are 1, and the squares that noise alone leaves then.
 
     The squares of noise are one for each entry of a residual, real parts first.

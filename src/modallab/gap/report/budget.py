@@ -13,15 +13,15 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.budget import Budget, BudgetRow, Division
-from modallab.core.digits import percent
+from modallab.core.digits import percent_text
 from modallab.core.quadrature import gauss_legendre
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.own_numbers import with_own_hits
-from modallab.gap.model.share import relative
-from modallab.gap.report.measure import divisions
-from modallab.gap.report.moved import moved
+from modallab.gap.model.share import weighed_by_record
+from modallab.gap.report.measure import labels_of_entries
+from modallab.gap.report.moved import moved_numbers
 from modallab.twin.effects import model_of
 
 NODES = 8
@@ -34,7 +34,7 @@ MOST = 3
 """Sentences on what to calibrate."""
 
 
-def budget(fit: Fit, data: Reduced, resonances_hz: Sequence[float], usual: bool = False) -> Budget:
+def budget_of_gap(fit: Fit, data: Reduced, resonances_hz: Sequence[float], usual: bool = False) -> Budget:
     """The budget of the gap between the rig file's own twin and the records.
 
     Args:
@@ -44,18 +44,18 @@ def budget(fit: Fit, data: Reduced, resonances_hz: Sequence[float], usual: bool 
         usual: whether the rig's tolerances are not its file's, but a lab's usual ones.
     """
     own = with_own_hits(fit, data)
-    noise, weighed = relative(data)
+    noise, weighed = weighed_by_record(data)
     n = fit.problem.free.size
     bare = replace(fit.problem, data=weighed, candidates=(), floor=0.0)
-    seen = _residual(bare, np.zeros(n))
+    seen = _residual_at(bare, np.zeros(n))
     if float(seen @ seen) <= 0:
         return Budget(rows=[], calibrate=[])
-    split = _Split.of(weighed, resonances_hz, seen)
-    beam = _residual(bare, own[:n])
-    rows = _numbers(fit, bare, own[:n], seen - beam, split)
+    split = _SharesOfGap.of(weighed, resonances_hz, seen)
+    beam = _residual_at(bare, own[:n])
+    rows = _rows_of_numbers(fit, bare, own[:n], seen - beam, split)
     before = beam
     for i in range(len(fit.problem.candidates)):
-        after = _residual(_first_effects(fit, bare, i + 1), own[: _slots_before(fit, i + 1)])
+        after = _residual_at(_first_effects(fit, bare, i + 1), own[: _slots_before(fit, i + 1)])
         rows.append(_effect_row(fit, i, split.shares(before - after), split))
         before = after
     whole, stays = split.squares(noise), split.shares(before)
@@ -64,11 +64,11 @@ def budget(fit: Fit, data: Reduced, resonances_hz: Sequence[float], usual: bool 
     rows.append(split.row("noise", "noise", "noise of the channels", floor))
     ordered = sorted(rows, key=lambda r: -abs(r.share))
     listed = data.rig.tolerance.model_dump(exclude={"meaning", "response"}) if usual else {}
-    return Budget(rows=ordered, calibrate=_calibrate(fit, ordered), usual=listed)
+    return Budget(rows=ordered, calibrate=_calibrate_first(fit, ordered), usual=listed)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Split:
+class _SharesOfGap:
     """How shares are split.
 
     Attributes:
@@ -83,7 +83,7 @@ class _Split:
 
     @classmethod
     def of(cls, data: Reduced, resonances_hz: Sequence[float], seen: Real) -> Self:
-        columns, belongs = divisions(data, resonances_hz)
+        columns, belongs = labels_of_entries(data, resonances_hz)
         return cls(columns, np.concatenate([np.ones((len(seen), 1)), belongs], axis=1), seen)
 
     def shares(self, part: Real) -> Real:
@@ -104,7 +104,7 @@ class _Split:
         return BudgetRow(kind=kind, name=name, place=place, said=said, sigmas=sigmas, share=float(shares[0]), by=by)
 
 
-def _residual(problem: Problem, u: Real) -> Real:
+def _residual_at(problem: Problem, u: Real) -> Real:
     r = problem.residual(u)
     # The clock's own entry is no share of a response.
     return r[:-1] if problem.data.sines is not None else r
@@ -118,7 +118,7 @@ def _slots_before(fit: Fit, count: int) -> int:
     return fit.problem.free.size + sum(len(c.slots) for c in fit.problem.candidates[:count])
 
 
-def _numbers(fit: Fit, problem: Problem, u: Real, explained: Real, split: _Split) -> list[BudgetRow]:
+def _rows_of_numbers(fit: Fit, problem: Problem, u: Real, explained: Real, split: _SharesOfGap) -> list[BudgetRow]:
     """A row for each free number; together they are what the beam and the chain explain without any effect."""
     nodes, weights = gauss_legendre(NODES)
     parts = np.zeros((len(u), len(split.seen)))
@@ -129,21 +129,21 @@ def _numbers(fit: Fit, problem: Problem, u: Real, explained: Real, split: _Split
     # What the rule misses between its points is spread in proportion.
     joint, found = split.shares(explained)[0], np.sum(shares[:, 0])
     scale = joint / found if abs(found) > 0.2 * abs(joint) else 1.0
-    numbers, shares = moved(problem, u), shares * scale
+    numbers, shares = moved_numbers(problem, u), shares * scale
     return [
         split.row(
             "tolerance",
             "+".join(dict.fromkeys(numbers[k].name for k in group)),
-            _together([numbers[k].said for k in group]),
+            _names_together([numbers[k].said for k in group]),
             shares[group].sum(axis=0),
             ", ".join(dict.fromkeys(numbers[k].place for k in group if numbers[k].place)),
             float(u[group][np.argmax(np.abs(u[group]))]),
         )
-        for group in cancelled(shares[:, 0], parts @ parts.T)
+        for group in group_cancelling_parts(shares[:, 0], parts @ parts.T)
     ]
 
 
-def cancelled(shares: Real, products: Real) -> list[list[int]]:
+def group_cancelling_parts(shares: Real, products: Real) -> list[list[int]]:
     """Parts in groups, such that none works against the sum: what is left of a group is what stays once they cancel.
 
     Args:
@@ -164,28 +164,28 @@ def cancelled(shares: Real, products: Real) -> list[list[int]]:
     return groups
 
 
-def _together(said: list[str]) -> str:
+def _names_together(said: list[str]) -> str:
     return said[0] if len(said) == 1 else f"{', '.join(said[:-1])} and {said[-1]} together"
 
 
-def _effect_row(fit: Fit, i: int, shares: Real, split: _Split) -> BudgetRow:
+def _effect_row(fit: Fit, i: int, shares: Real, split: _SharesOfGap) -> BudgetRow:
     effect = fit.effects[i]
     return split.row("effect", effect.effect, model_of(effect.effect).spoken, shares)
 
 
-def _calibrate(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
+def _calibrate_first(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
     """What to calibrate or measure first: what narrows the effects' intervals most, or else what is most of the gap."""
     if not fit.problem.candidates:
         # What the damping of a mode is nobody knows before the test.
         listed = [r for r in rows if r.kind == "tolerance" and r.name != "damping_ratio"]
         listed_by_name = [r for r in listed if r.share > NAMED][:MOST]
-        return [_within(r) for r in listed_by_name]
-    narrows = narrowing(fit)
-    said = [m.said for m in moved(fit.problem, fit.u[: fit.problem.free.size])]
+        return [_is_within_tolerance(r) for r in listed_by_name]
+    narrows = narrowing_by_nuisance(fit)
+    said = [m.said for m in moved_numbers(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]
     alike: dict[str, list[str]] = {}
     for k in best:
-        alike.setdefault(percent(narrows[k]), []).append(said[k])
+        alike.setdefault(percent_text(narrows[k]), []).append(said[k])
     return [
         f"The intervals would be {share} narrower with a measurement of {_one_of(names)}."
         for share, names in alike.items()
@@ -196,13 +196,14 @@ def _one_of(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"one of these: {', '.join(names)}"
 
 
-def _within(row: BudgetRow) -> str:
+def _is_within_tolerance(row: BudgetRow) -> str:
     return (
-        f"Within tolerance: {row.said} ({abs(row.sigmas or 0):.1f} sigma); it is {percent(row.share)} of what you see."
+        f"Within tolerance: {row.said} ({abs(row.sigmas or 0):.1f} sigma); it is {percent_text(row.share)} of "
+        "what you see."
     )
 
 
-def narrowing(fit: Fit) -> Real:
+def narrowing_by_nuisance(fit: Fit) -> Real:
     """(nuisances,) share by which the deviation of an effect's number would shrink, at most, were each one known.
 
     Of a Gaussian conditioned on one of its numbers (Anderson, An Introduction to Multivariate Statistical Analysis,

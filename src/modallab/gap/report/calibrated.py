@@ -14,12 +14,12 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.own_numbers import OF_HITS, with_own_hits
 from modallab.gap.model.tolerances import Deviation, applied, by_tolerance, with_tolerances
-from modallab.twin.bench import Chain, Twin
-from modallab.twin.effects import apply, with_known
-from modallab.twin.structure import MODES, Structure
+from modallab.twin.bench import MeasurementChain, Twin
+from modallab.twin.effects import apply_effect, with_known
+from modallab.twin.structure import MODES, TwinStructure
 
 
-def calibrated(fit: Fit, data: Reduced) -> Calibrated:
+def calibrated_twin(fit: Fit, data: Reduced) -> Calibrated:
     """The twin's own numbers after a fit, without its effects; those of hits as all records show them."""
     free, u = fit.problem.free, with_own_hits(fit, data)
     first = free.first_deviation
@@ -65,24 +65,24 @@ def diagnosed_twin(diagnosis: Diagnosis, rig: Rig, of_others: bool = True) -> Tw
             remedy="diagnose again with this version",
         )
     structure = replace(
-        Structure.of(rig.beam, rig.damping_ratio.guess),
+        TwinStructure.of(rig.beam, rig.damping_ratio.guess),
         youngs_modulus_pa=numbers.youngs_modulus_pa,
         thickness_m=numbers.thickness_m,
         density_kg_m3=numbers.density_kg_m3,
         zeta=np.array(numbers.zeta),
         root_rotation=numbers.root_rotation,
     )
-    twin = Twin(structure, Chain.of(rig), residual_compliance=numbers.residual_compliance)
+    twin = Twin(structure, MeasurementChain.of(rig), residual_compliance=numbers.residual_compliance)
     if numbers.departures:
-        twin = applied(twin, rig, by_tolerance(_departures(numbers.departures, OF_HITS if of_others else ())))
+        twin = applied(twin, rig, by_tolerance(_listed_departures(numbers.departures, OF_HITS if of_others else ())))
     twin = replace(twin, chain=replace(twin.chain, gain=dict(numbers.gains)))
     twin = with_known(twin, rig)
-    for effect in carried(diagnosis):
-        twin = apply(twin, effect, rig)
+    for effect in effects_for_twin(diagnosis):
+        twin = apply_effect(twin, effect, rig)
     return twin if of_others else replace(twin, drift_curve=tuple(numbers.drift_curve))
 
 
-def carried(diagnosis: Diagnosis) -> list[Effect]:
+def effects_for_twin(diagnosis: Diagnosis) -> list[Effect]:
     """What a diagnosis adds to the twin: the effects found, or the elements that a gap without a name behaves like."""
     learned = [] if diagnosis.described is None else diagnosis.described.elements
     return [*(found.as_effect() for found in diagnosis.effects), *(element.as_effect() for element in learned)]
@@ -98,6 +98,6 @@ def believed_twin(rig: Rig) -> Twin:
     return free.build(np.zeros(free.size))
 
 
-def _departures(listed: Collection[Departure], left_out: Collection[str]) -> list[tuple[Deviation, float]]:
+def _listed_departures(listed: Collection[Departure], left_out: Collection[str]) -> list[tuple[Deviation, float]]:
     own = [(Deviation(d.tolerance, d.at, d.sigma, d.sign), d.u) for d in listed if d.tolerance not in left_out]
     return [(deviation, deviation.value(u)) for deviation, u in own]

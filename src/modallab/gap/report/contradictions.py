@@ -7,10 +7,10 @@ Statistics, 1986).
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.core.digits import change, percent
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.core.digits import percent_text, relative_change
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.search.choose import Choice
-from modallab.twin.modes import solve
+from modallab.twin.modes import solve_modes
 
 PULLED = 2.5
 """Deviations from which a sensitivity is worth a word, though within what the rig file allows."""
@@ -20,25 +20,27 @@ CLOSE = 0.02
 """Relative deviation at which a frequency still counts as that of a mode."""
 
 
-def contradictions(choice: Choice, prepared: Prepared) -> list[str]:
+def contradiction_sentences(choice: Choice, prepared: PreparedCampaign) -> list[str]:
     """One sentence for each: a beam far off its tolerance, and sensitivities that had to move far within theirs."""
-    sentences = _beam(choice, prepared)
-    return sentences or (_gains(choice, prepared) if choice.explained else [])
+    sentences = _beam_contradiction(choice, prepared)
+    return sentences or (_gain_contradiction(choice, prepared) if choice.explained else [])
 
 
-def _beam(choice: Choice, prepared: Prepared) -> list[str]:
+def _beam_contradiction(choice: Choice, prepared: PreparedCampaign) -> list[str]:
     if choice.explained or len(prepared.poles) < 3:
         return []
     free = choice.base.problem.free
-    nominal = np.abs(solve(free.build(np.zeros(free.size)).structure).poles)
+    nominal = np.abs(solve_modes(free.build(np.zeros(free.size)).structure).poles)
     shift, share = common_shift(np.abs(prepared.poles), nominal)
     t = free.rig.tolerance
     allowed = 0.5 * float(np.sqrt(t.youngs_modulus**2 + (2 * t.thickness) ** 2 + t.density**2))
     if share < 0.99 or abs(shift) < FAR * allowed:
         return []
     return [
-        f"All frequencies of the ring-down lie {change(np.expm1(shift))} off those of the rig file's beam, and its "
-        f"tolerances allow {percent(allowed)}: check length, thickness and material in the rig file before anything "
+        f"All frequencies of the ring-down lie {relative_change(np.expm1(shift))} off those of the rig file's "
+        "beam, and its "
+        f"tolerances allow {percent_text(allowed)}: check length, thickness and material in the rig file "
+        "before anything "
         "else."
     ]
 
@@ -57,12 +59,12 @@ def common_shift(seen: Real, model: Real) -> tuple[float, float]:
     return float(shifts[best]), float(np.mean(distance[:, best] < CLOSE))
 
 
-def _gains(choice: Choice, prepared: Prepared) -> list[str]:
+def _gain_contradiction(choice: Choice, prepared: PreparedCampaign) -> list[str]:
     fit, rig = choice.fit, prepared.campaign.rig
     free = fit.problem.free
     factors = free.bare(fit.u[: free.size]).chain.gain
     return [
-        f"{rig.channels[channel].name} reads {change(factor - 1)} against its sensitivity, "
+        f"{rig.channels[channel].name} reads {relative_change(factor - 1)} against its sensitivity, "
         f"{abs(np.log(factor)) / free.tolerance:.1f} deviations of the rig file's tolerance: calibrate it."
         for channel, factor in factors.items()
         if abs(np.log(factor)) > PULLED * free.tolerance

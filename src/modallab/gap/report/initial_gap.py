@@ -6,12 +6,12 @@ from dataclasses import replace
 
 from modallab.core.block import Block, Campaign
 from modallab.core.hold_out import HoldOut
-from modallab.gap.conditioning.overtones import overtones
-from modallab.gap.conditioning.prepare import Prepared, prepare
-from modallab.gap.conditioning.records import as_recorded
-from modallab.gap.conditioning.reduce import reduce, sine_clock, thinned
+from modallab.gap.conditioning.overtones import harmonics_of_sines
+from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
+from modallab.gap.conditioning.records import records_as_recorded
+from modallab.gap.conditioning.reduce import reduce_blocks, sine_clock, thin_lines
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.split import split
+from modallab.gap.conditioning.split import split_held_out
 from modallab.gap.conditioning.weights import Weights
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.inference.identified import identified
@@ -19,9 +19,9 @@ from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.nuisances import Nuisances, nuisances
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.tolerances import with_tolerances
-from modallab.gap.report.inspected import inspected, known_already
-from modallab.gap.report.measure import Squares, squares
-from modallab.gap.search.fitting import FLAT, WATCHED, Bench
+from modallab.gap.report.inspected import inspect_effects, known_already
+from modallab.gap.report.measure import SquaredResiduals, squared_residuals
+from modallab.gap.search.fitting import FLOOR_MARGIN, NOTICED_MARGIN, Bench
 from modallab.twin.bench import Twin
 
 TOP_HZ = 650.0
@@ -38,7 +38,7 @@ def gap_before(campaign: Campaign) -> float:
         DataError: there is nothing to compare.
         RigError: the rig has no beam.
     """
-    prepared, twin, _ = _fitted(campaign)
+    prepared, twin, _ = _fit_baseline(campaign)
     return squares_as_recorded(prepared, twin).gap
 
 
@@ -48,9 +48,9 @@ def gap_known(campaign: Campaign) -> float:
     Raises:
         DataError, RigError: as `gap_before`.
     """
-    prepared, twin, data = _fitted(campaign)
-    if any(known_already(found, prepared.campaign.rig) for found in inspected(prepared, twin)):
-        return squares(twin, data).gap
+    prepared, twin, data = _fit_baseline(campaign)
+    if any(known_already(found, prepared.campaign.rig) for found in inspect_effects(prepared, twin)):
+        return squared_residuals(twin, data).gap
     return squares_as_recorded(prepared, twin).gap
 
 
@@ -64,15 +64,15 @@ def gap_unseen(campaign: Campaign, hold_out: HoldOut) -> float:
         DataError, RigError: as `gap_before`.
         PlanError: the rule leaves nothing to fit.
     """
-    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
-    fitted, held = split(prepared.blocks, hold_out)
+    prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
+    fitted, held = split_held_out(prepared.blocks, hold_out)
     base = baseline(bench_of(prepared, fitted, free_of(prepared.campaign), lambda _: False))
-    unseen = reduce(prepared.campaign, held or fitted, weights_of(prepared))
-    return squares(twin_of(base, unseen), unseen).gap
+    unseen = reduce_blocks(prepared.campaign, held or fitted, weights_of(prepared))
+    return squared_residuals(twin_of(base, unseen), unseen).gap
 
 
-def _fitted(campaign: Campaign) -> tuple[Prepared, Twin, Reduced]:
-    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
+def _fit_baseline(campaign: Campaign) -> tuple[PreparedCampaign, Twin, Reduced]:
+    prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: False)
     base = baseline(bench)
     return prepared, base.problem.twin(base.u), bench.data
@@ -87,38 +87,38 @@ def free_of(campaign: Campaign) -> Nuisances:
 
 
 def bench_of(
-    prepared: Prepared,
+    prepared: PreparedCampaign,
     fitted: Sequence[Block],
     free: Nuisances,
     allowed: Callable[[str], bool],
 ) -> Bench:
     """What a search works on: the records that may be fitted, and what is free."""
-    data = reduce(prepared.campaign, fitted, weights_of(prepared))
-    flat = _flat(prepared)
-    watched = WATCHED if flat == FLAT else flat
-    found = tuple(overtones(fitted, prepared.campaign.rig, sine_clock(data)))
-    thin = thinned(data, prepared.poles)
-    points = identified(data, fitted, reliable(prepared), DEFAULT.top_hz, prepared.driven.poles)
+    data = reduce_blocks(prepared.campaign, fitted, weights_of(prepared))
+    flat = _has_flat_tops(prepared)
+    watched = NOTICED_MARGIN if flat == FLOOR_MARGIN else flat
+    found = tuple(harmonics_of_sines(fitted, prepared.campaign.rig, sine_clock(data)))
+    thin = thin_lines(data, prepared.poles)
+    points = identified(data, fitted, reliable_accelerometers(prepared), DEFAULT.top_hz, prepared.driven.poles)
     return Bench(data, thin, free, prepared.poles, allowed, flat, watched, found, points=points)
 
 
-def reliable(prepared: Prepared) -> list[int]:
+def reliable_accelerometers(prepared: PreparedCampaign) -> list[int]:
     """Indices of the accelerometers whose records are neither cut nor noisy: what poles may be taken from."""
     off = {row for _, row in prepared.masked} | set(prepared.noisy)
     return [i for i, c in enumerate(prepared.campaign.rig.responses) if c.index not in off]
 
 
-def squares_as_recorded(prepared: Prepared, twin: Twin) -> Squares:
+def squares_as_recorded(prepared: PreparedCampaign, twin: Twin) -> SquaredResiduals:
     """The records as they came, weighed by the noise the rig file promises."""
     campaign = prepared.campaign
-    blocks = as_recorded(campaign, prepared.blocks)
+    blocks = records_as_recorded(campaign, prepared.blocks)
     full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
-    return squares(
-        twin, reduce(campaign, blocks, Weights(prepared.believed_v, full_scales, doubt=prepared.driven.doubt))
+    return squared_residuals(
+        twin, reduce_blocks(campaign, blocks, Weights(prepared.believed_v, full_scales, doubt=prepared.driven.doubt))
     )
 
 
-def weights_of(prepared: Prepared) -> Weights:
+def weights_of(prepared: PreparedCampaign) -> Weights:
     """How much each row of the records counts."""
     hz, hum = prepared.weak_hum or (0.0, None)
     noise, masked, doubt = prepared.noise_v, prepared.masked, prepared.driven.doubt
@@ -127,6 +127,6 @@ def weights_of(prepared: Prepared) -> Weights:
     return alone if floor is None else replace(alone, floor=floor.spectrum, floor_s=floor.block_s)
 
 
-def _flat(prepared: Prepared) -> float:
+def _has_flat_tops(prepared: PreparedCampaign) -> float:
     # The spectrum of a shaking floor is known to some 10 %, and what rang before a hit is taken off no better.
-    return NOT_BETTER if prepared.floor is not None or prepared.ringing is not None else FLAT
+    return NOT_BETTER if prepared.floor is not None or prepared.ringing is not None else FLOOR_MARGIN

@@ -15,7 +15,7 @@ from modallab.core.effects import kind_of, row_of
 from modallab.core.places import AllChannels, FixedPlace, OneChannel, Place, rows_of
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
-from modallab.gap.conditioning.prepare import ORDINARY_HUM, Prepared
+from modallab.gap.conditioning.prepare import ORDINARY_HUM, PreparedCampaign
 from modallab.gap.model.predicted_records import predict_record
 from modallab.signals.conversion import volts_per_si
 from modallab.twin.base_motion import base_transmission
@@ -34,7 +34,7 @@ RINGS = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Inspection:
+class InspectedEffect:
     """How the records show an effect.
 
     Attributes:
@@ -42,18 +42,18 @@ class Inspection:
         read: the effect with its numbers, once a place; asked only where they do.
     """
 
-    shown: Callable[[Prepared], bool]
-    read: Callable[[Prepared, Twin], list[Found]]
+    shown: Callable[[PreparedCampaign], bool]
+    read: Callable[[PreparedCampaign, Twin], list[Found]]
 
 
-def shown(prepared: Prepared) -> list[str]:
+def effects_on_records(prepared: PreparedCampaign) -> list[str]:
     """Names of the effects seen on the records."""
     return [name for name, inspection in INSPECTIONS.items() if inspection.shown(prepared)]
 
 
-def inspected(prepared: Prepared, twin: Twin) -> list[Found]:
+def inspect_effects(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
     """The effects seen on the records, with their numbers."""
-    return [found for name in shown(prepared) for found in INSPECTIONS[name].read(prepared, twin)]
+    return [found for name in effects_on_records(prepared) for found in INSPECTIONS[name].read(prepared, twin)]
 
 
 def known_already(found: Found, rig: Rig) -> bool:
@@ -66,7 +66,7 @@ def known_already(found: Found, rig: Rig) -> bool:
     )
 
 
-def harm(prepared: Prepared, found: Found) -> float:
+def harm_to_response(prepared: PreparedCampaign, found: Found) -> float:
     """Share of a row's response that noise or hum make up, median over records, on the row where it is most.
 
     Of what is neither it is infinite: it is no matter of size.
@@ -82,7 +82,9 @@ def harm(prepared: Prepared, found: Found) -> float:
     return float(np.max(prepared.hum.volts / np.sqrt(2) / level))
 
 
-def _found(effect: str, parameters: dict[str, float], interval: dict[str, tuple[float, float]], place: Place) -> Found:
+def _found_effect(
+    effect: str, parameters: dict[str, float], interval: dict[str, tuple[float, float]], place: Place
+) -> Found:
     return Found(
         effect=effect,
         stage=kind_of(effect).stage,
@@ -93,11 +95,11 @@ def _found(effect: str, parameters: dict[str, float], interval: dict[str, tuple[
     )
 
 
-def _noisy(prepared: Prepared, twin: Twin) -> list[Found]:
+def _noisy_channels(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
     return [_noisy_row(prepared, row) for row in prepared.noisy]
 
 
-def _noisy_row(prepared: Prepared, row: int) -> Found:
+def _noisy_row(prepared: PreparedCampaign, row: int) -> Found:
     others = np.delete(prepared.measured_v, row)
     ratios = others / np.delete(prepared.believed_v, row)
     # The quantile the measurement takes reads all rows a little low: the other rows say by how much, and how far from
@@ -110,52 +112,54 @@ def _noisy_row(prepared: Prepared, row: int) -> Found:
     level = prepared.measured_v[row] / min(max(bias, 0.8), 1.0)
     factor = float(np.sqrt(max(level**2 - step**2, own**2)) / own)
     half = float(np.exp(1.96 * np.hypot(LEVEL, sound)))
-    return _found(
+    return _found_effect(
         "noisy_channel", {"factor": factor}, {"factor": (factor / half, factor * half)}, OneChannel(channel=row)
     )
 
 
-def _hums(prepared: Prepared) -> bool:
+def _has_hum(prepared: PreparedCampaign) -> bool:
     if prepared.hum is None:
         return False
     ordinary = ORDINARY_HUM * float(np.median(prepared.noise_v)) if prepared.campaign.rig.tolerance.of_assembly else 0.0
     return float(np.median(prepared.hum.volts)) > ordinary
 
 
-def _hum(prepared: Prepared, twin: Twin) -> list[Found]:
+def _hum_effects(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
     hum = prepared.hum
     assert hum is not None
     volts = float(np.mean(hum.volts))
     spread = 2 * float(np.mean(prepared.noise_v)) / np.sqrt(len(prepared.blocks) * 500)
     interval = {"volts": (volts - spread, volts + spread), "hz": (hum.hz, hum.hz)}
-    return [_found("mains_hum", {"volts": volts, "hz": hum.hz}, interval, AllChannels())]
+    return [_found_effect("mains_hum", {"volts": volts, "hz": hum.hz}, interval, AllChannels())]
 
 
-def _clipping(prepared: Prepared, twin: Twin) -> list[Found]:
+def _clipping_effects(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
     found: list[Found] = []
     for clipped in prepared.clipped:
-        share = clipped.volts / max(_peak(prepared, twin, clipped.row), clipped.volts)
+        share = clipped.volts / max(_predicted_peak(prepared, twin, clipped.row), clipped.volts)
         interval = {"fraction_of_peak": (share * 0.95, min(1.0, share * 1.05))}
         place = OneChannel(channel=clipped.row, level_v=clipped.volts)
-        found.append(_found("clipping", {"fraction_of_peak": share}, interval, place))
+        found.append(_found_effect("clipping", {"fraction_of_peak": share}, interval, place))
     return found
 
 
-def _ringing(prepared: Prepared, twin: Twin) -> list[Found]:
+def _ringing_effect(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
     assert prepared.ringing is not None
     fraction = prepared.ringing.fraction
     interval = {"fraction": (0.85 * fraction, 1.15 * fraction)}
-    return [_found("residual_ringing", {"fraction": fraction}, interval, FixedPlace(where="impact"))]
+    return [_found_effect("residual_ringing", {"fraction": fraction}, interval, FixedPlace(where="impact"))]
 
 
-def _floor(prepared: Prepared, twin: Twin) -> list[Found]:
+def _floor_vibration(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
     rms = _base_motion(prepared, twin)
     return [
-        _found("floor_vibration", {"rms_acc": rms}, {"rms_acc": (0.85 * rms, 1.15 * rms)}, FixedPlace(where="base"))
+        _found_effect(
+            "floor_vibration", {"rms_acc": rms}, {"rms_acc": (0.85 * rms, 1.15 * rms)}, FixedPlace(where="base")
+        )
     ]
 
 
-def _peak(prepared: Prepared, twin: Twin, row: int) -> float:
+def _predicted_peak(prepared: PreparedCampaign, twin: Twin, row: int) -> float:
     """Largest voltage the twin says the channel would reach."""
     rig = prepared.campaign.rig
     at = [c.index for c in rig.responses].index(row)
@@ -165,7 +169,7 @@ def _peak(prepared: Prepared, twin: Twin, row: int) -> float:
     return float(max(peak * volts for peak, volts in zip(peaks, per_si, strict=True)))
 
 
-def _base_motion(prepared: Prepared, twin: Twin) -> float:
+def _base_motion(prepared: PreparedCampaign, twin: Twin) -> float:
     """Rms of the base's acceleration: each line by the channels that neither ring nor stand still there."""
     floor = prepared.floor
     assert floor is not None
@@ -192,10 +196,10 @@ def _as_acceleration(density: Real, rig: Rig, length_s: float) -> Real:
 
 
 INSPECTIONS = {
-    "noisy_channel": Inspection(lambda prepared: bool(prepared.noisy), _noisy),
-    "mains_hum": Inspection(_hums, _hum),
-    "clipping": Inspection(lambda prepared: bool(prepared.clipped), _clipping),
-    "residual_ringing": Inspection(lambda prepared: prepared.ringing is not None, _ringing),
-    "floor_vibration": Inspection(lambda prepared: prepared.floor is not None, _floor),
+    "noisy_channel": InspectedEffect(lambda prepared: bool(prepared.noisy), _noisy_channels),
+    "mains_hum": InspectedEffect(_has_hum, _hum_effects),
+    "clipping": InspectedEffect(lambda prepared: bool(prepared.clipped), _clipping_effects),
+    "residual_ringing": InspectedEffect(lambda prepared: prepared.ringing is not None, _ringing_effect),
+    "floor_vibration": InspectedEffect(lambda prepared: prepared.floor is not None, _floor_vibration),
 }
 """Each effect that no force predicts, in the order a diagnosis names them."""

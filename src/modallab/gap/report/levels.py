@@ -37,11 +37,11 @@ def frequencies_apart(base: Fit) -> tuple[int, int]:
     if sines is None:
         return 0, 0
     limit = DEVIATIONS + OF_A_WRONG_MODEL * misfit(base.problem, base.u)
-    found = _differences(base)
+    found = _differences_of_levels(base)
     return sum(d > limit for d in found), len(found)
 
 
-def _differences(base: Fit) -> list[float]:
+def _differences_of_levels(base: Fit) -> list[float]:
     """Of each frequency with two levels: how far these are apart, in deviations, the median over channels."""
     sines = base.problem.data.sines
     assert sines is not None

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.core.digits import change, part_of, percent, rounded
+from modallab.core.digits import part_of, percent_text, relative_change, three_digits
 from modallab.core.effects import Stage
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced, Rows
 from modallab.gap.model.fit import Fit, Problem, all_rows, row_frequencies_hz
 from modallab.gap.model.forward import forward
@@ -20,8 +20,8 @@ from modallab.gap.model.minimise import minimise
 from modallab.gap.report.harmonics import OFTEN, harmonic_shares
 from modallab.gap.report.levels import levels_differ
 from modallab.gap.search.channel_share import channel_share
-from modallab.gap.search.fitting import COARSE, Bench, excess
-from modallab.twin.modes import solve
+from modallab.gap.search.fitting import COARSEST_ERROR, Bench, excess
+from modallab.twin.modes import solve_modes
 
 CURES = 0.08
 """Leaving a channel out must bring the excess below this share for the gap to be that channel's."""
@@ -40,7 +40,7 @@ POLE_SHIFT = 6e-4
 
 
 @dataclass(frozen=True, slots=True)
-class Location:
+class GapLocation:
     """Where, and why there."""
 
     stage: Stage
@@ -50,75 +50,84 @@ class Location:
     nonlinear: bool = False
 
 
-def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
+def locate_gap(bench: Bench, prepared: PreparedCampaign, base: Fit) -> GapLocation:
     """Stage, channels and tests of the gap a baseline fit leaves."""
-    tests = _tests(bench.data)
+    tests = _tests_of_data(bench.data)
     alone, cured = _channel_alone(bench, base)
     if alone:
         held = [c for c in alone if c in prepared.repeated]
         names = ", ".join(bench.data.rig.channels[c].name for c in alone)
         if held:
-            return Location("acquisition", alone, tests, (f"{names} repeats samples that no motion repeats.",))
-        return Location("sensor", alone, tests, (f"Without {names} {part_of(1 - cured)} of the gap is gone.",))
+            return GapLocation("acquisition", alone, tests, (f"{names} repeats samples that no motion repeats.",))
+        return GapLocation("sensor", alone, tests, (f"Without {names} {part_of(1 - cured)} of the gap is gone.",))
     harmonic, driven = harmonic_shares(prepared)
     if driven > OFTEN:
-        return Location("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
+        return GapLocation("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
     if harmonic > OFTEN:
-        why = f"{percent(harmonic)} of the sine responses hold overtones of the drive that the force does not."
+        why = f"{percent_text(harmonic)} of the sine responses hold overtones of the drive that the force does not."
         sentences = (why, "The bench does not answer in proportion: it is in the beam.")
-        return Location("structure", (), tests, sentences, nonlinear=True)
-    return _of_beam_or_test(bench, base, tests)
+        return GapLocation("structure", (), tests, sentences, nonlinear=True)
+    return _locate_in_beam_or_test(bench, base, tests)
 
 
-def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Location:
+def _locate_in_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> GapLocation:
     """The beam if its poles or its levels say so, a test if only that one disagrees, else the chain of all channels."""
     shift = pole_spread(bench, base)
-    by_test = {t: excess(_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
-    why = [f"The poles of the ring-down lie {percent(shift)} (rms) off those of the best beam."]
+    by_test = {t: excess(_gap_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
+    why = [f"The poles of the ring-down lie {percent_text(shift)} (rms) off those of the best beam."]
     if by_test:
         why.append(
             "Fitted alone: "
-            + ", ".join(f"{t} {rounded(float(np.sqrt(1 + by_test[t])))}" for t in tests)
+            + ", ".join(f"{t} {three_digits(float(np.sqrt(1 + by_test[t])))}" for t in tests)
             + " noise units."
         )
     levels = levels_differ(base)
     if by_test and shift < POLE_SHIFT:
         bad = tuple(t for t in tests if np.sqrt(1 + by_test[t]) > ALONE * bench.flat + 1e-3 * base.gap)
         if not bad:
-            return Location("excitation", (), ("sine",), (*why, "Each test agrees with a beam, but not with the same."))
+            return GapLocation(
+                "excitation", (), ("sine",), (*why, "Each test agrees with a beam, but not with the same.")
+            )
         if len(bad) == 1 and not (levels and bad == ("sine",)):
-            return Location("excitation", (), bad, (*why, f"Only the {bad[0]} test disagrees, and not by its poles."))
+            return GapLocation(
+                "excitation", (), bad, (*why, f"Only the {bad[0]} test disagrees, and not by its poles.")
+            )
     if levels:
         sentences = (*why, "The two levels of the sine test disagree with each other.")
-        return Location("structure", (), tests, sentences, nonlinear=True)
+        return GapLocation("structure", (), tests, sentences, nonlinear=True)
     if shift >= POLE_SHIFT:
-        return Location("structure", (), tests, (*why, "No beam within its tolerances has such poles."))
-    return _of_chain(bench, base, tests, why)
+        return GapLocation("structure", (), tests, (*why, "No beam within its tolerances has such poles."))
+    return _locate_in_chain(bench, base, tests, why)
 
 
-def _of_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -> Location:
+def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -> GapLocation:
     """The chain of all channels, if they are off alike: its clock and its delays, or what is sensed."""
-    common, flat = alike(base)
+    common, flat = shares_alike(base)
     everywhere = bench.data.channels
     if common > ALIKE:
         reason = (
-            f"The poles are a beam's, but on a line the channels are not off alike: {percent(common)} of the gap stays."
+            f"The poles are a beam's, but on a line the channels are not off alike: {percent_text(common)} of the "
+            "gap stays."
         )
-        return Location("structure", (), tests, (*why, reason))
+        return GapLocation("structure", (), tests, (*why, reason))
     sines = bench.data.sines
     if sines is not None and abs(sines.ratio - 1) > CLOCK:
-        reason = f"The generator's lines stand {change(sines.ratio - 1)} off where it was set: a clock is wrong."
-        return Location("acquisition", everywhere, tests, (*why, reason))
+        reason = (
+            f"The generator's lines stand {relative_change(sines.ratio - 1)} off where it was set: a clock is wrong."
+        )
+        return GapLocation("acquisition", everywhere, tests, (*why, reason))
     if flat < ALIKE:
         force = bench.data.rig.force_channel.index
         reason = f"One real factor on all channels and lines takes {part_of(1 - flat)} of the gap away: the force's."
-        return Location("sensor", (force,), tests, (*why, reason))
+        return GapLocation("sensor", (force,), tests, (*why, reason))
     late = delay_share(base)
     if late > LATE:
-        reason = f"All channels are off alike, and {percent(late)} of their phase grows with frequency: time runs late."
-        return Location("acquisition", everywhere, tests, (*why, reason))
+        reason = (
+            f"All channels are off alike, and {percent_text(late)} of their phase grows with frequency: time runs late."
+        )
+        return GapLocation("acquisition", everywhere, tests, (*why, reason))
     reason = "The poles are those of a beam, all channels are off alike, and not by a delay: what is sensed is off."
-    return Location("sensor", everywhere, tests, (*why, reason))
+    return GapLocation("sensor", everywhere, tests, (*why, reason))
 
 
 def delay_share(base: Fit) -> float:
@@ -126,7 +135,7 @@ def delay_share(base: Fit) -> float:
 
     The coefficient of determination of a regression of phase on frequency through 0, weighted by the response.
     """
-    seen, y, hz = _in_noise(base)
+    seen, y, hz = _gap_in_noise_units(base)
     weight = np.sum(np.abs(y) ** 2, axis=0)
     factor = np.sum(y.conj() * seen, axis=0) / np.maximum(weight, 1e-300)
     usable = (np.abs(hz) > 1) & (np.abs(factor) > 0.3) & (np.abs(factor) < 3)
@@ -136,7 +145,7 @@ def delay_share(base: Fit) -> float:
     return float(np.sum(weight * phase * f)) ** 2 / max(whole * float(np.sum(weight * f**2)), 1e-300)
 
 
-def _in_noise(base: Fit) -> tuple[Complex, Complex, Real]:
+def _gap_in_noise_units(base: Fit) -> tuple[Complex, Complex, Real]:
     """(channels, lines) measured and predicted in noise units, and (lines,) Hz, all parts of the data side by side."""
     data = base.problem.data
     rows, answers = all_rows(data), forward(base.problem.twin(base.u), data)
@@ -145,23 +154,23 @@ def _in_noise(base: Fit) -> tuple[Complex, Complex, Real]:
     return seen, y, np.concatenate(row_frequencies_hz(data))
 
 
-def alike(base: Fit) -> tuple[float, float]:
+def shares_alike(base: Fit) -> tuple[float, float]:
     """Share of the gap that stays once all channels of a line may be off alike, and once all lines are too.
 
     The first allows a factor of its own on each line and a delay that grows from row to row, as a chain does; the
     second one real factor in all, as the force's sensitivity does.
     """
-    seen, y, hz = _in_noise(base)
+    seen, y, hz = _gap_in_noise_units(base)
     floor = 2 * np.count_nonzero(seen)
     turn = 2j * np.pi * hz * np.array(base.problem.data.channels)[:, None]
     whole = max(float(np.sum(np.abs(seen - y) ** 2)) - floor, 1e-9)
-    left = min(_by_line(seen, y * np.exp(turn * skew)) for skew in SKEWS_S)
+    left = min(_gap_by_line(seen, y * np.exp(turn * skew)) for skew in SKEWS_S)
     factor = float(np.real(np.vdot(y, seen))) / max(float(np.sum(np.abs(y) ** 2)), 1e-300)
     one = float(np.sum(np.abs(seen - factor * y) ** 2))
     return max(left - floor, 0.0) / whole, max(one - floor, 0.0) / whole
 
 
-def _by_line(seen: Complex, y: Complex) -> float:
+def _gap_by_line(seen: Complex, y: Complex) -> float:
     factors = np.sum(y.conj() * seen, axis=0) / np.maximum(np.sum(np.abs(y) ** 2, axis=0), 1e-300)
     return float(np.sum(np.abs(seen - factors * y) ** 2))
 
@@ -170,14 +179,14 @@ def pole_spread(bench: Bench, base: Fit) -> float:
     """Rms relative distance of the ring-down's poles from the baseline's, one common factor taken out."""
     if len(bench.poles) < 2:
         return 0.0
-    model = np.abs(solve(base.problem.twin(base.u).structure).poles)
+    model = np.abs(solve_modes(base.problem.twin(base.u).structure).poles)
     seen = np.abs(bench.poles)
     gaps = np.array([np.log(s) - np.log(model[np.argmin(np.abs(np.log(model / s)))]) for s in seen])
     gaps = gaps[np.abs(gaps) < 0.3]
     return float(np.sqrt(np.mean((gaps - np.median(gaps)) ** 2))) if len(gaps) > 1 else 0.0
 
 
-def _tests(data: Reduced) -> tuple[str, ...]:
+def _tests_of_data(data: Reduced) -> tuple[str, ...]:
     return (*dict.fromkeys(d.piece.test for d in data.impacts), *(("sine",) if data.sines is not None else ()))
 
 
@@ -187,33 +196,35 @@ def _channel_alone(bench: Bench, base: Fit) -> tuple[tuple[int, ...], float]:
         chosen = [int(i) for i in order[:count]]
         data = replace(
             bench.thin,
-            impacts=tuple(replace(d, rows=_masked(d.rows, chosen)) for d in bench.thin.impacts),
-            sines=replace(bench.thin.sines, rows=_masked(bench.thin.sines.rows, chosen)) if bench.thin.sines else None,
+            impacts=tuple(replace(d, rows=_keep_channels(d.rows, chosen)) for d in bench.thin.impacts),
+            sines=replace(bench.thin.sines, rows=_keep_channels(bench.thin.sines.rows, chosen))
+            if bench.thin.sines
+            else None,
         )
-        left = excess(_afresh(bench, data, base)) / excess(base)
+        left = excess(_fit_part_afresh(bench, data, base)) / excess(base)
         if left < CURES:
             return tuple(sorted(bench.data.channels[i] for i in chosen)), left
     return (), 1.0
 
 
-def _masked(rows: Rows, channels: list[int]) -> Rows:
+def _keep_channels(rows: Rows, channels: list[int]) -> Rows:
     sigma = rows.sigma.copy()
     sigma[channels] = np.inf
     return replace(rows, sigma=sigma)
 
 
-def _on_test(bench: Bench, base: Fit, test: str) -> Fit:
+def _gap_on_test(bench: Bench, base: Fit, test: str) -> Fit:
     data = replace(
         bench.thin,
         impacts=tuple(d for d in bench.thin.impacts if d.piece.test == test),
         sines=bench.thin.sines if test == "sine" else None,
     )
-    return _afresh(bench, data, base)
+    return _fit_part_afresh(bench, data, base)
 
 
-def _afresh(bench: Bench, data: Reduced, base: Fit) -> Fit:
+def _fit_part_afresh(bench: Bench, data: Reduced, base: Fit) -> Fit:
     """A baseline on part of the data, far enough from the old one to forget what the rest had done to it."""
     u = base.u[: bench.free.size]
-    for floor in (COARSE, COARSE / 6, COARSE / 36):
+    for floor in (COARSEST_ERROR, COARSEST_ERROR / 6, COARSEST_ERROR / 36):
         u = minimise(Problem(data, bench.free, (), floor), u, 2, 1e-2).u
     return minimise(Problem(data, bench.free, ()), u, 4, 1e-2)

@@ -23,7 +23,7 @@ BANDS_HZ = (0.0, 10.0, 20.0, 50.0, 120.0, 200.0, 400.0, 1000.0)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Squares:
+class SquaredResiduals:
     """Squared residuals in noise units with what they belong to; one entry a channel and a piece of a record.
 
     Attributes:
@@ -60,33 +60,35 @@ class Squares:
         return found
 
 
-def residuals(twin: Twin, data: Reduced) -> list[Complex]:
+def residuals_of_twin(twin: Twin, data: Reduced) -> list[Complex]:
     """(channels, rows) of each part of the data, in noise units."""
-    return whitened(forward(twin, data), data)
+    return residuals_of_answers(forward(twin, data), data)
 
 
-def whitened(answers: Sequence[Complex], data: Reduced) -> list[Complex]:
+def residuals_of_answers(answers: Sequence[Complex], data: Reduced) -> list[Complex]:
     """The same of any answers, in the order of `forward`."""
     return [rows.whiten(rows.y - y) for rows, y in zip(all_rows(data), answers, strict=True)]
 
 
-def squares(twin: Twin, data: Reduced) -> Squares:
+def squared_residuals(twin: Twin, data: Reduced) -> SquaredResiduals:
     """The residuals of a twin as squares."""
     return squares_of(forward(twin, data), data)
 
 
-def squares_of(answers: Sequence[Complex], data: Reduced) -> Squares:
+def squares_of(answers: Sequence[Complex], data: Reduced) -> SquaredResiduals:
     """The residuals of any answers as squares."""
     rows = [
         (float(np.sum(np.abs(r[used]) ** 2)), 2.0 * np.count_nonzero(used), name, test, level, channel, at)
-        for r, used, (name, test, level, at), channel in _rows(whitened(answers, data), data)
+        for r, used, (name, test, level, at), channel in _residuals_in_records(
+            residuals_of_answers(answers, data), data
+        )
     ]
     total, count, records, tests, levels, channels, order = zip(*rows, strict=True) if rows else ((),) * 7
     at = np.array(order) / data.last_order
-    return Squares(np.array(total), np.array(count), records, tests, levels, channels, at)
+    return SquaredResiduals(np.array(total), np.array(count), records, tests, levels, channels, at)
 
 
-def _rows(
+def _residuals_in_records(
     parts: Sequence[Complex], data: Reduced
 ) -> Iterator[tuple[Complex, NDArray[np.bool_], tuple[str, str, str, float], int]]:
     """Residuals of a channel in a record, which of them are used, the record's name, test, level and order."""
@@ -108,7 +110,7 @@ def share_within(
     """Share of the squares above the floor that lie in these tests, rows (none: all) and bands, 0 to 1."""
     inside = whole = 0.0
     chosen = np.array([not rows or c in rows for c in data.channels])
-    for (test, hz, used), r in zip(_kinds(data), residuals(twin, data), strict=True):
+    for (test, hz, used), r in zip(_kinds_of_parts(data), residuals_of_twin(twin, data), strict=True):
         excess = np.where(used, np.abs(r) ** 2 - 2, 0.0)
         lines = np.any([(hz >= low) & (hz < high) for low, high in bands], axis=0)
         whole += float(np.sum(excess))
@@ -116,7 +118,7 @@ def share_within(
     return float(np.clip(inside / whole, 0.0, 1.0)) if whole > 0 else 0.0
 
 
-def divisions(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple[Division, str]], Real]:
+def labels_of_entries(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple[Division, str]], Real]:
     """What the entries of a residual belong to, real parts first, then imaginary ones.
 
     Args:
@@ -129,7 +131,7 @@ def divisions(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple
     names = np.array([data.rig.channels[c].name for c in data.channels])
     mode_of = nearest_mode(resonances_hz)
     labels: dict[Division, list[NDArray[np.str_]]] = {"test": [], "channel": [], "band": [], "mode": []}
-    for test, hz, _ in _kinds(data):
+    for test, hz, _ in _kinds_of_parts(data):
         rows, channels = len(hz), len(names)
         labels["test"].append(np.full(channels * rows, test))
         labels["channel"].append(np.repeat(names, rows))
@@ -143,17 +145,17 @@ def divisions(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple
     return columns, np.concatenate([belongs, belongs])
 
 
-def _kinds(data: Reduced) -> list[tuple[str, Real, NDArray[np.bool_]]]:
+def _kinds_of_parts(data: Reduced) -> list[tuple[str, Real, NDArray[np.bool_]]]:
     """Test, (rows,) Hz and (channels, rows) use of each part of the data."""
     tests = [d.piece.test for d in data.impacts] + ["sine"] * (data.sines is not None)
     used = (np.isfinite(rows.sigma) for rows in all_rows(data))
     return list(zip(tests, (np.abs(hz) for hz in row_frequencies_hz(data)), used, strict=True))
 
 
-def by_frequency(twin: Twin, data: Reduced, label: Callable[[float], str]) -> dict[str, float]:
+def shares_by_frequency(twin: Twin, data: Reduced, label: Callable[[float], str]) -> dict[str, float]:
     """Share of the squares in each group of frequencies, by rising frequency."""
     frequency = np.abs(np.concatenate(list(row_frequencies_hz(data))))
-    power = np.concatenate([np.sum(np.abs(r) ** 2, axis=0) for r in residuals(twin, data)])
+    power = np.concatenate([np.sum(np.abs(r) ** 2, axis=0) for r in residuals_of_twin(twin, data)])
     sums: dict[str, float] = {}
     for k in np.argsort(frequency):
         name = label(float(frequency[k]))

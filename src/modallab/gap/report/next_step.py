@@ -21,7 +21,7 @@ def next_experiment(
         return "None: the twin and the bench agree to within the noise."
     if verdict == "unknown":
         # What was fitted and explains nothing is no ground for advice.
-        return _for_unknown(campaign, nonlinear)
+        return _step_for_unknown(campaign, nonlinear)
     likely = [f for f, p in ranked if p > 0.05 and f.problem.candidates]
     if len(likely) > 1:
         first, second = ({c.effect for c in f.problem.candidates} for f in likely[:2])
@@ -34,7 +34,7 @@ def next_experiment(
     return "Put the effect into the simulated bench, or correct it on the real one, and repeat the campaign."
 
 
-def _for_unknown(campaign: Campaign, nonlinear: bool) -> str:
+def _step_for_unknown(campaign: Campaign, nonlinear: bool) -> str:
     levels = {b.level for b in campaign.blocks if b.test == "sine"}
     points = {b.drive_point for b in campaign.blocks if b.test == "impact"}
     if nonlinear:

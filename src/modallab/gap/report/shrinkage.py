@@ -7,20 +7,24 @@ the Bootstrap, 1993, ch. 13.
 import numpy as np
 
 from modallab.core.diagnosis import Shrink
-from modallab.gap.report.measure import Squares
+from modallab.gap.report.measure import SquaredResiduals
 
 DRAWS = 400
 BARE = 0.02
 """Excess above the floor below which there is nothing to shrink."""
 
 
-def closed(before: float, after: float) -> float:
+def closed_share(before: float, after: float) -> float:
     """Share of the reducible gap that is closed: 1 - (after^2 - 1) / (before^2 - 1)."""
     return 1 - (after**2 - 1) / (before**2 - 1)
 
 
-def shrink(
-    held_out: list[str], before: Squares, after: Squares, rivals: dict[str, float], rng: np.random.Generator
+def shrinkage_with_interval(
+    held_out: list[str],
+    before: SquaredResiduals,
+    after: SquaredResiduals,
+    rivals: dict[str, float],
+    rng: np.random.Generator,
 ) -> Shrink:
     """The shrinkage with its 95 % interval, by bootstrap over channels of records.
 
@@ -40,7 +44,7 @@ def shrink(
     ok = g0 - 1 > 0.05 * (before.gap**2 - 1)
     values = 1 - (g1[ok] - 1) / (g0[ok] - 1)
     low, high = np.quantile(values, [0.025, 0.975]) if len(values) > 20 else (-np.inf, 1.0)
-    share = closed(before.gap, after.gap)
+    share = closed_share(before.gap, after.gap)
     return Shrink(
         held_out=held_out,
         before=before.gap,

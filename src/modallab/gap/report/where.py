@@ -6,25 +6,25 @@ from modallab.core.diagnosis import Found, Verdict, Where
 from modallab.core.digits import part_of
 from modallab.core.effects import Stage, kind_of
 from modallab.core.places import rows_of, x_m_of
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.report.locate import Location
-from modallab.gap.report.measure import band_of, by_frequency, share_within
-from modallab.gap.report.shrinkage import closed
+from modallab.gap.report.locate import GapLocation
+from modallab.gap.report.measure import band_of, share_within, shares_by_frequency
+from modallab.gap.report.shrinkage import closed_share
 from modallab.gap.search.choose import Choice
 
 MOSTLY = 0.8
 """Share of the squares that the bands named must hold."""
 
 
-def where(
+def where_gap_lies(
     verdict: Verdict,
     found: Sequence[Found],
     withheld: Sequence[str],
-    location: Location | None,
+    location: GapLocation | None,
     choice: Choice,
     data: Reduced,
-    prepared: Prepared,
+    prepared: PreparedCampaign,
 ) -> Where:
     """Where it lies.
 
@@ -40,8 +40,8 @@ def where(
     if verdict == "no_gap":
         said = ["Nothing but noise is left."]
         return Where(stage=None, channels=[], x_m=None, tests=[], bands=[], share=0.0, why=said)
-    stage, rows, tests, why = _sides(verdict, found, withheld, location, choice, data, prepared)
-    bands = _bands(choice, data)
+    stage, rows, tests, why = _stage_and_rows(verdict, found, withheld, location, choice, data, prepared)
+    bands = _bands_of_gap(choice, data)
     rig = prepared.campaign.rig
     of_all = [r for r in rows if r in data.channels]
     return Where(
@@ -56,14 +56,14 @@ def where(
     )
 
 
-def _sides(
+def _stage_and_rows(
     verdict: Verdict,
     found: Sequence[Found],
     withheld: Sequence[str],
-    location: Location | None,
+    location: GapLocation | None,
     choice: Choice,
     data: Reduced,
-    prepared: Prepared,
+    prepared: PreparedCampaign,
 ) -> tuple[Stage, list[int], Sequence[str], list[str]]:
     """Stage, rows, tests and the reasons."""
     force = prepared.campaign.rig.force_channel.index
@@ -71,7 +71,7 @@ def _sides(
     if lead is not None:
         rows = sorted({r for f in found for r in _rows_of(f, force, data.channels)})
         tests = sorted({t for f in found for t in kind_of(f.effect).tests})
-        return lead.stage, rows, tests, _reasons(lead, location, choice)
+        return lead.stage, rows, tests, _reasons_of_place(lead, location, choice)
     if location is not None:
         return location.stage, list(location.channels), location.tests, list(location.why)
     kind = kind_of(withheld[0])
@@ -79,15 +79,15 @@ def _sides(
     return kind.stage, rows, kind.tests, ["The records show it without any model."]
 
 
-def _reasons(lead: Found, location: Location | None, choice: Choice) -> list[str]:
+def _reasons_of_place(lead: Found, location: GapLocation | None, choice: Choice) -> list[str]:
     if location is None:
         return ["The records show it without any model."]
     if location.stage == lead.stage or not choice.fit.problem.candidates:
         return list(location.why)
     residual_says = f"The tests on the residual alone pointed at the {location.stage}: {' '.join(location.why)}"
-    explained = closed(choice.base.gap, choice.fit.gap)
+    explained = closed_share(choice.base.gap, choice.fit.gap)
     other = [f for f in choice.rivals if kind_of(f.problem.candidates[-1].effect).stage != lead.stage]
-    best = max((closed(choice.base.gap, f.gap) for f in other), default=0.0)
+    best = max((closed_share(choice.base.gap, f.gap) for f in other), default=0.0)
     return [
         f"Models of the {lead.stage} explain {part_of(explained)} of the gap, those of other stages no more than "
         f"{part_of(max(best, 0.0))}.",
@@ -104,8 +104,8 @@ def _rows_of(found: Found, force: int, channels: tuple[int, ...]) -> list[int]:
     return list(channels if rows == "all" else rows or ())
 
 
-def _bands(choice: Choice, data: Reduced) -> list[tuple[float, float]]:
-    shares = by_frequency(choice.base.problem.twin(choice.base.u), data, band_of)
+def _bands_of_gap(choice: Choice, data: Reduced) -> list[tuple[float, float]]:
+    shares = shares_by_frequency(choice.base.problem.twin(choice.base.u), data, band_of)
     held: list[tuple[float, float]] = []
     total = 0.0
     for name, share in sorted(shares.items(), key=lambda kv: -kv[1]):

@@ -28,7 +28,7 @@ def with_diagnosis(rig: Rig, diagnosis: Diagnosis, on: date, source: str = "") -
             remedy="name the rig file that the campaign was diagnosed with",
         )
     described = diagnosis.described
-    named = tuple(_as_known(found) for found in diagnosis.effects)
+    named = tuple(_as_known_effects(found) for found in diagnosis.effects)
     effects = named if described is None else tuple(element.as_effect() for element in described.elements)
     if (diagnosis.verdict != "known" and described is None) or not effects:
         verdict = {
@@ -53,12 +53,12 @@ def with_diagnosis(rig: Rig, diagnosis: Diagnosis, on: date, source: str = "") -
     return rig.model_copy(update={"revisions": (*rig.revisions, revision)})
 
 
-def at_revision(rig: Rig, number: int) -> Rig:
+def rig_at_revision(rig: Rig, number: int) -> Rig:
     """The rig as it was after so many revisions; 0 is before any."""
     return rig.model_copy(update={"revisions": rig.revisions[:number]})
 
 
-def _as_known(found: Found) -> Effect:
+def _as_known_effects(found: Found) -> Effect:
     effect = found.as_effect()
     if not isinstance(effect.place, OneChannel):
         return effect

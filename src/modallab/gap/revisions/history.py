@@ -9,11 +9,11 @@ from modallab.core.frozen import Frozen
 from modallab.core.progress import count_progress
 from modallab.core.rig import Rig
 from modallab.gap.report.initial_gap import gap_known
-from modallab.gap.revisions.apply import at_revision
+from modallab.gap.revisions.apply import rig_at_revision
 from modallab.twin.effects import model_of
 
 
-class Step(Frozen):
+class RevisionStep(Frozen):
     """One revision of a rig's simulation.
 
     Attributes:
@@ -30,7 +30,7 @@ class Step(Frozen):
     measured: dict[str, float]
 
 
-def history(rig: Rig, campaigns: Sequence[Campaign] = ()) -> list[Step]:
+def revision_history(rig: Rig, campaigns: Sequence[Campaign] = ()) -> list[RevisionStep]:
     """The revisions of a rig, each with its gap; on campaigns all are measured alike, nuisances fitted.
 
     Raises:
@@ -38,23 +38,25 @@ def history(rig: Rig, campaigns: Sequence[Campaign] = ()) -> list[Step]:
         RigError: the rig has no beam.
     """
     steps = [("as first believed", rig.revisions[0].before if rig.revisions else None)]
-    steps += [(_spoken(revision), revision.after) for revision in rig.revisions]
-    measured = _measured(rig, campaigns)
+    steps += [(_revision_in_words(revision), revision.after) for revision in rig.revisions]
+    measured = _measure_revisions(rig, campaigns)
     return [
-        Step(number=number, effects=said, gap=gap, measured={name: gaps[number] for name, gaps in measured.items()})
+        RevisionStep(
+            number=number, effects=said, gap=gap, measured={name: gaps[number] for name, gaps in measured.items()}
+        )
         for number, (said, gap) in enumerate(steps)
     ]
 
 
-def _spoken(revision: Revision) -> str:
+def _revision_in_words(revision: Revision) -> str:
     return " and ".join(model_of(e.effect).spoken for e in revision.effects)
 
 
-def _measured(rig: Rig, campaigns: Sequence[Campaign]) -> dict[str, list[float]]:
+def _measure_revisions(rig: Rig, campaigns: Sequence[Campaign]) -> dict[str, list[float]]:
     numbers = range(len(rig.revisions) + 1)
     pairs = [(campaign, number) for campaign in campaigns for number in numbers]
     gaps = [
-        gap_known(replace(campaign, rig=at_revision(rig, number)))
+        gap_known(replace(campaign, rig=rig_at_revision(rig, number)))
         for campaign, number in count_progress(pairs, len(pairs), "revisions")
     ]
     per = len(numbers)

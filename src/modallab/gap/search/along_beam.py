@@ -10,10 +10,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.minimise import WORKERS, jacobian
 from modallab.twin.effects import search_of
-from modallab.twin.modes import solve
+from modallab.twin.modes import solve_modes
 
 PLACES = tuple(np.linspace(0.3, 1.0, 15).tolist())
 """Places over L that are tried."""
@@ -25,7 +25,7 @@ NOTHING = 1e-12
 """Share of the largest curvature that counts as none."""
 
 
-def along_the_beam(fit: Fit) -> Fit:
+def best_along_beam(fit: Fit) -> Fit:
     """The fit, or that at the place where its law does best; other numbers follow by the slopes of the fit.
 
     Args:
@@ -46,7 +46,7 @@ def along_the_beam(fit: Fit) -> Fit:
         u[place] = x.coordinate(other)
         ratio = (_slowest(fit, at) / _slowest(fit, other)) ** power
         u[first] = strength.coordinate(strength.value(float(u[first])) * ratio)
-        return _followed(fit.problem, u, J, place)
+        return _refitted(fit.problem, u, J, place)
 
     with ThreadPoolExecutor(WORKERS) as workers:
         found = list(workers.map(there, PLACES))
@@ -68,14 +68,14 @@ def _lowest(costs: list[float]) -> float:
 def _slowest(fit: Fit, x: float) -> float:
     """Size of the slowest mode's shape at a place over L."""
     structure = fit.problem.twin(fit.u).structure
-    modes = solve(structure)
+    modes = solve_modes(structure)
     return float(abs(modes.at(np.array([x * structure.length_m]))[0, np.argmin(abs(modes.poles))]))
 
 
-def _followed(problem: Problem, u: Real, J: Real, place: int) -> Fit:
+def _refitted(problem: Problem, u: Real, J: Real, place: int) -> Fit:
     """A few steps of all numbers but the place, with slopes that are known."""
     moving = np.delete(np.arange(len(u)), place)
-    n, here, damping = problem.free.size, seen(problem, u), FIRST
+    n, here, damping = problem.free.size, evaluated(problem, u), FIRST
     normal = J.T @ J
     normal[np.arange(n), np.arange(n)] += problem.priors(u)[2]
     held = normal[np.ix_(moving, moving)]
@@ -86,6 +86,6 @@ def _followed(problem: Problem, u: Real, J: Real, place: int) -> Fit:
         gradient[:n] += problem.priors(here.u)[1]
         there = here.u.copy()
         there[moving] -= np.linalg.solve(held + damping * np.diag(own), gradient[moving])
-        after = seen(problem, there)
+        after = evaluated(problem, there)
         here, damping = (after, damping / 10) if after.cost < here.cost else (here, damping * 10)
     return here

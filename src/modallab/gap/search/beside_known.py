@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level, StepwiseSelection
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.beside_stepped import linear_part
 from modallab.gap.search.choose import Choice, choose
@@ -25,7 +25,7 @@ def knows_element(base: Fit) -> bool:
     return base.problem.twin(base.u).element is not None
 
 
-def beside_known(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
+def linear_beside_known(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
     """Linear effects beside the element that the rig file knows.
 
     Args:
@@ -34,19 +34,19 @@ def beside_known(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
         matters: see `choose`.
     """
     linear = replace(linear_part(bench, base), free=replace(bench.free, stepped=False))
-    levels = StepwiseSelection(linear, seen(Problem(linear.data, linear.free, ()), base.u, base.normal)).rounds()
-    return choose(bench, _together(bench, base, levels), matters)
+    levels = StepwiseSelection(linear, evaluated(Problem(linear.data, linear.free, ()), base.u, base.normal)).rounds()
+    return choose(bench, _with_element(bench, base, levels), matters)
 
 
-def _together(bench: Bench, base: Fit, levels: list[Level]) -> list[Level]:
+def _with_element(bench: Bench, base: Fit, levels: list[Level]) -> list[Level]:
     """The same rounds with the element in its place."""
     found: list[Level] = []
     for level in levels:
-        fits = sorted((_joined(bench, f) for f in level.fits), key=lambda f: f.cost)
+        fits = sorted((_fit_with_element(bench, f) for f in level.fits), key=lambda f: f.cost)
         found.append(Level(base, tuple(fits)))
         base = fits[0] if fits else base
     return found
 
 
-def _joined(bench: Bench, fit: Fit) -> Fit:
+def _fit_with_element(bench: Bench, fit: Fit) -> Fit:
     return minimise(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, TOGETHER, 1e-2)

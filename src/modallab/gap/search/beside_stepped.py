@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.core.progress import part
-from modallab.gap.conditioning.reduce import thinned
+from modallab.core.progress import part_of_progress
+from modallab.gap.conditioning.reduce import thin_lines
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import again
 from modallab.gap.inference.select import Level, StepwiseSelection
@@ -20,20 +20,20 @@ from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.choose import earns_beside_law
-from modallab.gap.search.fitting import Bench, on_all
-from modallab.gap.search.nonlinear import on_all_records
+from modallab.gap.search.fitting import Bench, evaluated_on_all
+from modallab.gap.search.nonlinear import fit_on_all_records
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Candidate
+from modallab.twin.candidate import CandidateEffect
 
 SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
 """Effects that leave the root soft even where their element does nothing, and the stiffness that stays."""
 
 
-def beside(bench: Bench, fit: Fit) -> Level | None:
+def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
     """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
     without = linear_part(bench, fit)
-    with part(0.0, 0.6):
-        level = StepwiseSelection(without, on_all(without, bare(without, fit))).rounds(1)[0]
+    with part_of_progress(0.0, 0.6):
+        level = StepwiseSelection(without, evaluated_on_all(without, linear_fit(without, fit))).rounds(1)[0]
     if not level.fits or not earns_beside_law(level.base, level.fits[0]):
         return None
     found = level.fits[0]
@@ -45,16 +45,16 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
     u = np.concatenate([found.u[:at], own, _with_root(fit.u[at:], stepped, found, at)])
     problem = Problem(bench.data, bench.free, (*before, added, stepped))
     joint = minimise(replace(problem, floor=0.002, held=(float(u[0]), float(u[1]), float(u[2]))), u, 2, 3e-2)
-    return Level(fit, (on_all_records(bench, joint),))
+    return Level(fit, (fit_on_all_records(bench, joint),))
 
 
 def linear_part(bench: Bench, fit: Fit) -> Bench:
     """The bench with what the element adds taken off its records."""
-    data = taken_off(bench.data, fit.problem.twin(fit.u))
-    return replace(bench, data=data, thin=thinned(data, bench.poles), points=again(bench.points, data))
+    data = without_element(bench.data, fit.problem.twin(fit.u))
+    return replace(bench, data=data, thin=thin_lines(data, bench.poles), points=again(bench.points, data))
 
 
-def taken_off(data: Reduced, twin: Twin) -> Reduced:
+def without_element(data: Reduced, twin: Twin) -> Reduced:
     """The data less what the element of a twin adds to them."""
     answers = [w - o for w, o in zip(forward(twin, data), forward(replace(twin, element=None), data), strict=True)]
     impacts = tuple(
@@ -66,7 +66,7 @@ def taken_off(data: Reduced, twin: Twin) -> Reduced:
     return replace(data, impacts=impacts, sines=sines)
 
 
-def bare(bench: Bench, fit: Fit) -> Fit:
+def linear_fit(bench: Bench, fit: Fit) -> Fit:
     """The fit without the element; the root that it leaves soft becomes a soft root."""
     *before, stepped = fit.problem.candidates
     at = bench.free.size + sum(len(c.slots) for c in before)
@@ -79,7 +79,7 @@ def bare(bench: Bench, fit: Fit) -> Fit:
     return Fit(problem, u, float(np.sum(fit.residual**2)), fit.residual, np.eye(len(u)))
 
 
-def _with_root(own: Real, stepped: Candidate, found: Fit, at: int) -> Real:
+def _with_root(own: Real, stepped: CandidateEffect, found: Fit, at: int) -> Real:
     if stepped.effect not in SOFT:
         return own
     own, names = own.copy(), [s.name for s in stepped.slots]

@@ -16,9 +16,16 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import discrepancies, unexplained
-from modallab.gap.search.clock import clock_shows
+from modallab.gap.search.clock import clock_error_visible
 from modallab.gap.search.consequence import Dismissed, of_consequence
-from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, temperature_of, without
+from modallab.gap.search.fitting import (
+    Bench,
+    each_within_tolerance,
+    excess,
+    refitted_without,
+    temperature_of,
+    within_tolerances,
+)
 from modallab.twin.effects import search_of
 
 CLOSED = 0.998
@@ -65,7 +72,7 @@ class Choice:
     tolerated: float | None = None
 
     @property
-    def believed(self) -> Fit:
+    def accepted_fit(self) -> Fit:
         """The twin with what is judged present: what does not explain the gap is none of it."""
         return self.fit if self.explained else self.base
 
@@ -81,25 +88,25 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
         unseen: records that no fit has seen, where effects that depend on the size of the motion were looked for.
     """
     base = levels[0].base
-    plain = base.gap <= bench.flat and (ordinary(base) or not bench.free.deviations)
+    plain = base.gap <= bench.flat and (within_tolerances(base) or not bench.free.deviations)
     if plain and not _small_but_plain(levels) and not _clock_alone(bench, levels):
         return Choice(base, base, (), True, True)
     chain = [base, *(level.fits[0] for level in levels if level.fits)]
-    while len(chain) > 1 and not _holds(chain[-2], chain[-1], unseen):
+    while len(chain) > 1 and not _stays(chain[-2], chain[-1], unseen):
         chain.pop()
     fit = chain[-1]
     rivals = sorted((f for level in levels for f in level.fits), key=lambda f: f.cost)
-    others = tuple(f for f in rivals if names(f) != names(fit))
+    others = tuple(f for f in rivals if effect_names(f) != effect_names(fit))
     resampled = any(kind_of(c.effect).stage == "acquisition" for c in fit.problem.candidates)
     needed = CLOSED_RESAMPLED if resampled else CLOSED
     explained = bool(fit.problem.candidates) and (
         fit.gap <= AT_FLOOR * bench.flat / 1.1
         or excess(fit) <= (1 - needed) * excess(base)
         or (held is not None and _closes(base, fit, held, needed))
-        or (unseen is not None and stepped(fit) and _closes_unseen(_without_law(fit), fit, unseen))
+        or (unseen is not None and has_stepped_law(fit) and _closes_unseen(_without_law(fit), fit, unseen))
     )
     choice = Choice(base, fit, others, explained, False)
-    return _most_probable(choice if held is None else _that_matters(choice, held, clock_shows(bench)))
+    return _most_probable(choice if held is None else _that_matters(choice, held, clock_error_visible(bench)))
 
 
 def _most_probable(choice: Choice) -> Choice:
@@ -120,9 +127,9 @@ def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
     return after < held.rig.tolerance.response and after**2 <= (1 - needed) * before**2
 
 
-def _holds(before: Fit, fit: Fit, unseen: Reduced | None) -> bool:
+def _stays(before: Fit, fit: Fit, unseen: Reduced | None) -> bool:
     """Whether the last effect of a fit stays: a linear one earns its price; a law that is stepped must explain."""
-    if not stepped(fit):
+    if not has_stepped_law(fit):
         return before.cost - fit.cost >= DEFAULT.effect_price * temperature_of(excess(fit))
     if kind_of(fit.problem.candidates[-1].effect).linear and not earns_beside_law(before, fit):
         return False
@@ -137,18 +144,18 @@ def earns_beside_law(before: Fit, fit: Fit) -> bool:
 
 def _without_law(fit: Fit) -> Fit:
     """The fit without its effect that is stepped in time: a law may be wrong by a share of what it does itself."""
-    return without(fit, next(k for k, c in enumerate(fit.problem.candidates) if not kind_of(c.effect).linear))
+    return refitted_without(fit, next(k for k, c in enumerate(fit.problem.candidates) if not kind_of(c.effect).linear))
 
 
 def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:
     """Whether a fit closes enough of records it has not seen, in noise units or with each record counted alike.
 
-    In noise units a hit through every state of a rough law outweighs all sines: no law that is a little off follows it,
-    and where contacts open and close the sines alone are judged.
+    In noise units a hit through every state of a law outweighs all sines, and no law that is a little off follows it:
+    of records that count alike only the sines are compared.
     """
     if _share_closed(base, fit, unseen) >= CLOSED_STEPPED:
         return True
-    if any(search_of(c.effect).law.by_sine for c in fit.problem.candidates) and unseen.sines is not None:
+    if unseen.sines is not None:
         unseen = replace(unseen, impacts=())
     before, after = (_mean_square(f, unseen) for f in (base, fit))
     return after <= (1 - CLOSED_STEPPED) * before
@@ -162,17 +169,17 @@ def _mean_square(fit: Fit, data: Reduced) -> float:
 
 def _share_closed(base: Fit, fit: Fit, unseen: Reduced) -> float:
     """Share of the gap above the floor that a fit closes on records no fit has seen."""
-    before, after = (_gap_on(f, unseen) for f in (base, fit))
+    before, after = (_rms_on(f, unseen) for f in (base, fit))
     return 1 - (after**2 - 1) / max(before**2 - 1, 1e-9)
 
 
-def _gap_on(fit: Fit, data: Reduced) -> float:
+def _rms_on(fit: Fit, data: Reduced) -> float:
     twin = twin_of(fit, data)
-    r = replace(fit.problem, data=data).left(twin, forward(twin, data))
+    r = replace(fit.problem, data=data).residual_of(twin, forward(twin, data))
     return float(np.sqrt(np.mean(r[r != 0] ** 2)))
 
 
-def stepped(fit: Fit) -> bool:
+def has_stepped_law(fit: Fit) -> bool:
     """Whether an effect of a fit depends on the size of the motion."""
     return any(not kind_of(c.effect).linear for c in fit.problem.candidates)
 
@@ -180,13 +187,13 @@ def stepped(fit: Fit) -> bool:
 def _that_matters(choice: Choice, held: Reduced, shown: bool) -> Choice:
     """The same without what is within tolerance or of no consequence; `shown` says whether lines show a wrong clock."""
     left = unexplained(held, forward(twin_of(choice.base, held), held))
-    unnamed = not choice.explained and plausible(choice.base)
+    unnamed = not choice.explained and each_within_tolerance(choice.base)
     clocked = (
         shown
         and choice.explained
         and any(search_of(c.effect).tolerance.is_clock for c in choice.fit.problem.candidates)
     )
-    if left < held.rig.tolerance.response and (ordinary(choice.base) or unnamed) and not clocked:
+    if left < held.rig.tolerance.response and (within_tolerances(choice.base) or unnamed) and not clocked:
         # Nothing has a name, no number alone is beyond its tolerance, and nothing that matters is left to name.
         tolerated = None if choice.explained else left
         return Choice(choice.base, choice.base, choice.rivals, True, True, tolerated=tolerated)
@@ -211,10 +218,10 @@ def _small_but_plain(levels: list[Level]) -> bool:
 def _clock_alone(bench: Bench, levels: list[Level]) -> bool:
     """Whether the lines show a wrong clock that begins the rounds: a beam within its tolerances follows it unseen."""
     first = levels[0].fits[0].problem.candidates if levels[0].fits else ()
-    return clock_shows(bench) and any(search_of(c.effect).tolerance.is_clock for c in first)
+    return clock_error_visible(bench) and any(search_of(c.effect).tolerance.is_clock for c in first)
 
 
-def names(fit: Fit) -> tuple[str, ...]:
+def effect_names(fit: Fit) -> tuple[str, ...]:
     """The effects of a fit, sorted."""
     return tuple(sorted(c.effect for c in fit.problem.candidates))
 
@@ -231,21 +238,21 @@ def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
     itself is wrong by that much, so that margins count for less; where it is a law of the motion's size, the records
     still count for COUNTS numbers. The constants 2, 100, 3 and COUNTS are this project's own.
     """
-    fits: dict[tuple[str, ...], Fit] = {names(choice.fit): choice.fit}
+    fits: dict[tuple[str, ...], Fit] = {effect_names(choice.fit): choice.fit}
     for fit in choice.rivals:
-        fits.setdefault(names(fit), fit)
+        fits.setdefault(effect_names(fit), fit)
     ordered = list(fits.values())
     n = float(np.count_nonzero(choice.fit.residual))
     temperature = temperature_of(excess(choice.fit))
-    if stepped(choice.fit):
+    if has_stepped_law(choice.fit):
         temperature = min(temperature, n / COUNTS)
-    shares = shares_of(
+    shares = probabilities_of(
         np.array([f.cost for f in ordered]), np.array([len(f.problem.candidates) for f in ordered]), n, temperature
     )
     return sorted(zip(ordered, shares.tolist(), strict=True), key=lambda pair: -pair[1])
 
 
-def shares_of(costs: Real, effects: Real, n: float, temperature: float | Real) -> Real:
+def probabilities_of(costs: Real, effects: Real, n: float, temperature: float | Real) -> Real:
     """(..., explanations) probabilities of explanations, see `probabilities`.
 
     Args:

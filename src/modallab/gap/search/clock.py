@@ -3,22 +3,22 @@
 import numpy as np
 
 from modallab.gap.model.candidates import of_bench
-from modallab.gap.model.fit import Fit, Problem, seen
-from modallab.gap.search.fitting import Bench, completed, from_poles
+from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.search.fitting import Bench, converged, fit_from_poles
 from modallab.twin.effects import search_of
 
 EVIDENT = 2.5e-4
 """Relative distance of the generator's lines from where they were set that no quartz explains."""
 
 
-def clock_shows(bench: Bench) -> bool:
+def clock_error_visible(bench: Bench) -> bool:
     """Whether the generator's lines stand where no quartz puts them, beside a clock that the rig's revisions know."""
     sines = bench.data.sines
     known = bench.free.build(np.zeros(bench.free.size)).clock
     return sines is not None and abs(sines.ratio * (1 + known) - 1) >= EVIDENT
 
 
-def with_clock(bench: Bench, base: Fit) -> Fit | None:
+def fit_with_clock(bench: Bench, base: Fit) -> Fit | None:
     """The twin with the clock that the generator's lines show; None if they stand where they should.
 
     From the beam that the poles show, and from the fit without effects: its assembly follows a clock that is a little
@@ -26,8 +26,8 @@ def with_clock(bench: Bench, base: Fit) -> Fit | None:
     """
     clocks = (c for c in of_bench(bench.data.rig) if search_of(c.effect).tolerance.is_clock and bench.allowed(c.effect))
     candidate = next(clocks, None)
-    if candidate is None or bench.data.sines is None or not clock_shows(bench):
+    if candidate is None or bench.data.sines is None or not clock_error_visible(bench):
         return None
     own = np.array([candidate.slots[0].coordinate(1 / bench.data.sines.ratio - 1)])
-    strained = seen(Problem(bench.data, bench.free, (candidate,)), np.append(base.u, own))
-    return min(from_poles(bench, (candidate,), own), completed(bench, strained), key=lambda f: f.cost)
+    strained = evaluated(Problem(bench.data, bench.free, (candidate,)), np.append(base.u, own))
+    return min(fit_from_poles(bench, (candidate,), own), converged(bench, strained), key=lambda f: f.cost)

@@ -6,14 +6,14 @@ be off is no gap, and neither is what moves no response by more than the user ca
 
 from dataclasses import dataclass
 
-from modallab.core.digits import percent
+from modallab.core.digits import percent_text
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.model.fit import Fit, seen
+from modallab.gap.model.fit import Fit, evaluated
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import apart
-from modallab.gap.search.fitting import left_out, ordinary, without
+from modallab.gap.model.share import largest_difference
+from modallab.gap.search.fitting import refitted_without, within_tolerances, without_effect
 from modallab.twin.effects import model_of, search_of
 
 ABOVE = 3.0
@@ -40,7 +40,7 @@ class Dismissed:
         spoken = model_of(self.effect.effect).spoken
         if self.deviations <= ABOVE:
             return f"Within tolerance: {spoken}, {self.deviations:.1f} deviations of what the rig file states."
-        return f"Of no consequence: {spoken} moves the response on records held out by {percent(self.moves)}."
+        return f"Of no consequence: {spoken} moves the response on records held out by {percent_text(self.moves)}."
 
 
 def of_consequence(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, list[Dismissed]]:
@@ -55,9 +55,9 @@ def of_consequence(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, l
     dismissed: list[Dismissed] = []
     at = 0
     while at < len(fit.problem.candidates):
-        bare = without(fit, at)
+        bare = refitted_without(fit, at)
         clock = shown and search_of(fit.problem.candidates[at].effect).tolerance.is_clock
-        judged = _judged(fit, seen(*left_out(fit.problem, fit.u, at)) if clock else bare, at, held)
+        judged = _judged(fit, evaluated(*without_effect(fit.problem, fit.u, at)) if clock else bare, at, held)
         if judged.deviations <= ABOVE or judged.moves < least:
             dismissed.append(judged)
             fit, at = bare, 0
@@ -70,5 +70,5 @@ def _judged(fit: Fit, bare: Fit, at: int, held: Reduced) -> Dismissed:
     effect = fit.effects[at]
     answers = (forward(twin_of(f, held), held) for f in (fit, bare))
     # What takes its work over only by leaving its own tolerance is no ordinary bench.
-    moves = apart(held, *answers) if ordinary(bare) else float("inf")
+    moves = largest_difference(held, *answers) if within_tolerances(bare) else float("inf")
     return Dismissed(effect, search_of(effect.effect).tolerance.deviations(effect, held.rig), moves)

@@ -1,42 +1,19 @@
-"""The few sine blocks on which stepped effects are compared: where a linear beam is wrong, and others."""
+"""The few sine blocks on which stepped effects are compared: evenly over the frequencies, and with most overtones."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from modallab.gap.conditioning.overtones import Overtone
+from modallab.gap.conditioning.overtones import Harmonic
 from modallab.gap.conditioning.rows import Reduced, Rows, SineData
-from modallab.gap.model.fit import Fit
-from modallab.gap.model.forward import forward
 from modallab.gap.search.overtone_lines import with_overtones
 
-SPREAD = 5
-"""Every so many frequencies are looked at as well: about a resonance a start is right or wrong, not nearly right."""
 LOUDEST = 5
 """Sines with the most overtones that are looked at as well."""
 
 
-def worst_blocks(data: Reduced, base: Fit, count: int) -> Reduced:
-    """The sine blocks that a linear beam explains worst, relative to their size; the hits where there are none."""
-    if data.sines is None:
-        return data
-    d = data.sines
-    y = forward(base.problem.twin(base.u), data)[-1]
-    off = np.abs(np.where(np.isfinite(d.rows.sigma), d.rows.y - y, 0)) / d.rows.sigma
-    by_block = np.sqrt(np.mean(off.reshape(len(off), *d.source.lines.shape) ** 2, axis=(0, 2)))
-    chosen: list[int] = []
-    for j in np.argsort(by_block)[::-1]:
-        pair = [k for k, hz in enumerate(d.source.frequency_hz) if abs(hz - d.source.frequency_hz[j]) < 1e-3]
-        chosen += [k for k in pair if k not in chosen]
-        if len(chosen) >= count:
-            break
-    spread = np.unique(np.round(d.source.frequency_hz, 3))[SPREAD // 2 :: SPREAD]
-    chosen += [k for k, hz in enumerate(d.source.frequency_hz) if round(float(hz), 3) in spread and k not in chosen]
-    return replace(data, impacts=(), sines=_blocks(d, sorted(chosen)))
-
-
-def looked_at(data: Reduced, overtones: Sequence[Overtone], count: int) -> Reduced:
+def compared_sines(data: Reduced, overtones: Sequence[Harmonic], count: int) -> Reduced:
     """One sine at each of so many frequencies, and those with the most overtones, with the lines about these."""
     assert data.sines is not None
     clear = [(o.record, int(np.count_nonzero(o.clear))) for o in overtones]

@@ -10,23 +10,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.gap.conditioning.overtones import Overtone
+from modallab.gap.conditioning.overtones import Harmonic
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import PointModes
 from modallab.gap.model.drift_curve import with_drift_curve
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.forward import forward
-from modallab.gap.model.minimise import FELT, minimise, narrow
+from modallab.gap.model.minimise import FELT, minimise, near_floor
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start
 from modallab.gap.model.tolerances import MOST
-from modallab.twin.candidate import Candidate
+from modallab.twin.candidate import CandidateEffect
 
-COARSE = 0.3
+COARSEST_ERROR = 0.3
 """Largest relative model error that is forgiven while a fit finds its way."""
-FLAT = 1.1
+FLOOR_MARGIN = 1.1
 """Rms residual below which nothing is left to explain."""
-WATCHED = 1.02
+NOTICED_MARGIN = 1.02
 """Rms residual above which an effect that takes nearly all of it away still counts."""
 UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
@@ -63,9 +63,9 @@ class Bench:
     free: Nuisances
     poles: Complex
     allowed: Callable[[str], bool]
-    flat: float = FLAT
-    watched: float = WATCHED
-    overtones: tuple[Overtone, ...] = ()
+    flat: float = FLOOR_MARGIN
+    watched: float = NOTICED_MARGIN
+    overtones: tuple[Harmonic, ...] = ()
     known: tuple[tuple[Problem, Real], ...] = ()
     points: tuple[PointModes, ...] = ()
     row: int | None = None
@@ -76,7 +76,7 @@ def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
 
     Thinned data are mostly those about resonances: where the model is a little wrong there, they lead a fit astray.
     """
-    return completed(bench, annealed(replace(bench, thin=bench.data), fit, floor))
+    return converged(bench, annealed(replace(bench, thin=bench.data), fit, floor))
 
 
 def annealed(bench: Bench, fit: Fit, floor: float) -> Fit:
@@ -85,38 +85,38 @@ def annealed(bench: Bench, fit: Fit, floor: float) -> Fit:
     # Many numbers that do nearly the same settle while the valley is wide.
     later = (floor / 36, floor / 216) if bench.free.deviations else ()
     for level in (floor, floor / 6, *later):
-        problem = Problem(bench.thin, bench.free, fit.problem.candidates, level, held=_beam(fit.u))
+        problem = Problem(bench.thin, bench.free, fit.problem.candidates, level, held=_beam_coordinates(fit.u))
         fit = minimise(problem, fit.u, 3, 3e-2)
     problem = Problem(bench.thin, bench.free, fit.problem.candidates)
     return minimise(problem, bench.free.within_priors(fit.u), 8, 1e-3)
 
 
-def completed(bench: Bench, fit: Fit) -> Fit:
+def converged(bench: Bench, fit: Fit) -> Fit:
     """A fit brought to its end on all data, if that is near the floor: nothing else can explain the gap."""
     found = minimise(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, SHORT, END)
-    if narrow(found):
+    if near_floor(found):
         found = minimise(found.problem, found.u, LONG, END)
     return with_drift_curve(found)
 
 
-def ordinary(fit: Fit) -> bool:
+def within_tolerances(fit: Fit) -> bool:
     """Whether the beam and the assembly of a fit lie within their tolerances all in all, as a sum of squares does.
 
     The damping ratios do not count: nobody knows them before the test.
     """
-    own = _strained(fit.problem.free, fit.u)
+    own = _tolerance_deviations(fit.problem.free, fit.u)
     return float(own @ own) < len(own) + UNLIKELY * np.sqrt(2 * len(own))
 
 
-def plausible(fit: Fit) -> bool:
+def each_within_tolerance(fit: Fit) -> bool:
     """Whether each number of the beam and of the assembly lies within what its tolerance may be, if not all together.
 
-    As in `ordinary`, the damping ratios do not count.
+    As in `within_tolerances`, the damping ratios do not count.
     """
-    return bool(np.all(np.abs(_strained(fit.problem.free, fit.u)) <= MOST))
+    return bool(np.all(np.abs(_tolerance_deviations(fit.problem.free, fit.u)) <= MOST))
 
 
-def _strained(free: Nuisances, u: Real) -> Real:
+def _tolerance_deviations(free: Nuisances, u: Real) -> Real:
     return np.concatenate([u[:3], u[3 + free.modes : free.size]])
 
 
@@ -126,7 +126,7 @@ def search_origin(bench: Bench, fit: Fit) -> Fit:
     Such an assembly replaces the effect: to first order nothing of the effect is left to see. Where it deviates little,
     the priors show to first order which deviations an effect would make unnecessary.
     """
-    if not bench.free.deviations or ordinary(fit) or fit.gap <= NEAR * bench.flat:
+    if not bench.free.deviations or within_tolerances(fit) or fit.gap <= NEAR * bench.flat:
         return fit
     return fitted_from_rest(bench, fit)
 
@@ -134,10 +134,10 @@ def search_origin(bench: Bench, fit: Fit) -> Fit:
 def fitted_from_rest(bench: Bench, fit: Fit) -> Fit:
     """The fit with the assembly at rest, and the beam as it is best then."""
     problem = Problem(bench.data, bench.free, fit.problem.candidates, FELT)
-    return on_all(bench, minimise(problem, at_rest(bench.free, fit.u), 6, 1e-2))
+    return evaluated_on_all(bench, minimise(problem, nuisances_at_rest(bench.free, fit.u), 6, 1e-2))
 
 
-def at_rest(free: Nuisances, u: Real) -> Real:
+def nuisances_at_rest(free: Nuisances, u: Real) -> Real:
     """The same numbers with the assembly as the rig file has it and the beam within its tolerances."""
     u = u.copy()
     u[3 + free.modes : free.size] = 0.0
@@ -145,54 +145,54 @@ def at_rest(free: Nuisances, u: Real) -> Real:
     return u
 
 
-def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Real) -> Fit:
+def fit_from_poles(bench: Bench, candidates: tuple[CandidateEffect, ...], own: Real) -> Fit:
     """A fit brought to its end from these coordinates of the effects and the beam that the poles show."""
-    return finish(bench, at_poles(bench, candidates, own), COARSE / 6)
+    return finish(bench, short_fit_from_poles(bench, candidates, own), COARSEST_ERROR / 6)
 
 
-def at_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Real) -> Fit:
+def short_fit_from_poles(bench: Bench, candidates: tuple[CandidateEffect, ...], own: Real) -> Fit:
     """A short fit from there."""
-    return short(bench, candidates, start(candidates, own, bench.free, bench.poles).u, COARSE)
+    return short_fit(bench, candidates, start(candidates, own, bench.free, bench.poles).u, COARSEST_ERROR)
 
 
-def on_all(bench: Bench, fit: Fit) -> Fit:
+def evaluated_on_all(bench: Bench, fit: Fit) -> Fit:
     """A short fit as it is, on all data."""
-    return seen(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, fit.normal)
+    return evaluated(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, fit.normal)
 
 
 def misfit(problem: Problem, u: Real) -> float:
     """Relative model error at which these numbers would be excused: where a look for more must begin."""
     twin = problem.twin(u)
     answers = forward(twin, problem.data)
-    for floor in (COARSE, 0.1, 0.03, 0.01, 0.003):
-        r = replace(problem, floor=floor).left(twin, answers)
+    for floor in (COARSEST_ERROR, 0.1, 0.03, 0.01, 0.003):
+        r = replace(problem, floor=floor).residual_of(twin, answers)
         used = r[r != 0]
         if len(used) and np.sqrt(np.mean(np.minimum(used**2, 100.0))) > 0.5:
             return floor
     return 0.001
 
 
-def short(bench: Bench, candidates: tuple[Candidate, ...], u: Real, floor: float, steps: int = 3) -> Fit:
+def short_fit(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real, floor: float, steps: int = 3) -> Fit:
     """A few steps on thinned data, while a relative error of `floor` is forgiven; its cost is to be compared."""
     # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
     problem = Problem(bench.thin, bench.free, candidates)
     near = min(floor, misfit(problem, u))
-    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, steps, 5e-2)
+    fit = minimise(replace(problem, floor=near, held=_beam_coordinates(u)), u, steps, 5e-2)
     # To be compared, all must be forgiven as much and held nowhere in particular.
-    return seen(replace(problem, floor=floor, held=_beam(fit.u)), fit.u, fit.normal)
+    return evaluated(replace(problem, floor=floor, held=_beam_coordinates(fit.u)), fit.u, fit.normal)
 
 
-def _beam(u: Real) -> tuple[float, float, float]:
+def _beam_coordinates(u: Real) -> tuple[float, float, float]:
     """Where a beam is held: where it is, unless a wrong model has strained it there."""
     return (float(u[0]), float(u[1]), float(u[2])) if np.all(np.abs(u[:3]) < STRAIGHT) else (0.0, 0.0, 0.0)
 
 
-def without(fit: Fit, which: int) -> Fit:
+def refitted_without(fit: Fit, which: int) -> Fit:
     """The fit without one of its effects, all other numbers fitted again."""
-    return minimise(*left_out(fit.problem, fit.u, which), 4, 1e-2)
+    return minimise(*without_effect(fit.problem, fit.u, which), 4, 1e-2)
 
 
-def left_out(problem: Problem, u: Real, which: int) -> tuple[Problem, Real]:
+def without_effect(problem: Problem, u: Real, which: int) -> tuple[Problem, Real]:
     """A problem without one of its effects, and all other numbers as they are."""
     candidates = problem.candidates
     at = problem.free.size + sum(len(c.slots) for c in candidates[:which])
@@ -204,7 +204,7 @@ def excess(fit: Fit) -> float:
     """What is left above the floor, in squares of noise units, with the excess of the assembly over its tolerances."""
     strained = 0.0
     if fit.problem.free.deviations:
-        own = _strained(fit.problem.free, fit.u)
+        own = _tolerance_deviations(fit.problem.free, fit.u)
         strained = max(float(own @ own) - len(own), 0.0) / max(float(np.count_nonzero(fit.residual)), 1.0)
     return max(fit.gap**2 - 1 + strained, 1e-9)
 

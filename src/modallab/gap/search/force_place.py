@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.gap.conditioning.overtones import Overtone
+from modallab.gap.conditioning.overtones import Harmonic
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.overtone_lines import FEWEST
-from modallab.twin.bench import Twin, transfer
-from modallab.twin.candidate import Candidate
+from modallab.twin.bench import Twin, chain_transfer
+from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effect_model import Acts
 from modallab.twin.effects import search_of
 from modallab.twin.elements import curvature_rows, shape_rows
-from modallab.twin.modes import Modes, solve
+from modallab.twin.modes import TwinModes, solve_modes
 from modallab.twin.predict import sensor_positions
 
 PLACES = 99
@@ -56,7 +56,7 @@ class Place:
     left: float
 
 
-def placed_by_overtones(bench: Bench, base: Fit, candidate: Candidate) -> Candidate | None:
+def placed_by_overtones(bench: Bench, base: Fit, candidate: CandidateEffect) -> CandidateEffect | None:
     """The effect, at the place that the overtones show where its law is rough; None where they show no such place.
 
     It stays as it is where it acts all along the beam, or where no overtone is clear.
@@ -77,7 +77,7 @@ def placed_by_overtones(bench: Bench, base: Fit, candidate: Candidate) -> Candid
     return replace(candidate, slots=tuple(replace(s, **narrow) if s.name == "x" else s for s in candidate.slots))
 
 
-def place(found: Sequence[Overtone], twins: Sequence[Twin], data: Reduced, acts: Acts) -> Place | None:
+def place(found: Sequence[Harmonic], twins: Sequence[Twin], data: Reduced, acts: Acts) -> Place | None:
     """The place along the beam at which a force, or a couple, makes the overtones best; None where none is clear.
 
     Args:
@@ -91,7 +91,7 @@ def place(found: Sequence[Overtone], twins: Sequence[Twin], data: Reduced, acts:
         return None
     tried: list[Place] = []
     for twin in twins:
-        modes = solve(twin.structure)
+        modes = solve_modes(twin.structure)
         step = 1 / PLACES
         at = np.array([ROOT]) if acts == "root" else np.linspace(step, 1.0, PLACES)
         for _ in range(1 if acts == "root" else 2):
@@ -115,7 +115,7 @@ def _rows(at: Real, twin: Twin, acts: Acts) -> Real:
     return np.einsum("w,pwn->pn", weights, rows)
 
 
-def _left(overtone: Overtone, twin: Twin, modes: Modes, data: Reduced, rows: Real) -> Real:
+def _left(overtone: Harmonic, twin: Twin, modes: TwinModes, data: Reduced, rows: Real) -> Real:
     """(places,) share of one overtone's squares that no force there makes."""
     y, shapes = overtone.y, _answer(2j * np.pi * overtone.hz, twin, modes, data, rows)
     weight = 1 / np.hypot(overtone.beside, INEXACT * np.max(np.abs(y)))
@@ -124,10 +124,10 @@ def _left(overtone: Overtone, twin: Twin, modes: Modes, data: Reduced, rows: Rea
     return np.minimum(1 - made / np.sum(np.abs(y) ** 2), MOST)
 
 
-def _answer(s: complex, twin: Twin, modes: Modes, data: Reduced, rows: Real) -> Complex:
+def _answer(s: complex, twin: Twin, modes: TwinModes, data: Reduced, rows: Real) -> Complex:
     """(places, channels) acceleration as recorded for a unit of each force."""
     x_m = sensor_positions(twin.chain, modes, data.channels, data.x_m)
     psi, own = modes.at(x_m), rows @ modes.columns
     moved = (own / (s - modes.poles)) @ psi.T + (own.conj() / (s - modes.poles.conj())) @ psi.conj().T
     moved = moved + rows @ modes.out_of_band @ shape_rows(x_m, modes.length_m).T
-    return s**2 * transfer(twin.chain, data.channels, np.array([s]))[:, 0] * moved
+    return s**2 * chain_transfer(twin.chain, data.channels, np.array([s]))[:, 0] * moved

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Real
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.gap.model.fit import Fit, all_rows, row_frequencies_hz, seen
+from modallab.gap.model.fit import Fit, all_rows, evaluated, row_frequencies_hz
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import Choice
-from modallab.gap.search.fitting import excess, left_out, ordinary
+from modallab.gap.search.fitting import excess, within_tolerances, without_effect
 from modallab.gap.search.series_stiffness import HIDDEN, interval_in_series
-from modallab.twin.candidate import Slot
+from modallab.twin.candidate import FreeNumber
 from modallab.twin.effects import search_of
-from modallab.twin.modes import solve
+from modallab.twin.modes import solve_modes
 
 MODEL_SHARE = 0.7
 """Relative error of a parameter per relative residual its effect leaves."""
@@ -103,9 +103,9 @@ def _explained(choice: Choice, which: int) -> float:
     and all else stays.
     """
     fit = choice.fit
-    if len(fit.problem.candidates) == 1 and (ordinary(choice.base) or not fit.problem.free.deviations):
+    if len(fit.problem.candidates) == 1 and (within_tolerances(choice.base) or not fit.problem.free.deviations):
         return excess(choice.base)
-    alone = excess(seen(*left_out(fit.problem, fit.u, which)))
+    alone = excess(evaluated(*without_effect(fit.problem, fit.u, which)))
     return max(excess(choice.base), alone) if len(fit.problem.candidates) == 1 else alone
 
 
@@ -118,7 +118,7 @@ def _steepest(fit: Fit) -> float:
     return 2 * np.pi * (fit.problem.free.modes - 0.5)
 
 
-def interval(slot: Slot, u: float, deviation: float, model: float) -> tuple[float, float]:
+def interval(slot: FreeNumber, u: float, deviation: float, model: float) -> tuple[float, float]:
     """(low, high) of 95 % in SI units: the noise's part and the model's, in quadrature.
 
     Args:
@@ -138,7 +138,7 @@ def interval(slot: Slot, u: float, deviation: float, model: float) -> tuple[floa
     return max(value - below, least), min(value + above, most)
 
 
-def _half_of_logarithm(slot: Slot, value: float, deviation: float, model: float) -> float:
+def _half_of_logarithm(slot: FreeNumber, value: float, deviation: float, model: float) -> float:
     """Half of the 95 % interval of a number's logarithm: no number above zero that is off by a share lies below zero.
 
     Of a factor the effect is how far it is from the factor of none.
@@ -147,7 +147,7 @@ def _half_of_logarithm(slot: Slot, value: float, deviation: float, model: float)
     return 1.96 * float(np.hypot(deviation, model * effect))
 
 
-def not_known(slot: Slot, u: float, deviation: float, model: float) -> str:
+def not_known(slot: FreeNumber, u: float, deviation: float, model: float) -> str:
     """Why a number has no interval; "" where it has one. For the arguments see `interval`."""
     half = 1.96 * deviation
     if deviation >= UNFELT:
@@ -205,7 +205,7 @@ def _pulls(fit: Fit, J: Real) -> Real:
 def _clusters(fit: Fit) -> NDArray[np.int64]:
     """(residuals,) number of the cluster of each: of its part of the data or block, its channel and its mode."""
     data = fit.problem.data
-    hz = np.abs(solve(fit.problem.twin(fit.u).structure).poles) / (2 * np.pi)
+    hz = np.abs(solve_modes(fit.problem.twin(fit.u).structure).poles) / (2 * np.pi)
     labels: list[NDArray[np.int64]] = []
     pieces = 0
     for part, own_hz in enumerate(row_frequencies_hz(data)):

@@ -5,10 +5,10 @@ from dataclasses import replace
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit
-from modallab.gap.search.choose import Choice, choose, stepped
-from modallab.gap.search.clock import with_clock
+from modallab.gap.search.choose import Choice, choose, has_stepped_law
+from modallab.gap.search.clock import fit_with_clock
 from modallab.gap.search.fitting import Bench
-from modallab.gap.search.nonlinear import nonlinear_level
+from modallab.gap.search.nonlinear import stepped_round
 from modallab.twin.effects import search_of
 
 
@@ -22,11 +22,11 @@ def law_by_hits(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
     """
 
     def allowed(effect: str) -> bool:
-        return bench.allowed(effect) and search_of(effect).law.drowns
+        return bench.allowed(effect) and search_of(effect).law.smooth
 
-    clocked = with_clock(bench, base)
+    clocked = fit_with_clock(bench, base)
     before = [] if clocked is None else [Level(base, (clocked,))]
-    level = nonlinear_level(replace(bench, allowed=allowed), clocked or base, "odd")
+    level = stepped_round(replace(bench, allowed=allowed), clocked or base, "odd")
     choice = choose(bench, [*before, level], matters)
-    explained = choice.explained and choice.tolerated is None and stepped(choice.fit)
+    explained = choice.explained and choice.tolerated is None and has_stepped_law(choice.fit)
     return replace(choice, explained=explained, rivals=choice.rivals if explained else level.fits)

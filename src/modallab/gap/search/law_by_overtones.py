@@ -6,14 +6,14 @@ makes them on records it has not seen is named, though what it does at the sines
 
 from dataclasses import replace
 
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import apart, unexplained
-from modallab.gap.search.choose import Choice, names, stepped
+from modallab.gap.model.share import largest_difference, unexplained
+from modallab.gap.search.choose import Choice, effect_names, has_stepped_law
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.gap.search.rough_fit import beam_of_hits
@@ -23,7 +23,7 @@ OVERTONE_SHARE = 0.8
 
 
 def named_by_overtones(
-    bench: Bench, choice: Choice, levels: list[Level], prepared: Prepared, unseen: Reduced
+    bench: Bench, choice: Choice, levels: list[Level], prepared: PreparedCampaign, unseen: Reduced
 ) -> Choice:
     """The choice with the law that makes the overtones, where nothing explains the gap and nothing else matters.
 
@@ -37,9 +37,13 @@ def named_by_overtones(
     if (choice.explained and choice.tolerated is None) or not levels or not levels[-1].fits:
         return choice
     fit = levels[-1].fits[0]
-    if not stepped(fit) or not _matters(fit, unseen) or overtones_closed(fit, prepared, unseen) < OVERTONE_SHARE:
+    if (
+        not has_stepped_law(fit)
+        or not _matters(fit, unseen)
+        or overtones_closed(fit, prepared, unseen) < OVERTONE_SHARE
+    ):
         return choice
-    others = tuple(f for f in (*levels[-1].fits[1:], *choice.rivals) if names(f) != names(fit))
+    others = tuple(f for f in (*levels[-1].fits[1:], *choice.rivals) if effect_names(f) != effect_names(fit))
     best = min(fit, beam_of_hits(bench, fit), key=lambda f: f.cost)
     return Choice(levels[0].base, best, others, True, False)
 
@@ -53,4 +57,4 @@ def _matters(fit: Fit, unseen: Reduced) -> bool:
     if unexplained(sines, forward(twin_of(fit, sines), sines)) >= least:
         return False
     twin = twin_of(fit, unseen)
-    return apart(unseen, forward(twin, unseen), forward(replace(twin, element=None), unseen)) >= least
+    return largest_difference(unseen, forward(twin, unseen), forward(replace(twin, element=None), unseen)) >= least

@@ -8,8 +8,8 @@ import numpy as np
 
 from modallab.core.block import Block
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.overtones import of_record
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.overtones import harmonics_in_record
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.reduce import sine_clock
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit
@@ -22,7 +22,7 @@ BLOCKS = 16
 """Blocks that are predicted, at most."""
 
 
-def overtones_closed(fit: Fit, prepared: Prepared, unseen: Reduced) -> float:
+def overtones_closed(fit: Fit, prepared: PreparedCampaign, unseen: Reduced) -> float:
     """Share of the clear overtones that a fit predicts on records it has not seen; 1 where none is clear.
 
     1 less the mean over the overtones of the squares left, each as a share of its own squares over all channels and at
@@ -39,10 +39,12 @@ def overtones_closed(fit: Fit, prepared: Prepared, unseen: Reduced) -> float:
 def _left(twin: Twin, rig: Rig, block: Block, unseen: Reduced) -> list[float]:
     ratio = sine_clock(unseen)
     hz = (block.frequency_hz or 0.0) * ratio
-    seen = of_record(block.name, to_signals(block, rig).responses, block.rate_hz, hz)
+    seen = harmonics_in_record(block.name, to_signals(block, rig).responses, block.rate_hz, hz)
     if not any(np.any(o.clear) for o in seen):
         return []
-    said = of_record(block.name, predict_record(twin, rig, block, unseen.last_order, ratio), block.rate_hz, hz)
+    said = harmonics_in_record(
+        block.name, predict_record(twin, rig, block, unseen.last_order, ratio), block.rate_hz, hz
+    )
     found: list[float] = []
     for measured, predicted in zip(seen, said, strict=True):
         clear = measured.clear

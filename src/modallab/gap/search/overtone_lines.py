@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.gap.conditioning.overtones import ORDERS, Overtone
+from modallab.gap.conditioning.overtones import ORDERS, Harmonic
 from modallab.gap.conditioning.reduce import NEIGHBOURS
 from modallab.gap.conditioning.rows import Reduced, Rows
 
@@ -19,7 +19,7 @@ FEWEST = 4
 """Channels on which an overtone must be clear to count."""
 
 
-def with_overtones(data: Reduced, overtones: Sequence[Overtone]) -> Reduced:
+def with_overtones(data: Reduced, overtones: Sequence[Harmonic]) -> Reduced:
     """The sines with the lines about those of their overtones that are clear; an order's lines follow the one's before.
 
     Args:

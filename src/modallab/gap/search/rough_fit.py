@@ -11,12 +11,20 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.minimise import minimise
-from modallab.gap.search.few_blocks import looked_at
+from modallab.gap.search.few_blocks import compared_sines
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.overtone_lines import LINES, with_overtones
-from modallab.gap.search.rough_starts import COUNTS, FREQUENCIES, exact, is_overtone, relative, score, sizes
+from modallab.gap.search.rough_starts import (
+    COUNTS,
+    FREQUENCIES,
+    is_overtone,
+    relative_residual,
+    robust_cost,
+    sine_sizes,
+    smallest_error,
+)
 
 FORGIVEN = 0.1
 """Relative error that is forgiven of hits, which run through every state of a law."""
@@ -28,13 +36,13 @@ WORSE = 10.0
 """By how much the sines' score may rise for what the hits say of the high modes' damping."""
 
 
-def followed(problem: Problem, u: Real, rounds: int) -> Real:
+def robust_fit(problem: Problem, u: Real, rounds: int) -> Real:
     """The numbers that follow the sines best, from u on."""
-    best, least = u, score(problem, u)
+    best, least = u, robust_cost(problem, u)
     for _ in range(rounds):
-        weighed = replace(problem, data=_weighed(problem.data, relative(problem, u)), floor=0.0)
+        weighed = replace(problem, data=_weighed(problem.data, relative_residual(problem, u)), floor=0.0)
         u = minimise(weighed, u, 2, 1e-2).u
-        now = score(problem, u)
+        now = robust_cost(problem, u)
         if now < least:
             best = u
         if now > least - 1.0:
@@ -43,18 +51,18 @@ def followed(problem: Problem, u: Real, rounds: int) -> Real:
     return best
 
 
-def followed_on_all(bench: Bench, fit: Fit) -> Fit:
+def robust_fit_on_all(bench: Bench, fit: Fit) -> Fit:
     """A fit to few sines brought to its end on all, then with what the hits say of the high modes' damping."""
     whole = Problem(bench.data, bench.free, fit.problem.candidates)
     sines = replace(whole, data=with_overtones(replace(bench.data, impacts=()), bench.overtones))
-    u = followed(sines, fit.u, 2)
-    return seen(whole, _with_hits(sines, bench.data, u))
+    u = robust_fit(sines, fit.u, 2)
+    return evaluated(whole, _with_hits(sines, bench.data, u))
 
 
 def _with_hits(sines: Problem, data: Reduced, u: Real) -> Real:
     """The beam's numbers from hits as well, if the sines stay followed; overtones and sines hold the law."""
-    after = minimise(_both(sines, data, u, FORGIVEN), u, 2, 3e-2).u
-    return after if score(sines, after) < score(sines, u) + WORSE else u
+    after = minimise(_hits_and_sines(sines, data, u, FORGIVEN), u, 2, 3e-2).u
+    return after if robust_cost(sines, after) < robust_cost(sines, u) + WORSE else u
 
 
 def beam_of_hits(bench: Bench, fit: Fit) -> Fit:
@@ -68,22 +76,22 @@ def beam_of_hits(bench: Bench, fit: Fit) -> Fit:
     fixed = [replace(s, low=s.value(v), high=s.value(v)) for s, v in zip(law.slots, own, strict=True)]
     audible = with_overtones(replace(bench.data, impacts=()), bench.overtones)
     held = replace(whole, data=audible, candidates=(*before, replace(law, slots=tuple(fixed))))
-    return seen(whole, minimise(_both(held, bench.data, fit.u, NEARLY), fit.u, 2, 3e-2).u)
+    return evaluated(whole, minimise(_hits_and_sines(held, bench.data, fit.u, NEARLY), fit.u, 2, 3e-2).u)
 
 
-def _both(sines: Problem, data: Reduced, u: Real, floor: float) -> Problem:
+def _hits_and_sines(sines: Problem, data: Reduced, u: Real, floor: float) -> Problem:
     """Hits of which some is forgiven beside sines that are weighed by how they are followed."""
-    both = replace(_weighed(sines.data, relative(sines, u)), impacts=data.impacts)
+    both = replace(_weighed(sines.data, relative_residual(sines, u)), impacts=data.impacts)
     return replace(sines, data=both, floor=floor, held=(float(u[0]), float(u[1]), float(u[2])))
 
 
-def follows(bench: Bench, fit: Fit, base: Fit, share: float) -> bool:
+def explains_sines(bench: Bench, fit: Fit, base: Fit, share: float) -> bool:
     """Whether a fit leaves no more than a share of what one without it leaves, median over sines and channels.
 
     Where the sines themselves are followed without it, their overtones say so.
     """
-    few = looked_at(bench.data, bench.overtones, FREQUENCIES)
-    left, before = (relative(replace(f.problem, data=few), f.u) for f in (fit, base))
+    few = compared_sines(bench.data, bench.overtones, FREQUENCIES)
+    left, before = (relative_residual(replace(f.problem, data=few), f.u) for f in (fit, base))
     above = is_overtone(few)
     if np.any(above) and float(np.median(before[:, ~above])) < FOLLOWED:
         audible = before[:, above] > 0
@@ -94,6 +102,6 @@ def follows(bench: Bench, fit: Fit, base: Fit, share: float) -> bool:
 def _weighed(data: Reduced, off: Real) -> Reduced:
     assert data.sines is not None
     rows = data.sines.rows
-    sigma = sizes(data) * np.hypot(off, exact(data)) / np.sqrt(COUNTS / 2)
+    sigma = sine_sizes(data) * np.hypot(off, smallest_error(data)) / np.sqrt(COUNTS / 2)
     own = np.where(np.isfinite(rows.sigma), np.repeat(sigma, LINES, axis=1), np.inf)
     return replace(data, sines=replace(data.sines, rows=replace(rows, sigma=own, common=np.zeros(len(rows.common)))))

@@ -18,11 +18,11 @@ from modallab.gap.model.fit import Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import WORKERS
 from modallab.gap.search.overtone_lines import LINES
-from modallab.twin.candidate import Slot
+from modallab.twin.candidate import FreeNumber
 
 FREQUENCIES = 12
 """Sines that are looked at."""
-BEGUN = 2
+POLISHED = 2
 """Starts that are polished."""
 TRIES = 16
 """Looks a number while one is polished."""
@@ -38,7 +38,7 @@ APART = 1.5
 """Spacings of the starts within which two are the same."""
 
 
-def likeliest(problem: Problem, begins: list[Real]) -> Real:
+def best_start(problem: Problem, begins: list[Real]) -> Real:
     """The best of the best starts, polished without slopes (Nelder and Mead, Comput. J. 7, 1965, 308).
 
     Args:
@@ -49,33 +49,33 @@ def likeliest(problem: Problem, begins: list[Real]) -> Real:
     def polished(u: Real) -> Real:
         return _polished(problem, u)
 
-    chosen = apart(problem, begins)
+    chosen = distinct_starts(problem, begins)
     with ThreadPoolExecutor(WORKERS) as workers:
-        return min(workers.map(polished, chosen), key=partial(score, problem))
+        return min(workers.map(polished, chosen), key=partial(robust_cost, problem))
 
 
-def apart(problem: Problem, begins: list[Real]) -> list[Real]:
+def distinct_starts(problem: Problem, begins: list[Real]) -> list[Real]:
     """The best of the starts that are not the same, best first."""
     with ThreadPoolExecutor(WORKERS) as workers:
-        scores = list(workers.map(partial(score, problem), begins))
+        scores = list(workers.map(partial(robust_cost, problem), begins))
     chosen: list[Real] = []
     for i in np.argsort(scores):
         if not any(_same(problem, begins[i], u) for u in chosen):
             chosen.append(begins[i])
-    return chosen[:BEGUN]
+    return chosen[:POLISHED]
 
 
-def score(problem: Problem, u: Real) -> float:
+def robust_cost(problem: Problem, u: Real) -> float:
     """How far the sines are off, each as a share of its own size, and the numbers from their priors."""
-    off = relative(problem, u)
-    return COUNTS / 2 * float(np.sum(np.log1p((off / exact(problem.data)) ** 2))) + problem.priors(u)[0]
+    off = relative_residual(problem, u)
+    return COUNTS / 2 * float(np.sum(np.log1p((off / smallest_error(problem.data)) ** 2))) + problem.priors(u)[0]
 
 
-def exact(data: Reduced) -> Real:
+def smallest_error(data: Reduced) -> Real:
     """(channels, groups) share of its own size that any law, or the noise, leaves of each sine and overtone."""
     assert data.sines is not None
     noise = np.where(np.isfinite(data.sines.rows.sigma), data.sines.rows.sigma, 0.0)
-    own = np.sqrt(np.mean(noise.reshape(len(noise), -1, LINES) ** 2, axis=2)) / sizes(data)
+    own = np.sqrt(np.mean(noise.reshape(len(noise), -1, LINES) ** 2, axis=2)) / sine_sizes(data)
     return np.where(is_overtone(data), np.hypot(EXACT_OVERTONE, own), EXACT)
 
 
@@ -86,14 +86,14 @@ def is_overtone(data: Reduced) -> NDArray[np.bool_]:
     return np.tile(np.arange(groups) > 0, len(data.sines.source.lines))
 
 
-def relative(problem: Problem, u: Real) -> Real:
+def relative_residual(problem: Problem, u: Real) -> Real:
     """(channels, groups) what is left of each sine, and overtone, on each accelerometer over its size; 0 if unused."""
     assert problem.data.sines is not None
     left = problem.data.sines.rows.y - forward(problem.twin(u), problem.data)[-1]
-    return _by_block(problem.data, left) / sizes(problem.data)
+    return _by_block(problem.data, left) / sine_sizes(problem.data)
 
 
-def sizes(data: Reduced) -> Real:
+def sine_sizes(data: Reduced) -> Real:
     """(channels, groups) length of each sine's numbers on each accelerometer, no less than a share of what all have."""
     assert data.sines is not None
     own = _by_block(data, data.sines.rows.y)
@@ -129,7 +129,7 @@ def _polished(problem: Problem, u: Real) -> Real:
 
     simplex = np.vstack([np.zeros(len(at)), np.eye(len(at))])
     found = minimize(
-        lambda v: score(problem, moved(v)),
+        lambda v: robust_cost(problem, moved(v)),
         simplex[0],
         method="Nelder-Mead",
         options={"maxfev": TRIES * len(at), "initial_simplex": simplex, "fatol": 0.1},
@@ -137,7 +137,7 @@ def _polished(problem: Problem, u: Real) -> Real:
     return moved(found.x)
 
 
-def _step(slot: Slot) -> float:
+def _step(slot: FreeNumber) -> float:
     """Half of what lies between two starts; of a first simplex."""
     at = [slot.coordinate(v) for v in slot.starts]
     return min([0.015 if slot.name == "x" else 0.3, *(np.diff(at) / 2)])

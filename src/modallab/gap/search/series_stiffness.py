@@ -8,7 +8,7 @@ such modes, a simulation a given number.
 from modallab.gap.model.fit import Fit
 from modallab.twin.bench import Twin
 from modallab.twin.elements import slope_rows
-from modallab.twin.modes import solve
+from modallab.twin.modes import solve_modes
 
 HIDDEN = "a joint this stiff cannot be distinguished from the compliance of the modes above the band"
 
@@ -38,7 +38,7 @@ def in_series(twin: Twin, stiffness: float, share: float) -> float | None:
         share: the other one.
     """
     slope = slope_rows(0.0, twin.structure.length_m)[0]
-    gives_way = float(slope @ solve(twin.structure).out_of_band @ slope)
+    gives_way = float(slope @ solve_modes(twin.structure).out_of_band @ slope)
     own = min(max(twin.residual_compliance, 0.0), 1.0)
     left = 1 / stiffness + gives_way * (own - share)
     return 1 / left if left > 0 else None

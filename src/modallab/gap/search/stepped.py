@@ -9,20 +9,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from modallab.core.progress import part
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.core.progress import part_of_progress
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import discrepancies
-from modallab.gap.search.beside_stepped import beside
-from modallab.gap.search.choose import Choice, choose, names, stepped
-from modallab.gap.search.clock import with_clock
+from modallab.gap.search.beside_stepped import linear_beside_stepped
+from modallab.gap.search.choose import Choice, choose, effect_names, has_stepped_law
+from modallab.gap.search.clock import fit_with_clock
 from modallab.gap.search.fitting import Bench, excess
 from modallab.gap.search.law_by_overtones import named_by_overtones
-from modallab.gap.search.nonlinear import nonlinear_level
+from modallab.gap.search.nonlinear import stepped_round
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.twin.effect_model import Overtones
 
@@ -35,11 +35,11 @@ HELPS = 0.5
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Asked:
+class _Request:
     """What `search_stepped` is asked; its arguments."""
 
     bench: Bench
-    prepared: Prepared
+    prepared: PreparedCampaign
     base: Fit
     overtones: Overtones
     matters: Reduced | None
@@ -54,7 +54,7 @@ class _Asked:
 
 def search_stepped(
     bench: Bench,
-    prepared: Prepared,
+    prepared: PreparedCampaign,
     base: Fit,
     overtones: Overtones,
     matters: Reduced | None,
@@ -72,59 +72,59 @@ def search_stepped(
         unseen: see `choose`.
         linear: what gives the rounds of linear effects alone, where some are known.
     """
-    asked = _Asked(bench, prepared, base, overtones, matters, unseen, linear or StepwiseSelection(bench, base).rounds)
-    with part(0.0, 0.4):
-        levels = _alone(asked)
+    asked = _Request(bench, prepared, base, overtones, matters, unseen, linear or StepwiseSelection(bench, base).rounds)
+    with part_of_progress(0.0, 0.4):
+        levels = _stepped_rounds(asked)
     first = asked.judged(levels)
-    if _named(first) and _left(first.fit, unseen) < LEFT:
+    if _explains(first) and _left(first.fit, unseen) < LEFT:
         return first
-    with part(0.4, 0.6):
+    with part_of_progress(0.4, 0.6):
         both = _with_linear(asked, levels, first)
     if both is not None:
         return both
-    return first if _named(first) else _linear_first(asked, first, levels[:-1])
+    return first if _explains(first) else _linear_first(asked, first, levels[:-1])
 
 
-def _alone(asked: _Asked) -> list[Level]:
+def _stepped_rounds(asked: _Request) -> list[Level]:
     """The round of stepped effects; before it the clock, where the generator's lines show that it is wrong."""
-    clocked = with_clock(asked.bench, asked.base)
+    clocked = fit_with_clock(asked.bench, asked.base)
     levels = [] if clocked is None else [Level(asked.base, (clocked,))]
-    return [*levels, nonlinear_level(asked.bench, clocked or asked.base, asked.overtones)]
+    return [*levels, stepped_round(asked.bench, clocked or asked.base, asked.overtones)]
 
 
-def _with_linear(asked: _Asked, levels: list[Level], first: Choice) -> Choice | None:
+def _with_linear(asked: _Request, levels: list[Level], first: Choice) -> Choice | None:
     """The best stepped effect with a linear one beside it; None where that explains no more."""
-    more = beside(asked.bench, levels[-1].fits[0]) if levels[-1].fits else None
+    more = linear_beside_stepped(asked.bench, levels[-1].fits[0]) if levels[-1].fits else None
     both = asked.judged([*levels, more]) if more is not None else first
-    return both if _named(both) and len(both.fit.problem.candidates) > len(first.fit.problem.candidates) else None
+    return both if _explains(both) and len(both.fit.problem.candidates) > len(first.fit.problem.candidates) else None
 
 
-def _linear_first(asked: _Asked, first: Choice, clocked: list[Level]) -> Choice:
+def _linear_first(asked: _Request, first: Choice, clocked: list[Level]) -> Choice:
     """Linear effects, and a stepped one beside the best of them where that leaves much less than none."""
-    with part(0.6, 0.8):
+    with part_of_progress(0.6, 0.8):
         rounds = asked.linear()
     linear = choose(asked.bench, rounds, asked.matters)
     if linear.explained:
         return linear
     best = next((level.fits[0] for level in rounds if level.fits), None)
     # Beside the clock alone a stepped one has been looked for.
-    known = [names(fit) for level in clocked for fit in level.fits]
-    if best is not None and excess(best) < HELPS * excess(asked.base) and names(best) not in known:
-        with part(0.8, 1.0):
-            last = asked.judged([rounds[0], nonlinear_level(asked.bench, best, asked.overtones)])
-        if _named(last) and stepped(last.fit):
+    known = [effect_names(fit) for level in clocked for fit in level.fits]
+    if best is not None and excess(best) < HELPS * excess(asked.base) and effect_names(best) not in known:
+        with part_of_progress(0.8, 1.0):
+            last = asked.judged([rounds[0], stepped_round(asked.bench, best, asked.overtones)])
+        if _explains(last) and has_stepped_law(last.fit):
             return last
     return replace(linear, rivals=(*linear.rivals, *first.rivals))
 
 
-def _named(choice: Choice) -> bool:
+def _explains(choice: Choice) -> bool:
     """Whether it explains the gap, and does not merely say that what is left does not matter: others may explain it."""
     return choice.explained and choice.tolerated is None
 
 
-def _by_overtones(choice: Choice, prepared: Prepared, unseen: Reduced) -> Choice:
+def _by_overtones(choice: Choice, prepared: PreparedCampaign, unseen: Reduced) -> Choice:
     """The same, explained only if the law makes the overtones that were measured."""
-    if not choice.explained or not stepped(choice.fit) or overtones_closed(choice.fit, prepared, unseen) > MADE:
+    if not choice.explained or not has_stepped_law(choice.fit) or overtones_closed(choice.fit, prepared, unseen) > MADE:
         return choice
     return replace(choice, explained=False)
 

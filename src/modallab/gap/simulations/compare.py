@@ -13,17 +13,17 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis, Found
-from modallab.core.digits import change
+from modallab.core.digits import relative_change
 from modallab.core.errors import DataError
 from modallab.core.frozen import Frozen
 from modallab.core.hold_out import MIXED, HoldOut
 from modallab.core.places import rows_of, x_m_of
-from modallab.core.progress import part
+from modallab.core.progress import part_of_progress
 from modallab.gap.conditioning.noise import believed_noise
-from modallab.gap.conditioning.records import as_volts, usable
-from modallab.gap.design.prediction import Records, predict, with_records
+from modallab.gap.conditioning.records import records_in_volts, usable_records
+from modallab.gap.design.prediction import Records, predict_records, with_records
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.shrinkage import BARE, closed
+from modallab.gap.report.shrinkage import BARE, closed_share
 from modallab.gap.simulations.simulation_residual import simulation_residual
 
 SEED = 20240502
@@ -33,14 +33,14 @@ SHUT = 1.15
 """Gap in noise units up to which a simulation behaves as the bench."""
 
 
-class Differs(Frozen):
+class DifferingEffect(Frozen):
     """An effect that bench and simulation both have, in another size or at another place."""
 
     bench: Found
     simulation: Found
 
 
-class Compared(Frozen):
+class SimulationComparison(Frozen):
     """A simulation compared with the bench.
 
     Attributes:
@@ -71,15 +71,15 @@ class Compared(Frozen):
     after_by_channel: dict[str, float]
     lacks: list[Found]
     has: list[Found]
-    differs: list[Differs]
+    differs: list[DifferingEffect]
     bench: Diagnosis
     simulation: Diagnosis
     notes: list[str]
 
 
-def compare(
+def compare_simulation(
     campaign: Campaign, records: Records, bench: Diagnosis | None = None, hold_out: HoldOut = MIXED
-) -> Compared:
+) -> SimulationComparison:
     """Hold a simulation against the bench.
 
     Args:
@@ -94,21 +94,21 @@ def compare(
         RigError, PlanError: as `diagnose`.
     """
     _require_all(campaign, records)
-    with part(0.0, 0.45, "bench"):
+    with part_of_progress(0.0, 0.45, "bench"):
         known = bench if bench is not None else diagnose(campaign, hold_out)
-    with part(0.45, 0.9, "simulation"):
-        simulation = diagnose(as_measured(campaign, records), hold_out)
+    with part_of_progress(0.45, 0.9, "simulation"):
+        simulation = diagnose(simulation_as_measured(campaign, records), hold_out)
     names = _names_held(campaign, known)
     raw = simulation_residual(campaign, records, names)
-    corrected = simulation_residual(campaign, _corrected(campaign, records, known, simulation), names)
-    lacks, has, differs = differences(known, simulation)
+    corrected = simulation_residual(campaign, _correct_simulation(campaign, records, known, simulation), names)
+    lacks, has, differs = differing_effects(known, simulation)
     channels = [campaign.rig.channels[c].name for c in raw.channels]
-    return Compared(
+    return SimulationComparison(
         rig=campaign.rig.name,
-        verdict=_verdict(raw.gap, known, simulation, bool(lacks or has or differs)),
+        verdict=_comparison_verdict(raw.gap, known, simulation, bool(lacks or has or differs)),
         before=raw.gap,
         after=corrected.gap,
-        closed=closed(raw.gap, corrected.gap) if raw.gap**2 - 1 > BARE else None,
+        closed=closed_share(raw.gap, corrected.gap) if raw.gap**2 - 1 > BARE else None,
         records=sorted(names),
         by_channel=raw.by(channels),
         after_by_channel=corrected.by(channels),
@@ -117,13 +117,13 @@ def compare(
         differs=differs,
         bench=known,
         simulation=simulation,
-        notes=_notes(known, simulation),
+        notes=_comparison_notes(known, simulation),
     )
 
 
-def as_measured(campaign: Campaign, records: Records) -> Campaign:
+def simulation_as_measured(campaign: Campaign, records: Records) -> Campaign:
     """What a simulation predicts, as if it had been measured: with the noise of the rig's converter."""
-    volts = as_volts(with_records(campaign, records))
+    volts = records_in_volts(with_records(campaign, records))
     rng = np.random.default_rng(SEED)
     noise = believed_noise(campaign.rig, campaign.blocks)
     force = campaign.rig.force_channel.index
@@ -139,7 +139,7 @@ def as_measured(campaign: Campaign, records: Records) -> Campaign:
 
 
 def _require_all(campaign: Campaign, records: Records) -> None:
-    wanted = [b.name for b in usable(as_volts(campaign))]
+    wanted = [b.name for b in usable_records(records_in_volts(campaign))]
     missing = [name for name in wanted if name not in records]
     if missing:
         more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
@@ -153,28 +153,32 @@ def _require_all(campaign: Campaign, records: Records) -> None:
 
 def _names_held(campaign: Campaign, bench: Diagnosis) -> set[str]:
     """The records that the bench's diagnosis held out; all where it held out none."""
-    there = {b.name for b in usable(as_volts(campaign))}
+    there = {b.name for b in usable_records(records_in_volts(campaign))}
     return there & set(bench.shrink.held_out) or there
 
 
-def _corrected(campaign: Campaign, records: Records, bench: Diagnosis, simulation: Diagnosis) -> dict[str, Real]:
-    of_bench, of_simulation = predict(bench, campaign), predict(simulation, campaign)
+def _correct_simulation(
+    campaign: Campaign, records: Records, bench: Diagnosis, simulation: Diagnosis
+) -> dict[str, Real]:
+    of_bench, of_simulation = predict_records(bench, campaign), predict_records(simulation, campaign)
     return {name: records[name] + of_bench[name] - of_simulation[name] for name in of_bench}
 
 
-def differences(bench: Diagnosis, simulation: Diagnosis) -> tuple[list[Found], list[Found], list[Differs]]:
+def differing_effects(
+    bench: Diagnosis, simulation: Diagnosis
+) -> tuple[list[Found], list[Found], list[DifferingEffect]]:
     """What the bench alone has, what the simulation alone has, and what both have otherwise."""
-    both = [(b, s) for b in bench.effects for s in simulation.effects if _same(b, s)]
+    both = [(b, s) for b in bench.effects for s in simulation.effects if _is_same_effect(b, s)]
     lacks = [b for b in bench.effects if not any(b is pair[0] for pair in both)]
     has = [s for s in simulation.effects if not any(s is pair[1] for pair in both)]
-    return lacks, has, [Differs(bench=b, simulation=s) for b, s in both if not _alike(b, s)]
+    return lacks, has, [DifferingEffect(bench=b, simulation=s) for b, s in both if not _agree_within_intervals(b, s)]
 
 
-def _same(one: Found, other: Found) -> bool:
+def _is_same_effect(one: Found, other: Found) -> bool:
     return one.effect == other.effect and rows_of(one.place) == rows_of(other.place)
 
 
-def _alike(one: Found, other: Found) -> bool:
+def _agree_within_intervals(one: Found, other: Found) -> bool:
     """Whether two findings of one effect are the same but for what their intervals leave open."""
     if abs((x_m_of(one.place) or 0.0) - (x_m_of(other.place) or 0.0)) > APART:
         return False
@@ -190,7 +194,7 @@ def _alike(one: Found, other: Found) -> bool:
     return True
 
 
-def _verdict(
+def _comparison_verdict(
     before: float, bench: Diagnosis, simulation: Diagnosis, different: bool
 ) -> Literal["no_gap", "known", "unknown"]:
     if before <= SHUT:
@@ -201,7 +205,7 @@ def _verdict(
     return "known" if different else "no_gap"
 
 
-def _notes(bench: Diagnosis, simulation: Diagnosis) -> list[str]:
+def _comparison_notes(bench: Diagnosis, simulation: Diagnosis) -> list[str]:
     found = [
         f"{said} shows what no effect of the catalogue explains, in the {of.where.stage}."
         for said, of in (("The bench", bench), ("The simulation", simulation))
@@ -211,5 +215,7 @@ def _notes(bench: Diagnosis, simulation: Diagnosis) -> list[str]:
     off = (other.youngs_modulus_pa * other.thickness_m**2 / other.density_kg_m3) / (
         one.youngs_modulus_pa * one.thickness_m**2 / one.density_kg_m3
     )
-    found.append(f"Within the tolerances, its beam's frequencies are {change(np.sqrt(off) - 1)} off the bench's.")
+    found.append(
+        f"Within the tolerances, its beam's frequencies are {relative_change(np.sqrt(off) - 1)} off the bench's."
+    )
     return found

@@ -13,8 +13,8 @@ from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.records import as_volts, usable
-from modallab.gap.conditioning.reduce import force_amplitude, on_line, rise_of, wide_hit
+from modallab.gap.conditioning.records import records_in_volts, usable_records
+from modallab.gap.conditioning.reduce import force_amplitude, frequency_on_line, rise_of, wide_hit
 from modallab.gap.design.prediction import clock_of
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import unit_per_si
@@ -46,20 +46,20 @@ def simulated_records(
         DataError: no record says what drove it; channels lag one another or are AC-coupled, which a simulation of
             motion does not know; or the simulation gives another shape, or no numbers.
     """
-    rig, campaign = campaign.rig, as_volts(campaign)
+    rig, campaign = campaign.rig, records_in_volts(campaign)
     if np.any(lags_s(rig)) or len({c.ac_corner_hz for c in rig.channels}) > 1:
         raise DataError(
             "channels of the rig lag one another, or some are AC-coupled and others not",
             where=rig.name,
             remedy="predict the records with what the chain does to them, and give them as a file",
         )
-    blocks = [b for b in usable(campaign) if records is None or b.name in records]
+    blocks = [b for b in usable_records(campaign) if records is None or b.name in records]
     ratio = clock_of(campaign, blocks)
     units = unit_per_si(rig)[[c.index for c in rig.responses], None]
-    return {b.name: units * _record(simulate, rig, b, ratio, finer) for b in blocks}
+    return {b.name: units * _simulate_record(simulate, rig, b, ratio, finer) for b in blocks}
 
 
-def _record(simulate: Simulate, rig: Rig, block: Block, ratio: float, finer: int | None) -> Real:
+def _simulate_record(simulate: Simulate, rig: Rig, block: Block, ratio: float, finer: int | None) -> Real:
     signals = to_signals(block, rig)
     hit = block.test == "impact"
     times = finer or (FINER if hit else FINER_SINE)
@@ -86,7 +86,7 @@ def _hit_force(signals: Signals, times: int) -> Real:
 def _sine_force(signals: Signals, block: Block, ratio: float, times: int) -> Real:
     """The sine from where it began to rise to the end of the block."""
     dt = 1 / block.rate_hz
-    f0 = on_line(block.frequency_hz or 0.0, block.n_samples, dt) * ratio
+    f0 = frequency_on_line(block.frequency_hz or 0.0, block.n_samples, dt) * ratio
     rise = rise_of([block])
     before = round(float(rise.history_s[0]) / dt) * times
     t = (np.arange(before + block.n_samples * times) - before) * dt / times

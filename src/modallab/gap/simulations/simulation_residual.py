@@ -5,16 +5,16 @@ from dataclasses import replace
 
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
-from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.prepare import prepare_campaign
+from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.design.prediction import Records, with_records
 from modallab.gap.model.fit import all_rows
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import weights_of
-from modallab.gap.report.measure import Squares, squares_of
+from modallab.gap.report.measure import SquaredResiduals, squares_of
 
 
-def simulation_residual(campaign: Campaign, records: Records, names: Collection[str] | None = None) -> Squares:
+def simulation_residual(campaign: Campaign, records: Records, names: Collection[str] | None = None) -> SquaredResiduals:
     """Squares of measured less predicted in noise units; nothing is fitted.
 
     Args:
@@ -25,7 +25,7 @@ def simulation_residual(campaign: Campaign, records: Records, names: Collection[
     Raises:
         DataError: no record of the campaign was predicted.
     """
-    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
+    prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
     blocks = [b for b in prepared.blocks if b.name in records and (names is None or b.name in names)]
     if not blocks:
         raise DataError(
@@ -34,7 +34,7 @@ def simulation_residual(campaign: Campaign, records: Records, names: Collection[
             remedy="name the records as the campaign does",
         )
     weights = weights_of(prepared)
-    measured = reduce(prepared.campaign, blocks, weights)
+    measured = reduce_blocks(prepared.campaign, blocks, weights)
     simulated = with_records(replace(prepared.campaign, blocks=tuple(blocks)), records)
-    same = reduce(replace(simulated, blocks=prepared.campaign.blocks), simulated.blocks, weights)
+    same = reduce_blocks(replace(simulated, blocks=prepared.campaign.blocks), simulated.blocks, weights)
     return squares_of([rows.y for rows in all_rows(same)], measured)

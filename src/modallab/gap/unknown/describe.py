@@ -9,23 +9,23 @@ from modallab.core.described import Alternative
 from modallab.core.diagnosis import Described, Shrink
 from modallab.core.effects import Stage
 from modallab.core.places import x_m_of
-from modallab.core.progress import report
+from modallab.core.progress import report_progress
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.report.calibrated import calibrated
-from modallab.gap.report.locate import Location
-from modallab.gap.report.measure import squares
-from modallab.gap.report.shrinkage import shrink
+from modallab.gap.report.calibrated import calibrated_twin
+from modallab.gap.report.locate import GapLocation
+from modallab.gap.report.measure import squared_residuals
+from modallab.gap.report.shrinkage import shrinkage_with_interval
 from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess, search_origin
 from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of, stage_of
-from modallab.gap.unknown.fitted import fitted
-from modallab.gap.unknown.on_beam import elements_of_beam, on_all_rows
-from modallab.gap.unknown.on_row import by_sample, linear, without
-from modallab.gap.words.learned import in_words
+from modallab.gap.unknown.fitted import best_fits
+from modallab.gap.unknown.on_beam import operators_on_all_channels, trials_on_beam
+from modallab.gap.unknown.on_row import fit_without_channel, linear_operators, sample_operators
+from modallab.gap.words.learned import learned_in_words
 
 SEED = 20240503
 SOLVED = 0.01
@@ -41,9 +41,9 @@ FEW = 2
 
 def describe(
     bench: Bench,
-    prepared: Prepared,
+    prepared: PreparedCampaign,
     choice: Choice,
-    location: Location | None,
+    location: GapLocation | None,
     everything: Reduced,
     unseen: Reduced,
     held: Sequence[str],
@@ -74,7 +74,12 @@ def describe(
 
 
 def _tried(
-    bench: Bench, prepared: Prepared, choice: Choice, location: Location, unseen: Reduced, held: Sequence[str]
+    bench: Bench,
+    prepared: PreparedCampaign,
+    choice: Choice,
+    location: GapLocation,
+    unseen: Reduced,
+    held: Sequence[str],
 ) -> Iterator[Description]:
     """Descriptions fitted to the end: of the channels that stand out, then of the beam and of all channels."""
     base, least = search_origin(bench, choice.base), np.inf
@@ -82,29 +87,29 @@ def _tried(
     rows = tuple(r for r in rows if r in bench.data.channels)
     seen = [b for b in prepared.blocks if b.name not in set(held)]
     for row in rows:
-        report(0.0, f"what {bench.data.rig.channels[row].name} behaves like")
-        for fit in fitted(bench, base, list(linear(bench, row)), 1):
+        report_progress(0.0, f"what {bench.data.rig.channels[row].name} behaves like")
+        for fit in best_fits(bench, base, list(linear_operators(bench, row)), 1):
             least = min(least, excess(fit))
             yield of_fit(base, fit, unseen, (row,))
         if least < SOLVED * excess(base):
             return
-        for one in by_sample(bench, prepared, without(bench, prepared, seen, row), held, row):
+        for one in sample_operators(bench, prepared, fit_without_channel(bench, prepared, seen, row), held, row):
             least = min(least, excess(one.fit))
             yield one
     if least < SOLVED * excess(base):
         return
-    report(0.4, "the force that is missing")
+    report_progress(0.4, "the force that is missing")
     # Where no channel is known to be off alone, the one that is off most is looked at all the same.
     loudest = bench.data.channels[int(np.argmax(channel_share(base)))]
-    alone = [] if rows else list(linear(bench, loudest))
-    for fit in fitted(bench, base, [*elements_of_beam(bench, base), *on_all_rows(bench), *alone]):
+    alone = [] if rows else list(linear_operators(bench, loudest))
+    for fit in best_fits(bench, base, [*trials_on_beam(bench, base), *operators_on_all_channels(bench), *alone]):
         yield of_fit(base, fit, unseen, rows_of(fit))
 
 
 def _shrink(choice: Choice, best: Description, held: Sequence[str]) -> Shrink:
-    before = squares(twin_of(choice.base, best.raw), best.raw)
-    after = squares(twin_of(best.fit, best.unseen), best.unseen)
-    return shrink(list(held), before, after, {}, np.random.default_rng(SEED))
+    before = squared_residuals(twin_of(choice.base, best.raw), best.raw)
+    after = squared_residuals(twin_of(best.fit, best.unseen), best.unseen)
+    return shrinkage_with_interval(list(held), before, after, {}, np.random.default_rng(SEED))
 
 
 def _described(
@@ -116,13 +121,13 @@ def _described(
     length = rig.beam.length_m if rig.beam is not None else 1.0
     near = [o for o in others if excess(o.fit) < ABOUT * excess(best.fit)]
     return Described(
-        says=in_words(best.learned, rig),
+        says=learned_in_words(best.learned, rig),
         stage=cast("Stage", stage_of(best)),
         elements=list(best.learned),
         x_m=x,
         x_m_interval=(max(share[0], 0.0) * length, min(share[1], 1.0) * length) if x is not None and share else None,
         channels=[rig.channels[row].name for row in best.rows],
         shrink=closes,
-        twin=calibrated(best.fit, everything),
-        alternatives=[Alternative(says=in_words(o.learned, rig), gap=o.fit.gap) for o in near[:ALTERNATIVES]],
+        twin=calibrated_twin(best.fit, everything),
+        alternatives=[Alternative(says=learned_in_words(o.learned, rig), gap=o.fit.gap) for o in near[:ALTERNATIVES]],
     )

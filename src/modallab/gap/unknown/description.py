@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.described import Learned
-from modallab.core.places import OneChannel, in_metres
+from modallab.core.places import OneChannel, place_in_metres
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.model.fit import Fit, priced
+from modallab.gap.model.fit import Fit, cost_with_price
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.intervals import intervals
-from modallab.twin.learned import elements
+from modallab.twin.learned import learned_element_models
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -43,7 +43,7 @@ def of_fit(base: Fit, fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> 
                 parameters=effect.parameters,
                 interval=believed.within,
                 not_known=believed.not_known,
-                place=in_metres(effect.place, length),
+                place=place_in_metres(effect.place, length),
             )
         )
     return Description(fit, unseen, unseen, tuple(found), rows)
@@ -59,12 +59,12 @@ def cost_per_number(one: Description) -> float:
 def fit_cost(fit: Fit, more: int = 0) -> float:
     """What a fit leaves for each number measured, at the price of its own numbers and so many more."""
     count = max(np.count_nonzero(fit.residual), 1)
-    return (priced(fit) + more * float(np.log(count))) / count
+    return (cost_with_price(fit) + more * float(np.log(count))) / count
 
 
 def stage_of(description: Description) -> str:
     """Where its elements act."""
-    return elements()[description.learned[0].element].kind.stage
+    return learned_element_models()[description.learned[0].element].kind.stage
 
 
 def rows_of(fit: Fit) -> tuple[int, ...]:

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.places import NO_PLACE, Place
-from modallab.gap.model.fit import Fit, cost_of, priced
+from modallab.gap.model.fit import Fit, cost_of, cost_with_price
 from modallab.gap.model.prefit import start, starts
-from modallab.gap.search.fitting import COARSE, Bench, finish, misfit, short
-from modallab.twin.candidate import Candidate
-from modallab.twin.learned import elements
+from modallab.gap.search.fitting import COARSEST_ERROR, Bench, finish, misfit, short_fit
+from modallab.twin.candidate import CandidateEffect
+from modallab.twin.learned import learned_element_models
 
 BEST = 2
 """Elements that are fitted to the end."""
@@ -27,11 +27,13 @@ class Trial:
         begins: values of its numbers, SI, in the order of its slots; empty for the element's own first values.
     """
 
-    candidate: Candidate
+    candidate: CandidateEffect
     begins: tuple[tuple[float, ...], ...] = ()
 
 
-def element(bench: Bench, name: str, numbers: Sequence[str], place: Place = NO_PLACE, room: float = 1.0) -> Candidate:
+def element(
+    bench: Bench, name: str, numbers: Sequence[str], place: Place = NO_PLACE, room: float = 1.0
+) -> CandidateEffect:
     """A learned element with some of its numbers free; the others are none.
 
     Args:
@@ -41,16 +43,16 @@ def element(bench: Bench, name: str, numbers: Sequence[str], place: Place = NO_P
         place: where it is; none where its place along the beam is free.
         room: share of its range that a number may go below 0, where several together could leave the beam unstable.
     """
-    model = elements()[name]
+    model = learned_element_models()[name]
     beam = bench.data.rig.beam
     assert model.search is not None
     assert beam is not None
     slots = {s.name: s for s in model.search.slots(beam)}
     chosen = (slots[n] for n in numbers)
-    return Candidate(name, tuple(replace(s, low=s.low * room) if s.low < 0 else s for s in chosen), place)
+    return CandidateEffect(name, tuple(replace(s, low=s.low * room) if s.low < 0 else s for s in chosen), place)
 
 
-def looked_at(bench: Bench, base: Fit, trial: Trial) -> Fit:
+def short_fit_of(bench: Bench, base: Fit, trial: Trial) -> Fit:
     """A few steps from the best place to begin."""
     c, size = trial.candidate, bench.free.size
     own = [np.array([s.coordinate(v) for s, v in zip(c.slots, values, strict=True)]) for values in trial.begins]
@@ -60,26 +62,26 @@ def looked_at(bench: Bench, base: Fit, trial: Trial) -> Fit:
         begins += [] if own else [s.u for s in starts((c,), bench.free, bench.poles, BEGINS)]
     if not own:
         begins += [np.concatenate([base.u[:size], [s.coordinate(s.starts[0]) for s in c.slots]])]
-    floor = at_a_look(base)
-    return min((short(bench, (c,), u, floor) for u in begins), key=cost_of)
+    floor = forgiven_error(base)
+    return min((short_fit(bench, (c,), u, floor) for u in begins), key=cost_of)
 
 
-def at_a_look(base: Fit) -> float:
+def forgiven_error(base: Fit) -> float:
     """Relative model error that is forgiven while elements are looked at from a fit without any."""
-    return min(COARSE, max(misfit(base.problem, base.u), 0.003))
+    return min(COARSEST_ERROR, max(misfit(base.problem, base.u), 0.003))
 
 
-def likely(bench: Bench, base: Fit, trials: Sequence[Trial]) -> list[Fit]:
+def short_fits(bench: Bench, base: Fit, trials: Sequence[Trial]) -> list[Fit]:
     """A short look at each of some elements, best first."""
-    return sorted((looked_at(bench, base, t) for t in trials), key=cost_of)
+    return sorted((short_fit_of(bench, base, t) for t in trials), key=cost_of)
 
 
-def finished(bench: Bench, base: Fit, looks: Sequence[Fit], best: int = BEST) -> list[Fit]:
+def converged_fits(bench: Bench, base: Fit, looks: Sequence[Fit], best: int = BEST) -> list[Fit]:
     """The best of these looks brought to their end on all data."""
     floor = max(misfit(base.problem, base.u) / 6, 0.001)
     return [finish(bench, f, floor) for f in looks[:best]]
 
 
-def fitted(bench: Bench, base: Fit, trials: Sequence[Trial], best: int = BEST) -> list[Fit]:
+def best_fits(bench: Bench, base: Fit, trials: Sequence[Trial], best: int = BEST) -> list[Fit]:
     """The best of some elements brought to their end on all data, best first."""
-    return sorted(finished(bench, base, likely(bench, base, trials), best), key=priced)
+    return sorted(converged_fits(bench, base, short_fits(bench, base, trials), best), key=cost_with_price)

@@ -17,8 +17,8 @@ from modallab.gap.conditioning.rows import ImpactData, Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward, hit_ratios, on_clock
 from modallab.gap.model.minimise import jacobian
-from modallab.twin.bench import Twin, transfer
-from modallab.twin.modes import Modes, solve
+from modallab.twin.bench import Twin, chain_transfer
+from modallab.twin.modes import TwinModes, solve_modes
 from modallab.twin.predict import sensor_positions
 
 PLACES = tuple(float(x) for x in np.linspace(0.04, 1.0, 25))
@@ -61,9 +61,9 @@ class MissingForce:
         self._data = replace(data, sines=None)
         problem = Problem(self._data, fit.problem.free)
         self._twin = problem.twin(fit.u)
-        self._modes = solve(self._twin.structure)
+        self._modes = solve_modes(self._twin.structure)
         answers = forward(self._twin, self._data)
-        r = problem.left(self._twin, answers)
+        r = problem.residual_of(self._twin, answers)
         J = jacobian(problem, fit.u, r)
         self._priors = problem.priors(fit.u)
         self._parts = _cut(self._data, J)
@@ -130,7 +130,11 @@ class MissingForce:
     def _seen(self, d: ImpactData, place: float) -> Complex:
         """(channels, lines) what a unit force at a place leaves, in noise units."""
         s = on_clock(d.source, self._twin).s
-        y = s**2 * transfer(self._twin.chain, self._data.channels, s) * self._compliance(self._sensors(), place, s)
+        y = (
+            s**2
+            * chain_transfer(self._twin.chain, self._data.channels, s)
+            * self._compliance(self._sensors(), place, s)
+        )
         return np.where(np.isfinite(d.rows.sigma), d.rows.whiten(y), 0j)
 
     def _motion(self, d: ImpactData, place: float, force: Complex) -> Complex:
@@ -161,7 +165,7 @@ def _cut(data: Reduced, J: Real) -> list[Complex]:
     return found
 
 
-def _ends(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
+def _ends(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Complex:
     """(2 p, channels, lines) what modes leave that ring on at the end of the block, in noise units.
 
     One column for the real and one for the imaginary part of each.
@@ -174,8 +178,8 @@ def _ends(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
     psi = modes.at(sensor_positions(twin.chain, modes, data.channels, data.x_m))[:, rings]
     columns: list[Complex] = []
     ratios = hit_ratios(twin, d, data)
-    amplitude = psi * poles**2 * transfer(twin.chain, data.channels, poles)
-    conjugate = psi.conj() * poles.conj() ** 2 * transfer(twin.chain, data.channels, poles.conj())
+    amplitude = psi * poles**2 * chain_transfer(twin.chain, data.channels, poles)
+    conjugate = psi.conj() * poles.conj() ** 2 * chain_transfer(twin.chain, data.channels, poles.conj())
     _, tail = source.kernel(poles, ratios)
     _, tail_conj = source.kernel(poles.conj(), ratios)
     for p in range(len(poles)):

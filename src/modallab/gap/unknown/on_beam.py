@@ -22,22 +22,22 @@ WHOLE = (("gain",), ("delay",), ("low_pass_hz",), ("high_pass_hz",), ("gain", "d
 """The same of an operator on all channels."""
 
 
-def elements_of_beam(bench: Bench, base: Fit) -> Iterator[Trial]:
+def trials_on_beam(bench: Bench, base: Fit) -> Iterator[Trial]:
     """The elements worth a fit, each with places to begin from."""
     for law in _likely(bench, base):
         names = tuple(law.numbers)
         yield Trial(element(bench, "point_law", (*names, "x")), ((*law.numbers.values(), law.x),))
     yield from of_spare_poles(bench, base)
-    yield from along(bench)
+    yield from forces_along_beam(bench)
 
 
-def along(bench: Bench) -> Iterator[Trial]:
+def forces_along_beam(bench: Bench) -> Iterator[Trial]:
     """Forces all along the beam."""
     for names in ALONG:
         yield Trial(element(bench, "beam_law", names, AllAlongBeam(), 1 / len(names)))
 
 
-def on_all_rows(bench: Bench) -> Iterator[Trial]:
+def operators_on_all_channels(bench: Bench) -> Iterator[Trial]:
     """Operators that act on all accelerometers alike."""
     for names in WHOLE:
         yield Trial(element(bench, "row_filter", names, AllChannels()))

@@ -9,8 +9,8 @@ from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.described import Learned
 from modallab.core.places import OneChannel
-from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.reduce import reduce
+from modallab.gap.conditioning.prepare import PreparedCampaign
+from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.fit import Fit, all_rows
@@ -21,7 +21,7 @@ from modallab.gap.unknown.curve import Curve, curve_of, refined
 from modallab.gap.unknown.description import Description
 from modallab.gap.unknown.fitted import Trial, element
 from modallab.gap.unknown.sample_hold import hold_of
-from modallab.gap.unknown.volts import Channel, channel_of, freed
+from modallab.gap.unknown.volts import Channel, channel_of, without_operator
 
 LINEAR = (("gain",), ("low_pass_hz",), ("high_pass_hz",), ("gain", "delay"), ("mount_hz", "mount_zeta"))
 """Terms of an operator on one channel that are tried together."""
@@ -29,19 +29,21 @@ LEFT = 0.003
 """Relative model error that is forgiven while a twin meets the channel again that it was fitted without."""
 
 
-def linear(bench: Bench, row: int) -> Iterator[Trial]:
+def linear_operators(bench: Bench, row: int) -> Iterator[Trial]:
     """Linear operators on one channel."""
     for names in LINEAR:
         yield Trial(element(bench, "row_filter", names, OneChannel(channel=row)))
 
 
-def without(bench: Bench, prepared: Prepared, fitted: Sequence[Block], row: int) -> Fit:
+def fit_without_channel(bench: Bench, prepared: PreparedCampaign, fitted: Sequence[Block], row: int) -> Fit:
     """The twin as the other channels have it."""
     masked = prepared.masked | {(b.name, row) for b in prepared.blocks}
     return baseline(bench_of(replace(prepared, masked=frozenset(masked)), fitted, bench.free, bench.allowed))
 
 
-def by_sample(bench: Bench, prepared: Prepared, alone: Fit, held: Iterable[str], row: int) -> Iterator[Description]:
+def sample_operators(
+    bench: Bench, prepared: PreparedCampaign, alone: Fit, held: Iterable[str], row: int
+) -> Iterator[Description]:
     """Operators on one channel that must be looked at sample by sample.
 
     Args:
@@ -64,13 +66,13 @@ def by_sample(bench: Bench, prepared: Prepared, alone: Fit, held: Iterable[str],
             interval={"share": (max(lost.share - spread, 0.0), lost.share + spread)},
             place=OneChannel(channel=row),
         )
-        yield _again(bench, prepared, alone, channel, lost.made, learned, unseen)
+        yield _with_channel(bench, prepared, alone, channel, lost.made, learned, unseen)
     curve, interval = _curve(prepared, alone, channel, fitted)
     learned = Learned(element="row_curve", parameters=curve.law, interval=dict(interval), place=OneChannel(channel=row))
-    yield _again(bench, prepared, alone, channel, curve.made(channel), learned, unseen)
+    yield _with_channel(bench, prepared, alone, channel, curve.made(channel), learned, unseen)
 
 
-def _as_it_reads(prepared: Prepared, row: int) -> Prepared:
+def _as_it_reads(prepared: PreparedCampaign, row: int) -> PreparedCampaign:
     """The campaign with one channel's sines in it even where they are flat, and with the noise it has at its calmest.
 
     What an operator makes of the samples would count as noise, or be left out with what it has cut.
@@ -85,28 +87,30 @@ def _as_it_reads(prepared: Prepared, row: int) -> Prepared:
 
 
 def _curve(
-    prepared: Prepared, alone: Fit, channel: Channel, fitted: Sequence[Block]
+    prepared: PreparedCampaign, alone: Fit, channel: Channel, fitted: Sequence[Block]
 ) -> tuple[Curve, dict[str, tuple[float, float]]]:
     """The channel's static curve with the intervals of its numbers."""
     used = [b for b in fitted if (b.name, channel.row) not in prepared.masked]
     # A twin predicts sines sample by sample, of hits no more than their lines.
     sines = [b for b in used if b.test == "sine"]
     begin = curve_of(channel, [b.name for b in sines or used])
-    data = reduce(prepared.campaign, fitted, weights_of(prepared))
+    data = reduce_blocks(prepared.campaign, fitted, weights_of(prepared))
     answers = forward(alone.problem.twin(alone.u), data)
     at = data.channels.index(channel.row)
 
     def residual(curve: Curve) -> Real:
-        clean = reduce(prepared.campaign, freed(fitted, channel, curve.made(channel)), weights_of(prepared))
+        clean = reduce_blocks(
+            prepared.campaign, without_operator(fitted, channel, curve.made(channel)), weights_of(prepared)
+        )
         parts = [(r.y - y)[at] / r.sigma[at] for r, y in zip(all_rows(clean), answers, strict=True)]
         return np.concatenate([*(p.real for p in parts), *(p.imag for p in parts)])
 
     return refined(begin, residual)
 
 
-def _again(
+def _with_channel(
     bench: Bench,
-    prepared: Prepared,
+    prepared: PreparedCampaign,
     alone: Fit,
     channel: Channel,
     made: Mapping[str, Real],
@@ -114,13 +118,13 @@ def _again(
     held: set[str],
 ) -> Description:
     """The twin with the channel once more, its records freed of what the operator does."""
-    clean = replace(prepared, blocks=freed(prepared.blocks, channel, made))
+    clean = replace(prepared, blocks=without_operator(prepared.blocks, channel, made))
     own = [b for b in clean.blocks if b.name not in held] or list(clean.blocks)
     again = bench_of(clean, own, bench.free, bench.allowed)
     fit = finish(again, alone, LEFT)
     return Description(fit, _unseen(clean, held), _unseen(prepared, held), (learned,), (channel.row,))
 
 
-def _unseen(prepared: Prepared, held: set[str]) -> Reduced:
+def _unseen(prepared: PreparedCampaign, held: set[str]) -> Reduced:
     blocks = [b for b in prepared.blocks if b.name in held] or list(prepared.blocks)
-    return reduce(prepared.campaign, blocks, weights_of(prepared))
+    return reduce_blocks(prepared.campaign, blocks, weights_of(prepared))

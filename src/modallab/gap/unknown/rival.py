@@ -8,18 +8,18 @@ A channel that loses samples reads as one whose gain is too small, with noise on
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.agreement import Agreement
 from modallab.gap.inference.select import Level
-from modallab.gap.model.fit import Fit, Problem, cost_of, seen
+from modallab.gap.model.fit import Fit, Problem, cost_of, evaluated
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.report.measure import squares
-from modallab.gap.search.fitting import Bench, excess, ordinary, search_origin
+from modallab.gap.report.measure import squared_residuals
+from modallab.gap.search.fitting import Bench, excess, search_origin, within_tolerances
 from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of
-from modallab.gap.unknown.fitted import at_a_look, finished, fitted, likely
-from modallab.gap.unknown.on_beam import along, on_all_rows
-from modallab.gap.unknown.on_row import by_sample, linear, without
+from modallab.gap.unknown.fitted import best_fits, converged_fits, forgiven_error, short_fits
+from modallab.gap.unknown.on_beam import forces_along_beam, operators_on_all_channels
+from modallab.gap.unknown.on_row import fit_without_channel, linear_operators, sample_operators
 from modallab.gap.unknown.spare_poles import of_spare_poles
 
 SOLVED = 1.3
@@ -31,7 +31,7 @@ CLOSES = 0.003
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Alone:
+class LoneChannel:
     """A channel that is off where all others agree with a sound bench.
 
     Attributes:
@@ -45,12 +45,14 @@ class Alone:
     loses: bool
 
 
-def loses_samples(prepared: Prepared, fit: Fit) -> bool:
+def loses_samples(prepared: PreparedCampaign, fit: Fit) -> bool:
     """Whether an effect of a fit stands on a channel that repeats or loses samples, as its records show."""
     return any(row in rows_of(fit) for row in prepared.repeated)
 
 
-def channel_alone(bench: Bench, prepared: Prepared, agreement: Agreement, held: Sequence[str]) -> Alone | None:
+def lone_channel(
+    bench: Bench, prepared: PreparedCampaign, agreement: Agreement, held: Sequence[str]
+) -> LoneChannel | None:
     """The channel without which there is no gap, if there is one.
 
     Args:
@@ -63,14 +65,19 @@ def channel_alone(bench: Bench, prepared: Prepared, agreement: Agreement, held: 
         return None
     fitted = [b for b in prepared.blocks if b.name not in set(held)]
     for row in prepared.repeated or _differing(bench, agreement):
-        alone = without(bench, prepared, fitted, row)
-        if alone.gap <= bench.flat and ordinary(alone):
-            return Alone(row, alone, bool(prepared.repeated))
+        alone = fit_without_channel(bench, prepared, fitted, row)
+        if alone.gap <= bench.flat and within_tolerances(alone):
+            return LoneChannel(row, alone, bool(prepared.repeated))
     return None
 
 
-def rivals(
-    bench: Bench, prepared: Prepared, first: Level, alone: Alone | None, unseen: Reduced, held: Sequence[str]
+def nameless_explanations(
+    bench: Bench,
+    prepared: PreparedCampaign,
+    first: Level,
+    alone: LoneChannel | None,
+    unseen: Reduced,
+    held: Sequence[str],
 ) -> tuple[Description, ...]:
     """What explains the gap where no single effect does, best first; nothing where nothing does.
 
@@ -85,11 +92,11 @@ def rivals(
     base, best = first.base, best_of(first)
     begin = search_origin(bench, base)
     if alone is None:
-        return () if near(bench, best) else _on_beam(bench, begin, base, best, unseen)
-    found = sorted(by_sample(bench, prepared, alone.fit, held, alone.row), key=cost_per_number)
+        return () if leaves_noise_only(bench, best) else _on_beam(bench, begin, base, best, unseen)
+    found = sorted(sample_operators(bench, prepared, alone.fit, held, alone.row), key=cost_per_number)
     if alone.loses and _closes(base, found[0]):
         return tuple(found)
-    operators = fitted(bench, begin, list(linear(bench, alone.row)), 1)
+    operators = best_fits(bench, begin, list(linear_operators(bench, alone.row)), 1)
     found = sorted([*found, *(of_fit(base, fit, unseen, (alone.row,)) for fit in operators)], key=cost_per_number)
     return tuple(found) if _explains(bench, base, best, found[0].fit) else ()
 
@@ -108,23 +115,25 @@ def _differing(bench: Bench, agreement: Agreement) -> list[int]:
 
 def _on_beam(bench: Bench, begin: Fit, base: Fit, best: Fit, unseen: Reduced) -> tuple[Description, ...]:
     """Elements in the structure or on all channels."""
-    trials = [*of_spare_poles(bench, begin), *along(bench), *on_all_rows(bench)]
-    looks = likely(bench, begin, trials)
+    trials = [*of_spare_poles(bench, begin), *forces_along_beam(bench), *operators_on_all_channels(bench)]
+    looks = short_fits(bench, begin, trials)
     if not looks or looks[0].cost >= _at_a_look(bench, begin, best):
         return ()
-    found = sorted((of_fit(base, fit, unseen) for fit in finished(bench, begin, looks)), key=cost_per_number)
+    found = sorted((of_fit(base, fit, unseen) for fit in converged_fits(bench, begin, looks)), key=cost_per_number)
     return tuple(found) if _explains(bench, base, best, found[0].fit) else ()
 
 
 def _at_a_look(bench: Bench, begin: Fit, best: Fit) -> float:
     """What the best effect leaves where as much is forgiven as at a look at an element."""
     held = (float(best.u[0]), float(best.u[1]), float(best.u[2]))
-    return seen(Problem(bench.thin, bench.free, best.problem.candidates, at_a_look(begin), held=held), best.u).cost
+    return evaluated(
+        Problem(bench.thin, bench.free, best.problem.candidates, forgiven_error(begin), held=held), best.u
+    ).cost
 
 
-def near(bench: Bench, fit: Fit) -> bool:
+def leaves_noise_only(bench: Bench, fit: Fit) -> bool:
     """Whether a fit leaves no more than noise, on a bench that is put together as benches are."""
-    return fit.gap <= SOLVED * bench.flat and ordinary(fit)
+    return fit.gap <= SOLVED * bench.flat and within_tolerances(fit)
 
 
 def _closes(base: Fit, one: Description) -> bool:
@@ -133,9 +142,11 @@ def _closes(base: Fit, one: Description) -> bool:
     Lost samples are visible in the record itself. An effect does not explain them, even if it leaves little where they
     are counted as noise.
     """
-    before = squares(twin_of(base, one.raw), one.raw).gap
+    before = squared_residuals(twin_of(base, one.raw), one.raw).gap
     return excess(one.fit) <= CLOSES * (before**2 - 1)
 
 
 def _explains(bench: Bench, base: Fit, best: Fit, fit: Fit) -> bool:
-    return (near(bench, fit) or excess(fit) <= CLOSES * excess(base)) and excess(fit) <= LEAVES * excess(best)
+    return (leaves_noise_only(bench, fit) or excess(fit) <= CLOSES * excess(base)) and excess(fit) <= LEAVES * excess(
+        best
+    )

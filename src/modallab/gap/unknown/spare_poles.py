@@ -14,9 +14,9 @@ from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.fitting import Bench, misfit
 from modallab.gap.unknown.fitted import Trial, element
-from modallab.twin.candidate import Candidate
+from modallab.twin.candidate import CandidateEffect
 from modallab.twin.learned.side_modes import FAMILIES
-from modallab.twin.side_modes import multiples
+from modallab.twin.side_modes import frequency_multiples
 
 PLACES = tuple(float(x) for x in np.linspace(0.1, 0.98, 12))
 """Shares of the length at which a mass on a spring is begun from."""
@@ -51,7 +51,7 @@ class _Family:
     """A family of modes beside: how much it takes away to first order, and where that begins."""
 
     takes: float
-    candidate: Candidate
+    candidate: CandidateEffect
     begin: tuple[float, ...]
 
 
@@ -63,7 +63,7 @@ def _beside(bench: Bench, base: Fit) -> Iterator[Trial]:
         candidate = element(bench, "side_modes", (name, *shape, "kg", "zeta"))
         for pole in bench.poles:
             zeta = max(-float(pole.real) / abs(pole), 1e-3)
-            for multiple in multiples(family)[:MEMBERS]:
+            for multiple in frequency_multiples(family)[:MEMBERS]:
                 hz = float(abs(pole)) / (2 * np.pi) / float(multiple)
                 one = _begun(bench, candidate, (hz, *shape.values()), zeta, floor)
                 found += [] if one is None else [one]
@@ -71,7 +71,9 @@ def _beside(bench: Bench, base: Fit) -> Iterator[Trial]:
     yield from (Trial(f.candidate, (f.begin,)) for f in best)
 
 
-def _begun(bench: Bench, candidate: Candidate, first: tuple[float, ...], zeta: float, floor: float) -> _Family | None:
+def _begun(
+    bench: Bench, candidate: CandidateEffect, first: tuple[float, ...], zeta: float, floor: float
+) -> _Family | None:
     """A family at one frequency, its mass as the residual wants it; None where it wants none.
 
     What it adds goes with the inverse of that mass.

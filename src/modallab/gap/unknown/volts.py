@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.block import Block
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.design.prediction import clock_of
 from modallab.gap.model.predicted_records import predict_record
 from modallab.signals.alignment import lags_s
@@ -32,7 +32,7 @@ class Channel:
     expected: Mapping[str, Real]
 
 
-def channel_of(prepared: Prepared, twin: Twin, row: int) -> Channel:
+def channel_of(prepared: PreparedCampaign, twin: Twin, row: int) -> Channel:
     """One channel of all records, beside what the twin predicts of it."""
     rig, blocks = prepared.campaign.rig, prepared.blocks
     at = [c.index for c in rig.responses].index(row)
@@ -48,7 +48,7 @@ def channel_of(prepared: Prepared, twin: Twin, row: int) -> Channel:
     return Channel(row, read, counts, expected)
 
 
-def freed(blocks: Sequence[Block], channel: Channel, made: Mapping[str, Real]) -> tuple[Block, ...]:
+def without_operator(blocks: Sequence[Block], channel: Channel, made: Mapping[str, Real]) -> tuple[Block, ...]:
     """Records with one channel as it would read without an operator, to first order in what the twin does not know.
 
     Args:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from modallab.core.diagnosis import Found
-from modallab.core.digits import listed, probability, rough, with_interval
+from modallab.core.digits import list_in_words, one_digit, probability_text, with_interval
 from modallab.core.effects import Parameter, kind_of
 from modallab.core.modal_diagnosis import FoundChange
 from modallab.core.places import (
@@ -32,33 +32,35 @@ OPEN = 100.0
 """End of an interval over its beginning, from which a number is not known to within a factor of ten."""
 
 
-def named(effects: Sequence[str]) -> str:
+def effect_names(effects: Sequence[str]) -> str:
     """Effects of the catalogue: "added mass and loose clamp"."""
-    return listed([model_of(name).spoken for name in effects])
+    return list_in_words([model_of(name).spoken for name in effects])
 
 
-def spoken(found: Found, channels: Sequence[str] = ()) -> str:
+def effect_in_words(found: Found, channels: Sequence[str] = ()) -> str:
     """An effect with its place, its numbers and its probability; channels by number where their names are not given."""
     numbers = [_with_value(found, p) for p in kind_of(found.effect).parameters]
-    beside = "; ".join([*([", ".join(numbers)] if numbers else []), f"probability {probability(found.probability)}"])
-    return f"{' '.join(filter(None, (model_of(found.effect).spoken, at(found, channels))))} ({beside})"
+    beside = "; ".join(
+        [*([", ".join(numbers)] if numbers else []), f"probability {probability_text(found.probability)}"]
+    )
+    return f"{' '.join(filter(None, (model_of(found.effect).spoken, place_in_words(found, channels))))} ({beside})"
 
 
 def _with_value(found: Found, parameter: Parameter) -> str:
     if parameter.name in found.not_known:
         return f"{parameter.name} not known"
-    return f"{parameter.name} = {of_parameter(found, parameter)[0]}"
+    return f"{parameter.name} = {parameter_in_words(found, parameter)[0]}"
 
 
-def of_parameter(found: Found, parameter: Parameter) -> tuple[str, str]:
+def parameter_in_words(found: Found, parameter: Parameter) -> tuple[str, str]:
     """A parameter's value and its interval; why it has none, where the records leave it open."""
     why = found.not_known.get(parameter.name)
     if why:
-        return f"about {rough(found.parameters[parameter.name])} {parameter.unit}".rstrip(), f"not known: {why}"
+        return f"about {one_digit(found.parameters[parameter.name])} {parameter.unit}".rstrip(), f"not known: {why}"
     return with_interval(found.parameters[parameter.name], found.interval.get(parameter.name), parameter.unit)
 
 
-def at(found: Found, channels: Sequence[str] = ()) -> str:
+def place_in_words(found: Found, channels: Sequence[str] = ()) -> str:
     """Where an effect acts, within a sentence: "at 0.622 m", "on a03 and a07"; "" where it has one place only."""
     place = place_of(found, channels)[0]
     if place in FIXED.values() or isinstance(found.place, AllChannels):
@@ -77,7 +79,7 @@ def place_of(found: Found, channels: Sequence[str] = ()) -> tuple[str, str]:
     if rows == "all":
         return "on all channels", ""
     if rows is not None:
-        return _on(rows, channels), ""
+        return _channel_in_words(rows, channels), ""
     return FIXED.get(kind_of(found.effect).place, ""), ""
 
 
@@ -90,12 +92,12 @@ def interval_m(found: Found) -> tuple[float, float] | None:
     return share[0] * length, share[1] * length
 
 
-def _on(channel: int | tuple[int, int], channels: Sequence[str]) -> str:
+def _channel_in_words(channel: int | tuple[int, int], channels: Sequence[str]) -> str:
     rows = (channel,) if isinstance(channel, int) else channel
     names = [channels[row] for row in rows if 0 <= row < len(channels)]
     if len(names) == len(rows):
-        return f"on {listed(names)}"
-    return f"on channel{'s' * (len(rows) > 1)} {listed([str(row) for row in rows])}"
+        return f"on {list_in_words(names)}"
+    return f"on channel{'s' * (len(rows) > 1)} {list_in_words([str(row) for row in rows])}"
 
 
 def spoken_change(change: FoundChange) -> str:
@@ -106,7 +108,7 @@ def spoken_change(change: FoundChange) -> str:
 def with_numbers(change: FoundChange) -> str:
     """The same with its numbers, their intervals and its probability."""
     numbers = (f"{name} = {value} ({interval})" for name, value, interval in numbers_of(change))
-    return f"{spoken_change(change)}: {', '.join(numbers)}, probability {probability(change.probability)}"
+    return f"{spoken_change(change)}: {', '.join(numbers)}, probability {probability_text(change.probability)}"
 
 
 def place_of_change(change: FoundChange) -> str:
@@ -121,7 +123,7 @@ def place_of_change(change: FoundChange) -> str:
     return f"near point {place.point}" + (f", along {place.axis}" if place.axis else "")
 
 
-def at_of_change(change: FoundChange) -> tuple[float, float, float] | None:
+def position_of_change(change: FoundChange) -> tuple[float, float, float] | None:
     """x, y and z in m where a change hangs on the structure; None where it is a channel's."""
     return change.place.at_m if isinstance(change.place, NearPoint | BetweenPoints) else None
 
@@ -131,14 +133,14 @@ def numbers_of(change: FoundChange) -> list[tuple[str, str, str]]:
     kind = kind_of(change.effect)
     units = {p.name: p.unit for p in (*kind.parameters, kind.at_points) if p is not None}
     return [
-        (name, *_of_change(value, change.interval[name], units.get(name, "m")))
+        (name, *_change_in_words(value, change.interval[name], units.get(name, "m")))
         for name, value in change.parameters.items()
         if value or len(set(change.interval[name])) > 1
     ]
 
 
-def _of_change(value: float, interval: tuple[float, float], unit: str) -> tuple[str, str]:
+def _change_in_words(value: float, interval: tuple[float, float], unit: str) -> tuple[str, str]:
     low, high = interval
     if low > 0 and high > OPEN * low:
-        return f"about {rough(value)} {unit}", "not known: the records leave it open"
+        return f"about {one_digit(value)} {unit}", "not known: the records leave it open"
     return with_interval(value, interval, unit)

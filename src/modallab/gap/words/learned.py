@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from modallab.core.described import Learned
-from modallab.core.digits import percent
+from modallab.core.digits import percent_text
 from modallab.core.places import AllChannels, OneChannel, x_m_of
 from modallab.core.rig import Rig
 
@@ -22,12 +22,12 @@ class _Phrase:
     negative: str = ""
 
 
-def in_words(learned: Sequence[Learned], rig: Rig) -> str:
+def learned_in_words(learned: Sequence[Learned], rig: Rig) -> str:
     """What they behave like, as the end of a sentence: "a spring of 120 N/m to ground at 0.379 m"."""
-    return " and ".join(f"{_PHRASES[one.element](one.parameters)}{_at(one, rig)}" for one in learned)
+    return " and ".join(f"{_PHRASES[one.element](one.parameters)}{_learned_place(one, rig)}" for one in learned)
 
 
-def _at(one: Learned, rig: Rig) -> str:
+def _learned_place(one: Learned, rig: Rig) -> str:
     x_m = x_m_of(one.place)
     if x_m is not None:
         return f" at {x_m:.3f} m"
@@ -69,17 +69,17 @@ _LEVELS_OFF = (
 _CURVE_TERMS = (("square", 2), ("cubic", 3))
 
 
-def _joined(phrases: tuple[_Phrase, ...], law: Numbers) -> str:
-    return " and ".join(_spoken(p, law) for p in phrases if p.number in law)
+def _joined_phrases(phrases: tuple[_Phrase, ...], law: Numbers) -> str:
+    return " and ".join(_phrase_in_words(p, law) for p in phrases if p.number in law)
 
 
-def _spoken(phrase: _Phrase, law: Numbers) -> str:
+def _phrase_in_words(phrase: _Phrase, law: Numbers) -> str:
     value = law[phrase.number] * phrase.per_unit
     says = phrase.negative if value < 0 and phrase.negative else phrase.says
     return says.format(value=value, size=abs(value), law=law)
 
 
-def _curve(law: Numbers) -> str:
+def _curve_in_words(law: Numbers) -> str:
     shape = f", with a knee of power {law['power']:.3g}," if "power" in law else ""
     levels = [says.format(law[name]) for name, says in _LEVELS_OFF if name in law]
     if levels:
@@ -88,16 +88,16 @@ def _curve(law: Numbers) -> str:
     return f"a bent scale, u + {terms} of u in V,"
 
 
-def _hold(law: Numbers) -> str:
+def _sample_hold_in_words(law: Numbers) -> str:
     instead = "the one before" if law["kept"] else "0"
-    return f"a loss of {percent(law['share'])} of the samples, with {instead} in their place,"
+    return f"a loss of {percent_text(law['share'])} of the samples, with {instead} in their place,"
 
 
 _PHRASES: dict[str, Callable[[Numbers], str]] = {
-    "point_law": partial(_joined, _POINT),
-    "beam_law": partial(_joined, _BEAM),
-    "side_modes": partial(_joined, _SIDE),
-    "row_filter": partial(_joined, _FILTER),
-    "row_curve": _curve,
-    "row_hold": _hold,
+    "point_law": partial(_joined_phrases, _POINT),
+    "beam_law": partial(_joined_phrases, _BEAM),
+    "side_modes": partial(_joined_phrases, _SIDE),
+    "row_filter": partial(_joined_phrases, _FILTER),
+    "row_curve": _curve_in_words,
+    "row_hold": _sample_hold_in_words,
 }

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 from modallab.core.diagnosis import Diagnosis, Found, Gap, Percent
-from modallab.core.digits import listed, part_of, percent, probability, rounded
+from modallab.core.digits import list_in_words, part_of, percent_text, probability_text, three_digits
 from modallab.core.modal_diagnosis import ModalDiagnosis
-from modallab.gap.simulations.compare import Compared
-from modallab.gap.words.effects import spoken, with_numbers
+from modallab.gap.simulations.compare import SimulationComparison
+from modallab.gap.words.effects import effect_in_words, with_numbers
 
 KNOWN = 2.0
 """Factor from before to after that is no matter of tolerances."""
@@ -14,7 +14,7 @@ NEXT_TO_NOTHING = 1e-6
 ORDINARY = "(rms; 1 is ordinary)"
 
 
-def sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
+def verdict_sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
     """The verdict on a campaign.
 
     Args:
@@ -32,44 +32,51 @@ def sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
         where = diagnosis.where
         at = f" on {', '.join(where.channels)}" if 0 < len(where.channels) < 4 else ""
         return (
-            f"A gap of {rounded(gap.before)} noise units lies in the {where.stage}{at}, and none of the known effects "
-            f"explains it.{_behaves(diagnosis)}"
+            f"A gap of {three_digits(gap.before)} noise units lies in the {where.stage}{at}, and none of the "
+            "known effects "
+            f"explains it.{_behaviour_sentence(diagnosis)}"
         )
-    parts = " and ".join(spoken(f, channels) for f in diagnosis.effects)
-    return f"The gap of {rounded(gap.before)} noise units comes from {parts}{_closes(diagnosis.shrink.closed)}."
+    parts = " and ".join(effect_in_words(f, channels) for f in diagnosis.effects)
+    return (
+        f"The gap of {three_digits(gap.before)} noise units comes from {parts}{_closes_gap(diagnosis.shrink.closed)}."
+    )
 
 
-def _closes(share: float | None) -> str:
+def _closes_gap(share: float | None) -> str:
     return "" if share is None else f", which closes {part_of(share)} of it on records held out"
 
 
-def _behaves(diagnosis: Diagnosis) -> str:
+def _behaviour_sentence(diagnosis: Diagnosis) -> str:
     """What a gap without a name behaves like, and how far that closes it."""
     described = diagnosis.described
     if described is None or described.shrink.closed is None:
         return ""
-    return f" It behaves like {described.says.rstrip(',')}{_closes(described.shrink.closed)}."
+    return f" It behaves like {described.says.rstrip(',')}{_closes_gap(described.shrink.closed)}."
 
 
-def in_percent(gap: Gap) -> str:
+def gap_in_percent(gap: Gap) -> str:
     """The gap as a share of the response, in one sentence; "" where it is not known."""
     stages = (
         ("as the rig file describes the bench", gap.share_nominal),
         ("within the tolerances", gap.share_before),
         ("with what was found", gap.share_after),
     )
-    parts = [f"{_sides(share)} {name}" for name, share in stages if share is not None and _sides(share)]
+    parts = [
+        f"{_resonant_and_other(share)} {name}"
+        for name, share in stages
+        if share is not None and _resonant_and_other(share)
+    ]
     whole = f"In percent of the response, at resonance and away from it: {'; '.join(parts)}." if parts else ""
     return " ".join(s for s in (whole, own_error(gap)) if s)
 
 
-def _sides(share: Percent) -> str:
-    return listed([of_response(v) for v in (share.at_resonance, share.away) if v is not None])
+def _resonant_and_other(share: Percent) -> str:
+    return list_in_words([share_of_response(v) for v in (share.at_resonance, share.away) if v is not None])
 
 
-def of_response(share: float | None) -> str:
+def share_of_response(share: float | None) -> str:
     """A share of the response with its noise taken off, which is never known to be nothing."""
-    return percent(None if share is None else max(share, NEXT_TO_NOTHING))
+    return percent_text(None if share is None else max(share, NEXT_TO_NOTHING))
 
 
 def own_error(gap: Gap) -> str:
@@ -80,32 +87,35 @@ def own_error(gap: Gap) -> str:
     if not left.worst:
         return "Beyond noise nothing is left of any record."
     return (
-        f"Beyond noise, {of_response(left.median)} of a record is left unexplained (median); "
-        f"at worst {of_response(left.worst)}, of {left.record}."
+        f"Beyond noise, {share_of_response(left.median)} of a record is left unexplained (median); "
+        f"at worst {share_of_response(left.worst)}, of {left.record}."
     )
 
 
 def sentence_by_model(found: ModalDiagnosis) -> str:
     """The verdict on a structure that was compared with its modal model, with its probability."""
-    before = f"{percent(found.before)} of the response differs"
+    before = f"{percent_text(found.before)} of the response differs"
     differs = f"{before}, by {found.strain_before:.2g} deviations of the tolerances"
     if found.verdict == "no_gap":
-        return f"No gap beyond the tolerances{_probable(found.nothing)}: {differs} {ORDINARY}."
+        return f"No gap beyond the tolerances{_probability_in_words(found.nothing)}: {differs} {ORDINARY}."
     if found.verdict == "unknown":
-        return f"A gap that no effect of the catalogue explains{_probable(found.unknown)}: {differs} {ORDINARY}."
+        return (
+            f"A gap that no effect of the catalogue explains{_probability_in_words(found.unknown)}: {differs} "
+            f"{ORDINARY}."
+        )
     parts = " and ".join(with_numbers(change) for change in found.effects)
-    left = f"{percent(found.after)}, by {found.strain_after:.2g}"
+    left = f"{percent_text(found.after)}, by {found.strain_after:.2g}"
     return f"{parts[0].upper()}{parts[1:]}. Without it {differs} {ORDINARY}; with it {left}."
 
 
-def _probable(value: float | None) -> str:
+def _probability_in_words(value: float | None) -> str:
     """Files of earlier versions state none."""
-    return "" if value is None else f", probability {probability(value)}"
+    return "" if value is None else f", probability {probability_text(value)}"
 
 
-def sentence_of_simulation(found: Compared) -> str:
+def sentence_of_simulation(found: SimulationComparison) -> str:
     """The verdict on a simulation that was compared with the bench."""
-    before, after = rounded(found.before), rounded(found.after)
+    before, after = three_digits(found.before), three_digits(found.after)
     if found.verdict == "no_gap":
         agree = f"No effect distinguishes simulation and bench: the gap is {before} noise units"
         return f"{agree}, {after} with the beam's numbers as the bench has them."
@@ -113,20 +123,26 @@ def sentence_of_simulation(found: Compared) -> str:
     if found.verdict == "unknown":
         return f"{off}, and not all of that is explained."
     share = "" if found.closed is None else f"that closes {part_of(found.closed)} of it, "
-    return f"{off}: {'; '.join(_differences(found))}. Corrected, it is {after} off; {share}on {_records(found)}."
+    return (
+        f"{off}: {'; '.join(_differences_in_words(found))}. Corrected, it is {after} off; {share}on "
+        f"{_records_verdict(found)}."
+    )
 
 
-def _records(found: Compared) -> str:
+def _records_verdict(found: SimulationComparison) -> str:
     return f"{len(found.records)} records held out"
 
 
-def _differences(found: Compared) -> list[str]:
+def _differences_in_words(found: SimulationComparison) -> list[str]:
     return [
-        *(f"it lacks {spoken(f)}" for f in found.lacks),
-        *(f"it has {spoken(f)}, which the bench has not" for f in found.has),
-        *(f"the bench has {spoken(d.bench)}, the simulation {_numbers(d.simulation)}" for d in found.differs),
+        *(f"it lacks {effect_in_words(f)}" for f in found.lacks),
+        *(f"it has {effect_in_words(f)}, which the bench has not" for f in found.has),
+        *(
+            f"the bench has {effect_in_words(d.bench)}, the simulation {_numbers_in_words(d.simulation)}"
+            for d in found.differs
+        ),
     ]
 
 
-def _numbers(found: Found) -> str:
+def _numbers_in_words(found: Found) -> str:
     return ", ".join(f"{name} = {value:.4g}" for name, value in found.parameters.items()) or "another"

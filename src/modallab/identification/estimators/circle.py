@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.estimator import Estimator
-from modallab.identification.start.half_power import Peak
-from modallab.identification.start.peak_poles import half_power_pole, pole, poles_of_peaks
+from modallab.identification.start.half_power import HalfPowerPeak
+from modallab.identification.start.peak_poles import half_power_pole, pole_of_mode, poles_of_peaks
 
 FALL = 0.4
 """A circle is fitted to the lines about a peak down to this share of its amplitude: well past half-power."""
@@ -44,7 +44,7 @@ def circle_fit(frequency_hz: NDArray[np.float64], mobility: NDArray[np.complex12
         IdentificationError: the lines stand on no circle.
     """
     _require_lines(frequency_hz, mobility)
-    centre, radius = _circle(mobility)
+    centre, radius = _circle_fit(mobility)
     misfit = float(np.std(np.abs(mobility - centre)) / radius)
     if not np.isfinite(misfit) or misfit > 0.2:
         raise IdentificationError(
@@ -53,7 +53,7 @@ def circle_fit(frequency_hz: NDArray[np.float64], mobility: NDArray[np.complex12
         )
     omega, turn = 2 * np.pi * frequency_hz, np.unwrap(np.angle(mobility - centre))
     zero = _zero_angle(omega, turn)
-    rate, square, _ = _line(omega, turn - zero)
+    rate, square, _ = _straight_line_fit(omega, turn - zero)
     if square <= 0:
         raise IdentificationError("no resonance on the circle", remedy="take lines on both sides of the peak")
     resonance = float(np.sqrt(square))
@@ -80,12 +80,15 @@ def _zero_angle(omega: NDArray[np.float64], turn: NDArray[np.float64]) -> float:
     place = int(np.argmax(np.abs(np.diff(turn) / np.diff(omega))))
     guess = float(turn[place] + turn[place + 1]) / 2
     best = optimize.minimize_scalar(
-        lambda z: _line(omega, turn - z)[2], bounds=(guess - 1, guess + 1), method="bounded", options={"xatol": 1e-12}
+        lambda z: _straight_line_fit(omega, turn - z)[2],
+        bounds=(guess - 1, guess + 1),
+        method="bounded",
+        options={"xatol": 1e-12},
     )
     return float(best.x)
 
 
-def _line(omega: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[float, float, float]:
+def _straight_line_fit(omega: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[float, float, float]:
     """2 zeta omega_0, omega_0^2 and the misfit of omega = -2 zeta omega_0 tan(turn / 2) + omega_0^2 / omega.
 
     Weighted by cos^2, since the tangent spreads the noise far from the resonance.
@@ -98,7 +101,7 @@ def _line(omega: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[float,
     return float(solution[0]), float(solution[1]) * float(omega[0]) ** 2, float(left @ left)
 
 
-def _circle(values: NDArray[np.complex128]) -> tuple[complex, float]:
+def _circle_fit(values: NDArray[np.complex128]) -> tuple[complex, float]:
     """Centre and radius: |v|^2 = 2 Re(conj(c) v) + r^2 - |c|^2, linear in c and the constant."""
     basis = np.stack([2 * values.real, 2 * values.imag, np.ones(values.size)], axis=1)
     scale = float(np.abs(values).max())
@@ -107,12 +110,12 @@ def _circle(values: NDArray[np.complex128]) -> tuple[complex, float]:
     return centre, float(np.sqrt(max(rest * scale + abs(centre) ** 2, 0)))
 
 
-def _circle_pole(mobility: Frf, peak: Peak) -> complex:
+def _circle_pole(mobility: Frf, peak: HalfPowerPeak) -> complex:
     """From the FRF that is loudest at the peak; where its lines stand on no circle, what half-power reads."""
     size = np.abs(mobility.values[..., peak.line])
     o, i = np.unravel_index(int(np.argmax(size)), size.shape)
     values = mobility.values[o, i]
-    lines = _about(np.abs(values), peak.line)
+    lines = _lines_about_peak(np.abs(values), peak.line)
     try:
         found = circle_fit(mobility.frequency_hz[lines], values[lines])
     except (DataError, IdentificationError):
@@ -121,10 +124,10 @@ def _circle_pole(mobility: Frf, peak: Peak) -> complex:
     beside = f[max(peak.line - 1, 0)] <= found.frequency_hz <= f[min(peak.line + 1, f.size - 1)]
     # Lines far apart make a circle of noise and neighbours, whose resonance lies anywhere but at the peak.
     sound = beside and found.damping_ratio > 0
-    return pole(found.frequency_hz, found.damping_ratio) if sound else half_power_pole(mobility, peak)
+    return pole_of_mode(found.frequency_hz, found.damping_ratio) if sound else half_power_pole(mobility, peak)
 
 
-def _about(amplitude: NDArray[np.float64], line: int) -> slice:
+def _lines_about_peak(amplitude: NDArray[np.float64], line: int) -> slice:
     """The lines about a peak: down to a share of it, five at least."""
     low = high = line
     limit = FALL * amplitude[line]

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from modallab.core.array_checks import check_frf
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import Frf
-from modallab.identification.estimator import Estimator, Order
+from modallab.identification.estimator import Estimator, ModelOrder
 from modallab.identification.realization import block_hankel, state_poles
 from modallab.identification.start.stabilisation import OrderPoles
 
@@ -52,10 +52,10 @@ def era(frf: Frf, max_order: int, rows: int | None = None) -> list[OrderPoles]:
             f"{markov.shape[-1]} samples of impulse response cannot carry {max_order} states",
             remedy="lower the order, or give more lines",
         )
-    return _realized(markov, height, width, max_order, dt, frf)
+    return _poles_of_realizations(markov, height, width, max_order, dt, frf)
 
 
-def _realized(
+def _poles_of_realizations(
     markov: NDArray[np.float64], height: int, width: int, max_order: int, dt: float, frf: Frf
 ) -> list[OrderPoles]:
     """Poles of the realizations of rising order, all from one singular value decomposition."""
@@ -81,7 +81,7 @@ ESTIMATOR = Estimator(
     source="Juang and Pappa, J. Guidance 8 (1985)",
     grid="even",
     refined=True,
-    order=Order(
+    order=ModelOrder(
         meaning="number of states",
         lowest=2,
         highest=400,

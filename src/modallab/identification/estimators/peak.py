@@ -10,10 +10,10 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
-from modallab.frf.estimate import convert
+from modallab.frf.estimate import convert_frf
 from modallab.identification.estimator import Estimator
 from modallab.identification.model.modal_mass import unit_mass_shapes
-from modallab.identification.start.half_power import Peak, find_peaks, summed_amplitude
+from modallab.identification.start.half_power import HalfPowerPeak, find_peaks, summed_amplitude
 from modallab.identification.start.peak_poles import half_power_pole, poles_of_peaks
 
 
@@ -33,10 +33,10 @@ def identify_peaks(frf: Frf, test: Test | None, floor_lines: float = 0.886) -> M
         IdentificationError: no peak stands out.
     """
     check_frf(frf.frequency_hz, frf.values, frf.outputs, even=False)
-    mobility = convert(frf, "mobility")
+    mobility = convert_frf(frf, "mobility")
     f = mobility.frequency_hz
     peaks = find_peaks(f, summed_amplitude(mobility))
-    _require(peaks, f)
+    _require_peaks(peaks, f)
     index = np.array([p.line for p in peaks])
     read = np.array([p.damping_ratio for p in peaks])
     # Part of the width is that of an exponential window, if there was one.
@@ -70,7 +70,7 @@ def identify_peaks(frf: Frf, test: Test | None, floor_lines: float = 0.886) -> M
     )
 
 
-def _require(peaks: Sequence[Peak], f: NDArray[np.float64]) -> None:
+def _require_peaks(peaks: Sequence[HalfPowerPeak], f: NDArray[np.float64]) -> None:
     if not peaks:
         raise IdentificationError(
             f"no peak stands out by 6 dB between {f[0]:.4g} and {f[-1]:.4g} Hz",

@@ -15,7 +15,7 @@ from scipy import fft, linalg
 from modallab.core.array_checks import check_frf
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
-from modallab.identification.estimator import Estimator, Order
+from modallab.identification.estimator import Estimator, ModelOrder
 from modallab.identification.start.stabilisation import OrderPoles
 
 COLUMNS, LEAST_ORDER = 120, 60
@@ -41,20 +41,20 @@ def plscf(frf: Frf, max_order: int, min_order: int = 2) -> list[OrderPoles]:
         IdentificationError: too few lines for the order.
     """
     check_frf(frf.frequency_hz, frf.values, frf.outputs, even=False)
-    most = carried(frf)
+    most = highest_order(frf)
     if max_order > most:
         n_out, n_in, n_lines = frf.values.shape
         raise IdentificationError(
             f"{n_lines} lines of {n_out} outputs and {n_in} inputs cannot carry order {max_order}",
             remedy=f"use an order of at most {most}, widen the band, or give FRFs with finer lines",
         )
-    step = 1 / (2 * _circle(frf.frequency_hz))
+    step = 1 / (2 * _circle_frequency(frf.frequency_hz))
     reduced = _reduced_normal_matrix(frf, max_order, step)
     stride = min(-(-max_order * frf.values.shape[1] // EVERY_ORDER_UP_TO), max(1, max_order // LEAST_ORDERS))
     return [_solve_order(reduced, n, frf, step) for n in range(min_order, max_order + 1, stride)]
 
 
-def carried(frf: Frf) -> int:
+def highest_order(frf: Frf) -> int:
     """The highest order for which there are twice as many equations as coefficients of the polynomials.
 
     Each line gives two of an input and output. An input has order * inputs coefficients in the denominator, and
@@ -64,8 +64,8 @@ def carried(frf: Frf) -> int:
     return int(n_out * (n_lines - 1) / (n_in + n_out))
 
 
-def _suits(frf: Frf) -> int:
-    return max(2, min(max(COLUMNS // frf.values.shape[1], LEAST_ORDER), carried(frf)))
+def _matrix_is_regular(frf: Frf) -> int:
+    return max(2, min(max(COLUMNS // frf.values.shape[1], LEAST_ORDER), highest_order(frf)))
 
 
 def _reduced_normal_matrix(frf: Frf, order: int, step: float) -> NDArray[np.float64]:
@@ -78,20 +78,20 @@ def _reduced_normal_matrix(frf: Frf, order: int, step: float) -> NDArray[np.floa
     for o, measured in enumerate(frf.values):
         values = measured / np.sqrt(np.mean(measured.real**2 + measured.imag**2))
         energy += values.conj()[:, None] * values
-        moments[o] = _moments(values, frf.frequency_hz, 1 / (2 * step), order)
-    r = _moments(np.ones((1, frf.frequency_hz.size)), frf.frequency_hz, 1 / (2 * step), order)[0, lag]
+        moments[o] = _sums_of_powers(values, frf.frequency_hz, 1 / (2 * step), order)
+    r = _sums_of_powers(np.ones((1, frf.frequency_hz.size)), frf.frequency_hz, 1 / (2 * step), order)[0, lag]
     s = -moments[..., lag]
-    t = _moments(energy, frf.frequency_hz, 1 / (2 * step), order)[..., lag]
+    t = _sums_of_powers(energy, frf.frequency_hz, 1 / (2 * step), order)[..., lag]
     # (outputs, inputs, j, l) -> columns ordered by power, then input.
     s_matrix = s.transpose(0, 2, 3, 1).reshape(s.shape[0], order + 1, (order + 1) * n_in)
     t_matrix = t.transpose(2, 0, 3, 1).reshape((order + 1) * n_in, (order + 1) * n_in)
-    factor = _factor(r)
+    factor = _cholesky_factor(r)
     whitened = linalg.solve_triangular(factor, s_matrix.transpose(1, 0, 2).reshape(order + 1, -1), lower=True)
     whitened = whitened.reshape(-1, (order + 1) * n_in)
     return t_matrix - whitened.T @ whitened
 
 
-def _factor(r: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cholesky_factor(r: NDArray[np.float64]) -> NDArray[np.float64]:
     """Cholesky factor of the numerators' matrix. Lines on a short arc of the circle leave it singular to rounding."""
     for share in (1e-14, 1e-13, 1e-12, 1e-11):
         try:
@@ -103,7 +103,7 @@ def _factor(r: NDArray[np.float64]) -> NDArray[np.float64]:
     )
 
 
-def _places(frequency_hz: NDArray[np.float64]) -> NDArray[np.int64] | None:
+def _multiples_of_spacing(frequency_hz: NDArray[np.float64]) -> NDArray[np.int64] | None:
     """The lines as whole multiples of their spacing, or None if they are not, or begin far above it."""
     spacing = (float(frequency_hz[-1]) - float(frequency_hz[0])) / (frequency_hz.size - 1)
     exact = frequency_hz / spacing
@@ -111,21 +111,21 @@ def _places(frequency_hz: NDArray[np.float64]) -> NDArray[np.int64] | None:
     return whole if np.abs(exact - whole).max() < 1e-6 and whole[-1] <= 4 * whole.size else None
 
 
-def _circle(frequency_hz: NDArray[np.float64]) -> float:
+def _circle_frequency(frequency_hz: NDArray[np.float64]) -> float:
     """The frequency that stands at z = -1: the highest, or where that makes an FFT slow, one a little above."""
-    places = _places(frequency_hz)
+    places = _multiples_of_spacing(frequency_hz)
     top = float(frequency_hz[-1])
     return top if places is None else top * fft.next_fast_len(int(places[-1]), real=True) / int(places[-1])
 
 
-def _moments(
+def _sums_of_powers(
     values: NDArray[Any], frequency_hz: NDArray[np.float64], circle_hz: float, order: int
 ) -> NDArray[np.float64]:
     """Re sum over lines of values z^m, z = exp(j pi f / circle), for m = -order to order: (..., 2 order + 1).
 
     Lines at whole multiples of their spacing stand on the circle like those of a DFT.
     """
-    places, last = _places(frequency_hz), 0
+    places, last = _multiples_of_spacing(frequency_hz), 0
     if places is not None:
         last = round(circle_hz * int(places[-1]) / float(frequency_hz[-1]))
     if places is not None and last > order:
@@ -139,7 +139,7 @@ def _moments(
     return np.real(np.asarray(values @ powers, np.complex128))
 
 
-def _solved(head: NDArray[np.float64], tail: NDArray[np.float64]) -> NDArray[np.float64]:
+def _solve_coefficients(head: NDArray[np.float64], tail: NDArray[np.float64]) -> NDArray[np.float64]:
     """The solution, the smallest where noise-free data have fewer modes and rounding leaves a pivot of zero."""
     try:
         return np.asarray(np.linalg.solve(head, tail), np.float64)
@@ -153,7 +153,7 @@ def _solve_order(reduced: NDArray[np.float64], order: int, frf: Frf, step: float
     # The highest coefficient is the identity: with z = exp(+s dt) this leaves most computational poles outside the
     # unit circle (negative damping), where they are known by their sign.
     head, tail = reduced[:size, :size], reduced[:size, size : size + n_in]
-    alpha = -_solved(head, tail)
+    alpha = -_solve_coefficients(head, tail)
     companion = np.zeros((size, size))
     companion[: size - n_in, n_in:] = np.eye(size - n_in)
     companion[size - n_in :] = -alpha.reshape(order, n_in, n_in).transpose(1, 0, 2).reshape(n_in, size)
@@ -174,12 +174,12 @@ ESTIMATOR = Estimator(
     source="Peeters, Van der Auweraer, Guillaume, Leuridan, Shock and Vibration 11 (2004)",
     grid="any",
     refined=True,
-    order=Order(
+    order=ModelOrder(
         meaning="order",
         lowest=2,
         highest=400,
         default="120 shared among the inputs, 60 at least, at most what the lines of all FRFs can carry",
-        suits=_suits,
+        suits=_matrix_is_regular,
         modes=lambda frf: frf.values.shape[1] / 2,
         solve=plscf,
     ),

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Real
 from modallab.identification.likelihood.excitation import Excitation, Lines
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.rows import stack
+from modallab.identification.likelihood.rows import real_rows
 
 Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Vectors:
+class DerivativeVectors:
     """Derivatives of columns.
 
     The derivative of output o by parameter i is the sum over its vectors of value * C[column, o].
@@ -32,7 +32,7 @@ class Vectors:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Half:
+class HalfOfPair:
     """What belongs to one of a pole pair, each (modes, lines)."""
 
     forced: Lines
@@ -41,59 +41,65 @@ class Half:
     free_slope: Lines
 
 
-def pole_vectors(omega: Real, zeta: Real, halves: tuple[Half, Half], start: NDArray[np.complex128]) -> Vectors:
+def pole_vectors(
+    omega: Real, zeta: Real, halves: tuple[HalfOfPair, HalfOfPair], start: NDArray[np.complex128]
+) -> DerivativeVectors:
     """By omega and zeta, mode by mode; `start` (modes,) is the unknown state."""
     up, down = halves
     slope_up = up.slope + start[:, None] * up.free_slope
     slope_down = down.slope + start.conj()[:, None] * down.free_slope
     rates = (poles_of(omega, zeta) / omega, -omega - 1j * omega * zeta / np.sqrt(1 - zeta**2))
-    values = np.stack([pair(slope_up * r[:, None], slope_down * r.conj()[:, None]) for r in rates], axis=1)
+    values = np.stack(
+        [columns_of_residue(slope_up * r[:, None], slope_down * r.conj()[:, None]) for r in rates], axis=1
+    )
     mode = np.repeat(np.arange(len(omega)), 4)
     which = np.tile([0, 0, 1, 1], len(omega))
     part = np.tile([0, 1, 0, 1], len(omega))
-    return Vectors(stack(values.reshape(-1, values.shape[-1])), 2 * mode + which, 2 * mode + part)
+    return DerivativeVectors(real_rows(values.reshape(-1, values.shape[-1])), 2 * mode + which, 2 * mode + part)
 
 
-def pair(up: Lines, down: Lines) -> Lines:
+def columns_of_residue(up: Lines, down: Lines) -> Lines:
     """(modes, 2, lines): what the real and the imaginary part of the residue multiply, R up + conj(R) down."""
     return np.stack([up + down, 1j * (up - down)], axis=1)
 
 
-def statics(excitation: Excitation, powers: Sequence[int]) -> Lines:
+def residual_term_columns(excitation: Excitation, powers: Sequence[int]) -> Lines:
     """(powers, lines): the residual terms' columns."""
     if not powers:
         return np.zeros((0, excitation.static(0).size), complex)
     return np.stack([excitation.static(power) for power in powers])
 
 
-def state_vectors(up: Lines, down: Lines) -> Vectors:
+def state_vectors(up: Lines, down: Lines) -> DerivativeVectors:
     """By both parts of every mode's unknown state."""
-    u, v = np.moveaxis(pair(up, down), 1, 0)
+    u, v = np.moveaxis(columns_of_residue(up, down), 1, 0)
     n_modes = len(up)
     values = np.stack([u, v, v, -u], axis=1).reshape(4 * n_modes, -1)
     mode = np.repeat(np.arange(n_modes), 4)
-    return Vectors(stack(values), 2 * mode + np.tile([0, 0, 1, 1], n_modes), 2 * mode + np.tile([0, 1, 0, 1], n_modes))
+    return DerivativeVectors(
+        real_rows(values), 2 * mode + np.tile([0, 0, 1, 1], n_modes), 2 * mode + np.tile([0, 1, 0, 1], n_modes)
+    )
 
 
 def drive_vectors(
     excitation: Excitation, poles: NDArray[np.complex128], powers: Sequence[int], *, first: int
-) -> Vectors:
+) -> DerivativeVectors:
     """By both parts of the drive's relative error, which are parameters `first` and the next."""
     found: list[Lines] = []
     for turned in (excitation, excitation.scaled(1j)):
-        pairs = pair(turned.forced(poles)[0], turned.forced(poles.conj())[0])
-        found.append(np.concatenate([pairs.reshape(-1, pairs.shape[-1]), statics(turned, powers)]))
+        pairs = columns_of_residue(turned.forced(poles)[0], turned.forced(poles.conj())[0])
+        found.append(np.concatenate([pairs.reshape(-1, pairs.shape[-1]), residual_term_columns(turned, powers)]))
     n = len(found[0])
-    return Vectors(stack(np.concatenate(found)), first + np.repeat([0, 1], n), np.tile(np.arange(n), 2))
+    return DerivativeVectors(real_rows(np.concatenate(found)), first + np.repeat([0, 1], n), np.tile(np.arange(n), 2))
 
 
-def joined(parts: Sequence[Vectors]) -> Vectors:
+def join_vectors(parts: Sequence[DerivativeVectors]) -> DerivativeVectors:
     """All of them as one."""
     if len(parts) == 1:
         return parts[0]
     if not parts:
-        return Vectors(np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(0, np.int64))
-    return Vectors(
+        return DerivativeVectors(np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(0, np.int64))
+    return DerivativeVectors(
         np.concatenate([p.values for p in parts], axis=1),
         np.concatenate([p.parameter for p in parts]),
         np.concatenate([p.column for p in parts]),

@@ -21,11 +21,11 @@ from scipy import linalg, ndimage, optimize
 
 from modallab.core.arrays import Complex128, Real
 from modallab.frf.joined import RecordSpectra
-from modallab.identification.likelihood.basis import BlockColumns, columns
-from modallab.identification.likelihood.derivatives import Vectors
+from modallab.identification.likelihood.basis import BlockColumns, columns_of_block
+from modallab.identification.likelihood.derivatives import DerivativeVectors
 from modallab.identification.likelihood.equations import covariance_of
-from modallab.identification.likelihood.excitation import Grid, RandomExcitation
-from modallab.identification.likelihood.rows import unstack
+from modallab.identification.likelihood.excitation import BlockLines, RandomExcitation
+from modallab.identification.likelihood.rows import complex_lines
 from modallab.identification.likelihood.search import MIN_ZETA
 
 STEPS, TRIALS, LEAST_DAMPING = 40, 8, 1e-8
@@ -36,7 +36,7 @@ OF_H2 = {"H1": 0.0, "Hv": 0.5, "H2": 1.0}
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Driven:
+class DrivenModel:
     """The model of records.
 
     Attributes:
@@ -59,7 +59,7 @@ class Driven:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Look:
+class _RecordResidual:
     """A model at the lines of one record, in noise units: what is left, and how the force's noise enters.
 
     Attributes:
@@ -95,11 +95,11 @@ class DrivenFit:
     def __init__(self, records: RecordSpectra, powers: Sequence[int], p: int, estimator: str) -> None:
         self._response, self._force = records.response, records.force[:, 0]
         self._powers, self._share = tuple(powers), OF_H2[estimator]
-        self._grid = Grid(2 * np.pi * records.frequency_hz, records.samples, 1 / records.rate_hz, p)
+        self._grid = BlockLines(2 * np.pi * records.frequency_hz, records.samples, 1 / records.rate_hz, p)
         power = np.mean(np.abs(self._force) ** 2, axis=0)
         self.power = ndimage.uniform_filter1d(power, min(SMOOTHED, power.size))
 
-    def search(self, omega: Real, zeta: Real, coefficients: Real) -> Driven:
+    def search(self, omega: Real, zeta: Real, coefficients: Real) -> DrivenModel:
         """The model at which the equations hold, from a model of FRFs.
 
         Raises:
@@ -115,7 +115,7 @@ class DrivenFit:
         at = self._noises(at)
         return replace(at, covariance=self._covariance(at))
 
-    def needed(self, found: Driven, inside: NDArray[np.bool_]) -> tuple[Driven, NDArray[np.int64]]:
+    def needed(self, found: DrivenModel, inside: NDArray[np.bool_]) -> tuple[DrivenModel, NDArray[np.int64]]:
         """The model without the modes that do not stand out of its noise, and which stay.
 
         What noise on the force leaves looks like a mode beside each, in fits that take noise as even.
@@ -143,28 +143,28 @@ class DrivenFit:
         """(lines,) of the measured force's power that is not noise."""
         return np.maximum(1 - force_noise / self.power, LEAST_TRUE)
 
-    def _start(self, omega: Real, zeta: Real, coefficients: Real) -> Driven:
+    def _start(self, omega: Real, zeta: Real, coefficients: Real) -> DrivenModel:
         state = np.zeros((len(self._force), omega.size), complex)
-        at = Driven(omega, zeta, coefficients, state, np.ones(coefficients.shape[1]), 0.0, np.zeros((0, 0)))
+        at = DrivenModel(omega, zeta, coefficients, state, np.ones(coefficients.shape[1]), 0.0, np.zeros((0, 0)))
         left = np.mean([np.mean(np.abs(one.left) ** 2, axis=1) for one in self._looks(at)], axis=0)
         noise = np.maximum(np.sqrt(left), np.finfo(float).tiny)
         return replace(at, noise=noise, force_noise=1e-3 * float(self.power.mean()))
 
-    def _looks(self, at: Driven) -> list[_Look]:
+    def _looks(self, at: DrivenModel) -> list[_RecordResidual]:
         return [self._look(at, k) for k in range(len(self._force))]
 
-    def _look(self, at: Driven, record: int) -> _Look:
+    def _look(self, at: DrivenModel, record: int) -> _RecordResidual:
         true = self.true_share(at.force_noise)
         driven = RandomExcitation(self._grid, true**self._share * self._force[record])
-        found = columns(driven, at.omega, at.zeta, at.state[record], None, self._powers)
+        found = columns_of_block(driven, at.omega, at.zeta, at.state[record], None, self._powers)
         unit = RandomExcitation(self._grid, np.ones_like(driven.force))
         scaled = (at.coefficients / at.noise).T
-        left = self._response[record] / at.noise[:, None] - scaled @ unstack(found.phi)
-        frf = scaled @ unstack(columns(unit, at.omega, at.zeta, None, None, self._powers).phi)
+        left = self._response[record] / at.noise[:, None] - scaled @ complex_lines(found.phi)
+        frf = scaled @ complex_lines(columns_of_block(unit, at.omega, at.zeta, None, None, self._powers).phi)
         common = true ** (2 * self._share - 1)
-        return _Look(found, left, frf, at.force_noise * common, common)
+        return _RecordResidual(found, left, frf, at.force_noise * common, common)
 
-    def _noises(self, at: Driven) -> Driven:
+    def _noises(self, at: DrivenModel) -> DrivenModel:
         """The most likely noises for a model."""
         looks = self._looks(at)
         left = np.concatenate([np.abs(one.left) ** 2 for one in looks], axis=1)
@@ -186,43 +186,45 @@ class DrivenFit:
         logs = optimize.minimize(unlikely, start, jac=True, method="L-BFGS-B", bounds=bounds).x
         return replace(at, noise=at.noise * np.exp(logs[:-1] / 2), force_noise=float(np.exp(logs[-1])))
 
-    def _descended(self, at: Driven, damping: float) -> tuple[Driven | None, float, float]:
+    def _descended(self, at: DrivenModel, damping: float) -> tuple[DrivenModel | None, float, float]:
         """A step that lowers the cost at the variances there are, None without one; the next damping, and the gain."""
         looks = self._looks(at)
         matrix, gradient = self._equations(at, looks)
         weights = [one.weight for one in looks]
-        before = _cost(looks, weights)
+        before = _cost_of_residuals(looks, weights)
         for _ in range(TRIALS):
-            trial = _moved(at, _solved(matrix, gradient, damping))
+            trial = _step_model(at, _solve_damped(matrix, gradient, damping))
             with np.errstate(over="ignore", invalid="ignore"):
-                gain = before - _cost(self._looks(trial), weights)
+                gain = before - _cost_of_residuals(self._looks(trial), weights)
             if gain >= 0:
                 return trial, max(damping / 10, LEAST_DAMPING), gain
             damping *= 10
         return None, damping, 0.0
 
-    def _covariance(self, at: Driven) -> Real:
+    def _covariance(self, at: DrivenModel) -> Real:
         looks = self._looks(at)
-        inverse, spread = covariance_of(self._equations(at, looks)[0]), np.zeros((_size(at),) * 2)
-        for index, look, lines in _parts(at, looks):
+        inverse, spread = covariance_of(self._equations(at, looks)[0]), np.zeros((_number_of_parameters(at),) * 2)
+        for index, look, lines in _pieces_of_record(at, looks):
             spread[np.ix_(index, index)] += _spread_of(look, at, lines)
         return inverse @ spread @ inverse
 
-    def _equations(self, at: Driven, looks: Sequence[_Look]) -> tuple[Real, Real]:
+    def _equations(self, at: DrivenModel, looks: Sequence[_RecordResidual]) -> tuple[Real, Real]:
         """Normal equations of all parameters in noise units."""
-        matrix, gradient = np.zeros((_size(at),) * 2), np.zeros(_size(at))
-        for index, look, lines in _parts(at, looks):
+        matrix, gradient = np.zeros((_number_of_parameters(at),) * 2), np.zeros(_number_of_parameters(at))
+        for index, look, lines in _pieces_of_record(at, looks):
             part, slope = _equations_of(look, at, lines)
             matrix[np.ix_(index, index)] += part
             gradient[index] += slope
         return matrix, gradient
 
 
-def _size(at: Driven) -> int:
+def _number_of_parameters(at: DrivenModel) -> int:
     return 2 * at.omega.size * (1 + len(at.state)) + at.coefficients.size
 
 
-def _parts(at: Driven, looks: Sequence[_Look]) -> Iterator[tuple[NDArray[np.int64], _Look, slice]]:
+def _pieces_of_record(
+    at: DrivenModel, looks: Sequence[_RecordResidual]
+) -> Iterator[tuple[NDArray[np.int64], _RecordResidual, slice]]:
     """Some lines of a record at once, and the places of its poles, states and coefficients among all parameters."""
     modes, linear = at.omega.size, at.coefficients.size
     for k, look in enumerate(looks):
@@ -232,7 +234,7 @@ def _parts(at: Driven, looks: Sequence[_Look]) -> Iterator[tuple[NDArray[np.int6
             yield index, look, slice(first, first + AT_ONCE)
 
 
-def _standing_out(found: Driven) -> Real:
+def _standing_out(found: DrivenModel) -> Real:
     """(modes,) sum of squares of the residues, in units of their noise."""
     n, outputs = 2 * found.omega.size, found.noise.size
     place = n + np.arange(found.coefficients.size).reshape(outputs, -1)
@@ -244,36 +246,46 @@ def _standing_out(found: Driven) -> Real:
     return np.array(squares)
 
 
-def _cost(looks: Sequence[_Look], weights: Sequence[Real]) -> float:
+def _cost_of_residuals(looks: Sequence[_RecordResidual], weights: Sequence[Real]) -> float:
     """Sum of squares in noise units, two for a complex number."""
     return 2 * float(sum(np.sum(w * np.abs(one.left) ** 2) for one, w in zip(looks, weights, strict=True)))
 
 
-def _equations_of(look: _Look, at: Driven, lines: slice) -> tuple[Real, Real]:
+def _equations_of(look: _RecordResidual, at: DrivenModel, lines: slice) -> tuple[Real, Real]:
     """Of some lines of a record: poles, states, then coefficients output by output."""
-    weight, slopes, phi = look.weight[:, lines], _all_slopes(look, at, lines), unstack(look.columns.phi)[:, lines]
+    weight, slopes, phi = (
+        look.weight[:, lines],
+        _slopes_by_poles_and_states(look, at, lines),
+        complex_lines(look.columns.phi)[:, lines],
+    )
     weighted = weight * look.left[:, lines]
     linear = ((weighted @ phi.conj().T).real / at.noise[:, None]).ravel()
     gradient = np.concatenate([np.einsum("sol,ol->s", slopes.conj(), weighted).real, linear])
-    return 2 * _gram(slopes, phi, weight, at.noise), 2 * gradient
+    return 2 * _products_of_slopes(slopes, phi, weight, at.noise), 2 * gradient
 
 
-def _spread_of(look: _Look, at: Driven, lines: slice) -> Real:
+def _spread_of(look: _RecordResidual, at: DrivenModel, lines: slice) -> Real:
     """Covariance of the right-hand side of the equations of some lines."""
-    weight, slopes, phi = look.weight[:, lines], _all_slopes(look, at, lines), unstack(look.columns.phi)[:, lines]
+    weight, slopes, phi = (
+        look.weight[:, lines],
+        _slopes_by_poles_and_states(look, at, lines),
+        complex_lines(look.columns.phi)[:, lines],
+    )
     along = weight * look.frf[:, lines].conj()
     of_linear = (along[:, None] * phi / at.noise[:, None, None]).reshape(-1, phi.shape[1])
     shared = np.concatenate([np.einsum("ol,sol->sl", along, slopes), of_linear])
-    spread = _gram(slopes, phi, weight**2, at.noise) + ((shared * look.beta[lines]) @ shared.conj().T).real
+    spread = (
+        _products_of_slopes(slopes, phi, weight**2, at.noise) + ((shared * look.beta[lines]) @ shared.conj().T).real
+    )
     return 2 * spread
 
 
-def _all_slopes(look: _Look, at: Driven, lines: slice) -> Complex128:
-    """Those of `_slopes` by poles, then by states."""
-    return np.concatenate([_slopes(v, at, lines) for v in (look.columns.poles, look.columns.local)])
+def _slopes_by_poles_and_states(look: _RecordResidual, at: DrivenModel, lines: slice) -> Complex128:
+    """Those of `_slopes_of_responses` by poles, then by states."""
+    return np.concatenate([_slopes_of_responses(v, at, lines) for v in (look.columns.poles, look.columns.local)])
 
 
-def _gram(slopes: Complex128, phi: Complex128, weight: Real, noise: Real) -> Real:
+def _products_of_slopes(slopes: Complex128, phi: Complex128, weight: Real, noise: Real) -> Real:
     """Products of the slopes by poles and states (parameters, outputs, lines) and of the columns phi / noise."""
     searched, outputs, n = len(slopes), len(noise), len(phi)
     weighted = slopes * weight
@@ -287,21 +299,21 @@ def _gram(slopes: Complex128, phi: Complex128, weight: Real, noise: Real) -> Rea
     return matrix
 
 
-def _slopes(vectors: Vectors, at: Driven, lines: slice) -> Complex128:
+def _slopes_of_responses(vectors: DerivativeVectors, at: DrivenModel, lines: slice) -> Complex128:
     """(parameters, outputs, lines) of the responses, in noise units."""
-    values = unstack(vectors.values)[:, lines]
+    values = complex_lines(vectors.values)[:, lines]
     each = (at.coefficients / at.noise)[vectors.column][:, :, None] * values[:, None]
     starts = np.flatnonzero(np.diff(vectors.parameter, prepend=-1))
     return np.add.reduceat(each, starts, axis=0)
 
 
-def _solved(matrix: Real, gradient: Real, damping: float) -> Real:
+def _solve_damped(matrix: Real, gradient: Real, damping: float) -> Real:
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     scaled = matrix * np.outer(scale, scale) + damping * np.eye(len(scale))
     return scale * linalg.solve(scaled, scale * gradient, assume_a="sym")
 
 
-def _moved(at: Driven, step: Real) -> Driven:
+def _step_model(at: DrivenModel, step: Real) -> DrivenModel:
     modes, linear = at.omega.size, at.coefficients.size
     poles, coefficients = step[: 2 * modes].reshape(modes, 2), step[2 * modes : 2 * modes + linear]
     states = step[2 * modes + linear :].reshape(*at.state.shape, 2)

@@ -19,7 +19,7 @@ LEAST_KNOWN = 1e-200
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Own:
+class BlockEquations:
     """What the blocks of one input have to themselves.
 
     Attributes:
@@ -34,7 +34,7 @@ class Own:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Covariance:
+class ParameterCovariance:
     """Of the poles (n, n), and for each input of the poles and of what its blocks have to themselves (n + m, n + m)."""
 
     poles: Real
@@ -47,7 +47,7 @@ class Covariance:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Equations:
+class NormalEquations:
     """J^T J and J^T residual in noise units.
 
     Attributes:
@@ -57,7 +57,7 @@ class Equations:
     """
 
     poles: Real
-    inputs: Sequence[Own]
+    inputs: Sequence[BlockEquations]
     pull: Real
 
     @property
@@ -69,18 +69,18 @@ class Equations:
             found[own.at] = np.diag(own.matrix)
         return found
 
-    def scaled(self, scale: Real) -> "Equations":
+    def scaled(self, scale: Real) -> "NormalEquations":
         """Of parameters in units of `scale` (parameters,)."""
         n = len(self.poles)
         inputs = [
-            Own(
+            BlockEquations(
                 own.at,
                 own.matrix * np.outer(scale[own.at], scale[own.at]),
                 own.across * np.outer(scale[:n], scale[own.at]),
             )
             for own in self.inputs
         ]
-        return Equations(self.poles * np.outer(scale[:n], scale[:n]), inputs, self.pull * scale)
+        return NormalEquations(self.poles * np.outer(scale[:n], scale[:n]), inputs, self.pull * scale)
 
     def step(self, damping: float) -> Real:
         """(parameters,) the move that solves (J^T J + damping) move = pull.
@@ -89,11 +89,11 @@ class Equations:
             LinAlgError: rounding has made it indefinite.
         """
         n = len(self.poles)
-        left, pull = _damped(self.poles, damping), self.pull[:n]
+        left, pull = _damp_matrix(self.poles, damping), self.pull[:n]
         solved: list[Real] = []
         for own in self.inputs:
             both = np.concatenate([own.across.T, self.pull[own.at, None]], axis=1)
-            both = linalg.cho_solve(linalg.cho_factor(_damped(own.matrix, damping)), both)
+            both = linalg.cho_solve(linalg.cho_factor(_damp_matrix(own.matrix, damping)), both)
             left, pull = left - own.across @ both[:, :n], pull - own.across @ both[:, n]
             solved.append(both)
         move = np.empty(self.pull.size)
@@ -102,40 +102,40 @@ class Equations:
             move[own.at] = both[:, n] - both[:, :n] @ move[:n]
         return move
 
-    def covariance(self) -> Covariance:
+    def covariance(self) -> ParameterCovariance:
         """Of the parameters, even if some are undetermined."""
         n = len(self.poles)
-        scale = _unit(self.diagonal)
+        scale = _scale_to_unit(self.diagonal)
         found = self.scaled(scale)._inverse()
         if found is None:
             whole = covariance_of(self.whole())
-            return Covariance(whole[:n, :n], [whole[np.ix_(at, at)] for at in self._places()])
+            return ParameterCovariance(whole[:n, :n], [whole[np.ix_(at, at)] for at in self._places()])
         inputs = [part * np.outer(scale[at], scale[at]) for part, at in zip(found.inputs, self._places(), strict=True)]
-        return Covariance(found.poles * np.outer(scale[:n], scale[:n]), inputs)
+        return ParameterCovariance(found.poles * np.outer(scale[:n], scale[:n]), inputs)
 
     def _places(self) -> list[NDArray[np.int64]]:
         """Of the poles and of what each input has to itself."""
         return [np.concatenate([np.arange(len(self.poles)), own.at]) for own in self.inputs]
 
-    def _inverse(self) -> Covariance | None:
+    def _inverse(self) -> ParameterCovariance | None:
         """None where rounding may tell in it."""
         least = self.pull.size**2 * np.finfo(float).eps
         left = self.poles
         found: list[tuple[Real, Real]] = []
         for own in self.inputs:
-            inverse = _inverse(own.matrix, least)
+            inverse = _symmetric_inverse(own.matrix, least)
             if inverse is None:
                 return None
             across = inverse @ own.across.T
             left = left - own.across @ across
             found.append((inverse, across))
         # What is left of the poles' part is as far from nothing as that part's own size lets it be.
-        poles = _inverse(left, least, size=_norm(self.poles))
+        poles = _symmetric_inverse(left, least, size=_norm_of_matrix(self.poles))
         if poles is None:
             return None
         shared = [(inverse, across, -across @ poles) for inverse, across in found]
         inputs = [np.block([[poles, b.T], [b, inverse - b @ a.T]]) for inverse, a, b in shared]
-        return Covariance(poles, inputs)
+        return ParameterCovariance(poles, inputs)
 
     def whole(self) -> Real:
         """(parameters, parameters) J^T J."""
@@ -150,9 +150,9 @@ class Equations:
 
 def covariance_of(matrix: Real) -> Real:
     """Covariance of the parameters of normal equations J^T J (n, n) in noise units, even if some are undetermined."""
-    scale = _unit(np.diag(matrix))
+    scale = _scale_to_unit(np.diag(matrix))
     scaled = matrix * np.outer(scale, scale)
-    inverse = _inverse(scaled, len(scaled) ** 2 * np.finfo(float).eps)
+    inverse = _symmetric_inverse(scaled, len(scaled) ** 2 * np.finfo(float).eps)
     if inverse is not None:
         return inverse * np.outer(scale, scale)
     values, vectors = np.linalg.eigh(scaled)
@@ -162,7 +162,7 @@ def covariance_of(matrix: Real) -> Real:
     return root @ root.T
 
 
-def _unit(diagonal: Real) -> Real:
+def _scale_to_unit(diagonal: Real) -> Real:
     """What scales a diagonal to one: rad/s beside damping ratios differ by many powers of ten.
 
     What is not known at all has a variance that can still be multiplied.
@@ -170,17 +170,17 @@ def _unit(diagonal: Real) -> Real:
     return 1 / np.sqrt(np.maximum(diagonal, LEAST_KNOWN))
 
 
-def _damped(matrix: Real, damping: float) -> Real:
+def _damp_matrix(matrix: Real, damping: float) -> Real:
     damped = matrix.copy()
     damped.flat[:: len(matrix) + 1] += damping
     return damped
 
 
-def _norm(matrix: Real) -> float:
+def _norm_of_matrix(matrix: Real) -> float:
     return float(np.abs(matrix).sum(axis=0).max(initial=0.0))
 
 
-def _inverse(matrix: Real, least: float, size: float | None = None) -> Real | None:
+def _symmetric_inverse(matrix: Real, least: float, size: float | None = None) -> Real | None:
     """Of a symmetric matrix, in a tenth of the time its eigenvectors take; None where rounding may tell in it.
 
     Args:
@@ -193,7 +193,7 @@ def _inverse(matrix: Real, least: float, size: float | None = None) -> Real | No
     factor, failed = lapack.dpotrf(matrix, lower=1)
     if failed:
         return None
-    reciprocal_condition, _ = lapack.dpocon(factor, _norm(matrix) if size is None else size, uplo="L")
+    reciprocal_condition, _ = lapack.dpocon(factor, _norm_of_matrix(matrix) if size is None else size, uplo="L")
     if reciprocal_condition < least:
         return None
     lower, _ = lapack.dpotri(factor, lower=1)

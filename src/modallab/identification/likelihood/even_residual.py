@@ -9,8 +9,8 @@ import numpy as np
 from scipy.special import chdtrc
 
 from modallab.core.arrays import Real
-from modallab.identification.likelihood.fit import Fit
-from modallab.identification.likelihood.projection import GroupSolution, energy
+from modallab.identification.likelihood.fit import LikelihoodFit
+from modallab.identification.likelihood.projection import GroupSolution, sum_of_squares
 
 ROWS = 40
 """Of a piece: real and imaginary parts of twenty lines."""
@@ -18,9 +18,9 @@ CHANCE = 1e-6
 """The motion left from the hit before, which a fit also searches, makes noise a little uneven."""
 
 
-def is_even(fit: Fit) -> bool:
+def is_even(fit: LikelihoodFit) -> bool:
     """Whether chance lets noise of one size be as uneven as the residual is."""
-    parts = [_pieces(group) for group in fit.point.groups]
+    parts = [_squares_by_piece(group) for group in fit.point.groups]
     spare = np.concatenate([part[0] for part in parts])
     squares = np.concatenate([part[1] for part in parts])
     if len(spare) < 2:
@@ -33,15 +33,15 @@ def is_even(fit: Fit) -> bool:
     return bool(chdtrc(freedom, np.sum(likely) / small) > CHANCE)
 
 
-def _pieces(group: GroupSolution) -> tuple[Real, Real]:
+def _squares_by_piece(group: GroupSolution) -> tuple[Real, Real]:
     """(pieces,) degrees of freedom and (pieces, outputs) squares of the residual."""
     rows = group.columns[0].phi.shape[0]
     # What the columns take up is no residual.
-    left = 1 - energy(group.q.T)
+    left = 1 - sum_of_squares(group.q.T)
     pieces = [
         m * rows + own
         for m in range(len(group.members))
         for own in np.array_split(np.arange(rows), max(1, rows // ROWS))
     ]
-    found = [(float(left[own].sum()), energy(group.residual[own])) for own in pieces]
+    found = [(float(left[own].sum()), sum_of_squares(group.residual[own])) for own in pieces]
     return np.array([n for n, _ in found]), np.stack([square for _, square in found])

@@ -26,7 +26,7 @@ Lines = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Grid:
+class BlockLines:
     """DFT lines of a block: omega (lines,) rad/s, n samples dt apart, p the output's derivative order."""
 
     omega: NDArray[np.float64]
@@ -36,7 +36,7 @@ class Grid:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Kernel:
+class PoleKernel:
     """What poles do at a grid's lines whatever drives them, (modes, lines): shared by all blocks of one grid.
 
     Attributes:
@@ -52,23 +52,23 @@ class Kernel:
     turned: Lines
 
 
-def kernel(grid: Grid, poles: NDArray[np.complex128]) -> Kernel:
+def kernel_of_poles(grid: BlockLines, poles: NDArray[np.complex128]) -> PoleKernel:
     """See Kernel."""
     away = 1j * grid.omega - poles[:, None]
     zw = np.exp(-away * grid.dt, dtype=np.complex128)
     wrap: Lines = np.reciprocal(1 - zw)
-    return Kernel(poles, 1 / away, wrap, zw * wrap)
+    return PoleKernel(poles, 1 / away, wrap, zw * wrap)
 
 
 class Excitation(Protocol):
     """What drove a block; answers for poles (modes,), each result and its derivative by the pole (modes, lines)."""
 
     @property
-    def grid(self) -> Grid:
+    def grid(self) -> BlockLines:
         """The block's lines."""
         ...
 
-    def forced(self, poles: NDArray[np.complex128], shared: Kernel | None = None) -> tuple[Lines, Lines]:
+    def forced(self, poles: NDArray[np.complex128], shared: PoleKernel | None = None) -> tuple[Lines, Lines]:
         """Response to the force from rest, of receptance 1 / (s - lambda). `shared` is these poles' on this grid."""
         ...
 
@@ -90,7 +90,7 @@ class Excitation(Protocol):
         ...
 
 
-def free_decay(grid: Grid, poles: NDArray[np.complex128], start: int) -> tuple[Lines, Lines]:
+def free_decay(grid: BlockLines, poles: NDArray[np.complex128], start: int) -> tuple[Lines, Lines]:
     """Z of the poles and its derivative, (modes, lines), from sample `start` on."""
     lam = poles[:, None]
     z = np.exp(lam * grid.dt)
@@ -114,7 +114,7 @@ class HitExcitation:
         first: first sample of the hit.
     """
 
-    grid: Grid
+    grid: BlockLines
     force: NDArray[np.float64]
     start: int
     first: int = 0
@@ -123,9 +123,9 @@ class HitExcitation:
         index = np.round(self.grid.omega * self.grid.dt * self.grid.n / (2 * np.pi)).astype(int)
         return np.fft.rfft(self.force)[index]
 
-    def forced(self, poles: NDArray[np.complex128], shared: Kernel | None = None) -> tuple[Lines, Lines]:
+    def forced(self, poles: NDArray[np.complex128], shared: PoleKernel | None = None) -> tuple[Lines, Lines]:
         """See Excitation."""
-        g, of = self.grid, shared or kernel(self.grid, poles)
+        g, of = self.grid, shared or kernel_of_poles(self.grid, poles)
         lam = poles[:, None]
         where = np.flatnonzero(self.force)
         # G z^N in one, sum_m f_m z^(N - m): apart, the one may overflow while the other vanishes.
@@ -172,7 +172,7 @@ class UnitExcitation:
         weight: (lines,) by which responses are multiplied; None for 1.
     """
 
-    grid: Grid
+    grid: BlockLines
     shift: float = 0.0
     weight: NDArray[np.float64] | None = None
 
@@ -183,7 +183,7 @@ class UnitExcitation:
     def _weighted(self, values: Lines) -> Lines:
         return values if self.weight is None else values * self.weight
 
-    def forced(self, poles: NDArray[np.complex128], shared: Kernel | None = None) -> tuple[Lines, Lines]:
+    def forced(self, poles: NDArray[np.complex128], shared: PoleKernel | None = None) -> tuple[Lines, Lines]:
         """See Excitation."""
         del shared
         s, lam = self._s, poles[:, None]
@@ -214,10 +214,10 @@ class UnitExcitation:
 class RandomExcitation:
     """A record's force by its spectrum at the lines; what rings at its ends is a free state."""
 
-    grid: Grid
+    grid: BlockLines
     force: Lines
 
-    def forced(self, poles: NDArray[np.complex128], shared: Kernel | None = None) -> tuple[Lines, Lines]:
+    def forced(self, poles: NDArray[np.complex128], shared: PoleKernel | None = None) -> tuple[Lines, Lines]:
         """See Excitation."""
         del shared
         s, lam = 1j * self.grid.omega, poles[:, None]

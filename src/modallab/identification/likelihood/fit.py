@@ -9,32 +9,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.identification.likelihood.basis import columns
-from modallab.identification.likelihood.derivatives import Vectors
+from modallab.identification.likelihood.basis import columns_of_block
+from modallab.identification.likelihood.derivatives import DerivativeVectors
 from modallab.identification.likelihood.excitation import Excitation
 from modallab.identification.likelihood.force_noise import force_parts
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.projection import GroupSolution, Point, Problem, true_excitation
-from modallab.identification.likelihood.rows import unstack
-from modallab.identification.likelihood.search import Refined
+from modallab.identification.likelihood.projection import (
+    GroupSolution,
+    LikelihoodPoint,
+    LikelihoodProblem,
+    true_excitation,
+)
+from modallab.identification.likelihood.rows import complex_lines
+from modallab.identification.likelihood.search import SearchEnd
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class LikelihoodFit:
     """The end of an identification, with what is needed to regenerate every block.
 
     `channels` says how one group's outputs unfold into (outputs, inputs), where FRFs came as such. `by_scatter` (modes,
     2) are factors of the poles' sigmas, where what was measured says by its own scatter how well it is known.
     """
 
-    problem: Problem
-    refined: Refined
+    problem: LikelihoodProblem
+    refined: SearchEnd
     input_points: tuple[int | None, ...]
     channels: tuple[int, int] | None = None
     by_scatter: Real | None = None
 
     @property
-    def point(self) -> Point:
+    def point(self) -> LikelihoodPoint:
         """The model at its optimum."""
         return self.refined.point
 
@@ -63,7 +68,7 @@ class Fit:
     def regenerated(self, block: int, excitation: Excitation) -> NDArray[np.complex128]:
         """The model's response (outputs, lines) in a block, at the lines of `excitation`'s grid."""
         at, problem = self.point.parameters, self.problem
-        found = columns(
+        found = columns_of_block(
             true_excitation(problem, at, block, excitation),
             at.omega,
             at.zeta,
@@ -72,10 +77,10 @@ class Fit:
             problem.powers,
         )
         coefficients = self.point.groups[problem.blocks[block].group].coefficients
-        return unstack(found.phi @ coefficients)
+        return complex_lines(found.phi @ coefficients)
 
 
-def _modal_constants(fit: Fit) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def _modal_constants(fit: LikelihoodFit) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     at = fit.point.parameters
     n = at.omega.size
     values: list[NDArray[np.complex128]] = []
@@ -87,22 +92,25 @@ def _modal_constants(fit: Fit) -> tuple[NDArray[np.complex128], NDArray[np.compl
         # A stands a quarter turn off R.
         sigmas.append(np.asarray(sigma[:, 1] + 1j * sigma[:, 0], dtype=np.complex128))
     scale = 2 * poles_of(at.omega, at.zeta).imag[:, None, None]
-    found = (1j * scale * _unfolded(fit, np.stack(values, axis=-1)), scale * _unfolded(fit, np.stack(sigmas, axis=-1)))
+    found = (
+        1j * scale * _unfold_channels(fit, np.stack(values, axis=-1)),
+        scale * _unfold_channels(fit, np.stack(sigmas, axis=-1)),
+    )
     return found[0].astype(np.complex128), found[1].astype(np.complex128)
 
 
-def _unfolded(fit: Fit, values: NDArray[Any]) -> NDArray[Any]:
+def _unfold_channels(fit: LikelihoodFit, values: NDArray[Any]) -> NDArray[Any]:
     """(rows, outputs, inputs) from (rows, channels, 1) where FRFs came as such."""
     return values if fit.channels is None else values.reshape(len(values), *fit.channels)
 
 
-def residuals(fit: Fit) -> Real:
+def residual_coefficients(fit: LikelihoodFit) -> Real:
     """Coefficients (terms, outputs, inputs) of the receptance's residual terms."""
     n = 2 * fit.point.parameters.omega.size
-    return _unfolded(fit, np.stack([group.coefficients[n:] for group in fit.point.groups], axis=-1))
+    return _unfold_channels(fit, np.stack([group.coefficients[n:] for group in fit.point.groups], axis=-1))
 
 
-def _coefficient_variance(fit: Fit, group: GroupSolution, covariance: Real) -> Real:
+def _coefficient_variance(fit: LikelihoodFit, group: GroupSolution, covariance: Real) -> Real:
     """Variance (columns, outputs) of the coefficients: their own noise, and what the searched parameters add."""
     inverse = np.linalg.inv(group.r)
     own = np.sum(inverse**2, axis=1)[:, None] * fit.point.noise**2
@@ -114,7 +122,7 @@ def _coefficient_variance(fit: Fit, group: GroupSolution, covariance: Real) -> R
     return own + added
 
 
-def _slopes_on_q(fit: Fit, group: GroupSolution) -> Callable[[int], Real]:
+def _slopes_on_q(fit: LikelihoodFit, group: GroupSolution) -> Callable[[int], Real]:
     """Q^T (slope of an output) by the poles and by what the blocks of this input have to themselves."""
     problem, n_poles = fit.problem, 2 * fit.point.parameters.omega.size
     rows, width = group.columns[0].phi.shape[0], problem.n_local
@@ -125,11 +133,11 @@ def _slopes_on_q(fit: Fit, group: GroupSolution) -> Callable[[int], Real]:
 
     def of_output(o: int) -> Real:
         coefficient = group.coefficients[:, o]
-        found = [_summed(poles, group.columns[0].poles, coefficient, n_poles)]
+        found = [_sum_columns(poles, group.columns[0].poles, coefficient, n_poles)]
         for m, columns_of in enumerate(group.columns):
             values = local[m]
             if values is not None:
-                found.append(_summed(values, columns_of.local, coefficient, width))
+                found.append(_sum_columns(values, columns_of.local, coefficient, width))
             if forces is not None:
                 found.append(forces[m][:, o] * fit.point.noise[o])
         return np.concatenate(found, axis=1)
@@ -137,7 +145,7 @@ def _slopes_on_q(fit: Fit, group: GroupSolution) -> Callable[[int], Real]:
     return of_output
 
 
-def _summed(values: Real, vectors: Vectors, coefficient: Real, size: int) -> Real:
+def _sum_columns(values: Real, vectors: DerivativeVectors, coefficient: Real, size: int) -> Real:
     """Columns of `values`, each times its coefficient, summed by parameter: (rows, size)."""
     if size == 0:
         return np.zeros((len(values), 0))

@@ -18,14 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.identification.likelihood.excitation import Excitation, Grid, HitExcitation
+from modallab.identification.likelihood.excitation import BlockLines, Excitation, HitExcitation
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.projection import GroupSolution, Point, Problem
-from modallab.identification.likelihood.rows import stack_lines, unstack
+from modallab.identification.likelihood.projection import GroupSolution, LikelihoodPoint, LikelihoodProblem
+from modallab.identification.likelihood.rows import complex_lines, stack_lines
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Structure:
+class _SharedColumns:
     """What all hits at one input share, outputs in noise units.
 
     Attributes:
@@ -37,13 +37,13 @@ class _Structure:
     """
 
     poles: NDArray[np.complex128]
-    grid: Grid
+    grid: BlockLines
     frf: NDArray[np.complex128]
     tail: NDArray[np.complex128]
     residues: NDArray[np.complex128]
 
 
-class Window:
+class ForceWindow:
     """Slopes by the force at each sample of a stretch that several blocks of one input share.
 
     What a force at a sample does is the same in every block: hits a few samples apart differ by where they begin.
@@ -58,7 +58,7 @@ class Window:
         first: sample.
     """
 
-    def __init__(self, samples: NDArray[np.int64], structure: _Structure) -> None:
+    def __init__(self, samples: NDArray[np.int64], structure: _SharedColumns) -> None:
         grid = structure.grid
         self.first, self._structure = int(samples[0]), structure
         self._turn = np.exp(-1j * np.outer(grid.omega * grid.dt, samples))
@@ -85,7 +85,7 @@ class Window:
 
     def products(self, vectors: Real, weights: Real) -> Real:
         """(vectors, samples) of (rows, vectors) with the slopes, outputs summed by (vectors, outputs) weights."""
-        of, lines = self._structure, unstack(vectors).conj()
+        of, lines = self._structure, complex_lines(vectors).conj()
         ahead = (lines * (weights @ of.frf.T)) @ self._turn
         return (ahead - ((lines @ of.tail) * (weights @ of.residues.T)) @ self._left).real
 
@@ -100,7 +100,7 @@ class ForceParts:
         all_on_q: per member Q^T slopes of the whole stretch (columns, outputs, samples).
     """
 
-    windows: tuple[Window, ...]
+    windows: tuple[ForceWindow, ...]
     places: tuple[slice, ...]
     all_on_q: tuple[Real, ...]
 
@@ -115,11 +115,11 @@ class ForceParts:
         return tuple(part[..., place] for part, place in zip(self.all_on_q, self.places, strict=True))
 
 
-def force_parts(problem: Problem, point: Point, group: GroupSolution) -> ForceParts:
+def force_parts(problem: LikelihoodProblem, point: LikelihoodPoint, group: GroupSolution) -> ForceParts:
     """See ForceParts."""
     rows, width = group.columns[0].phi.shape[0], point.parameters.force.shape[1]
-    firsts = [_hit(problem.blocks[i].excitation).first for i in group.members]
-    windows = _windows(firsts, width, _structure(problem, point, group))
+    firsts = [_require_hit(problem.blocks[i].excitation).first for i in group.members]
+    windows = _force_windows(firsts, width, _shared_columns(problem, point, group))
     places = tuple(slice(f - w.first, f - w.first + width) for f, w in zip(firsts, windows, strict=True))
     on_q = tuple(
         (group.q[m * rows : (m + 1) * rows].T @ w.slopes.reshape(rows, -1)).reshape(-1, *w.slopes.shape[1:])
@@ -128,8 +128,8 @@ def force_parts(problem: Problem, point: Point, group: GroupSolution) -> ForcePa
     return ForceParts(windows, places, on_q)
 
 
-def _structure(problem: Problem, point: Point, group: GroupSolution) -> _Structure:
-    at, grid = point.parameters, _hit(problem.blocks[group.members[0]].excitation).grid
+def _shared_columns(problem: LikelihoodProblem, point: LikelihoodPoint, group: GroupSolution) -> _SharedColumns:
+    at, grid = point.parameters, _require_hit(problem.blocks[group.members[0]].excitation).grid
     poles = poles_of(at.omega, at.zeta)
     n = 2 * poles.size
     coefficients = group.coefficients / point.noise
@@ -141,25 +141,25 @@ def _structure(problem: Problem, point: Point, group: GroupSolution) -> _Structu
     for power, term in zip(problem.powers, coefficients[n:], strict=True):
         frf = frf + s ** (grid.p + power) * term
     tail = both**grid.p * grid.dt / (1 - np.exp((both - s) * grid.dt))
-    return _Structure(both, grid, frf, tail, residues)
+    return _SharedColumns(both, grid, frf, tail, residues)
 
 
-def _windows(firsts: Sequence[int], width: int, structure: _Structure) -> tuple[Window, ...]:
+def _force_windows(firsts: Sequence[int], width: int, structure: _SharedColumns) -> tuple[ForceWindow, ...]:
     """The stretch of each hit: one for all, unless they lie so far apart that it would cost more than it saves."""
     begin, end = min(firsts), max(firsts) + width
     if end - begin <= 2 * width:
-        return (Window(np.arange(begin, end), structure),) * len(firsts)
-    return tuple(Window(first + np.arange(width), structure) for first in firsts)
+        return (ForceWindow(np.arange(begin, end), structure),) * len(firsts)
+    return tuple(ForceWindow(first + np.arange(width), structure) for first in firsts)
 
 
-def _hit(excitation: Excitation) -> HitExcitation:
+def _require_hit(excitation: Excitation) -> HitExcitation:
     if not isinstance(excitation, HitExcitation):
         raise TypeError("only a hit has force samples")
     return excitation
 
 
 def force_equations(
-    problem: Problem, point: Point, group: GroupSolution, others: tuple[Real, Real]
+    problem: LikelihoodProblem, point: LikelihoodPoint, group: GroupSolution, others: tuple[Real, Real]
 ) -> tuple[Real, Real]:
     """J^T J and J^T residual of one input: poles, its members' states, then its members' force samples.
 
@@ -177,7 +177,7 @@ def force_equations(
     gradient = np.zeros(len(matrix))
     matrix[:n_others, :n_others], gradient[:n_others] = others
     matrix[n_others:, n_others:] = -projected.T @ projected
-    vectors = _Vectors(group, point.noise)
+    vectors = _PoleVectors(group, point.noise)
     for m, (window, own, on_q) in enumerate(zip(parts.windows, parts.places, parts.all_on_q, strict=True)):
         here, place = slice(m * rows, (m + 1) * rows), slice(n_others + m * width, n_others + (m + 1) * width)
         matrix[place, place] += window.gram[own, own]
@@ -188,7 +188,7 @@ def force_equations(
     return matrix, gradient
 
 
-class _Vectors:
+class _PoleVectors:
     """The derivative vectors of poles and states of one input, to be multiplied with slopes by force samples."""
 
     def __init__(self, group: GroupSolution, noise: Real) -> None:
@@ -206,7 +206,7 @@ class _Vectors:
         begin = [self._n_poles + m * self._width + own for m in range(len(found))]
         self._starts = np.concatenate([firsts, *begin]) if self._width else firsts
 
-    def across(self, member: int, window: Window, on_q: Real) -> Real:
+    def across(self, member: int, window: ForceWindow, on_q: Real) -> Real:
         """J^T J (poles and states, samples) with the force samples of one member's window."""
         found = self._columns[member]
         # Vectors of one column are weighed alike: the outputs are summed before the many vectors come in.

@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.identification.likelihood.basis import LineBlock
-from modallab.identification.likelihood.excitation import Excitation, Grid, UnitExcitation
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.excitation import BlockLines, Excitation, UnitExcitation
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.line_weights import line_weights
 from modallab.identification.likelihood.out_of_band import RESIDUAL_POWERS, STAND_INS, with_stand_ins
-from modallab.identification.likelihood.projection import Parameters, Problem, solve_at
-from modallab.identification.likelihood.rows import stack, unstack
-from modallab.identification.likelihood.search import MAX_ITERATIONS, Effort, search
+from modallab.identification.likelihood.projection import LikelihoodProblem, SearchParameters, solve_at
+from modallab.identification.likelihood.rows import complex_lines, real_rows
+from modallab.identification.likelihood.search import MAX_ITERATIONS, SearchLimits, search_minimum
 
 MANY = 2
 """From this many channels per column of the model on, a few mixed ones are searched first."""
@@ -31,7 +31,7 @@ def fit_frf(
     max_iterations: int = MAX_ITERATIONS,
     priors: NDArray[np.float64] | None = None,
     stand_ins: tuple[float, ...] = STAND_INS,
-) -> Fit:
+) -> LikelihoodFit:
     """The fit of FRFs after a search from these poles; those that stand for modes above the band come last in it.
 
     Args:
@@ -44,12 +44,12 @@ def fit_frf(
     Raises:
         IdentificationError: poles that cannot be distinguished in these lines.
     """
-    grid = Grid(2 * np.pi * frf.frequency_hz, 0, 0.0, DERIVATIVES[frf.quantity])
+    grid = BlockLines(2 * np.pi * frf.frequency_hz, 0, 0.0, DERIVATIVES[frf.quantity])
     # Every FRF is a channel of its own: all share the columns, whatever the input.
     channels = frf.values.reshape(-1, frf.frequency_hz.size)
     begin, weight = with_stand_ins(poles, float(frf.frequency_hz[-1]), stand_ins, START_ZETA), line_weights(frf)
     excitation = UnitExcitation(grid, frf.damping_shift, weight)
-    problem = Problem(
+    problem = LikelihoodProblem(
         blocks=[LineBlock(excitation, channels if weight is None else channels * weight, 0)],
         powers=RESIDUAL_POWERS,
         n_inputs=1,
@@ -57,13 +57,15 @@ def fit_frf(
         drive_sigma=None,
         zeta_prior=begin.zeta_prior,
     )
-    problem = problem if priors is None else _drawn(problem, priors)
-    start = Parameters(begin.omega, begin.zeta, np.zeros((1, begin.omega.size), complex), np.zeros(1, complex))
-    start = _nearer(problem, start) if max_iterations else start
-    return Fit(problem, search(problem, start, Effort(max_iterations)), frf.input_points, frf.values.shape[:2])
+    problem = problem if priors is None else _with_priors(problem, priors)
+    start = SearchParameters(begin.omega, begin.zeta, np.zeros((1, begin.omega.size), complex), np.zeros(1, complex))
+    start = _start_from_few_channels(problem, start) if max_iterations else start
+    return LikelihoodFit(
+        problem, search_minimum(problem, start, SearchLimits(max_iterations)), frf.input_points, frf.values.shape[:2]
+    )
 
 
-def _drawn(problem: Problem, priors: NDArray[np.float64]) -> Problem:
+def _with_priors(problem: LikelihoodProblem, priors: NDArray[np.float64]) -> LikelihoodProblem:
     """The same with priors of the first poles; the others stay where they are."""
     n = len(priors)
     free, rest = np.tile([0.0, np.inf], (problem.zeta_prior.shape[0] - n, 1)), problem.zeta_prior[n:]
@@ -75,13 +77,13 @@ def _drawn(problem: Problem, priors: NDArray[np.float64]) -> Problem:
     )
 
 
-def _at_lines(excitation: Excitation, grid: Grid, thin: int) -> UnitExcitation:
+def _excitation_at_lines(excitation: Excitation, grid: BlockLines, thin: int) -> UnitExcitation:
     assert isinstance(excitation, UnitExcitation)
     weight = None if excitation.weight is None else excitation.weight[::thin]
     return UnitExcitation(grid, excitation.shift, weight)
 
 
-def _nearer(problem: Problem, start: Parameters) -> Parameters:
+def _start_from_few_channels(problem: LikelihoodProblem, start: SearchParameters) -> SearchParameters:
     """A start at the optimum of a few channels in which all modes of many show.
 
     The gradient needs the data only along the residues, so as many mixed channels as the model has columns hold nearly
@@ -93,9 +95,9 @@ def _nearer(problem: Problem, start: Parameters) -> Parameters:
         return start
     thin = max(1, response.shape[1] // (LINES * n_columns))
     grid = replace(excitation.grid, omega=excitation.grid.omega[::thin])
-    some = [LineBlock(_at_lines(excitation, grid, thin), response[:, ::thin], 0)]
+    some = [LineBlock(_excitation_at_lines(excitation, grid, thin), response[:, ::thin], 0)]
     point = solve_at(replace(problem, blocks=some), start)
     mix, _ = np.linalg.qr((point.groups[0].coefficients / point.noise).T)
-    few = unstack(stack(response) @ (mix / point.noise[:, None]))
+    few = complex_lines(real_rows(response) @ (mix / point.noise[:, None]))
     small = replace(problem, blocks=[LineBlock(excitation, few, 0)])
-    return search(small, start, Effort(NEARER)).point.parameters
+    return search_minimum(small, start, SearchLimits(NEARER)).point.parameters

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from modallab.core.frf import DERIVATIVES
 from modallab.core.rig import Rig
-from modallab.frf.estimate import lines, output_quantity, pre_trigger_level
+from modallab.frf.estimate import lines_of_band, output_quantity, pre_trigger_level
 from modallab.identification.likelihood.basis import LineBlock
-from modallab.identification.likelihood.excitation import Grid, HitExcitation
-from modallab.signals.hit import Hit, windowed_force
+from modallab.identification.likelihood.excitation import BlockLines, HitExcitation
+from modallab.signals.hit import HitSamples, windowed_force
 from modallab.signals.signals import Signals
 
 MOST_FORCE_SAMPLES = 1500
@@ -24,7 +24,7 @@ Groups = Sequence[Sequence[Signals]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Hits:
+class HitBlocks:
     """The blocks at their lines, and what each may have to itself.
 
     Attributes:
@@ -36,7 +36,7 @@ class Hits:
     """
 
     blocks: list[LineBlock]
-    grid: Grid
+    grid: BlockLines
     impulse: NDArray[np.float64]
     state_sigma: NDArray[np.float64] | None
     force_sigma: NDArray[np.float64] | None
@@ -47,7 +47,7 @@ class Hits:
         return self.state_sigma is None
 
 
-def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Hits, tuple[str, ...]]:
+def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[HitBlocks, tuple[str, ...]]:
     """The blocks at their lines with what is unknown of each, and notes.
 
     The force channel's own noise within the hit is estimated sample by sample. If the beam was not at rest before a
@@ -56,8 +56,8 @@ def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Hi
     """
     first = groups[0][0]
     n, rate = first.force.size, first.rate_hz
-    chosen = lines(n, rate, band)
-    grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
+    chosen = lines_of_band(n, rate, band)
+    grid = BlockLines(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
     flat = [s for group in groups for s in group]
     of_block = [index for index, group in enumerate(groups) for _ in group]
     ringing = [s.block.name for s in flat if moves_before(s)]
@@ -72,12 +72,12 @@ def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Hi
         force = windowed_force(signals.force, hit)
         blocks.append(LineBlock(HitExcitation(grid, force, start, hit.first), response, group))
     impulse = np.array([np.sum(np.abs(windowed_force(s.force, b))) for s, b in zip(flat, found, strict=True)]) / rate
-    force_sigma = _force_sigma(flat, found, _width(found, n)) if by_sample else None
+    force_sigma = _force_sigma(flat, found, _force_width(found, n)) if by_sample else None
     state_sigma = impulse if ringing else None if by_sample else _hit_noise(found, impulse, rate)
-    return Hits(blocks, grid, impulse, state_sigma, force_sigma), _ringing_notes(ringing)
+    return HitBlocks(blocks, grid, impulse, state_sigma, force_sigma), _ringing_notes(ringing)
 
 
-def _with_tails(hits: Sequence[Hit], n: int) -> list[Hit] | None:
+def _with_tails(hits: Sequence[HitSamples], n: int) -> list[HitSamples] | None:
     """The hits with tails, shorter ones if that is too much; None if that is too.
 
     A converter's steep filter rings on, as high as its edge, below the noise of one sample. Cut off, that is some
@@ -85,21 +85,21 @@ def _with_tails(hits: Sequence[Hit], n: int) -> list[Hit] | None:
     """
     for more in TAILS:
         wide = [replace(b, first=max(0, b.first - more), stop=min(n, b.stop + more)) for b in hits]
-        if _width(wide, n) * len(wide) <= MOST_FORCE_SAMPLES:
+        if _force_width(wide, n) * len(wide) <= MOST_FORCE_SAMPLES:
             return wide
     return None
 
 
-def _width(hits: Sequence[Hit], n: int) -> int:
+def _force_width(hits: Sequence[HitSamples], n: int) -> int:
     return min(max(b.stop - b.first for b in hits), n - max(b.first for b in hits))
 
 
-def _force_sigma(signals: Sequence[Signals], hits: Sequence[Hit], width: int) -> NDArray[np.float64]:
+def _force_sigma(signals: Sequence[Signals], hits: Sequence[HitSamples], width: int) -> NDArray[np.float64]:
     noise = [max(b.noise, 1e-9 * float(np.max(np.abs(s.force)))) for s, b in zip(signals, hits, strict=True)]
     return np.repeat(np.array(noise)[:, None], width, axis=1)
 
 
-def _hit_noise(hits: Sequence[Hit], impulse: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+def _hit_noise(hits: Sequence[HitSamples], impulse: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
     """(blocks,) sigma in N s of what the force channel's noise adds to each hit."""
     noise = np.array([b.noise * np.sqrt((b.stop - b.first) / 2) for b in hits]) / rate_hz
     return np.maximum(noise, 1e-9 * impulse)

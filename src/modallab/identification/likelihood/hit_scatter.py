@@ -23,7 +23,7 @@ from scipy.special import chdtri, ndtri, stdtrit
 
 from modallab.core.arrays import Real
 from modallab.identification.likelihood.even_residual import is_even
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.projection import GroupSolution
 
 LEAST_FREEDOM = 2.5
@@ -36,7 +36,7 @@ CHANCE = 0.001
 """Noise alone lets the scatter count for a mode's frequency, or its damping, no more often than this."""
 
 
-def factors_by_scatter(fit: Fit, misfit: float) -> Real:
+def factors_by_scatter(fit: LikelihoodFit, misfit: float) -> Real:
     """(modes, 2) factors of the sigmas of omega and zeta, 1 where the hits scatter as the noise does.
 
     The fit takes its residual for noise. Where that is larger than the noise before the hits, the sigmas are too large
@@ -48,18 +48,18 @@ def factors_by_scatter(fit: Fit, misfit: float) -> Real:
         fit: of the hits.
         misfit: the residual over the noise before the hits; NaN where that is not known.
     """
-    scores, known = _by_output(fit)
-    hits = _scatter(fit, scores_pull(fit, scores).sum(axis=2), known.sum(axis=2))
+    scores, known = _pulls_by_output(fit)
+    hits = _scatter_of_clusters(fit, scores_pull(fit, scores).sum(axis=2), known.sum(axis=2))
     least = 1 / max(1.0, misfit) if np.isfinite(misfit) else 1.0
     found = np.where(hits.far(1.0), hits.factor, np.clip(hits.factor, least, 1.0))
     found = np.where(hits.enough, found, 1.0).reshape(-1, 2)
     if len(scores) >= LEAST_HITS and not is_even(fit):
         stated = np.sqrt(np.diag(fit.refined.covariance.poles)[1::2])
-        found[:, 1] = np.hypot(_of_outputs(fit, scores, known, hits)[1::2], broadened(fit) / stated)
+        found[:, 1] = np.hypot(_factors_of_outputs(fit, scores, known, hits)[1::2], damping_bias(fit) / stated)
     return found
 
 
-def broadened(fit: Fit) -> Real:
+def damping_bias(fit: LikelihoodFit) -> Real:
     """(modes,) by how much zeta comes out too large at most, since the frequencies of the hits differ.
 
     Errors of the force that a fit also searches take up a part.
@@ -67,10 +67,10 @@ def broadened(fit: Fit) -> Real:
     pulls, shares = hit_pulls(fit)
     square = np.sum(pulls**2 / np.maximum(shares, np.finfo(float).tiny), axis=0)[::2]
     at, grid = fit.point.parameters, fit.problem.blocks[0].excitation.grid
-    return np.asarray(square * faster(at.omega * at.zeta, grid.n * grid.dt) / at.omega, np.float64)
+    return np.asarray(square * decay_bias(at.omega * at.zeta, grid.n * grid.dt) / at.omega, np.float64)
 
 
-def faster(decay: Real, length_s: float) -> Real:
+def decay_bias(decay: Real, length_s: float) -> Real:
     """(modes,) s: by how much the mean of decays of a little scattered frequencies decays faster, over <d^2>.
 
     The mean of e^(-a t) e^(j d t) is e^(-a t) (1 - <d^2> t^2 / 2) to second order. With its amplitude free, that is a
@@ -84,17 +84,17 @@ def faster(decay: Real, length_s: float) -> Real:
     return np.asarray(np.sum(weight * off * t**2 / 2, axis=1) / np.sum(weight * off * t, axis=1), np.float64)
 
 
-def _of_outputs(fit: Fit, scores: Real, known: Real, hits: "_Scatter") -> Real:
+def _factors_of_outputs(fit: LikelihoodFit, scores: Real, known: Real, hits: "_Scatter") -> Real:
     """(2 modes,) factors by what every output of every hit pulls, or by hits where these disagree by more.
 
     The errors of a hit's force, which all outputs feel, pull nothing in all: what outputs say of them is left out.
     """
-    outputs = _scatter(fit, _clusters(scores_pull(fit, scores)), _clusters(known))
+    outputs = _scatter_of_clusters(fit, _sum_by_cluster(scores_pull(fit, scores)), _sum_by_cluster(known))
     together = np.where(hits.far(outputs.ratio), hits.factor, outputs.factor)
     return np.where(outputs.enough, together, 1.0)
 
 
-def _clusters(parts: Real) -> Real:
+def _sum_by_cluster(parts: Real) -> Real:
     """(clusters, 2 modes) of (hits, 2 modes, clusters of a hit)."""
     return np.moveaxis(parts, 2, 1).reshape(-1, parts.shape[1])
 
@@ -121,9 +121,9 @@ class _Scatter:
         return self.enough & (self.ratio > noise * chdtri(freedom, CHANCE) / freedom)
 
 
-def _scatter(fit: Fit, pulls: Real, known: Real) -> _Scatter:
+def _scatter_of_clusters(fit: LikelihoodFit, pulls: Real, known: Real) -> _Scatter:
     """Of clusters (clusters, 2 modes), each with its pulls and what it knows."""
-    shares = _shares(known)
+    shares = _shares_of_knowledge(known)
     square, cube = np.sum(shares**2, axis=0), np.sum(shares**3, axis=0)
     spare = np.maximum(1 - square, 1e-9)
     freedom = spare**2 / np.maximum(square - 2 * cube + square**2, 1e-12)
@@ -131,36 +131,36 @@ def _scatter(fit: Fit, pulls: Real, known: Real) -> _Scatter:
     return _Scatter(np.sum(pulls**2, axis=0) / spare / np.maximum(stated, np.finfo(float).tiny), freedom)
 
 
-def hit_pulls(fit: Fit) -> tuple[Real, Real]:
+def hit_pulls(fit: LikelihoodFit) -> tuple[Real, Real]:
     """By how much each hit moves omega and zeta of every mode, and its share of what is known of them.
 
     Returns:
         (hits, 2 modes) pulls, which add up to about nothing; (hits, 2 modes) shares, which add up to 1.
     """
-    scores, known = _by_output(fit)
-    return scores_pull(fit, scores).sum(axis=2), _shares(known.sum(axis=2))
+    scores, known = _pulls_by_output(fit)
+    return scores_pull(fit, scores).sum(axis=2), _shares_of_knowledge(known.sum(axis=2))
 
 
-def scores_pull(fit: Fit, scores: Real) -> Real:
+def scores_pull(fit: LikelihoodFit, scores: Real) -> Real:
     """(hits, 2 modes, outputs) of scores of that shape."""
     return np.einsum("hpo,pq->hqo", scores, fit.refined.covariance.poles)
 
 
-def _shares(known: Real) -> Real:
+def _shares_of_knowledge(known: Real) -> Real:
     return known / np.maximum(known.sum(axis=0), np.finfo(float).tiny)
 
 
-def _by_output(fit: Fit) -> tuple[Real, Real]:
+def _pulls_by_output(fit: LikelihoodFit) -> tuple[Real, Real]:
     """(hits, 2 modes, outputs) parts of the cost's derivative by the poles, and of the normal matrix's diagonal."""
     shape = (len(fit.problem.blocks), 2 * fit.point.parameters.omega.size, fit.point.noise.size)
     scores, known = np.zeros(shape), np.zeros(shape)
     for group in fit.point.groups:
         members = list(group.members)
-        scores[members], known[members] = _scores(group, fit.point.noise)
+        scores[members], known[members] = _scores_of_input(group, fit.point.noise)
     return scores, known
 
 
-def _scores(group: GroupSolution, noise: Real) -> tuple[Real, Real]:
+def _scores_of_input(group: GroupSolution, noise: Real) -> tuple[Real, Real]:
     """(members, 2 modes, outputs) of an input; the residues are solved for along with the poles."""
     rows = group.columns[0].phi.shape[0]
     vectors = np.concatenate([c.poles.values for c in group.columns])

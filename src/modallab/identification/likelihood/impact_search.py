@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.likelihood.fit import Fit
-from modallab.identification.likelihood.hit_blocks import Groups, Hits
+from modallab.identification.likelihood.fit import LikelihoodFit
+from modallab.identification.likelihood.hit_blocks import Groups, HitBlocks
 from modallab.identification.likelihood.out_of_band import (
     RESIDUAL_POWERS,
     STAND_INS,
@@ -12,9 +12,9 @@ from modallab.identification.likelihood.out_of_band import (
     stand_ins_after,
     with_stand_ins,
 )
-from modallab.identification.likelihood.projection import Parameters, Problem
+from modallab.identification.likelihood.projection import LikelihoodProblem, SearchParameters
 from modallab.identification.likelihood.residual_motion import LEAST, residual_motion_sigma
-from modallab.identification.likelihood.search import FIRST_LOOK, Effort, search
+from modallab.identification.likelihood.search import FIRST_LOOK, SearchLimits, search_minimum
 
 START_ZETA, ANY_ZETA = (1e-4, 0.1), (1e-6, 0.5)
 """Damping ratios that a search may begin at, and those that an estimator may have found."""
@@ -22,7 +22,9 @@ STATES_FIRST = 4
 """Steps that move only what each block has to itself, where the poles are to stay as an estimator gave them."""
 
 
-def first_look(unknown: Hits, poles: NDArray[np.complex128], groups: Groups, band: tuple[float, float]) -> Fit:
+def first_look(
+    unknown: HitBlocks, poles: NDArray[np.complex128], groups: Groups, band: tuple[float, float]
+) -> LikelihoodFit:
     """The fit after a search from these poles that distinguishes modes from poles that fit noise, and goes no further.
 
     It ends when a step gains less than one for each pole: on average they then stand within their sigmas. From there on
@@ -35,25 +37,29 @@ def first_look(unknown: Hits, poles: NDArray[np.complex128], groups: Groups, ban
         band: of the lines.
     """
     begin = with_stand_ins(poles, band[1], STAND_INS, START_ZETA)
-    return _from(unknown, begin, groups, Effort(FIRST_LOOK, float(begin.omega.size)))
+    return _search_from(unknown, begin, groups, SearchLimits(FIRST_LOOK, float(begin.omega.size)))
 
 
-def as_estimated(unknown: Hits, poles: NDArray[np.complex128], groups: Groups, band: tuple[float, float]) -> Fit:
+def fit_of_estimate(
+    unknown: HitBlocks, poles: NDArray[np.complex128], groups: Groups, band: tuple[float, float]
+) -> LikelihoodFit:
     """The fit with the poles where the estimator has put them; all else by least squares."""
     begin = with_stand_ins(poles, band[1], STAND_INS, ANY_ZETA)
-    return _from(unknown, begin, groups, Effort(0, states_first=0 if unknown.at_rest else STATES_FIRST))
+    return _search_from(unknown, begin, groups, SearchLimits(0, states_first=0 if unknown.at_rest else STATES_FIRST))
 
 
-def _from(unknown: Hits, begin: StartPoles, groups: Groups, effort: Effort) -> Fit:
+def _search_from(unknown: HitBlocks, begin: StartPoles, groups: Groups, effort: SearchLimits) -> LikelihoodFit:
     known = unknown.state_sigma
     sigma = None if known is None else np.repeat(known[:, None], begin.omega.size, axis=1)
     points = tuple(g[0].block.drive_point for g in groups)
     force = np.zeros((0, 0)) if unknown.force_sigma is None else np.zeros_like(unknown.force_sigma)
     state = np.zeros((len(unknown.blocks), begin.omega.size), complex)
-    return _searched(unknown, begin, sigma, (state, force), points, effort)
+    return _search_fit(unknown, begin, sigma, (state, force), points, effort)
 
 
-def again(unknown: Hits, fit: Fit, keep: NDArray[np.bool_], band: tuple[float, float]) -> Fit:
+def search_again(
+    unknown: HitBlocks, fit: LikelihoodFit, keep: NDArray[np.bool_], band: tuple[float, float]
+) -> LikelihoodFit:
     """The kept modes once more; of a beam that looked at rest with what its sensors cannot have seen."""
     at = fit.point.parameters
     poles = -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep]
@@ -66,18 +72,18 @@ def again(unknown: Hits, fit: Fit, keep: NDArray[np.bool_], band: tuple[float, f
         sigma = np.repeat(unknown.state_sigma[:, None], begin.omega.size, axis=1)
     # The states found so far belong to the kept modes still; to begin at nothing again costs many steps.
     state = np.concatenate([at.state[:, keep], np.zeros((len(at.state), begin.stand_ins), np.complex128)], axis=1)
-    return _searched(unknown, begin, sigma, (state, at.force), fit.input_points, Effort())
+    return _search_fit(unknown, begin, sigma, (state, at.force), fit.input_points, SearchLimits())
 
 
-def _searched(
-    unknown: Hits,
+def _search_fit(
+    unknown: HitBlocks,
     begin: StartPoles,
     state_sigma: NDArray[np.float64] | None,
     local: tuple[NDArray[np.complex128], NDArray[np.float64]],
     points: tuple[int | None, ...],
-    effort: Effort,
-) -> Fit:
-    problem = Problem(
+    effort: SearchLimits,
+) -> LikelihoodFit:
+    problem = LikelihoodProblem(
         blocks=unknown.blocks,
         powers=RESIDUAL_POWERS,
         n_inputs=len(points),
@@ -87,5 +93,5 @@ def _searched(
         force_sigma=unknown.force_sigma,
     )
     state, force = local
-    start = Parameters(begin.omega, begin.zeta, state, np.zeros(len(unknown.blocks), complex), force)
-    return Fit(problem, search(problem, start, effort), points)
+    start = SearchParameters(begin.omega, begin.zeta, state, np.zeros(len(unknown.blocks), complex), force)
+    return LikelihoodFit(problem, search_minimum(problem, start, effort), points)

@@ -11,21 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.identification.likelihood.derivatives import Vectors
-from modallab.identification.likelihood.equations import Equations, Own
+from modallab.identification.likelihood.derivatives import DerivativeVectors
+from modallab.identification.likelihood.equations import BlockEquations, NormalEquations
 from modallab.identification.likelihood.force_noise import force_equations
-from modallab.identification.likelihood.projection import GroupSolution, Point, Problem
+from modallab.identification.likelihood.projection import GroupSolution, LikelihoodPoint, LikelihoodProblem
 
 
-def normal_equations(problem: Problem, point: Point) -> Equations:
+def normal_equations(problem: LikelihoodProblem, point: LikelihoodPoint) -> NormalEquations:
     """J^T J and J^T residual in noise units, priors included.
 
     Parameters: omega and zeta of every mode, then block by block its states and drive error, real and imaginary part
     next to each other, and the errors of its force samples.
     """
     n, n_local = 2 * point.parameters.omega.size, problem.n_local
-    weight, pull = _priors(problem, point)
-    poles, gradient, inputs = np.diag(weight[:n]), -weight * pull, list[Own]()
+    weight, pull = _prior_weights(problem, point)
+    poles, gradient, inputs = np.diag(weight[:n]), -weight * pull, list[BlockEquations]()
     for group in point.groups:
         part, slope = _input_equations(problem, point, group)
         at = np.concatenate([n + n_local * i + np.arange(n_local) for i in group.members])
@@ -33,11 +33,11 @@ def normal_equations(problem: Problem, point: Point) -> Equations:
         poles += part[:n, :n]
         gradient[:n] += slope[:n]
         gradient[at] += slope[n:]
-        inputs.append(Own(at, part[n:, n:], part[:n, n:]))
-    return Equations(poles, inputs, gradient)
+        inputs.append(BlockEquations(at, part[n:, n:], part[:n, n:]))
+    return NormalEquations(poles, inputs, gradient)
 
 
-def _input_equations(problem: Problem, point: Point, group: GroupSolution) -> tuple[Real, Real]:
+def _input_equations(problem: LikelihoodProblem, point: LikelihoodPoint, group: GroupSolution) -> tuple[Real, Real]:
     """Of one input: poles, then what each of its blocks has to itself."""
     width = 0 if problem.force_sigma is None else problem.force_sigma.shape[1]
     n, n_states = 2 * point.parameters.omega.size, problem.n_local - width
@@ -52,7 +52,7 @@ def _input_equations(problem: Problem, point: Point, group: GroupSolution) -> tu
     return part[np.ix_(order, order)], slope[order]
 
 
-def _priors(problem: Problem, point: Point) -> tuple[Real, Real]:
+def _prior_weights(problem: LikelihoodProblem, point: LikelihoodPoint) -> tuple[Real, Real]:
     """Weight and distance from the prior's centre, per parameter."""
     at, n_blocks = point.parameters, len(problem.blocks)
     centre, sigma = problem.zeta_prior.T
@@ -63,10 +63,10 @@ def _priors(problem: Problem, point: Point) -> tuple[Real, Real]:
     local_weight, local_pull = [], []
     if problem.state_sigma is not None:
         local_weight.append(np.repeat(problem.state_sigma**-2.0, 2, axis=1))
-        local_pull.append(_parts(at.state))
+        local_pull.append(_real_parts(at.state))
     if problem.drive_sigma is not None:
         local_weight.append(np.repeat(problem.drive_sigma[:, None] ** -2.0, 2, axis=1))
-        local_pull.append(_parts(at.drive[:, None]))
+        local_pull.append(_real_parts(at.drive[:, None]))
     if problem.force_sigma is not None:
         local_weight.append(problem.force_sigma**-2.0)
         local_pull.append(at.force)
@@ -76,23 +76,23 @@ def _priors(problem: Problem, point: Point) -> tuple[Real, Real]:
     return np.concatenate(weights), np.concatenate(pulls)
 
 
-def _parts(values: NDArray[np.complex128]) -> Real:
+def _real_parts(values: NDArray[np.complex128]) -> Real:
     return np.stack([values.real, values.imag], axis=-1).reshape(len(values), -1)
 
 
 def _group_equations(group: GroupSolution, noise: Real, n_local: int) -> tuple[Real, Real]:
     weighted = group.coefficients / noise
-    gram, on_residual = _gram(group)
+    gram, on_residual = _gram_of_group(group)
     pole, local = group.columns[0].poles, group.columns[0].local
     column = np.concatenate([pole.column, *[local.column for _ in group.members]])
     coefficient = weighted[column]
-    starts = _starts(pole, local, len(group.members), n_local)
+    starts = _first_columns(pole, local, len(group.members), n_local)
     product = gram * (coefficient @ coefficient.T)
     matrix = np.add.reduceat(np.add.reduceat(product, starts, axis=0), starts, axis=1)
     return matrix, np.add.reduceat(np.sum(on_residual * (coefficient / noise), axis=1), starts)
 
 
-def _starts(pole: Vectors, local: Vectors, members: int, n_local: int) -> NDArray[np.int64]:
+def _first_columns(pole: DerivativeVectors, local: DerivativeVectors, members: int, n_local: int) -> NDArray[np.int64]:
     """Where each parameter's vectors begin."""
     firsts = np.flatnonzero(np.diff(pole.parameter, prepend=-1))
     if n_local == 0:
@@ -102,7 +102,7 @@ def _starts(pole: Vectors, local: Vectors, members: int, n_local: int) -> NDArra
     return np.concatenate([firsts, *[pole.parameter.size + m * width + own for m in range(members)]])
 
 
-def _gram(group: GroupSolution) -> tuple[Real, Real]:
+def _gram_of_group(group: GroupSolution) -> tuple[Real, Real]:
     """Gram matrix of all projected vectors, and their products with the residual (vectors, outputs)."""
     rows, residual = group.columns[0].phi.shape[0], group.residual
     poles = np.concatenate([c.poles.values for c in group.columns])

@@ -9,7 +9,7 @@ FAR = 0.1
 """After one pass of Cholesky's the columns must be this near to orthonormal; then the second leaves rounding alone."""
 
 
-def orthonormal(tall: Real) -> tuple[Real, Real]:
+def qr_decomposition(tall: Real) -> tuple[Real, Real]:
     """Q (rows, columns) with orthonormal columns and R upper triangular with Q R the matrix given.
 
     By the Gram matrix's Cholesky factor, twice: three times as fast as Householder's reflections where rows are many,
@@ -33,13 +33,13 @@ def orthonormal(tall: Real) -> tuple[Real, Real]:
         q = tall @ np.linalg.inv(first)
         gram = q.T @ q
         if not np.abs(gram - np.eye(len(gram))).max() < FAR:
-            return _by_reflections(tall)
+            return _qr_by_reflections(tall)
         second = np.linalg.cholesky(gram).T
     except np.linalg.LinAlgError:
-        return _by_reflections(tall)
+        return _qr_by_reflections(tall)
     return q @ np.linalg.inv(second), second @ first
 
 
-def _by_reflections(tall: Real) -> tuple[Real, Real]:
+def _qr_by_reflections(tall: Real) -> tuple[Real, Real]:
     q, r = np.linalg.qr(tall)
     return q, r

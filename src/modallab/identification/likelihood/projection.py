@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import IdentificationError
-from modallab.identification.likelihood.basis import BlockColumns, LineBlock, Shared, columns
+from modallab.identification.likelihood.basis import BlockColumns, LineBlock, SharedKernels, columns_of_block
 from modallab.identification.likelihood.excitation import Excitation, HitExcitation
-from modallab.identification.likelihood.orthonormal import orthonormal
+from modallab.identification.likelihood.orthonormal import qr_decomposition
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.rows import stack
+from modallab.identification.likelihood.rows import real_rows
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Parameters:
+class SearchParameters:
     """The unknowns that the search varies; residues follow from them by least squares.
 
     Attributes:
@@ -41,7 +41,7 @@ class Parameters:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Problem:
+class LikelihoodProblem:
     """The data and the model's structure.
 
     Attributes:
@@ -96,49 +96,51 @@ class GroupSolution:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Point:
+class LikelihoodPoint:
     """The model at one set of parameters: each input's solution, noise (outputs,) of a DFT line's real part, cost."""
 
-    parameters: Parameters
+    parameters: SearchParameters
     groups: tuple[GroupSolution, ...]
     noise: Real
     cost: float
 
 
-def solve_at(problem: Problem, parameters: Parameters, noise: Real | None = None) -> Point:
+def solve_at(problem: LikelihoodProblem, parameters: SearchParameters, noise: Real | None = None) -> LikelihoodPoint:
     """Residues for given poles; noise from the residuals unless given.
 
     Raises:
         IdentificationError: two columns of the model cannot be distinguished in these data.
     """
     # All blocks are on one grid, whichever their input.
-    shared = Shared(problem.blocks[0].excitation.grid, poles_of(parameters.omega, parameters.zeta))
+    shared = SharedKernels(problem.blocks[0].excitation.grid, poles_of(parameters.omega, parameters.zeta))
     groups = tuple(_solve_group(problem, parameters, g, shared) for g in range(problem.n_inputs))
-    return _point(problem, parameters, groups, noise)
+    return _point_of_parameters(problem, parameters, groups, noise)
 
 
-def with_own_noise(problem: Problem, point: Point) -> Point:
+def with_own_noise(problem: LikelihoodProblem, point: LikelihoodPoint) -> LikelihoodPoint:
     """The same point, its noise taken from its residuals: all outputs share the columns, so nothing else changes."""
-    return _point(problem, point.parameters, point.groups, None)
+    return _point_of_parameters(problem, point.parameters, point.groups, None)
 
 
-def _point(problem: Problem, parameters: Parameters, groups: tuple[GroupSolution, ...], noise: Real | None) -> Point:
-    squares = np.sum([energy(g.residual) for g in groups], axis=0)
+def _point_of_parameters(
+    problem: LikelihoodProblem, parameters: SearchParameters, groups: tuple[GroupSolution, ...], noise: Real | None
+) -> LikelihoodPoint:
+    squares = np.sum([sum_of_squares(g.residual) for g in groups], axis=0)
     if noise is None:
         rows = sum(g.residual.shape[0] - g.r.shape[0] for g in groups)
         searched = (2 * parameters.omega.size + problem.n_local * len(problem.blocks)) / squares.size
         raw = np.asarray(np.sqrt(squares / max(rows - searched, 1)), dtype=np.float64)
         noise = np.maximum(raw, 1e-9 * raw.max() + np.finfo(float).tiny)
     cost = float(np.sum(squares / noise**2)) + _prior_cost(problem, parameters)
-    return Point(parameters, groups, noise, cost)
+    return LikelihoodPoint(parameters, groups, noise, cost)
 
 
-def energy(rows: Real) -> Real:
+def sum_of_squares(rows: Real) -> Real:
     """Sum of squares (outputs,) of (rows, outputs), without an array of the squares."""
     return np.einsum("ro,ro->o", rows, rows)
 
 
-def _prior_cost(problem: Problem, parameters: Parameters) -> float:
+def _prior_cost(problem: LikelihoodProblem, parameters: SearchParameters) -> float:
     centre, sigma = problem.zeta_prior.T
     cost = float(np.sum(((parameters.zeta - centre) / sigma) ** 2))
     if problem.omega_prior is not None:
@@ -153,15 +155,19 @@ def _prior_cost(problem: Problem, parameters: Parameters) -> float:
     return cost
 
 
-def true_excitation(problem: Problem, parameters: Parameters, block: int, excitation: Excitation) -> Excitation:
+def true_excitation(
+    problem: LikelihoodProblem, parameters: SearchParameters, block: int, excitation: Excitation
+) -> Excitation:
     """What drove a block, the errors of its force samples taken into account."""
     if problem.force_sigma is None or not isinstance(excitation, HitExcitation):
         return excitation
     return excitation.corrected(parameters.force[block])
 
 
-def _block_columns(problem: Problem, parameters: Parameters, i: int, shared: Shared) -> BlockColumns:
-    return columns(
+def _block_columns(
+    problem: LikelihoodProblem, parameters: SearchParameters, i: int, shared: SharedKernels
+) -> BlockColumns:
+    return columns_of_block(
         true_excitation(problem, parameters, i, problem.blocks[i].excitation),
         parameters.omega,
         parameters.zeta,
@@ -172,14 +178,16 @@ def _block_columns(problem: Problem, parameters: Parameters, i: int, shared: Sha
     )
 
 
-def _solve_group(problem: Problem, parameters: Parameters, group: int, shared: Shared) -> GroupSolution:
+def _solve_group(
+    problem: LikelihoodProblem, parameters: SearchParameters, group: int, shared: SharedKernels
+) -> GroupSolution:
     members = tuple(i for i, block in enumerate(problem.blocks) if block.group == group)
     found = tuple(_block_columns(problem, parameters, i, shared) for i in members)
     phi = np.concatenate([c.phi for c in found])
-    parts = [stack(problem.blocks[i].response) for i in members]
+    parts = [real_rows(problem.blocks[i].response) for i in members]
     response = parts[0] if len(parts) == 1 else np.concatenate(parts)
     scale = np.linalg.norm(phi, axis=0)
-    q, r = orthonormal(phi / np.where(scale > 0, scale, 1))
+    q, r = qr_decomposition(phi / np.where(scale > 0, scale, 1))
     diagonal = np.abs(np.diag(r))
     if not np.all(np.isfinite(r)) or diagonal.min() < 1e-13:
         raise IdentificationError(

@@ -9,15 +9,15 @@ rule.
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.identification.likelihood.excitation import Grid
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.excitation import BlockLines
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.poles import poles_of
 
 LEAST = 1e-9
 """Share of the impulse; a prior of zero would divide by zero."""
 
 
-def residual_motion_sigma(fit: Fit, grid: Grid, impulse: Real) -> Real:
+def residual_motion_sigma(fit: LikelihoodFit, grid: BlockLines, impulse: Real) -> Real:
     """Prior (blocks, modes) in N s of each part of every mode's state at a block's start.
 
     Args:

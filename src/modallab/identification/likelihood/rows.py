@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def stack(values: NDArray[np.complex128]) -> NDArray[np.float64]:
+def real_rows(values: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Complex (..., lines) to real (2 lines, ...), the same least-squares problem in real numbers.
 
     Each line's real part stands above its imaginary part, as they lie in memory: hundreds of FRFs are not copied.
@@ -18,6 +18,6 @@ def stack_lines(values: NDArray[np.complex128]) -> NDArray[np.float64]:
     return np.stack([values.real, values.imag], axis=1).reshape(-1, *values.shape[1:])
 
 
-def unstack(rows: NDArray[np.float64]) -> NDArray[np.complex128]:
+def complex_lines(rows: NDArray[np.float64]) -> NDArray[np.complex128]:
     """Real (2 lines, ...) back to complex (..., lines)."""
     return np.ascontiguousarray(np.moveaxis(rows, 0, -1)).view(np.complex128)

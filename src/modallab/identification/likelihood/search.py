@@ -8,10 +8,16 @@ from scipy import linalg
 
 from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
-from modallab.core.progress import report
-from modallab.identification.likelihood.equations import Covariance, Equations
+from modallab.core.progress import report_progress
+from modallab.identification.likelihood.equations import NormalEquations, ParameterCovariance
 from modallab.identification.likelihood.normal_matrix import normal_equations
-from modallab.identification.likelihood.projection import Parameters, Point, Problem, solve_at, with_own_noise
+from modallab.identification.likelihood.projection import (
+    LikelihoodPoint,
+    LikelihoodProblem,
+    SearchParameters,
+    solve_at,
+    with_own_noise,
+)
 
 MAX_ITERATIONS = 40
 FIRST_LOOK = 12
@@ -33,17 +39,17 @@ MAX_FALL = 0.75
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Refined:
+class SearchEnd:
     """End of a search: the model there, the covariance of all parameters, steps taken, whether it settled."""
 
-    point: Point
-    covariance: Covariance
+    point: LikelihoodPoint
+    covariance: ParameterCovariance
     iterations: int
     settled: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Effort:
+class SearchLimits:
     """How long a search goes on.
 
     Attributes:
@@ -59,10 +65,10 @@ class Effort:
     states_first: int = 0
 
 
-THOROUGH = Effort()
+THOROUGH = SearchLimits()
 
 
-def search(problem: Problem, start: Parameters, effort: Effort = THOROUGH) -> Refined:
+def search_minimum(problem: LikelihoodProblem, start: SearchParameters, effort: SearchLimits = THOROUGH) -> SearchEnd:
     """Minimise the cost from `start`.
 
     The noise of each output is taken again from the residuals at every step.
@@ -78,25 +84,25 @@ def search(problem: Problem, start: Parameters, effort: Effort = THOROUGH) -> Re
     point = solve_at(problem, start)
     held = 2 * start.omega.size
     for _ in range(effort.states_first):
-        trial, _ = _descend(problem, point, normal_equations(problem, point), 1e-3, held)
+        trial, _ = _descend_once(problem, point, normal_equations(problem, point), 1e-3, held)
         point = point if trial is None else with_own_noise(problem, trial)
     damping = 1e-3
     gains: list[float] = []
     for done in range(effort.max_iterations):
-        report(_share(gains, effort), f"step {done + 1}")
+        report_progress(_share_done(gains, effort), f"step {done + 1}")
         equations = normal_equations(problem, point)
-        trial, damping = _descend(problem, point, equations, damping, least_gain=effort.tolerance)
+        trial, damping = _descend_once(problem, point, equations, damping, least_gain=effort.tolerance)
         if trial is None:
-            return Refined(point, equations.covariance(), done + 1, settled=True)
+            return SearchEnd(point, equations.covariance(), done + 1, settled=True)
         gain = point.cost - trial.cost
         gains.append(gain)
         point = with_own_noise(problem, trial)
         if gain < effort.tolerance:
-            return Refined(point, normal_equations(problem, point).covariance(), done + 1, settled=True)
-    return Refined(point, normal_equations(problem, point).covariance(), effort.max_iterations, settled=False)
+            return SearchEnd(point, normal_equations(problem, point).covariance(), done + 1, settled=True)
+    return SearchEnd(point, normal_equations(problem, point).covariance(), effort.max_iterations, settled=False)
 
 
-def _share(gains: list[float], effort: Effort) -> float:
+def _share_done(gains: list[float], effort: SearchLimits) -> float:
     """Of the way, on a logarithmic scale, from the first step's gain down to one that ends the search; and of steps."""
     steps = len(gains) / effort.max_iterations
     if not gains or min(gains) <= 0 or gains[0] <= effort.tolerance:
@@ -104,9 +110,14 @@ def _share(gains: list[float], effort: Effort) -> float:
     return max(steps, float(np.log(gains[0] / min(gains)) / np.log(gains[0] / effort.tolerance)))
 
 
-def _descend(
-    problem: Problem, point: Point, equations: Equations, damping: float, held: int = 0, least_gain: float = 0.0
-) -> tuple[Point | None, float]:
+def _descend_once(
+    problem: LikelihoodProblem,
+    point: LikelihoodPoint,
+    equations: NormalEquations,
+    damping: float,
+    held: int = 0,
+    least_gain: float = 0.0,
+) -> tuple[LikelihoodPoint | None, float]:
     """One step, with the first `held` parameters held; the point it leads to, or None if none is better.
 
     `equations` are the normal equations there. A step that promises a gain below `least_gain` is not taken.
@@ -116,7 +127,7 @@ def _descend(
     scale[:held] = 0
     if problem.fixed is not None:
         scale[: 2 * problem.fixed.size][np.repeat(problem.fixed, 2)] = 0
-    scale[1:n_poles:2][_at_an_end(problem, point.parameters, equations.pull[1:n_poles:2])] = 0
+    scale[1:n_poles:2][_damping_at_limit(problem, point.parameters, equations.pull[1:n_poles:2])] = 0
     scaled = equations.scaled(scale)
     factor = 4.0
     for _ in range(10):
@@ -128,15 +139,15 @@ def _descend(
             continue
         if move @ scaled.pull < least_gain and damping <= 1e-3:
             return None, damping
-        after = _solved(problem, _moved(problem, point.parameters, scale * move), point.noise)
+        after = _try_parameters(problem, _move_parameters(problem, point.parameters, scale * move), point.noise)
         if after is not None and after.cost <= point.cost:
             share = (point.cost - after.cost) / max(move @ (scaled.pull + damping * move), 1e-300)
-            return after, max(damping * _eased(float(share)), LEAST_DAMPING)
+            return after, max(damping * _damping_factor(float(share)), LEAST_DAMPING)
         damping, factor = damping * factor, 4 * factor
     return None, damping
 
 
-def _eased(share: float) -> float:
+def _damping_factor(share: float) -> float:
     """What damping is multiplied by after a step that gave this share of what the quadratic model promised.
 
     Source: Nielsen, "Damping parameter in Marquardt's method", report IMM-REP-1999-05 (1999).
@@ -144,7 +155,7 @@ def _eased(share: float) -> float:
     return max(0.1, 1 - (2 * share - 1) ** 3)
 
 
-def _solved(problem: Problem, trial: Parameters, noise: Real) -> Point | None:
+def _try_parameters(problem: LikelihoodProblem, trial: SearchParameters, noise: Real) -> LikelihoodPoint | None:
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             return solve_at(problem, trial, noise)
@@ -153,7 +164,7 @@ def _solved(problem: Problem, trial: Parameters, noise: Real) -> Point | None:
         return None
 
 
-def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
+def _move_parameters(problem: LikelihoodProblem, at: SearchParameters, step: Real) -> SearchParameters:
     n, n_blocks = at.omega.size, len(problem.blocks)
     move = step[: 2 * n].reshape(n, 2)
     # Each pole is held back by itself: one that hardly matters must not slow the others down.
@@ -172,16 +183,16 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     n_state = 0 if problem.state_sigma is None else n
     state = at.state + parts[:, :n] if n_state else at.state
     drive = at.drive if problem.drive_sigma is None else at.drive + parts[:, n_state]
-    return Parameters(omega, zeta, state, drive, force)
+    return SearchParameters(omega, zeta, state, drive, force)
 
 
-def _ends_of_zeta(problem: Problem) -> tuple[Real, Real]:
+def _ends_of_zeta(problem: LikelihoodProblem) -> tuple[Real, Real]:
     # Thrown far below its prior a stand-in rings through the block, and creeps back for as many steps as there are.
     centre, sigma = problem.zeta_prior.T
     return np.maximum(centre - PRIOR_REACH * sigma, MIN_ZETA), np.minimum(centre + PRIOR_REACH * sigma, MAX_ZETA)
 
 
-def _at_an_end(problem: Problem, at: Parameters, pull: Real) -> NDArray[np.bool_]:
+def _damping_at_limit(problem: LikelihoodProblem, at: SearchParameters, pull: Real) -> NDArray[np.bool_]:
     """Of each damping ratio (modes,): it stands at an end of what it may be, and is pulled beyond it.
 
     Such a one is held for the step: one computed with a move that is then cut off is none of the others' best, gains

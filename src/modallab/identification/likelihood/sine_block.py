@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.likelihood.excitation import Grid, Kernel, Lines, free_decay
+from modallab.identification.likelihood.excitation import BlockLines, Lines, PoleKernel, free_decay
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -22,10 +22,10 @@ class ToneExcitation:
         amplitude: complex peak force in N: f(t) = Re(amplitude exp(j omega t)), t from the block's start.
         settled: so many of the last poles respond with their steady state, wherever they stand: those that stand for
             modes above the band, which have died out before a block begins.
-        shapes: (2, lines) spectra of exp(j omega t) / 2 and exp(-j omega t) / 2; see `tone`.
+        shapes: (2, lines) spectra of exp(j omega t) / 2 and exp(-j omega t) / 2; see `tone_excitation`.
     """
 
-    grid: Grid
+    grid: BlockLines
     frequency_hz: float
     amplitude: complex
     settled: int
@@ -36,7 +36,7 @@ class ToneExcitation:
         s = 2j * np.pi * self.frequency_hz
         return (s, self.amplitude * self.shapes[0]), (-s, np.conj(self.amplitude) * self.shapes[1])
 
-    def forced(self, poles: NDArray[np.complex128], shared: Kernel | None = None) -> tuple[Lines, Lines]:
+    def forced(self, poles: NDArray[np.complex128], shared: PoleKernel | None = None) -> tuple[Lines, Lines]:
         """See Excitation."""
         del shared
         (s, up), (minus_s, down) = self._tones()
@@ -77,14 +77,14 @@ class ToneExcitation:
         return replace(self, amplitude=self.amplitude * factor)
 
 
-def tone(grid: Grid, frequency_hz: float, amplitude: complex, settled: int) -> ToneExcitation:
+def tone_excitation(grid: BlockLines, frequency_hz: float, amplitude: complex, settled: int) -> ToneExcitation:
     """A steady sine in a block; see ToneExcitation."""
     s = 2j * np.pi * frequency_hz
     shapes = np.stack([_geometric(s, grid), _geometric(-s, grid)]) / 2
     return ToneExcitation(grid, frequency_hz, amplitude, settled, shapes)
 
 
-def _geometric(s: complex, grid: Grid) -> Lines:
+def _geometric(s: complex, grid: BlockLines) -> Lines:
     """DFT of exp(s n dt), n = 0..N-1, at the grid's lines; N where the exponential stands on the line."""
     ratio = np.exp(s * grid.dt - 1j * grid.omega * grid.dt)
     on_line = np.abs(1 - ratio) < 1e-9

@@ -9,7 +9,7 @@ LINES = 400
 """Frequencies at which they are made to stand for a mode."""
 
 
-def folded(
+def fold_into_residuals(
     poles: NDArray[np.complex128], constants: NDArray[np.complex128], band_hz: tuple[float, float]
 ) -> NDArray[np.float64]:
     """Coefficients (powers, outputs, inputs) of the powers that stand in the band for modes above it.
@@ -19,13 +19,15 @@ def folded(
         constants: (modes, outputs, inputs) modal constants.
         band_hz: the band.
     """
-    factors = np.array([_factors(complex(pole), band_hz) for pole in poles]).reshape(len(poles), len(POWERS), 2)
+    factors = np.array([_residual_factors(complex(pole), band_hz) for pole in poles]).reshape(
+        len(poles), len(POWERS), 2
+    )
     residues = constants / (2j * poles.imag[:, None, None])
     parts = np.stack([residues.real, residues.imag], axis=1)
     return np.asarray(np.einsum("rpk,rkoi->poi", factors, parts), np.float64)
 
 
-def _factors(pole: complex, band_hz: tuple[float, float]) -> NDArray[np.float64]:
+def _residual_factors(pole: complex, band_hz: tuple[float, float]) -> NDArray[np.float64]:
     """Factors (powers, 2) of the powers of s that stand in the band for a pole pair of residue 1, and of residue j.
 
     By least squares over the band's mobility: the Taylor series of a pole just above the band hardly converges there.

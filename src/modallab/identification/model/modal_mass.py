@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.digits import numbers
+from modallab.core.digits import number_ranges
 from modallab.core.errors import DataError
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Shapes:
+class UnitMassShapes:
     """phi (modes, outputs) at unit modal mass with one sigma, or why there are none."""
 
     phi: NDArray[np.complex128] | None
@@ -25,7 +25,7 @@ def unit_mass_shapes(
     output_points: Sequence[int | None],
     input_points: Sequence[int | None],
     driving: Sequence[int | None] | None = None,
-) -> Shapes:
+) -> UnitMassShapes:
     """Shapes with A_jk = phi_j phi_k (eq. 13), by least squares over all inputs, weighted by 1 / sigma^2.
 
     An input without a sensor at its point helps with the shape, but only a driving point gives the modal mass.
@@ -44,10 +44,10 @@ def unit_mass_shapes(
     driving = output_points if driving is None else driving
     unavailable = why_unavailable(output_points, input_points, driving)
     if unavailable:
-        return Shapes(None, None, unavailable)
-    rows = [None if p is None else _index(driving, p) for p in input_points]
+        return UnitMassShapes(None, None, unavailable)
+    rows = [None if p is None else _index_of_point(driving, p) for p in input_points]
     found = [_one_mode(a, s, rows) for a, s in zip(constants, sigma, strict=True)]
-    return Shapes(np.array([f[0] for f in found]), np.array([f[1] for f in found]), "")
+    return UnitMassShapes(np.array([f[0] for f in found]), np.array([f[1] for f in found]), "")
 
 
 def check_constants(
@@ -80,14 +80,14 @@ def why_unavailable(
         return "no shapes: fewer than two sensors stand at known points; no modal mass for the same reason"
     along = known if driving is None else driving
     if not any(p is not None and p in along for p in input_points):
-        driven = numbers(input_points)
+        driven = number_ranges(input_points)
         if any(p is not None and p in known for p in input_points):
             return f"no modal mass: no sensor at a driven point (driven: {driven}) looks along the drive; put one there"
         return f"no modal mass: no sensor stands at a driven point (driven: {driven}); put one there"
     return ""
 
 
-def _index(points: Sequence[int | None], point: int) -> int | None:
+def _index_of_point(points: Sequence[int | None], point: int) -> int | None:
     return list(points).index(point) if point in points else None
 
 
@@ -101,10 +101,12 @@ def _one_mode(
     phi = a[:, best] / np.sqrt(a[row, best])
     for _ in range(20):
         at_input = np.array(
-            [phi[r] if r is not None else _unseen(a[:, k], phi, weight[:, k]) for k, r in enumerate(rows)]
+            [phi[r] if r is not None else _is_unseen(a[:, k], phi, weight[:, k]) for k, r in enumerate(rows)]
         )
         phi = (weight * a) @ at_input.conj() / (weight @ np.abs(at_input) ** 2)
-    at_input = np.array([phi[r] if r is not None else _unseen(a[:, k], phi, weight[:, k]) for k, r in enumerate(rows)])
+    at_input = np.array(
+        [phi[r] if r is not None else _is_unseen(a[:, k], phi, weight[:, k]) for k, r in enumerate(rows)]
+    )
     own = (weight @ np.abs(at_input) ** 2) ** -0.5
     relative = sigma[row, best] / (2 * np.abs(a[row, best]))
     turned = phi * np.exp(-1j * np.angle(phi[np.argmax(np.abs(phi))]))
@@ -113,5 +115,7 @@ def _one_mode(
     return sign * phi, np.sqrt(own**2 + (np.abs(phi) * relative) ** 2)
 
 
-def _unseen(column: NDArray[np.complex128], phi: NDArray[np.complex128], weight: NDArray[np.float64]) -> np.complex128:
+def _is_unseen(
+    column: NDArray[np.complex128], phi: NDArray[np.complex128], weight: NDArray[np.float64]
+) -> np.complex128:
     return np.sum(weight * phi.conj() * column) / np.sum(weight * np.abs(phi) ** 2)

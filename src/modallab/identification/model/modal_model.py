@@ -10,22 +10,22 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.identification.estimator import USUAL, find_estimator
-from modallab.identification.likelihood.fit import Fit, residuals
+from modallab.identification.likelihood.fit import LikelihoodFit, residual_coefficients
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.rows import unstack
+from modallab.identification.likelihood.rows import complex_lines
 from modallab.identification.model.driving import driving_points
-from modallab.identification.model.folded import POWERS, folded
+from modallab.identification.model.folded import POWERS, fold_into_residuals
 from modallab.identification.model.modal_mass import unit_mass_shapes
-from modallab.identification.model.repeated_poles import Split, split_repeated
+from modallab.identification.model.repeated_poles import SplitConstants, split_repeated
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Seen:
+class FitReadings:
     """What a model takes of a fit beside its poles.
 
     Attributes:
         constants: (modes, outputs, inputs) modal constants.
-        sigma_of_parts: (modes, outputs, inputs) as `Fit.modal_constants` has it.
+        sigma_of_parts: (modes, outputs, inputs) as `LikelihoodFit.modal_constants` has it.
         terms: (powers, outputs, inputs) residual terms.
         apparent: (modes,) share of a mode's constants that misfit or scatter can pass off as another mode's.
     """
@@ -36,13 +36,13 @@ class Seen:
     apparent: NDArray[np.float64]
 
 
-def seen_by(fit: Fit) -> Seen:
+def seen_by(fit: LikelihoodFit) -> FitReadings:
     """What a model takes of a fit."""
     constants, sigma = fit.modal_constants
-    return Seen(constants, sigma, residuals(fit), _apparent(fit, constants))
+    return FitReadings(constants, sigma, residual_coefficients(fit), _apparent_misfit(fit, constants))
 
 
-def _apparent(fit: Fit, constants: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _apparent_misfit(fit: LikelihoodFit, constants: NDArray[np.complex128]) -> NDArray[np.float64]:
     """(modes,) the misfit of FRFs within each mode's width, over the height of its peak; 0 of blocks.
 
     Where one pole does not explain all FRFs of a mode, what is left takes the place of a second shape.
@@ -51,7 +51,7 @@ def _apparent(fit: Fit, constants: NDArray[np.complex128]) -> NDArray[np.float64
     if fit.channels is None:
         return np.zeros(at.omega.size)
     grid = fit.problem.blocks[0].excitation.grid
-    left = np.sum(np.abs(unstack(fit.point.groups[0].residual)) ** 2, axis=0)
+    left = np.sum(np.abs(complex_lines(fit.point.groups[0].residual)) ** 2, axis=0)
     height = np.linalg.norm(constants.reshape(at.omega.size, -1), axis=1) * at.omega ** (grid.p - 2) / (2 * at.zeta)
     near = np.abs(grid.omega - at.omega[:, None]) <= np.maximum(at.zeta * at.omega, np.diff(grid.omega).max())[:, None]
     lines = np.maximum(near.sum(axis=1), 1)
@@ -59,7 +59,7 @@ def _apparent(fit: Fit, constants: NDArray[np.complex128]) -> NDArray[np.float64
 
 
 def model_of_fit(
-    fit: Fit,
+    fit: LikelihoodFit,
     keep: NDArray[np.bool_],
     rig: Rig,
     test: Test | None,
@@ -67,7 +67,7 @@ def model_of_fit(
     readings: tuple[NDArray[np.float64], NDArray[np.float64]],
     notes: tuple[str, ...],
     method: str = USUAL,
-    seen: Seen | None = None,
+    seen: FitReadings | None = None,
 ) -> ModalModel:
     """The model of the kept modes; the others are folded into the residual terms.
 
@@ -122,7 +122,7 @@ def model_of_fit(
     )
 
 
-def _repeated_notes(split: Split, frequency_hz: NDArray[np.float64]) -> tuple[str, ...]:
+def _repeated_notes(split: SplitConstants, frequency_hz: NDArray[np.float64]) -> tuple[str, ...]:
     return tuple(
         f"{count} modes share the pole at {frequency_hz[r]:.4g} Hz. Their shapes span a plane: any mix of them is a "
         "mode as well."
@@ -132,7 +132,7 @@ def _repeated_notes(split: Split, frequency_hz: NDArray[np.float64]) -> tuple[st
 
 
 def _residual_terms(
-    fit: Fit,
+    fit: LikelihoodFit,
     keep: NDArray[np.bool_],
     seen: tuple[NDArray[np.complex128], NDArray[np.float64]],
     band_hz: tuple[float, float],
@@ -144,7 +144,9 @@ def _residual_terms(
     for power, term in zip(fit.problem.powers, own, strict=True):
         terms[powers.index(power)] += term
     above = ~keep & (at.omega > np.max(at.omega[keep], initial=0.0))
-    for power, term in zip(POWERS, folded(poles_of(at.omega, at.zeta)[above], constants[above], band_hz), strict=True):
+    for power, term in zip(
+        POWERS, fold_into_residuals(poles_of(at.omega, at.zeta)[above], constants[above], band_hz), strict=True
+    ):
         if power in powers:
             terms[powers.index(power)] += term
     return tuple(powers), terms
@@ -168,7 +170,7 @@ def without_sigma(model: ModalModel) -> ModalModel:
     )
 
 
-def receptance(
+def receptance_of_model(
     model: ModalModel, frequency_hz: NDArray[np.float64], damping_shift: float = 0.0
 ) -> NDArray[np.complex128]:
     """The model's receptance (outputs, inputs, lines), with no block and no truncation: eqs. 13 and 14.

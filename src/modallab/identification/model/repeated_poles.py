@@ -34,7 +34,7 @@ ALIKE = 1e3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Split:
+class SplitConstants:
     """Modal constants with repeated roots split up.
 
     Attributes:
@@ -54,7 +54,7 @@ def split_repeated(
     output_points: Sequence[int | None],
     input_points: Sequence[int | None],
     apparent: Real | None = None,
-) -> Split:
+) -> SplitConstants:
     """Each pole's modal constants as those of one mode, or of several if their rank is higher.
 
     An error of the model raises the rank too, but is not what modes are: in phase or opposite, as the first rank is but
@@ -78,17 +78,17 @@ def split_repeated(
     pole: list[int] = []
     parts: list[Complex128] = []
     for r, (a, s) in enumerate(zip(constants, sigma, strict=True)):
-        driven = _driven(output_points, input_points)
+        driven = _driven_pairs(output_points, input_points)
         share = SHARE if apparent is None else max(SHARE, MORE * float(apparent[r]))
-        rank = _reciprocal_rank(a, _rank(a, s, share), driven)
-        found = [a] if rank == 1 else _parts(a, rank, driven)
+        rank = _reciprocal_rank(a, _rank_above_noise(a, s, share), driven)
+        found = [a] if rank == 1 else _rank_one_parts(a, rank, driven)
         pole += [r] * len(found)
         parts += found
     index = np.array(pole, dtype=np.int64)
-    return Split(index, np.array(parts).reshape(-1, *constants.shape[1:]), sigma[index])
+    return SplitConstants(index, np.array(parts).reshape(-1, *constants.shape[1:]), sigma[index])
 
 
-def _rank(a: Complex128, sigma: Real, share: float) -> int:
+def _rank_above_noise(a: Complex128, sigma: Real, share: float) -> int:
     """How many singular values stand above noise, whose largest is about sigma (sqrt(rows) + sqrt(columns))."""
     if min(a.shape) < 2 or not np.isfinite(sigma).all():
         return 1
@@ -102,10 +102,10 @@ def _rank(a: Complex128, sigma: Real, share: float) -> int:
     parts = u.T[:rank, :, None] * values[:rank, None, None] * vh[:rank, None]
     # Noise turns about as many numbers of a part as the matrix has rows and columns, half of it in quadrature.
     by_noise = MORE * each**2 * sum(a.shape) / 2
-    return 1 + min(_in_phase(parts, by_noise), _on_many(parts))
+    return 1 + min(_parts_in_phase(parts, by_noise), _parts_on_many_points(parts))
 
 
-def _on_many(parts: Complex128) -> int:
+def _parts_on_many_points(parts: Complex128) -> int:
     """How many of the parts after the first live on several points, up to the first that does not."""
     # The side on which there are more points; participation is 1 for a single one and their number for all alike.
     longer = 2 if parts.shape[1] >= parts.shape[2] else 1
@@ -115,7 +115,7 @@ def _on_many(parts: Complex128) -> int:
     return int(kept.size if kept.all() else np.argmin(kept))
 
 
-def _in_phase(parts: Complex128, by_noise: float) -> int:
+def _parts_in_phase(parts: Complex128, by_noise: float) -> int:
     """How many of the parts after the first are modes by their phases, up to the first that is not."""
     first = parts[0]
     turned = parts * np.exp(-0.5j * np.angle(np.sum(first**2)))
@@ -139,22 +139,22 @@ def _reciprocal_rank(a: Complex128, rank: int, driven: list[tuple[int, int]]) ->
     return max(1, min(rank, int(np.sum(values > max(MORE * odd, 1e-9 * values.max())))))
 
 
-def _driven(output_points: Sequence[int | None], input_points: Sequence[int | None]) -> list[tuple[int, int]]:
+def _driven_pairs(output_points: Sequence[int | None], input_points: Sequence[int | None]) -> list[tuple[int, int]]:
     """(output, input) at each driven point that has a sensor."""
     outputs = list(output_points)
     return [(outputs.index(p), k) for k, p in enumerate(input_points) if p is not None and p in outputs]
 
 
-def _parts(a: Complex128, rank: int, driven: list[tuple[int, int]]) -> list[Complex128]:
+def _rank_one_parts(a: Complex128, rank: int, driven: list[tuple[int, int]]) -> list[Complex128]:
     u, values, vh = np.linalg.svd(a, full_matrices=False)
     u, right = u[:, :rank], values[:rank, None] * vh[:rank]
-    mix = _reciprocal(u, right, driven)
+    mix = _make_reciprocal(u, right, driven)
     left = u if mix is None else u @ mix
     forces = right if mix is None else np.linalg.solve(mix, right)
     return [np.asarray(np.outer(left[:, k], forces[k]), np.complex128) for k in range(rank)]
 
 
-def _reciprocal(u: Complex128, right: Complex128, driven: list[tuple[int, int]]) -> Complex128 | None:
+def _make_reciprocal(u: Complex128, right: Complex128, driven: list[tuple[int, int]]) -> Complex128 | None:
     """X with (U X) and (X^-1 right)^T the same at the driven points: X X^T = G, G from U_d G = right_d^T."""
     if len(driven) < u.shape[1]:
         return None

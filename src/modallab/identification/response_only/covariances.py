@@ -23,7 +23,7 @@ SEGMENTS = 24
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Band:
+class BandCovariances:
     """Responses at the rate of one band.
 
     Attributes:
@@ -41,7 +41,9 @@ class Band:
     first_lag: int
 
 
-def bands(records: Sequence[Real], rate_hz: float, band_hz: tuple[float, float]) -> Iterator[Band]:
+def covariances_by_band(
+    records: Sequence[Real], rate_hz: float, band_hz: tuple[float, float]
+) -> Iterator[BandCovariances]:
     """The records at their own rate, then each a quarter of it, down to the lower edge.
 
     Args:
@@ -55,14 +57,14 @@ def bands(records: Sequence[Real], rate_hz: float, band_hz: tuple[float, float])
         last = low <= LAST * band_hz[0]
         low = band_hz[0] if last else low
         if low < band_hz[1]:
-            yield Band(tuple(records), rate_hz, max(low, band_hz[0]), min(top, band_hz[1]), first_lag)
+            yield BandCovariances(tuple(records), rate_hz, max(low, band_hz[0]), min(top, band_hz[1]), first_lag)
         if last:
             return
-        records, rate_hz = [_decimated(r) for r in records], rate_hz / DECIMATION
+        records, rate_hz = [_decimate_record(r) for r in records], rate_hz / DECIMATION
         first_lag, top = FILTER_LAGS, low
 
 
-def _decimated(record: Real) -> Real:
+def _decimate_record(record: Real) -> Real:
     """By a filter without phase, flat up to 0.4 of the new rate and deaf from 0.6 on."""
     # Imported here: who knows the forces needs none of it.
     from scipy import signal
@@ -77,7 +79,7 @@ class TooShortError(DataError):
     """Records too short for the lowest modes that are asked for."""
 
 
-def segment_covariances(band: Band, lags: int) -> Real:
+def segment_covariances(band: BandCovariances, lags: int) -> Real:
     """Covariances (segments, lags, outputs, outputs) E[y(t + k) y(t)^T], k from the band's first lag on.
 
     Their mean is that of all records. A segment's products may reach into the next one's samples.
@@ -91,7 +93,7 @@ def segment_covariances(band: Band, lags: int) -> Real:
     """
     reach = band.first_lag + lags
     usable = [r.shape[1] - reach for r in band.records]
-    length = _length(usable)
+    length = _segment_length(usable)
     if length < reach:
         raise TooShortError(
             f"{sum(r.shape[1] for r in band.records) / band.rate_hz:.3g} s of records are too short for modes from "
@@ -102,11 +104,11 @@ def segment_covariances(band: Band, lags: int) -> Real:
     for record, n in zip(band.records, usable, strict=True):
         count = n // length
         if count:
-            found.append(_products(record, count, length, band.first_lag, lags))
+            found.append(_lagged_products(record, count, length, band.first_lag, lags))
     return np.concatenate(found)
 
 
-def _length(usable: Sequence[int]) -> int:
+def _segment_length(usable: Sequence[int]) -> int:
     """The longest segment of which the records hold enough."""
     length = max(1, sum(max(0, n) for n in usable) // SEGMENTS)
     while length > 1 and sum(max(0, n) // length for n in usable) < SEGMENTS:
@@ -114,7 +116,7 @@ def _length(usable: Sequence[int]) -> int:
     return length
 
 
-def _products(record: Real, count: int, length: int, first: int, lags: int) -> Real:
+def _lagged_products(record: Real, count: int, length: int, first: int, lags: int) -> Real:
     outputs = len(record)
 
     def pieces(k: int) -> Real:

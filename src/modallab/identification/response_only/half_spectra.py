@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Complex128, Real
 from modallab.core.frf import Frf
 from modallab.identification.estimators.plscf import plscf
-from modallab.identification.response_only.subspace import Poles, unit_at_largest
+from modallab.identification.response_only.subspace import OrderPolesWithSlopes, unit_at_largest
 
 LAGS = 96
 """The lines are half as many."""
@@ -48,7 +48,7 @@ class HalfSpectra:
         """Orders of the polynomial, named by how many poles there are."""
         return tuple(range(self._references, (self._order + 1) * self._references, self._references))
 
-    def at(self, order: int) -> Poles:
+    def at(self, order: int) -> OrderPolesWithSlopes:
         """Poles of one order with what moves them."""
         poles, shapes = self._solved(self._mean, order // self._references)
         count = len(self._without)
@@ -58,7 +58,7 @@ class HalfSpectra:
         for k, covariances in enumerate(self._without):
             own, own_shapes = self._solved(covariances, order // self._references, largest, poles)
             moved[k], shapes_moved[k] = (count - 1) * (poles - own), (count - 1) * (shapes - own_shapes)
-        return Poles(poles, shapes, moved, shapes_moved)
+        return OrderPolesWithSlopes(poles, shapes, moved, shapes_moved)
 
     def _solved(
         self, covariances: Real, order: int, largest: NDArray[np.int64] | None = None, like: Complex128 | None = None

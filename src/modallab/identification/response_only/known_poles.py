@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from modallab.core.arrays import Complex128, Real
-from modallab.identification.response_only.covariances import bands, segment_covariances
+from modallab.identification.response_only.covariances import covariances_by_band, segment_covariances
 from modallab.identification.response_only.looks import SSI_COV
 
 
@@ -33,17 +33,17 @@ def shapes_at(
     sigma = np.full(shapes.shape, np.inf)
     omega = 2 * np.pi * frequency_hz
     poles = omega * (-damping_ratio + 1j * np.sqrt(1 - damping_ratio**2))
-    for band in bands(still, rate_hz, band_hz):
+    for band in covariances_by_band(still, rate_hz, band_hz):
         own = np.flatnonzero((frequency_hz >= band.low_hz) & (frequency_hz <= band.high_hz))
         if own.size:
             lags = SSI_COV.lags(len(still[0]))[0]
-            residues = _residues(segment_covariances(band, lags), poles / band.rate_hz)
+            residues = _residues_of_decays(segment_covariances(band, lags), poles / band.rate_hz)
             for r in own:
-                shapes[r], sigma[r] = _shape(residues[:, r])
+                shapes[r], sigma[r] = _mean_shape(residues[:, r])
     return shapes, sigma
 
 
-def _residues(covariances: Real, exponents: Complex128) -> Complex128:
+def _residues_of_decays(covariances: Real, exponents: Complex128) -> Complex128:
     """(segments, modes, outputs, outputs) of decays exp(exponent lag) in (segments, lags, outputs, outputs)."""
     segments, lags, outputs, _ = covariances.shape
     decays = np.exp(exponents * np.arange(lags)[:, None])
@@ -53,7 +53,7 @@ def _residues(covariances: Real, exponents: Complex128) -> Complex128:
     return (both[0] + 1j * both[1]).transpose(1, 0, 2, 3)
 
 
-def _shape(residues: Complex128) -> tuple[Complex128, Real]:
+def _mean_shape(residues: Complex128) -> tuple[Complex128, Real]:
     """(outputs,) by which the mean of (segments, outputs, outputs) is best repeated, and its sigma."""
     count = len(residues)
     _, s, vh = np.linalg.svd(residues.mean(axis=0))

@@ -8,9 +8,9 @@ import numpy as np
 from scipy.special import ndtri, stdtrit
 
 from modallab.core.arrays import Complex128, Real
-from modallab.identification.response_only.covariances import Band, TooShortError, segment_covariances
+from modallab.identification.response_only.covariances import BandCovariances, TooShortError, segment_covariances
 from modallab.identification.response_only.half_spectra import LAGS, HalfSpectra
-from modallab.identification.response_only.subspace import Poles, Subspace
+from modallab.identification.response_only.subspace import OrderPolesWithSlopes, Subspace
 
 ROWS = 320
 """Of the block Hankel matrix, about."""
@@ -64,7 +64,7 @@ class SeenMode:
         return float(np.hypot(self.sigma[0] / self.value[0], self.sigma[1]))
 
 
-class Solver(Protocol):
+class PoleSolver(Protocol):
     """Poles of covariances at any of some orders, with what moves them."""
 
     @property
@@ -72,13 +72,13 @@ class Solver(Protocol):
         """Which, rising; an order is the number of poles."""
         ...
 
-    def at(self, order: int) -> Poles:
+    def at(self, order: int) -> OrderPolesWithSlopes:
         """Those of one order, with what each segment's deviation moves."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
-class Method:
+class PoleMethod:
     """How poles of covariances are found.
 
     Attributes:
@@ -87,19 +87,19 @@ class Method:
     """
 
     lags: Callable[[int], tuple[int, ...]]
-    solve: Callable[[Real, float, int], Solver]
+    solve: Callable[[Real, float, int], PoleSolver]
 
 
-def _lags(outputs: int) -> tuple[int, ...]:
+def _lags_for_outputs(outputs: int) -> tuple[int, ...]:
     rows = int(np.clip(ROWS // outputs, *BLOCK_ROWS))
     return tuple(2 * int(rows * size) for size in SIZES if rows * size * outputs <= SIZES[-1] * ROWS)
 
 
-SSI_COV = Method(_lags, Subspace)
-PLSCF = Method(lambda outputs: (LAGS,), HalfSpectra)
+SSI_COV = PoleMethod(_lags_for_outputs, Subspace)
+PLSCF = PoleMethod(lambda outputs: (LAGS,), HalfSpectra)
 
 
-def modes_of_band(band: Band, scale: Real, method: Method) -> list[SeenMode]:
+def modes_of_band(band: BandCovariances, scale: Real, method: PoleMethod) -> list[SeenMode]:
     """The modes of one band.
 
     Args:
@@ -112,14 +112,16 @@ def modes_of_band(band: Band, scale: Real, method: Method) -> list[SeenMode]:
     """
     seconds = sum(r.shape[1] for r in band.records) / band.rate_hz
     low, high = 2 * np.pi * band.low_hz * (1 - AT_EDGE), 2 * np.pi * band.high_hz * (1 + AT_EDGE)
-    looks = list(_looks(band, scale, method, seconds))
+    looks = list(_poles_of_all_sizes(band, scale, method, seconds))
     near = [[m for m in look if low <= m.value[0] <= high and 0 < m.value[1] < MAX_ZETA] for look in looks]
-    rated = [(group, _confidence(group, len(looks), seconds)) for group in _groups(near)]
+    rated = [(group, _confidence_of_group(group, len(looks), seconds)) for group in _group_poles(near)]
     held = [(group, sure) for group, sure in rated if sure > LEAST_CONFIDENCE]
     return [replace(_well_known(group, 2 * (len(held) + SPARE)), confidence=sure) for group, sure in held]
 
 
-def _looks(band: Band, scale: Real, method: Method, seconds: float) -> Iterator[list[SeenMode]]:
+def _poles_of_all_sizes(
+    band: BandCovariances, scale: Real, method: PoleMethod, seconds: float
+) -> Iterator[list[SeenMode]]:
     """The poles of every order of every size that the records are long enough for."""
     sizes = method.lags(len(band.records[0]))
     for lags in sizes:
@@ -134,28 +136,32 @@ def _looks(band: Band, scale: Real, method: Method, seconds: float) -> Iterator[
         for k in np.unique(np.geomspace(1, count, min(count, ASKED)).astype(int) - 1):
             order = solver.orders[k]
             at = solver.at(order)
-            modes = [_seen(at, r, scale, seconds / len(covariances)) for r in range(at.poles.size)]
+            modes = [_seen_mode(at, r, scale, seconds / len(covariances)) for r in range(at.poles.size)]
             yield [replace(mode, order=order) for mode in modes]
 
 
-def _groups(looks: Sequence[Sequence[SeenMode]]) -> Iterator[list[SeenMode]]:
+def _group_poles(looks: Sequence[Sequence[SeenMode]]) -> Iterator[list[SeenMode]]:
     """Poles that are one, at most one of each look; the best known pole gathers first."""
     free = [(n, m) for n, look in enumerate(looks) for m in look]
     free.sort(key=lambda item: item[1].relative)
     while free:
         seed = free[0][1]
         reach = max(REACH * seed.relative, LEAST_REACH)
-        apart = {k: _apart(m, seed) for k, (_, m) in enumerate(free) if _apart(m, seed) < reach and alike(m, seed)}
+        apart = {
+            k: _pole_distance(m, seed)
+            for k, (_, m) in enumerate(free)
+            if _pole_distance(m, seed) < reach and shapes_agree(m, seed)
+        }
         nearest = {free[k][0]: k for k in sorted(apart, key=lambda k: -apart[k])}
         yield [free[k][1] for k in nearest.values()]
         free = [item for k, item in enumerate(free) if k not in nearest.values()]
 
 
-def _apart(one: SeenMode, other: SeenMode) -> float:
+def _pole_distance(one: SeenMode, other: SeenMode) -> float:
     return float(max(abs(one.value[0] / other.value[0] - 1), abs(one.value[1] - other.value[1])))
 
 
-def _confidence(group: Sequence[SeenMode], looks: int, seconds: float) -> float:
+def _confidence_of_group(group: Sequence[SeenMode], looks: int, seconds: float) -> float:
     best = min(group, key=lambda m: m.relative)
     omega, zeta = best.value
     # Of one mode that answers white noise, without any other noise, 1 / (zeta omega T) is the least relative variance.
@@ -170,12 +176,12 @@ def _well_known(group: Sequence[SeenMode], least_order: int) -> SeenMode:
     return ordered[int(WELL_KNOWN * len(ordered))]
 
 
-def _seen(at: Poles, r: int, scale: Real, length_s: float) -> SeenMode:
+def _seen_mode(at: OrderPolesWithSlopes, r: int, scale: Real, length_s: float) -> SeenMode:
     pole, moved = at.poles[r], at.moved[:, r]
     omega = abs(pole)
     by_omega = np.real(np.conj(pole) * moved) / omega
     by_zeta = -moved.real / omega + pole.real * by_omega / omega**2
-    wider = _wider(len(moved), -pole.real, length_s)
+    wider = _sigma_factor(len(moved), -pole.real, length_s)
     count = len(moved) * (len(moved) - 1)
     sigma = np.sqrt(np.array([np.sum((x - x.mean()) ** 2) for x in (by_omega, by_zeta)]) / count)
     shape = at.shapes[r] * scale
@@ -187,7 +193,7 @@ def _seen(at: Poles, r: int, scale: Real, length_s: float) -> SeenMode:
     )
 
 
-def _wider(segments: int, decay: float, length_s: float) -> float:
+def _sigma_factor(segments: int, decay: float, length_s: float) -> float:
     """By how much the segments' scatter understates a sigma.
 
     The power of a mode stays as it is for 1 / (2 decay), so that neighbouring segments are alike; and of few segments
@@ -198,7 +204,7 @@ def _wider(segments: int, decay: float, length_s: float) -> float:
     return float(student / np.sqrt(1 - alike))
 
 
-def alike(one: SeenMode, other: SeenMode) -> bool:
+def shapes_agree(one: SeenMode, other: SeenMode) -> bool:
     """Whether the shapes of two poles may be one."""
     cross = abs(np.vdot(one.shape, other.shape)) ** 2
     return bool(cross >= LIKE * np.vdot(one.shape, one.shape).real * np.vdot(other.shape, other.shape).real)

@@ -43,14 +43,14 @@ def steady_lines(record: Real, rate_hz: float, band_hz: tuple[float, float]) -> 
         rate_hz: its rate.
         band_hz: where to look.
     """
-    spectra = _stretches(record, STRETCHES)
+    spectra = _spectra_of_stretches(record, STRETCHES)
     spacing = rate_hz / (record.shape[1] // STRETCHES)
     first, last = (int(np.clip(round(f / spacing), 1, spectra.shape[-1] - 1)) for f in band_hz)
     share, offset = np.zeros(spectra.shape[-1]), np.zeros(spectra.shape[-1])
     step = max(1, AT_ONCE // (STRETCHES * FINER * len(record)))
     for k in range(first, last + 1, step):
         lines = slice(k, min(k + step, last + 1))
-        share[lines], offset[lines] = _coherent(spectra[..., lines])
+        share[lines], offset[lines] = _coherent_share(spectra[..., lines])
     chance = (last + 1 - first) * STRETCHES * (1 - share) ** (STRETCHES - 1)
     found: list[int] = []
     for k in np.argsort(chance):
@@ -58,7 +58,7 @@ def steady_lines(record: Real, rate_hz: float, band_hz: tuple[float, float]) -> 
             break
         if share[k] and all(abs(k - other) > LOBE for other in found):
             found.append(int(k))
-    return np.array([_refined(spectra[..., k], k, float(offset[k])) * spacing for k in sorted(found)])
+    return np.array([_refine_line(spectra[..., k], k, float(offset[k])) * spacing for k in sorted(found)])
 
 
 def line_at(record: Real, rate_hz: float, frequency_hz: float, damping_ratio: float) -> float | None:
@@ -74,21 +74,21 @@ def line_at(record: Real, rate_hz: float, frequency_hz: float, damping_ratio: fl
     count = min(int(seconds * decay / DECAYS), MOST_STRETCHES)
     steady = damping_ratio < UNDAMPED
     if count >= LEAST_STRETCHES:
-        share, _ = _coherent(_demodulated(record, rate_hz, frequency_hz, count)[..., None])
+        share, _ = _coherent_share(_demodulate(record, rate_hz, frequency_hz, count)[..., None])
         steady = count * (1 - share[0]) ** (count - 1) < CHANCE
-    if steady or _wanders(record, rate_hz, frequency_hz, seconds * decay):
-        return _peak(record, rate_hz, frequency_hz, count / seconds)
+    if steady or _amplitude_wanders(record, rate_hz, frequency_hz, seconds * decay):
+        return _peak_frequency(record, rate_hz, frequency_hz, count / seconds)
     return None
 
 
-def _wanders(record: Real, rate_hz: float, frequency_hz: float, decays: float) -> bool:
+def _amplitude_wanders(record: Real, rate_hz: float, frequency_hz: float, decays: float) -> bool:
     """Whether the amplitude at a pole moves across its phase only, in a record of so many time constants."""
     cycles = record.shape[1] / rate_hz * frequency_hz
     count = int(min(np.clip(IN_A_DECAY * decays, FINE_STRETCHES, MOST_STRETCHES), cycles / LOBE))
-    return count >= LEAST_STRETCHES and _along(_demodulated(record, rate_hz, frequency_hz, count)) < CHANCE
+    return count >= LEAST_STRETCHES and _phase_likelihood(_demodulate(record, rate_hz, frequency_hz, count)) < CHANCE
 
 
-def without(record: Real, rate_hz: float, frequency_hz: float) -> Real:
+def without_line(record: Real, rate_hz: float, frequency_hz: float) -> Real:
     """The record less a line whose amplitude and phase may wander from stretch to stretch."""
     length, samples = record.shape[1] // STRETCHES // 2 * 2, record.shape[1]
     window = np.hanning(length + 1)[:-1]
@@ -105,7 +105,7 @@ def without(record: Real, rate_hz: float, frequency_hz: float) -> Real:
     return left
 
 
-def words(lines_hz: Sequence[float] | Real) -> str:
+def lines_in_words(lines_hz: Sequence[float] | Real) -> str:
     """What is said of lines that were found."""
     listed = ", ".join(f"{f:.5g}" for f in lines_hz)
     base = float(min(lines_hz))
@@ -118,22 +118,22 @@ def words(lines_hz: Sequence[float] | Real) -> str:
     )
 
 
-def _peak(record: Real, rate_hz: float, frequency_hz: float, reach_hz: float) -> float:
+def _peak_frequency(record: Real, rate_hz: float, frequency_hz: float, reach_hz: float) -> float:
     """Where a spectrum is highest, so far about a frequency."""
-    power = np.sum(np.abs(_stretches(record, STRETCHES)) ** 2, axis=(0, 1))
+    power = np.sum(np.abs(_spectra_of_stretches(record, STRETCHES)) ** 2, axis=(0, 1))
     line = np.arange(power.size) * rate_hz / (record.shape[1] // STRETCHES)
     near = np.abs(line - frequency_hz) <= max(reach_hz, line[1])
     return float(line[near][np.argmax(power[near])])
 
 
-def _stretches(record: Real, count: int) -> Complex128:
+def _spectra_of_stretches(record: Real, count: int) -> Complex128:
     """(count, outputs, lines) spectra of stretches that follow each other."""
     length = record.shape[1] // count
     parts = record[:, : count * length].reshape(len(record), count, length).transpose(1, 0, 2)
     return np.fft.rfft(parts * np.kaiser(length, TAPER), axis=-1)
 
 
-def _demodulated(record: Real, rate_hz: float, frequency_hz: float, count: int) -> Complex128:
+def _demodulate(record: Real, rate_hz: float, frequency_hz: float, count: int) -> Complex128:
     """(count, outputs) of stretches that follow each other, at one frequency, phases against its own course."""
     length = record.shape[1] // count
     turn = np.exp(-2j * np.pi * frequency_hz / rate_hz * np.arange(count * length))
@@ -141,7 +141,7 @@ def _demodulated(record: Real, rate_hz: float, frequency_hz: float, count: int) 
                      turn.reshape(count, length) * np.hanning(length + 1)[:-1])  # fmt: skip
 
 
-def _coherent(parts: Complex128) -> tuple[Real, Real]:
+def _coherent_share(parts: Complex128) -> tuple[Real, Real]:
     """(lines,) share of the power of (stretches, outputs, lines) that goes on steadily, and at which part of a line."""
     count = len(parts)
     power = count * np.sum(np.abs(parts) ** 2, axis=(0, 1))
@@ -152,13 +152,13 @@ def _coherent(parts: Complex128) -> tuple[Real, Real]:
     return np.minimum(share, 1.0), np.where(cycles > 0.5, cycles - 1, cycles)
 
 
-def _refined(parts: Complex128, line: int, offset: float) -> float:
+def _refine_line(parts: Complex128, line: int, offset: float) -> float:
     """The line (with its decimals) by what is left of the phase's course over (stretches, outputs)."""
     turned = parts * np.exp(-2j * np.pi * offset * np.arange(len(parts)))[:, None]
     return line + offset + cmath.phase(complex(np.vdot(turned[:-1], turned[1:]))) / (2 * np.pi)
 
 
-def _along(parts: Complex128) -> float:
+def _phase_likelihood(parts: Complex128) -> float:
     """How likely amplitudes of (stretches, outputs) move by chance so little along their phase, against across it."""
     amplitude = parts @ np.linalg.svd(parts, full_matrices=False)[2][0].conj()
     before, size = amplitude[:-1], np.abs(amplitude[:-1])

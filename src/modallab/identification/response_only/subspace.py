@@ -19,7 +19,7 @@ from modallab.core.arrays import Complex128, Real
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Poles:
+class OrderPolesWithSlopes:
     """The poles of one order, and how each segment's deviation moves them.
 
     Attributes:
@@ -60,21 +60,21 @@ class Subspace:
         """Every second one."""
         return tuple(range(2, self.highest + 1, 2))
 
-    def at(self, order: int) -> Poles:
+    def at(self, order: int) -> OrderPolesWithSlopes:
         """Poles of one order with what moves them."""
         o, a = self._system(order)
         values, right = (np.asarray(part, np.complex128) for part in np.linalg.eig(a))
         left = np.linalg.inv(right)
-        keep, poles = _upper(a, self._rate_hz, values)
+        keep, poles = _upper_half_plane(a, self._rate_hz, values)
         # A rotation of the subspace within itself moves neither poles nor shapes: only what leaves it counts.
         o_moved = self._moved[:, :, :order] - o @ self._along[:, :order, :order]
         a_moved = self._a_moved(o, a, o_moved)
         by_mode = np.asarray(left @ a_moved @ right, np.complex128)
         moved = np.asarray(np.diagonal(by_mode, axis1=1, axis2=2)[:, keep] * self._rate_hz / values[keep])
         shapes = np.asarray((o[: self._outputs] @ right)[:, keep].T)
-        mixed = _mixed(by_mode, values, keep)
+        mixed = _mixing_of_eigenvectors(by_mode, values, keep)
         shapes_moved = (o_moved[:, : self._outputs] @ right)[:, :, keep] + (o[: self._outputs] @ right) @ mixed
-        return Poles(poles, *_scaled(shapes, moved, shapes_moved.transpose(0, 2, 1)))
+        return OrderPolesWithSlopes(poles, *_scale_shapes(shapes, moved, shapes_moved.transpose(0, 2, 1)))
 
     def _system(self, order: int) -> tuple[Real, Real]:
         o, m = self._u[:, :order], self._outputs
@@ -98,7 +98,9 @@ def _hankel(covariances: Real) -> Real:
     return covariances[index].transpose(0, 2, 1, 3).reshape(rows * outputs, columns * outputs)
 
 
-def _upper(a: Real, rate_hz: float, values: Complex128 | None = None) -> tuple[NDArray[np.int64], Complex128]:
+def _upper_half_plane(
+    a: Real, rate_hz: float, values: Complex128 | None = None
+) -> tuple[NDArray[np.int64], Complex128]:
     """Places of the eigenvalues in the upper half-plane by rising frequency, and their poles in rad/s."""
     z = np.linalg.eigvals(a).astype(np.complex128) if values is None else values.astype(np.complex128)
     keep = np.flatnonzero((z.imag > 0) & (np.abs(z) > 1e-6))
@@ -107,7 +109,7 @@ def _upper(a: Real, rate_hz: float, values: Complex128 | None = None) -> tuple[N
     return keep[order], poles[order]
 
 
-def _mixed(by_mode: Complex128, values: Complex128, keep: NDArray[np.int64]) -> Complex128:
+def _mixing_of_eigenvectors(by_mode: Complex128, values: Complex128, keep: NDArray[np.int64]) -> Complex128:
     """(segments, eigenvectors, kept) how much of the other eigenvectors each one takes up."""
     apart = values[keep] - values[:, None]
     own = np.abs(apart) < 1e-12
@@ -122,7 +124,7 @@ def unit_at_largest(shapes: Complex128, largest: NDArray[np.int64] | None = None
     return shapes / shapes[np.arange(len(shapes)), at][:, None]
 
 
-def _scaled(
+def _scale_shapes(
     shapes: Complex128, moved: Complex128, shapes_moved: Complex128
 ) -> tuple[Complex128, Complex128, Complex128]:
     largest = np.argmax(np.abs(shapes), axis=1)

@@ -24,8 +24,8 @@ def mac(one: NDArray[Any], other: NDArray[Any]) -> Real:
     Raises:
         DataError: shapes over different points, not finite, or zero.
     """
-    _check(one)
-    _check(other)
+    _check_shapes(one)
+    _check_shapes(other)
     if one.shape[1] != other.shape[1]:
         raise DataError(
             f"shapes over {one.shape[1]} and {other.shape[1]} points cannot be compared",
@@ -48,8 +48,8 @@ def comac(one: NDArray[Any], other: NDArray[Any]) -> Real:
     Raises:
         DataError: as for `mac`, or numbers of modes that differ.
     """
-    _check(one)
-    _check(other)
+    _check_shapes(one)
+    _check_shapes(other)
     if one.shape != other.shape:
         raise DataError(
             f"shapes {one.shape} and {other.shape} are not paired", remedy="give the same modes at the same points"
@@ -66,15 +66,15 @@ def mpc(shapes: NDArray[Any]) -> Real:
 
     Of the real and imaginary parts' scatter matrix with eigenvalues l1, l2: ((l1 - l2) / (l1 + l2))^2.
     """
-    _check(shapes)
-    spread = np.linalg.eigvalsh(_scatter(shapes))
+    _check_shapes(shapes)
+    spread = np.linalg.eigvalsh(_scatter_matrix(shapes))
     return ((spread[:, 1] - spread[:, 0]) / (spread[:, 1] + spread[:, 0])) ** 2
 
 
 def mpd(shapes: NDArray[Any]) -> Real:
     """Mean phase deviation (modes,) in rad from the shape's own straight line, weighted by amplitude: 0 to pi / 2."""
-    _check(shapes)
-    _, vectors = np.linalg.eigh(_scatter(shapes))
+    _check_shapes(shapes)
+    _, vectors = np.linalg.eigh(_scatter_matrix(shapes))
     line = vectors[:, :, 1]
     along = np.abs(np.real(shapes) * line[:, :1] + np.imag(shapes) * line[:, 1:])
     size = np.abs(shapes)
@@ -82,12 +82,12 @@ def mpd(shapes: NDArray[Any]) -> Real:
     return np.sum(size * angle, axis=1) / np.sum(size, axis=1)
 
 
-def _scatter(shapes: NDArray[Any]) -> Real:
+def _scatter_matrix(shapes: NDArray[Any]) -> Real:
     parts = np.stack([np.real(shapes), np.imag(shapes)], axis=1).astype(np.float64)
     return parts @ parts.transpose(0, 2, 1)
 
 
-def _check(shapes: NDArray[Any]) -> None:
+def _check_shapes(shapes: NDArray[Any]) -> None:
     if shapes.ndim != 2 or not shapes.size or not np.isfinite(shapes).all():
         raise DataError(
             f"the shapes have shape {shapes.shape}, or hold NaN, or nothing",

@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
-from modallab.frf.estimate import convert
+from modallab.frf.estimate import convert_frf
 from modallab.identification.estimator import USUAL
 from modallab.identification.start.mode_indicators import cmif, mmif
-from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
+from modallab.identification.start.stabilisation import OrderPoles, StabilityLimits, stable_poles
 
 NEW, IN_FREQUENCY, STABLE = 0, 1, 2
 """A pole that the order below did not have; had at this frequency with another damping; had."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Diagram:
+class StabilisationData:
     """What an identification began with, to be looked at.
 
     Attributes:
@@ -43,7 +43,9 @@ class Diagram:
     mmif: Real
 
 
-def stabilisation_diagram(frf: Frf, orders: Sequence[OrderPoles], tolerance: Tolerance | None = None) -> Diagram:
+def stabilisation_diagram(
+    frf: Frf, orders: Sequence[OrderPoles], tolerance: StabilityLimits | None = None
+) -> StabilisationData:
     """The diagram of FRFs and their poles by rising order.
 
     Args:
@@ -59,24 +61,26 @@ def stabilisation_diagram(frf: Frf, orders: Sequence[OrderPoles], tolerance: Tol
         raise IdentificationError(
             "there are no orders to draw", remedy=f"use an estimator with orders, such as {USUAL}"
         )
-    limits = tolerance or Tolerance()
+    limits = tolerance or StabilityLimits()
     # The artificial damping of the FRFs is off the poles already.
     sound = [limits.plausible(o.poles) for o in orders]
-    standing = [_standing(here, below, limits) for here, below in zip(sound, [sound[0][:0], *sound[:-1]], strict=True)]
+    standing = [_is_stable(here, below, limits) for here, below in zip(sound, [sound[0][:0], *sound[:-1]], strict=True)]
     poles = np.concatenate(sound)
-    return Diagram(
+    return StabilisationData(
         order=np.repeat([o.order for o in orders], [s.size for s in sound]),
         frequency_hz=np.abs(poles) / (2 * np.pi),
         damping_ratio=-poles.real / np.abs(poles),
         standing=np.concatenate(standing),
         held_hz=np.array([abs(p.pole) for p in stable_poles(orders, limits)]) / (2 * np.pi),
         line_hz=frf.frequency_hz,
-        cmif=cmif(convert(frf, "mobility")),
+        cmif=cmif(convert_frf(frf, "mobility")),
         mmif=mmif(frf),
     )
 
 
-def _standing(here: NDArray[np.complex128], below: NDArray[np.complex128], limits: Tolerance) -> NDArray[np.int64]:
+def _is_stable(
+    here: NDArray[np.complex128], below: NDArray[np.complex128], limits: StabilityLimits
+) -> NDArray[np.int64]:
     if not below.size:
         return np.full(here.size, NEW)
     size = np.abs(below)

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.out_of_band import stand_ins_after
 from modallab.identification.selection.prune import MAX_ZETA, MIN_SIGNIFICANCE, is_mode
-from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
+from modallab.identification.start.stabilisation import OrderPoles, StabilityLimits, stable_poles
 
 SHARE = 0.9
 """Of the power within its width, which a lost mode explains and no other pole does."""
@@ -27,7 +27,7 @@ WIDTHS = 2.0
 """Half-widths to either side within which that is asked; three lines at least."""
 APART = 0.5
 """Half-widths from a mode within which a lost pole is its double."""
-SOME = Tolerance(min_share=0.08)
+SOME = StabilityLimits(min_share=0.08)
 """A weak mode shows at few orders."""
 MOST = 12
 """So many lost poles are asked at most, those of the longest runs."""
@@ -37,7 +37,7 @@ FROM_ESTIMATOR = (
 )
 
 
-def own_share(fit: Fit) -> Real:
+def own_share(fit: LikelihoodFit) -> Real:
     """(poles,) share of the power within each pole's width that it explains and no other pole or residual term does.
 
     The residues of all others are solved for again, in closed form.
@@ -60,8 +60,8 @@ def own_share(fit: Fit) -> Real:
 
 
 def with_lost(
-    frf: Frf, fit: Fit, keep: NDArray[np.bool_], orders: Sequence[OrderPoles], band_hz: tuple[float, float]
-) -> tuple[Fit, NDArray[np.bool_], tuple[str, ...]]:
+    frf: Frf, fit: LikelihoodFit, keep: NDArray[np.bool_], orders: Sequence[OrderPoles], band_hz: tuple[float, float]
+) -> tuple[LikelihoodFit, NDArray[np.bool_], tuple[str, ...]]:
     """The fit with the modes that it has lost, which of its poles are modes, and a note where the search lost them.
 
     Args:
@@ -72,21 +72,21 @@ def with_lost(
         band_hz: where modes are looked for.
     """
     at = fit.point.parameters
-    kept = _poles(at.omega[keep], at.zeta[keep])
-    lost = _candidates(orders, kept, band_hz)
+    kept = _complex_poles(at.omega[keep], at.zeta[keep])
+    lost = _candidate_poles(orders, kept, band_hz)
     if not lost.size:
         return fit, keep, ()
     try:
         # Poles that stand on one another have no finite covariance, and are then not seen.
         with np.errstate(over="ignore", invalid="ignore"):
-            likely = _standing(frf, kept, lost, SOME_SHARE)
-            stand = _standing(frf, kept, likely, SHARE)
+            likely = _poles_that_explain(frf, kept, lost, SOME_SHARE)
+            stand = _poles_that_explain(frf, kept, likely, SHARE)
         if not likely.size:
             return fit, keep, ()
         again = fit_frf(frf, np.concatenate([kept, likely]))
         known = is_mode(again, band_hz) & (own_share(again) > SHARE)
         if known.sum() > kept.size + max(0, stand.size - 1):
-            return _alone(frf, again, known, band_hz)
+            return _fit_without(frf, again, known, band_hz)
         if not stand.size:
             return fit, keep, ()
         fixed = fit_frf(frf, np.concatenate([kept, stand]), 0)
@@ -99,8 +99,8 @@ def with_lost(
     return fixed, np.arange(fixed.point.parameters.omega.size) < kept.size + stand.size, (note,)
 
 
-def overlooked(
-    frf: Frf, fit: Fit, keep: NDArray[np.bool_], orders: Sequence[OrderPoles], band_hz: tuple[float, float]
+def overlooked_poles(
+    frf: Frf, fit: LikelihoodFit, keep: NDArray[np.bool_], orders: Sequence[OrderPoles], band_hz: tuple[float, float]
 ) -> Complex128:
     """Poles (poles,) in rad/s that some orders of the estimator show, and that explain what no mode of a fit does.
 
@@ -112,28 +112,30 @@ def overlooked(
         band_hz: where modes are looked for.
     """
     at = fit.point.parameters
-    kept = _poles(at.omega[keep], at.zeta[keep])
-    lost = _candidates(orders, kept, band_hz)
+    kept = _complex_poles(at.omega[keep], at.zeta[keep])
+    lost = _candidate_poles(orders, kept, band_hz)
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            return _standing(frf, kept, lost, SHARE)
+            return _poles_that_explain(frf, kept, lost, SHARE)
     except IdentificationError:
         return lost[:0]
 
 
-def _alone(
-    frf: Frf, fit: Fit, known: NDArray[np.bool_], band_hz: tuple[float, float]
-) -> tuple[Fit, NDArray[np.bool_], tuple[str, ...]]:
+def _fit_without(
+    frf: Frf, fit: LikelihoodFit, known: NDArray[np.bool_], band_hz: tuple[float, float]
+) -> tuple[LikelihoodFit, NDArray[np.bool_], tuple[str, ...]]:
     """The same fit without the poles that have turned out to be none."""
     if np.all(known[:-1]):
         return fit, known, ()
     at = fit.point.parameters
-    again = fit_frf(frf, _poles(at.omega[known], at.zeta[known]), stand_ins=stand_ins_after(at.omega, band_hz[1]))
+    again = fit_frf(
+        frf, _complex_poles(at.omega[known], at.zeta[known]), stand_ins=stand_ins_after(at.omega, band_hz[1])
+    )
     keep = is_mode(again, band_hz)
     return (again, keep, ()) if keep.sum() >= known.sum() else (fit, known, ())
 
 
-def _standing(frf: Frf, kept: Complex128, lost: Complex128, least: float) -> Complex128:
+def _poles_that_explain(frf: Frf, kept: Complex128, lost: Complex128, least: float) -> Complex128:
     """Those of the lost poles that explain what no other does: the least one goes until all do."""
     while lost.size:
         fit = fit_frf(frf, np.concatenate([kept, lost]), 0)
@@ -147,7 +149,7 @@ def _standing(frf: Frf, kept: Complex128, lost: Complex128, least: float) -> Com
     return lost
 
 
-def _candidates(orders: Sequence[OrderPoles], kept: Complex128, band_hz: tuple[float, float]) -> Complex128:
+def _candidate_poles(orders: Sequence[OrderPoles], kept: Complex128, band_hz: tuple[float, float]) -> Complex128:
     found = sorted(stable_poles(orders, replace(SOME, max_zeta=MAX_ZETA)), key=lambda p: p.run, reverse=True)
     poles = np.array([p.pole for p in found], np.complex128)
     size = np.abs(poles)
@@ -158,5 +160,5 @@ def _candidates(orders: Sequence[OrderPoles], kept: Complex128, band_hz: tuple[f
     return poles[inside][:MOST]
 
 
-def _poles(omega: Real, zeta: Real) -> Complex128:
+def _complex_poles(omega: Real, zeta: Real) -> Complex128:
     return np.asarray(-zeta * omega + 1j * omega * np.sqrt(1 - zeta**2), np.complex128)

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import IdentificationError
-from modallab.identification.likelihood.fit import Fit
-from modallab.identification.options import Options
+from modallab.identification.likelihood.fit import LikelihoodFit
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.selection.prune import is_mode
 from modallab.identification.start.stabilisation import OrderPoles
 
@@ -20,7 +20,7 @@ FIRST_ZETA = 0.005
 
 
 def start_poles(
-    found: NDArray[np.complex128], orders: Sequence[OrderPoles], options: Options
+    found: NDArray[np.complex128], orders: Sequence[OrderPoles], options: IdentificationOptions
 ) -> NDArray[np.complex128]:
     """Where the search begins: at the stable poles, and at those that the operator has picked.
 
@@ -50,12 +50,16 @@ def start_poles(
     return np.concatenate([picked, others])
 
 
-def in_fit(fit: Fit, keep: NDArray[np.bool_], band_hz: tuple[float, float], options: Options) -> NDArray[np.bool_]:
+def poles_to_search(
+    fit: LikelihoodFit, keep: NDArray[np.bool_], band_hz: tuple[float, float], options: IdentificationOptions
+) -> NDArray[np.bool_]:
     """(modes,) which poles a further search keeps: the modes, and beside picked ones those that were not picked."""
     return keep | is_mode(fit, band_hz) if options.pick_hz else keep
 
 
-def chosen(fit: Fit, band_hz: tuple[float, float], options: Options, *, first: bool) -> NDArray[np.bool_]:
+def chosen_modes(
+    fit: LikelihoodFit, band_hz: tuple[float, float], options: IdentificationOptions, *, first: bool
+) -> NDArray[np.bool_]:
     """(modes,) which poles are modes: the operator's picks, or the automatic selection without what was dropped.
 
     Args:
@@ -69,28 +73,30 @@ def chosen(fit: Fit, band_hz: tuple[float, float], options: Options, *, first: b
     """
     inside = fit.inside(band_hz)
     if options.pick_hz:
-        found = _picked(fit, inside, options.pick_hz)
+        found = _picked_poles(fit, inside, options.pick_hz)
     elif options.drop_hz and not first:
         # What the operator has left stays, however much noise the dropped one is for it now.
         found = np.isinf(fit.problem.zeta_prior[:, 1]) & inside
     else:
         # What an estimator says is taken as it says it: there is no covariance to judge it by.
         found = is_mode(fit, band_hz) if options.refined else inside
-    return _without(fit, found, options.drop_hz) if options.drop_hz and first else found
+    return _drop_modes(fit, found, options.drop_hz) if options.drop_hz and first else found
 
 
-def _picked(fit: Fit, inside: NDArray[np.bool_], pick_hz: Sequence[float]) -> NDArray[np.bool_]:
+def _picked_poles(fit: LikelihoodFit, inside: NDArray[np.bool_], pick_hz: Sequence[float]) -> NDArray[np.bool_]:
     frequency = fit.point.parameters.omega / (2 * np.pi)
     keep = np.zeros(frequency.size, bool)
     for choice in pick_hz:
-        keep[_nearest(frequency, inside, choice, "the fit has no pole there", "leave it out, or widen the band")] = True
+        keep[
+            _nearest_pole(frequency, inside, choice, "the fit has no pole there", "leave it out, or widen the band")
+        ] = True
     return keep
 
 
-def _without(fit: Fit, found: NDArray[np.bool_], drop_hz: Sequence[float]) -> NDArray[np.bool_]:
+def _drop_modes(fit: LikelihoodFit, found: NDArray[np.bool_], drop_hz: Sequence[float]) -> NDArray[np.bool_]:
     frequency, keep = fit.point.parameters.omega / (2 * np.pi), found.copy()
     for unwanted in drop_hz:
-        keep[_nearest(frequency, keep, unwanted, "no mode stands there", "give a frequency found")] = False
+        keep[_nearest_pole(frequency, keep, unwanted, "no mode stands there", "give a frequency found")] = False
     if not np.any(keep):
         raise IdentificationError(
             f"no mode is left once {', '.join(f'{f:g}' for f in drop_hz)} Hz are dropped",
@@ -99,7 +105,7 @@ def _without(fit: Fit, found: NDArray[np.bool_], drop_hz: Sequence[float]) -> ND
     return keep
 
 
-def _nearest(frequency: NDArray[np.float64], of: NDArray[np.bool_], choice: float, says: str, remedy: str) -> int:
+def _nearest_pole(frequency: NDArray[np.float64], of: NDArray[np.bool_], choice: float, says: str, remedy: str) -> int:
     among = np.flatnonzero(of)
     away = np.abs(frequency[among] / choice - 1)
     if not away.size or away.min() > NEAR:

@@ -9,7 +9,7 @@ SAME_MODE = 0.04
 """Two frequencies this near, relative, and nearest to one another, are taken for the same mode."""
 
 
-def nearest(
+def nearest_partners(
     here: Sequence[float] | NDArray[np.float64],
     there: Sequence[float] | NDArray[np.float64],
     within: float = SAME_MODE,

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.selection.confidence import MODEL_ERROR_FROM
 from modallab.signals.signals import Signals
 
@@ -13,7 +13,7 @@ SAMPLES_NEEDED = 1000
 """Samples before the hits, over all outputs and blocks, that determine the noise to some 2 %."""
 
 
-def model_error(fit: Fit, signals: Sequence[Signals]) -> float:
+def model_error(fit: LikelihoodFit, signals: Sequence[Signals]) -> float:
     """The residual of the fit over the pre-trigger noise, median over outputs.
 
     1 where the model explains the blocks; NaN where too few samples lie before the hits.

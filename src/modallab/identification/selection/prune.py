@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.search import MIN_ZETA
 from modallab.identification.selection.criteria import mac
 
@@ -20,7 +20,7 @@ ALIKE = 0.5
 """MAC of two poles' modal constants, over responses and forces, from which they may be one mode."""
 
 
-def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
+def is_mode(fit: LikelihoodFit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
     """(modes,) whether a pole stands in the band, is stable, and is known well enough to be called a mode.
 
     A pole that fits noise has an uncertainty as large as itself: sigma of f above 0.2 %, of zeta above half of zeta, or
@@ -33,13 +33,13 @@ def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
     constants, sigma_of_parts = fit.modal_constants
     seen = np.max(np.abs(constants) / np.maximum(np.abs(sigma_of_parts), 1e-300), axis=(1, 2)) > MIN_SIGNIFICANCE
     good = stable & known & seen
-    double, host = _doubles(fit, constants, good)
+    double, host = _double_poles(fit, constants, good)
     # Beside its double a mode is hardly known; without it, it will be.
     return fit.inside(band_hz) & stable & (good | host) & ~double
 
 
-def _doubles(
-    fit: Fit, constants: NDArray[np.complex128], good: NDArray[np.bool_]
+def _double_poles(
+    fit: LikelihoodFit, constants: NDArray[np.complex128], good: NDArray[np.bool_]
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Poles that stand on a better known one, and those they stand on.
 

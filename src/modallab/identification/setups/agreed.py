@@ -8,16 +8,16 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
-from modallab.identification.likelihood.equations import Covariance
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.equations import ParameterCovariance
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.out_of_band import stand_ins_after
-from modallab.identification.likelihood.projection import energy
-from modallab.identification.model.modal_model import Seen, seen_by
-from modallab.identification.options import Options
-from modallab.identification.setups.merge import Merged, merged
+from modallab.identification.likelihood.projection import sum_of_squares
+from modallab.identification.model.modal_model import FitReadings, seen_by
+from modallab.identification.options import IdentificationOptions
+from modallab.identification.setups.merge import MergedModes, merge_modes
 from modallab.identification.setups.roving import PointPoles, point_name, poles_at_points, roved_axis, seen_alone
-from modallab.identification.setups.scatter import Common, common_poles, off
+from modallab.identification.setups.scatter import CommonPoles, common_poles, setups_with_other_frequencies
 
 LEAST_POINTS = 6
 MISFIT = 1.3
@@ -34,7 +34,7 @@ LEAST_SPREAD = (1e-5, 1e-3)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Agreed:
+class AgreedModes:
     """What points that disagree have in common.
 
     Attributes:
@@ -43,12 +43,12 @@ class Agreed:
         notes: on how far the points disagree, and which are off.
     """
 
-    fit: Fit
-    seen: Seen
+    fit: LikelihoodFit
+    seen: FitReadings
     notes: tuple[str, ...]
 
 
-def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
+def agreed_modes(frf: Frf, fit: LikelihoodFit, options: IdentificationOptions) -> AgreedModes | None:
     """The modes of points that disagree; None where one set of poles explains the FRFs, or too few points roved.
 
     Args:
@@ -59,27 +59,27 @@ def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
     few = max(frf.values.shape[:2]) < LEAST_POINTS
     if few or options.pick_hz or options.drop_hz or misfit_over_noise(fit) < MISFIT:
         return None
-    found, asked = _merged(frf, fit, options)
+    found, asked = _merge_points(frf, fit, options)
     if found.centre.shape[0] == 0:
         return None
     try:
         stand_ins = stand_ins_after(fit.point.parameters.omega, float(frf.frequency_hz[-1]))
-        points = poles_at_points(frf, found.centre, _spread(found), stand_ins)
+        points = poles_at_points(frf, found.centre, _spread_of_points(found), stand_ins)
         common = common_poles(points.values, points.variance)
         alone = min(frf.values.shape[:2]) == 1
         if common.setup.max() == 0 or (alone and _evidence(*points.fits) > _evidence(fit)):
             return None
-        return _agreed(frf, points, common, stand_ins, _notes(frf, found, common, asked))
+        return _agreed_model(frf, points, common, stand_ins, _agreement_notes(frf, found, common, asked))
     except IdentificationError:
         return None
 
 
-def _evidence(*fits: Fit) -> float:
+def _evidence(*fits: LikelihoodFit) -> float:
     """BIC of fits that share no pole, each row with a noise of its own: less is better.
 
     Of one input rows have no signature. Then only how well they are explained tells modes that move from close ones.
     """
-    left = np.concatenate([energy(fit.point.groups[0].residual).ravel() for fit in fits])
+    left = np.concatenate([sum_of_squares(fit.point.groups[0].residual).ravel() for fit in fits])
     lines = fits[0].problem.blocks[0].response.shape[-1]
     poles = sum(fit.point.parameters.omega.size for fit in fits)
     rows = [fit.problem.blocks[0].response[..., 0].size for fit in fits]
@@ -88,7 +88,7 @@ def _evidence(*fits: Fit) -> float:
     return float(misfit + free * np.log(2 * lines * left.size))
 
 
-def misfit_over_noise(fit: Fit) -> float:
+def misfit_over_noise(fit: LikelihoodFit) -> float:
     """The fit's residual over the noise from line to line, median over the FRFs: 1 where the model explains them."""
     # As the fit saw them, weighed line by line.
     fourth = np.diff(fit.problem.blocks[0].response, 4, axis=-1)
@@ -98,50 +98,50 @@ def misfit_over_noise(fit: Fit) -> float:
     return float(np.median(ratio))
 
 
-def _merged(frf: Frf, fit: Fit, options: Options) -> tuple[Merged, int]:
+def _merge_points(frf: Frf, fit: LikelihoodFit, options: IdentificationOptions) -> tuple[MergedModes, int]:
     n_points = frf.values.shape[roved_axis(frf)]
     asked = np.unique(np.linspace(0, n_points - 1, min(n_points, ASKED)).astype(int)).tolist()
     order = options.max_order or int(np.clip(ORDERS_A_MODE * fit.point.parameters.omega.size, LEAST_ORDER, MOST_ORDER))
     order = min(order, max(2, frf.frequency_hz.size // 2 - 1))
-    return merged(seen_alone(frf, asked, options.method, order, SIGNIFICANCE), len(asked)), len(asked)
+    return merge_modes(seen_alone(frf, asked, options.method, order, SIGNIFICANCE), len(asked)), len(asked)
 
 
-def _spread(found: Merged) -> Real:
+def _spread_of_points(found: MergedModes) -> Real:
     return FREE * np.maximum(found.spread, found.centre * np.array(LEAST_SPREAD))
 
 
-def _agreed(
-    frf: Frf, points: PointPoles, common: Common, stand_ins: tuple[float, ...], notes: tuple[str, ...]
-) -> Agreed:
+def _agreed_model(
+    frf: Frf, points: PointPoles, common: CommonPoles, stand_ins: tuple[float, ...], notes: tuple[str, ...]
+) -> AgreedModes:
     omega, zeta = common.value.T
     start = np.asarray(-zeta * omega + 1j * omega, np.complex128)
     at_common = fit_frf(frf, start, 0, stand_ins=stand_ins)
-    covariance = Covariance.of_poles(np.diag(np.append(common.sigma**2, np.zeros(2 * len(stand_ins)))))
+    covariance = ParameterCovariance.of_poles(np.diag(np.append(common.sigma**2, np.zeros(2 * len(stand_ins)))))
     axis = 1 + roved_axis(frf)
     each = [seen_by(f) for f in points.fits]
     constants = np.concatenate([one.constants for one in each], axis=axis)
     # A pole that moves by a part of its half-width leaves as much of the mode to its neighbours.
     between = np.append(common.between[:, 0] / (zeta * omega), np.zeros(len(stand_ins)))
-    apparent = np.hypot(between, _misfit(each))
-    seen = Seen(
+    apparent = np.hypot(between, _apparent_misfit(each))
+    seen = FitReadings(
         constants,
         np.concatenate([one.sigma_of_parts for one in each], axis=axis),
         np.concatenate([one.terms for one in each], axis=axis),
         apparent,
     )
-    return Agreed(
+    return AgreedModes(
         replace(at_common, refined=replace(at_common.refined, covariance=covariance, settled=True)), seen, notes
     )
 
 
-def _misfit(each: Sequence[Seen]) -> Real:
+def _apparent_misfit(each: Sequence[FitReadings]) -> Real:
     """(modes,) of all points what is apparent of each: in proportion to the mode's size there."""
     size = np.array([np.linalg.norm(one.constants, axis=(1, 2)) for one in each])
     own = size * np.array([one.apparent for one in each])
     return np.linalg.norm(own, axis=0) / np.maximum(np.linalg.norm(size, axis=0), np.finfo(float).tiny)
 
 
-def _notes(frf: Frf, found: Merged, common: Common, asked: int) -> tuple[str, ...]:
+def _agreement_notes(frf: Frf, found: MergedModes, common: CommonPoles, asked: int) -> tuple[str, ...]:
     size, shares = 100 * np.median(common.between[:, 0] / common.value[:, 0]), 100 * found.share
     n = int(common.setup.max()) + 1
     notes = [
@@ -149,7 +149,7 @@ def _notes(frf: Frf, found: Merged, common: Common, asked: int) -> tuple[str, ..
         "point has poles of its own; those of the model are their mean, and the scatter is in the sigmas.",
         f"By itself each mode was found by {shares.min():.0f} to {shares.max():.0f} % of the {asked} points asked.",
     ]
-    for c in off(common):
+    for c in setups_with_other_frequencies(common):
         members = ", ".join(point_name(frf, int(k)) for k in np.flatnonzero(common.setup == c))
         away = 100 * (common.shift[c] - np.median(common.shift))
         notes.append(

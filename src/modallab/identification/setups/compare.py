@@ -20,7 +20,7 @@ OFF_RATIO = 0.02
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Compared:
+class ComparedSetUp:
     """One set-up compared with the one that the others are compared with.
 
     Attributes:
@@ -65,12 +65,12 @@ class Compared:
     @property
     def shift_off(self) -> NDArray[np.bool_]:
         """(modes,) whose frequencies differ."""
-        return _differs(self.shift, self.shift_sigma, OFF_SHIFT)
+        return _differs_by_more_than_chance(self.shift, self.shift_sigma, OFF_SHIFT)
 
     @property
     def ratio_off(self) -> NDArray[np.bool_]:
         """(modes,) which the reference reads otherwise."""
-        return _differs(self.ratio - 1, self.ratio_sigma, OFF_RATIO)
+        return _differs_by_more_than_chance(self.ratio - 1, self.ratio_sigma, OFF_RATIO)
 
     def words(self) -> tuple[str, ...]:
         """A sentence on the mode that differs most, by frequency and by the reference; or that none does."""
@@ -84,7 +84,7 @@ class Compared:
         side = "lower" if percent < 0 else "higher"
         return (
             f"set-up {self.name}: mode {r + 1} is {abs(percent):.2g} % {side} than in {self.against}"
-            f" ({sigmas:.0f} sigmas){_others(self.shift_off)}: {self._cause()}"
+            f" ({sigmas:.0f} sigmas){_others_differ(self.shift_off)}: {self._cause()}"
         )
 
     def _cause(self) -> str:
@@ -97,32 +97,32 @@ class Compared:
         percent, sigmas = 100 * (self.ratio[r] - 1), abs(self.ratio_sigmas[r])
         return (
             f"set-up {self.name}: the reference reads mode {r + 1} {percent:+.2g} % against {self.against}"
-            f" ({sigmas:.0f} sigmas){_others(self.ratio_off)}:"
+            f" ({sigmas:.0f} sigmas){_others_differ(self.ratio_off)}:"
             " its sensor, the hammer's gain, or the mode's shape changed"
         )
 
 
-def _others(off: NDArray[np.bool_]) -> str:
+def _others_differ(off: NDArray[np.bool_]) -> str:
     return f", and {off.sum() - 1} more modes differ" if off.sum() > 1 else ""
 
 
-def _differs(off: Real, sigma: Real, least: float) -> NDArray[np.bool_]:
+def _differs_by_more_than_chance(off: Real, sigma: Real, least: float) -> NDArray[np.bool_]:
     # What has no sigma, or nothing to be compared with, differs from nothing.
     return (np.abs(off) > least) & (np.abs(off) > OFF_SIGMAS * sigma)
 
 
-def compare_setups(found: Sequence[SetUpModel], modes: NDArray[np.int64]) -> tuple[Compared, ...]:
+def compare_setups(found: Sequence[SetUpModel], modes: NDArray[np.int64]) -> tuple[ComparedSetUp, ...]:
     """Every set-up against the one in the middle of them by frequency; of two, against the first.
 
     Args:
         found: at least two set-ups.
         modes: (set-ups, modes) places of the same modes, as `same_modes`.
     """
-    middle = _middle(found, modes)
-    return tuple(_compared(found[n], modes[n], found[middle], modes[middle]) for n in range(len(found)))
+    middle = _middle_setup(found, modes)
+    return tuple(_compare_setup(found[n], modes[n], found[middle], modes[middle]) for n in range(len(found)))
 
 
-def _middle(found: Sequence[SetUpModel], modes: NDArray[np.int64]) -> int:
+def _middle_setup(found: Sequence[SetUpModel], modes: NDArray[np.int64]) -> int:
     """The set-up that is off the medians least: one that is off among three or more is then named itself."""
     if len(found) < 3:
         return 0
@@ -130,13 +130,15 @@ def _middle(found: Sequence[SetUpModel], modes: NDArray[np.int64]) -> int:
     return int(np.argmin(np.abs(frequency / np.median(frequency, axis=0) - 1).sum(axis=1)))
 
 
-def _compared(one: SetUpModel, at: NDArray[np.int64], other: SetUpModel, there: NDArray[np.int64]) -> Compared:
+def _compare_setup(
+    one: SetUpModel, at: NDArray[np.int64], other: SetUpModel, there: NDArray[np.int64]
+) -> ComparedSetUp:
     f, g = one.model.frequency_hz[at], other.model.frequency_hz[there]
     sigma = np.hypot(one.model.frequency_sigma_hz[at], other.model.frequency_sigma_hz[there])
     ratio, ratio_sigma = reference_ratio(one, at, other, there)
     places = other.standing
     moved = [n for n, (name, point) in enumerate(one.standing.items()) if places.get(name) != point]
-    return Compared(
+    return ComparedSetUp(
         name=one.name,
         against=other.name,
         frequency_hz=f,
@@ -183,10 +185,10 @@ def common_entries(one: SetUpModel, other: SetUpModel) -> list[tuple[Entry, Entr
     struck = {p: k for k, p in enumerate(other.model.input_points) if p is not None}
     same = [(k, struck[p]) for k, p in enumerate(one.model.input_points) if p in struck]
     direct = [((i, k), (j, m)) for i, j in (stay or shared) for k, m in same]
-    return direct or _exchanged(one, other)
+    return direct or _exchanged_modes(one, other)
 
 
-def _exchanged(one: SetUpModel, other: SetUpModel) -> list[tuple[Entry, Entry]]:
+def _exchanged_modes(one: SetUpModel, other: SetUpModel) -> list[tuple[Entry, Entry]]:
     places = {p: j for j, p in enumerate(other.model.output_points) if p is not None}
     struck = {p: k for k, p in enumerate(other.model.input_points) if p is not None}
     return [

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import IdentificationError
 from modallab.core.model import ModalModel
-from modallab.identification.selection.pairing import nearest
+from modallab.identification.selection.pairing import nearest_partners
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -43,7 +43,7 @@ def same_modes(found: Sequence[SetUpModel]) -> NDArray[np.int64]:
         IdentificationError: no mode is in all of them.
     """
     first = found[0].model.frequency_hz
-    partners = [nearest(first, item.model.frequency_hz) for item in found]
+    partners = [nearest_partners(first, item.model.frequency_hz) for item in found]
     common = [row for row in range(first.size) if all(of[row] is not None for of in partners)]
     if not common:
         raise IdentificationError(

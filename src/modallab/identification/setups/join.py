@@ -9,13 +9,13 @@ from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.identification.model.modal_mass import unit_mass_shapes
-from modallab.identification.setups.compare import Compared
+from modallab.identification.setups.compare import ComparedSetUp
 from modallab.identification.setups.found import SetUpModel, joined_name
 
 Places = NDArray[np.int64]
 
 
-def join_setups(found: Sequence[SetUpModel], modes: Places, compared: Sequence[Compared]) -> ModalModel:
+def join_setups(found: Sequence[SetUpModel], modes: Places, compared: Sequence[ComparedSetUp]) -> ModalModel:
     """One model of all set-ups; outputs are named `name@point`.
 
     Where frequencies agree within their sigmas, their mean is weighted by these; where they do not, the scatter between
@@ -33,11 +33,11 @@ def join_setups(found: Sequence[SetUpModel], modes: Places, compared: Sequence[C
     """
     models = [item.model for item in found]
     require_same_points([(item.name, item.model.input_points) for item in found])
-    frequency, frequency_sigma = averaged(*_poles(models, modes, "frequency"))
-    damping, damping_sigma = averaged(*_poles(models, modes, "damping"))
-    names, points = _outputs(found)
-    constants, sigma = _constants(found, modes, [_scale(item) for item in compared], names)
-    powers, residuals = _residuals(found, names)
+    frequency, frequency_sigma = weighted_mean(*_joined_poles(models, modes, "frequency"))
+    damping, damping_sigma = weighted_mean(*_joined_poles(models, modes, "damping"))
+    names, points = _joined_outputs(found)
+    constants, sigma = _joined_constants(found, modes, [_scale_of_setup(item) for item in compared], names)
+    powers, residuals = _joined_residuals(found, names)
     shapes = unit_mass_shapes(constants, sigma, points, models[0].input_points)
     return ModalModel(
         method=models[0].method,
@@ -59,7 +59,7 @@ def join_setups(found: Sequence[SetUpModel], modes: Places, compared: Sequence[C
         shapes_unavailable=shapes.unavailable,
         half_power=np.median([m.half_power[at] for m, at in zip(models, modes, strict=True)], axis=0),
         half_power_floor=np.median([m.half_power_floor[at] for m, at in zip(models, modes, strict=True)], axis=0),
-        notes=_notes(found, modes, compared),
+        notes=_notes_on_setups(found, modes, compared),
     )
 
 
@@ -76,16 +76,16 @@ def require_same_points(struck: Sequence[tuple[str, Sequence[int | None]]]) -> N
     for name, others in struck[1:]:
         if tuple(others) != tuple(points):
             raise DataError(
-                f"set-up {first} was struck at {_listed(points)}, set-up {name} at {_listed(others)}",
+                f"set-up {first} was struck at {_points_in_words(points)}, set-up {name} at {_points_in_words(others)}",
                 remedy="strike the same points, in the same order, in every set-up; or identify each by itself",
             )
 
 
-def _listed(points: Sequence[int | None]) -> str:
+def _points_in_words(points: Sequence[int | None]) -> str:
     return "no point that is known" if None in points or not points else f"points {', '.join(map(str, points))}"
 
 
-def averaged(values: Real, sigmas: Real) -> tuple[Real, Real]:
+def weighted_mean(values: Real, sigmas: Real) -> tuple[Real, Real]:
     """The mean of (set-ups, modes), and its sigma; a set-up of infinite sigma says nothing.
 
     That is the sigma of the best set-up, since what is common to all, such as errors of the model, does not average
@@ -99,7 +99,7 @@ def averaged(values: Real, sigmas: Real) -> tuple[Real, Real]:
     return np.sum(weight * values, axis=0) / weight.sum(axis=0), np.sqrt(sigmas.min(axis=0) ** 2 + between)
 
 
-def _poles(models: Sequence[ModalModel], modes: Places, which: str) -> tuple[Real, Real]:
+def _joined_poles(models: Sequence[ModalModel], modes: Places, which: str) -> tuple[Real, Real]:
     pairs = [
         (m.frequency_hz, m.frequency_sigma_hz) if which == "frequency" else (m.damping_ratio, m.damping_sigma)
         for m in models
@@ -110,23 +110,23 @@ def _poles(models: Sequence[ModalModel], modes: Places, which: str) -> tuple[Rea
     return values, np.where(np.isfinite(sigmas), sigmas, 1e-9 * np.abs(values))
 
 
-def _outputs(found: Sequence[SetUpModel]) -> tuple[tuple[str, ...], tuple[int | None, ...]]:
+def _joined_outputs(found: Sequence[SetUpModel]) -> tuple[tuple[str, ...], tuple[int | None, ...]]:
     seen = {joined_name(name, point): point for item in found for name, point in item.standing.items()}
     ordered = sorted(seen.items(), key=lambda pair: (pair[1] is None, pair[1] or 0))
     return tuple(name for name, _ in ordered), tuple(point for _, point in ordered)
 
 
-def _rows(item: SetUpModel, names: Sequence[str]) -> list[int]:
+def _rows_of_setup(item: SetUpModel, names: Sequence[str]) -> list[int]:
     return [names.index(joined_name(name, point)) for name, point in item.standing.items()]
 
 
-def _scale(item: Compared) -> Real:
+def _scale_of_setup(item: ComparedSetUp) -> Real:
     """(modes,) by what the modal constants of a set-up are divided."""
     # Two sensors at exchanged points differ in gain, and a mass that moved changes a shape at both.
     return np.where(item.ratio_off & item.stays, item.ratio, 1.0)
 
 
-def _constants(
+def _joined_constants(
     found: Sequence[SetUpModel], modes: Places, scales: Sequence[Real], names: Sequence[str]
 ) -> tuple[NDArray[np.complex128], Real]:
     """(modes, outputs, inputs); what several set-ups have is averaged by its sigmas."""
@@ -134,7 +134,7 @@ def _constants(
     total: NDArray[np.complex128] = np.zeros(shape, dtype=np.complex128)
     weight = np.zeros(shape)
     for item, at, scale in zip(found, modes, scales, strict=True):
-        rows, by = _rows(item, names), scale[:, None, None]
+        rows, by = _rows_of_setup(item, names), scale[:, None, None]
         a, s = item.model.modal_constants[at] / by, item.model.modal_constant_sigma[at] / np.abs(by)
         own = 1 / np.where(np.isfinite(s) & (s > 0), s, 1.0) ** 2
         total[:, rows] += own * a
@@ -142,18 +142,18 @@ def _constants(
     return total / weight, 1 / np.sqrt(weight)
 
 
-def _residuals(found: Sequence[SetUpModel], names: Sequence[str]) -> tuple[tuple[int, ...], Real]:
+def _joined_residuals(found: Sequence[SetUpModel], names: Sequence[str]) -> tuple[tuple[int, ...], Real]:
     powers = sorted({power for item in found for power in item.model.residual_powers})
     terms = np.zeros((len(powers), len(names), len(found[0].model.input_points)))
     for item in reversed(found):
-        rows = _rows(item, names)
+        rows = _rows_of_setup(item, names)
         terms[:, rows] = 0.0
         for power, term in zip(item.model.residual_powers, item.model.residuals, strict=True):
             terms[powers.index(power), rows] = term
     return tuple(powers), terms
 
 
-def _notes(found: Sequence[SetUpModel], modes: Places, compared: Sequence[Compared]) -> tuple[str, ...]:
+def _notes_on_setups(found: Sequence[SetUpModel], modes: Places, compared: Sequence[ComparedSetUp]) -> tuple[str, ...]:
     notes = [words for item in compared if item.name != item.against for words in item.words()]
     off = [item.name for item in compared if item.off]
     if off:

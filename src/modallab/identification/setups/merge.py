@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.identification.setups.roving import Seen
+from modallab.identification.setups.roving import ModesOfPoint
 
 WIDEST = 8e-3
 """Relative distance of two points' frequencies of one mode at most: four times the largest scatter of set-ups."""
@@ -24,7 +24,7 @@ LEAST_SHARE = 0.25
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Merged:
+class MergedModes:
     """Modes that points agree on.
 
     Attributes:
@@ -38,7 +38,7 @@ class Merged:
     share: Real
 
 
-def merged(seen: Seen, asked: int) -> Merged:
+def merge_modes(seen: ModesOfPoint, asked: int) -> MergedModes:
     """The modes, by rising frequency.
 
     Args:
@@ -46,26 +46,28 @@ def merged(seen: Seen, asked: int) -> Merged:
         asked: how many points were.
     """
     likeness = np.abs(seen.signature.conj() @ seen.signature.T) ** 2
-    groups = _groups(seen, likeness, np.full(seen.pole.size, WIDEST), asked)
+    groups = _group_modes(seen, likeness, np.full(seen.pole.size, WIDEST), asked)
     if groups:
-        scatter = float(np.median([_spread(np.abs(seen.pole[g]))[1] / np.median(np.abs(seen.pole[g])) for g in groups]))
+        scatter = float(
+            np.median([_spread_of_values(np.abs(seen.pole[g]))[1] / np.median(np.abs(seen.pole[g])) for g in groups])
+        )
         reach = float(np.clip(REACH * scatter, NARROWEST, WIDEST))
-        groups = _groups(seen, likeness, np.full(seen.pole.size, reach), asked)
+        groups = _group_modes(seen, likeness, np.full(seen.pole.size, reach), asked)
     rows = []
     for g in groups:
         size = np.abs(seen.pole[g])
-        omega, zeta = _spread(size), _spread(-seen.pole[g].real / size)
+        omega, zeta = _spread_of_values(size), _spread_of_values(-seen.pole[g].real / size)
         rows.append((omega[0], zeta[0], omega[1], zeta[1], len(g) / asked))
     table = np.array(sorted(rows)).reshape(-1, 5)
-    return Merged(table[:, :2], table[:, 2:4], table[:, 4])
+    return MergedModes(table[:, :2], table[:, 2:4], table[:, 4])
 
 
-def _spread(values: Real) -> tuple[float, float]:
+def _spread_of_values(values: Real) -> tuple[float, float]:
     middle = float(np.median(values))
     return middle, 1.4826 * float(np.median(np.abs(values - middle)))
 
 
-def _groups(seen: Seen, likeness: Real, reach: Real, asked: int) -> list[NDArray[np.int64]]:
+def _group_modes(seen: ModesOfPoint, likeness: Real, reach: Real, asked: int) -> list[NDArray[np.int64]]:
     """Members of each mode, one a point; the mode that most points see comes first."""
     size = np.abs(seen.pole)
     near = (np.abs(size[:, None] / size - 1) < reach) & (likeness > LIKE)
@@ -73,7 +75,7 @@ def _groups(seen: Seen, likeness: Real, reach: Real, asked: int) -> list[NDArray
     least = max(LEAST_POINTS, LEAST_SHARE * asked)
     found: list[NDArray[np.int64]] = []
     while True:
-        support = _support(near & free & free[:, None], seen.point)
+        support = _supporting_points(near & free & free[:, None], seen.point)
         if not support.size or support.max() < least:
             return found
         best = np.flatnonzero(support == support.max())
@@ -88,7 +90,7 @@ def _groups(seen: Seen, likeness: Real, reach: Real, asked: int) -> list[NDArray
         free[members] = False
 
 
-def _support(near: NDArray[np.bool_], point: NDArray[np.int64]) -> NDArray[np.int64]:
+def _supporting_points(near: NDArray[np.bool_], point: NDArray[np.int64]) -> NDArray[np.int64]:
     """(seen,) how many points hold a neighbour."""
     which, place = np.unique(point, return_inverse=True)
     count = np.zeros((len(point), which.size), bool)

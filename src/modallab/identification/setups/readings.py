@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.identification.setups.compare import Compared
+from modallab.identification.setups.compare import ComparedSetUp
 from modallab.identification.setups.found import SetUpModel
 
 
@@ -35,8 +35,8 @@ class SetUpReading:
     against: str
 
 
-def readings(
-    found: Sequence[SetUpModel], modes: NDArray[np.int64], compared: Sequence[Compared]
+def readings_of_setups(
+    found: Sequence[SetUpModel], modes: NDArray[np.int64], compared: Sequence[ComparedSetUp]
 ) -> tuple[SetUpReading, ...]:
     """What each set-up read.
 

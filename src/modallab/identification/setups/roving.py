@@ -15,7 +15,7 @@ from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.estimate import estimate_poles
-from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
 
 STEPS = 8
@@ -27,7 +27,7 @@ def roved_axis(frf: Frf) -> int:
     return 0 if frf.values.shape[0] >= frf.values.shape[1] else 1
 
 
-def at_point(frf: Frf, k: int) -> Frf:
+def frf_of_point(frf: Frf, k: int) -> Frf:
     """The FRFs of one roving point."""
     rows, columns = (slice(k, k + 1), slice(None)) if roved_axis(frf) == 0 else (slice(None), slice(k, k + 1))
 
@@ -52,7 +52,7 @@ def point_name(frf: Frf, k: int) -> str:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Seen:
+class ModesOfPoint:
     """Poles that points found by themselves.
 
     Attributes:
@@ -66,7 +66,7 @@ class Seen:
     signature: Complex128
 
 
-def seen_alone(frf: Frf, points: Sequence[int], method: str, order: int, significance: float) -> Seen:
+def seen_alone(frf: Frf, points: Sequence[int], method: str, order: int, significance: float) -> ModesOfPoint:
     """What each of these points finds by itself, whatever the others say.
 
     Args:
@@ -80,7 +80,7 @@ def seen_alone(frf: Frf, points: Sequence[int], method: str, order: int, signifi
     poles: list[complex] = []
     signatures: list[Complex128] = []
     for k in points:
-        here = at_point(frf, k)
+        here = frf_of_point(frf, k)
         try:
             found = estimate_poles(here, method, order).poles
             fit = fit_frf(here, found, 0) if found.size else None
@@ -94,7 +94,9 @@ def seen_alone(frf: Frf, points: Sequence[int], method: str, order: int, signifi
             poles.append(complex(found[r]))
             signatures.append(constants[r] / np.linalg.norm(constants[r]))
     common = min(frf.values.shape[:2])
-    return Seen(np.array(which, np.int64), np.array(poles, np.complex128), np.array(signatures).reshape(-1, common))
+    return ModesOfPoint(
+        np.array(which, np.int64), np.array(poles, np.complex128), np.array(signatures).reshape(-1, common)
+    )
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -109,7 +111,7 @@ class PointPoles:
 
     values: Real
     variance: Real
-    fits: tuple[Fit, ...]
+    fits: tuple[LikelihoodFit, ...]
 
 
 def poles_at_points(frf: Frf, centre: Real, spread: Real, stand_ins: tuple[float, ...]) -> PointPoles:
@@ -127,7 +129,7 @@ def poles_at_points(frf: Frf, centre: Real, spread: Real, stand_ins: tuple[float
     n_points = frf.values.shape[roved_axis(frf)]
     priors = np.stack([centre, spread], axis=-1)
     start = -centre[:, 1] * centre[:, 0] + 1j * centre[:, 0]
-    fits = tuple(fit_frf(at_point(frf, k), start, STEPS, priors, stand_ins) for k in range(n_points))
+    fits = tuple(fit_frf(frf_of_point(frf, k), start, STEPS, priors, stand_ins) for k in range(n_points))
     at = np.array([np.stack([f.point.parameters.omega, f.point.parameters.zeta], axis=1) for f in fits])
     at, posterior = at[:, : len(centre)], np.array([f.pole_sigma[: len(centre)] ** 2 for f in fits])
     # What the prior said is taken off again: it is the same for all points, and would count as often as there are any.

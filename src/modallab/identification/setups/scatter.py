@@ -25,7 +25,7 @@ ROUNDS = 60
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Common:
+class CommonPoles:
     """What points agree on.
 
     Attributes:
@@ -43,7 +43,7 @@ class Common:
     shift: Real
 
 
-def common_poles(values: Real, variance: Real) -> Common:
+def common_poles(values: Real, variance: Real) -> CommonPoles:
     """The mean poles of points that scatter, with sigmas that hold whatever their set-ups did.
 
     Args:
@@ -70,7 +70,7 @@ def common_poles(values: Real, variance: Real) -> Common:
     value, sigma, between = np.moveaxis(found, -1, 0)
     relative = np.where(seen[..., 0], mean[..., 0] / value[:, 0] - 1, 0.0)
     w = np.where(seen[..., 0], value[:, 0] ** 2 / (own[..., 0] + between[:, 0] ** 2 + 1e-300), 0.0)
-    return Common(value, sigma, between, setup, np.sum(w * relative, axis=1) / np.maximum(w.sum(axis=1), 1e-300))
+    return CommonPoles(value, sigma, between, setup, np.sum(w * relative, axis=1) / np.maximum(w.sum(axis=1), 1e-300))
 
 
 def random_effects(values: Real, variance: Real) -> tuple[float, float, float]:
@@ -81,7 +81,7 @@ def random_effects(values: Real, variance: Real) -> tuple[float, float, float]:
     """
     known = np.isfinite(variance)
     x, v = values[known], variance[known]
-    between = _between(x, v)
+    between = _variance_between_setups(x, v)
     w = 1 / (v + between)
     mean = float(np.sum(w * x) / np.sum(w))
     if x.size == 1:
@@ -90,7 +90,7 @@ def random_effects(values: Real, variance: Real) -> tuple[float, float, float]:
     return mean, wider * float(np.sqrt(1 / w.sum())), float(np.sqrt(between))
 
 
-def _between(x: Real, v: Real) -> float:
+def _variance_between_setups(x: Real, v: Real) -> float:
     """The variance between set-ups by which the weighted sum of squares is what it should be (Paule and Mandel)."""
 
     def excess(between: float) -> float:
@@ -111,17 +111,17 @@ def same_setup(values: Real, variance: Real) -> NDArray[np.int64]:
     setup = np.full(len(values), -1, np.int64)
     held: list[tuple[Real, Real]] = []
     for k, (x, v) in enumerate(zip(values, variance, strict=True)):
-        distance = [_apart(x, v, *one) for one in held]
+        distance = [_sigmas_apart(x, v, *one) for one in held]
         if distance and min(distance) < ALIKE:
             setup[k] = c = int(np.argmin(distance))
-            held[c] = _merged(x, v, *held[c])
+            held[c] = _merge_two(x, v, *held[c])
         else:
             setup[k] = len(held)
             held.append((x, v))
     return setup
 
 
-def _apart(x: Real, v: Real, y: Real, u: Real) -> float:
+def _sigmas_apart(x: Real, v: Real, y: Real, u: Real) -> float:
     """How many sigmas of its own the sum of squares of their differences is too large."""
     both = np.isfinite(v) & np.isfinite(u)
     n = int(np.count_nonzero(both))
@@ -131,7 +131,7 @@ def _apart(x: Real, v: Real, y: Real, u: Real) -> float:
     return (squares - n) / float(np.sqrt(2 * n))
 
 
-def _merged(x: Real, v: Real, y: Real, u: Real) -> tuple[Real, Real]:
+def _merge_two(x: Real, v: Real, y: Real, u: Real) -> tuple[Real, Real]:
     a, b = np.where(np.isfinite(v), 1 / v, 0.0), np.where(np.isfinite(u), 1 / u, 0.0)
     total = a + b
     seen = total > 0
@@ -139,7 +139,7 @@ def _merged(x: Real, v: Real, y: Real, u: Real) -> tuple[Real, Real]:
     return np.where(seen, (a * x + b * y) / safe, x), np.where(seen, 1 / safe, np.inf)
 
 
-def off(common: Common) -> NDArray[np.int64]:
+def setups_with_other_frequencies(common: CommonPoles) -> NDArray[np.int64]:
     """Set-ups whose frequencies differ from those of the others by more than these scatter."""
     if common.shift.size < 4:
         return np.zeros(0, np.int64)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.frf import Frf
-from modallab.frf.estimate import convert
+from modallab.frf.estimate import convert_frf
 from modallab.identification.start.mode_indicators import cmif
 from modallab.signals.peaks import prominent_peaks
 
@@ -25,7 +25,7 @@ LEAST_LINES = 64
 
 
 @dataclass(frozen=True, slots=True)
-class Band:
+class SearchBand:
     """The modes from `low_hz` to `high_hz` are its own; its lines, `first` to `stop`, reach into the neighbours."""
 
     low_hz: float
@@ -46,7 +46,7 @@ class Band:
         return poles[(frequency >= self.low_hz) & (frequency < self.high_hz)]
 
 
-def split_bands(frf: Frf, most: int = MOST_PEAKS) -> list[Band]:
+def split_bands(frf: Frf, most: int = MOST_PEAKS) -> list[SearchBand]:
     """Bands of at most so many peaks of the CMIF each, cut at its valleys; one band where there are no more peaks.
 
     Args:
@@ -56,21 +56,21 @@ def split_bands(frf: Frf, most: int = MOST_PEAKS) -> list[Band]:
     Raises:
         DataError: the FRF is not finite, or has no phase.
     """
-    level = 10 * np.log10(np.maximum(cmif(convert(frf, "mobility"))[0], np.finfo(float).tiny))
+    level = 10 * np.log10(np.maximum(cmif(convert_frf(frf, "mobility"))[0], np.finfo(float).tiny))
     peaks = prominent_peaks(level, PROMINENCE_DB)
-    cuts = _cuts(level, peaks, most)
+    cuts = _band_edges(level, peaks, most)
     edges = [0, *cuts, level.size]
     f = frf.frequency_hz
-    found: list[Band] = []
+    found: list[SearchBand] = []
     for low, high in pairwise(edges):
         margin = int(OVERLAP * (high - low)) + 1
         first, stop = max(0, low - margin), min(level.size, high + margin)
         bottom = 0.0 if low == 0 else float(f[low])
-        found.append(Band(bottom, np.inf if high == level.size else float(f[high]), first, stop))
+        found.append(SearchBand(bottom, np.inf if high == level.size else float(f[high]), first, stop))
     return found
 
 
-def _cuts(level: NDArray[np.float64], peaks: NDArray[np.int64], most: int) -> list[int]:
+def _band_edges(level: NDArray[np.float64], peaks: NDArray[np.int64], most: int) -> list[int]:
     """Places of the deepest valleys near where even shares of the peaks would end."""
     n_bands = -(-peaks.size // most)
     cuts: list[int] = []

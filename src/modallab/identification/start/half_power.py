@@ -8,12 +8,12 @@ from modallab.core.arrays import Real
 from modallab.core.axis_checks import check_frequencies
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
-from modallab.frf.estimate import convert
+from modallab.frf.estimate import convert_frf
 from modallab.signals.peaks import prominent_peaks
 
 
 @dataclass(frozen=True, slots=True)
-class Peak:
+class HalfPowerPeak:
     """A local maximum: line index, frequency and the damping ratio half-power reads; NaN where a flank is missing."""
 
     line: int
@@ -28,11 +28,11 @@ def summed_amplitude(frf: Frf) -> Real:
         DataError: no FRF.
     """
     # Output by output: an array of all the squares costs more time than its sum.
-    squares = [np.sum(v.real**2 + v.imag**2, axis=0) for v in convert(frf, frf.quantity).values]
+    squares = [np.sum(v.real**2 + v.imag**2, axis=0) for v in convert_frf(frf, frf.quantity).values]
     return np.sqrt(np.sum(squares, axis=0))
 
 
-def find_peaks(frequency_hz: Real, amplitude: Real, prominence_db: float = 6.0) -> list[Peak]:
+def find_peaks(frequency_hz: Real, amplitude: Real, prominence_db: float = 6.0) -> list[HalfPowerPeak]:
     """Local maxima that stand out by `prominence_db`, each with its half-power damping.
 
     Raises:
@@ -41,7 +41,7 @@ def find_peaks(frequency_hz: Real, amplitude: Real, prominence_db: float = 6.0) 
     _check_curve(frequency_hz, amplitude)
     level = 20 * np.log10(np.maximum(amplitude, 1e-300))
     found = prominent_peaks(level, prominence_db)
-    return [Peak(int(i), float(frequency_hz[i]), half_power(frequency_hz, amplitude, int(i))) for i in found]
+    return [HalfPowerPeak(int(i), float(frequency_hz[i]), half_power(frequency_hz, amplitude, int(i))) for i in found]
 
 
 def half_power(frequency_hz: Real, amplitude: Real, line: int) -> float:
@@ -57,11 +57,14 @@ def half_power(frequency_hz: Real, amplitude: Real, line: int) -> float:
     if not 0 <= line < amplitude.size:
         raise DataError(f"there is no line {line} among {amplitude.size}", remedy="count the lines from 0")
     limit = amplitude[line] / np.sqrt(2)
-    low, high = _crossing(frequency_hz, amplitude, line, -1, limit), _crossing(frequency_hz, amplitude, line, 1, limit)
+    low, high = (
+        _half_power_crossing(frequency_hz, amplitude, line, -1, limit),
+        _half_power_crossing(frequency_hz, amplitude, line, 1, limit),
+    )
     return (high - low) / (2 * float(frequency_hz[line]))
 
 
-def _crossing(frequency_hz: Real, amplitude: Real, line: int, step: int, limit: float) -> float:
+def _half_power_crossing(frequency_hz: Real, amplitude: Real, line: int, step: int, limit: float) -> float:
     i = line
     while 0 <= i + step < amplitude.size:
         if amplitude[i + step] > amplitude[i]:

@@ -32,14 +32,14 @@ def with_missing(frf: Frf, poles: NDArray[np.complex128], band_hz: tuple[float, 
     zeta = np.tile(ZETAS, GRID)
     candidates = poles_of(omega, zeta)
     found = poles
-    left = float(misfit(frf, found[None])[0])
+    left = float(misfit_of_trials(frf, found[None])[0])
     for _ in range(MOST):
         apart = np.abs(candidates.imag[:, None] / found.imag - 1).min(axis=1, initial=np.inf) > APART
         free = candidates[apart]
         if free.size == 0:
             break
         trials = np.concatenate([np.broadcast_to(found, (free.size, found.size)), free[:, None]], axis=1)
-        each = misfit(frf, trials)
+        each = misfit_of_trials(frf, trials)
         best = int(np.argmin(each))
         if each[best] * GAIN > left:
             break
@@ -47,7 +47,7 @@ def with_missing(frf: Frf, poles: NDArray[np.complex128], band_hz: tuple[float, 
     return found
 
 
-def misfit(frf: Frf, trials: NDArray[np.complex128]) -> Real:
+def misfit_of_trials(frf: Frf, trials: NDArray[np.complex128]) -> Real:
     """Squared misfit (trials,) of each set of poles, residues and residual terms solved for.
 
     Args:

@@ -9,7 +9,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.frf import Frf
-from modallab.frf.estimate import convert
+from modallab.frf.estimate import convert_frf
 
 
 def mmif(frf: Frf) -> Real:
@@ -20,7 +20,7 @@ def mmif(frf: Frf) -> Real:
     Raises:
         DataError: no FRF, or a line at 0 Hz of other than receptance.
     """
-    values = np.moveaxis(convert(frf, "receptance").values, -1, 0)
+    values = np.moveaxis(convert_frf(frf, "receptance").values, -1, 0)
     in_phase = values.real.transpose(0, 2, 1) @ values.real
     quadrature = values.imag.transpose(0, 2, 1) @ values.imag
     total = in_phase + quadrature
@@ -38,5 +38,5 @@ def cmif(frf: Frf) -> Real:
     Raises:
         DataError: as for `mmif`.
     """
-    values = np.moveaxis(convert(frf, frf.quantity).values, -1, 0)
+    values = np.moveaxis(convert_frf(frf, frf.quantity).values, -1, 0)
     return np.asarray(np.linalg.svd(values, compute_uv=False).T ** 2, np.float64)

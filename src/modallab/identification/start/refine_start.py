@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import Complex128, Real
 from modallab.core.frf import Frf
 from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.start.missed_modes import GAIN, misfit
+from modallab.identification.start.missed_modes import GAIN, misfit_of_trials
 
 STEPS = (0.01, 0.5)
 """First steps, relative in frequency and logarithmic in damping."""
@@ -18,7 +18,7 @@ ZETA_RANGE = (1e-4, 0.1)
 AROUND = np.array([(f, z) for f in (-1, 0, 1) for z in (-1, 0, 1) if f or z], dtype=np.float64)
 
 
-def polished(frf: Frf, poles: Complex128, band_hz: tuple[float, float]) -> Complex128:
+def polish_poles(frf: Frf, poles: Complex128, band_hz: tuple[float, float]) -> Complex128:
     """The poles at the least misfit near them, if it is much less than theirs; else the poles as they are.
 
     Misfit is that of `with_missing`. What still decays in the blocks is in the FRF as well: a small gain says nothing.
@@ -32,20 +32,20 @@ def polished(frf: Frf, poles: Complex128, band_hz: tuple[float, float]) -> Compl
     if not poles.size:
         return poles
     at = np.stack([np.log(np.abs(poles)), np.log(np.clip(-poles.real / np.abs(poles), *ZETA_RANGE))])
-    first = float(misfit(frf, poles[None])[0])
-    left = float(misfit(frf, _poles(at)[None])[0])
+    first = float(misfit_of_trials(frf, poles[None])[0])
+    left = float(misfit_of_trials(frf, _poles(at)[None])[0])
     step = np.array(STEPS)
     for _ in range(HALVINGS):
         before = np.inf
         while left < 0.99 * before:
             before = left
             for mode in range(poles.size):
-                at, left = _stepped(frf, at, left, mode, step, band_hz)
+                at, left = _best_step(frf, at, left, mode, step, band_hz)
         step = step / 2
     return _poles(at) if left * GAIN < first else poles
 
 
-def _stepped(
+def _best_step(
     frf: Frf, at: Real, left: float, mode: int, step: Real, band_hz: tuple[float, float]
 ) -> tuple[Real, float]:
     """Parameters with the least misfit among steps of one pole's frequency and damping, and that misfit."""
@@ -53,7 +53,7 @@ def _stepped(
     trials[:, :, mode] += AROUND * step
     trials[:, 0, mode] = np.clip(trials[:, 0, mode], *np.log(2 * np.pi * np.array(band_hz)))
     trials[:, 1, mode] = np.clip(trials[:, 1, mode], *np.log(ZETA_RANGE))
-    found = misfit(frf, np.stack([_poles(trial) for trial in trials]))
+    found = misfit_of_trials(frf, np.stack([_poles(trial) for trial in trials]))
     best = int(np.argmin(found))
     return (trials[best], float(found[best])) if found[best] < left else (at, left)
 

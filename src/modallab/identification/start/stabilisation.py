@@ -16,7 +16,7 @@ class OrderPoles:
 
 
 @dataclass(frozen=True, slots=True)
-class Tolerance:
+class StabilityLimits:
     """When a pole counts as the same at the next order: distance |d lambda| as a share of |lambda|."""
 
     frequency: float = 2e-3
@@ -47,7 +47,7 @@ class StablePole:
     spread: float
 
 
-def stable_poles(orders: Sequence[OrderPoles], tolerance: Tolerance | None = None) -> list[StablePole]:
+def stable_poles(orders: Sequence[OrderPoles], tolerance: StabilityLimits | None = None) -> list[StablePole]:
     """Poles that hold over enough orders in a row, each once, by rising frequency.
 
     Enough is `min_run`, and `min_share` of all the orders: noise holds for some orders by chance, the more the more
@@ -57,7 +57,7 @@ def stable_poles(orders: Sequence[OrderPoles], tolerance: Tolerance | None = Non
         orders: poles by rising order.
         tolerance: when two poles are the same.
     """
-    limits = tolerance or Tolerance()
+    limits = tolerance or StabilityLimits()
     open_runs: list[list[complex]] = []
     closed: list[list[complex]] = []
     for found in orders:
@@ -65,7 +65,7 @@ def stable_poles(orders: Sequence[OrderPoles], tolerance: Tolerance | None = Non
         free = np.ones(poles.size, dtype=np.bool_)
         continued: list[list[complex]] = []
         for run in sorted(open_runs, key=len, reverse=True):
-            match = _nearest(run[-1], poles, free, limits)
+            match = _nearest_pole(run[-1], poles, free, limits)
             if match is None:
                 closed.append(run)
             else:
@@ -74,11 +74,11 @@ def stable_poles(orders: Sequence[OrderPoles], tolerance: Tolerance | None = Non
         open_runs = continued + [[complex(pole)] for pole in poles[free]]
     closed += open_runs
     enough = max(limits.min_run, int(limits.min_share * len(orders)))
-    return _distinct([_summary(run) for run in closed if len(run) >= enough], limits)
+    return _distinct_runs([_stable_pole(run) for run in closed if len(run) >= enough], limits)
 
 
-def _nearest(
-    pole: complex, candidates: NDArray[np.complex128], free: NDArray[np.bool_], limits: Tolerance
+def _nearest_pole(
+    pole: complex, candidates: NDArray[np.complex128], free: NDArray[np.bool_], limits: StabilityLimits
 ) -> int | None:
     off = candidates - pole
     same = (np.abs(off.imag) < limits.frequency * abs(pole)) & (np.abs(off.real) < limits.damping * abs(pole))
@@ -86,13 +86,13 @@ def _nearest(
     return int(near[np.argmin(np.abs(off[near]))]) if near.size else None
 
 
-def _summary(run: list[complex]) -> StablePole:
+def _stable_pole(run: list[complex]) -> StablePole:
     tail: NDArray[np.complex128] = np.array(run[-max(5, len(run) // 2) :], dtype=np.complex128)
     centre = complex(np.median(tail.real), np.median(tail.imag))
     return StablePole(centre, len(run), float(np.median(np.abs(tail - centre)) / abs(centre)))
 
 
-def _distinct(poles: list[StablePole], limits: Tolerance) -> list[StablePole]:
+def _distinct_runs(poles: list[StablePole], limits: StabilityLimits) -> list[StablePole]:
     """Longest runs first; a shorter run beside one already taken is its double."""
     taken: list[StablePole] = []
     for candidate in sorted(poles, key=lambda p: p.run, reverse=True):

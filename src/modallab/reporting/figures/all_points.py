@@ -8,18 +8,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from modallab.core.digits import share
+from modallab.core.digits import four_places
 from modallab.core.frf import Frf
 from modallab.core.verification import Verification
 from modallab.reporting.figures import style
-from modallab.reporting.figures.overview import FEW, positive, unit
-from modallab.reporting.figures.selection import place
+from modallab.reporting.figures.overview import FEW, unit_of_frf, zero_as_gap
+from modallab.reporting.figures.selection import sensor_label
 
 Part = Callable[[NDArray[np.complex128]], NDArray[np.float64]]
 """Amplitude, real part or another part of complex numbers."""
 
 
-def all_points(check: Verification, input_: int = 0) -> Figure:
+def mobility_panels(check: Verification, input_: int = 0) -> Figure:
     """One panel a point: amplitude of measured and regenerated mobility with their FRAC; thin, the untruncated FRF.
 
     Args:
@@ -27,56 +27,56 @@ def all_points(check: Verification, input_: int = 0) -> Figure:
         input_: which drive point.
     """
     n = len(check.measured.outputs)
-    with style.look():
-        figure, axes = style.grid(n, min(3, n), style.Cell(340, 230))
+    with style.figure_style():
+        figure, axes = style.panel_grid(n, min(3, n), style.PanelSize(340, 230))
         for i, panel in enumerate(axes):
-            draw(panel, check, i, input_, np.abs)
-            style.logarithmic(panel)
-            residual(panel, check, i, input_)
-            where = place(check.measured.outputs[i], check.measured.output_points[i])
-            style.label(
+            draw_mobility(panel, check, i, input_, np.abs)
+            style.make_logarithmic(panel)
+            draw_residual(panel, check, i, input_)
+            where = sensor_label(check.measured.outputs[i], check.measured.output_points[i])
+            style.label_axes(
                 panel,
-                f"{where} · FRAC {share(float(check.frac[i, input_]))}",
+                f"{where} · FRAC {four_places(float(check.frac[i, input_]))}",
                 "frequency [Hz]",
-                f"mobility [{unit(check.measured)}]",
+                f"mobility [{unit_of_frf(check.measured)}]",
             )
         low = min(panel.get_ylim()[0] for panel in axes)
         high = max(panel.get_ylim()[1] for panel in axes)
         for panel in axes:
             panel.set_ylim(low, high)
-        style.legend(figure, axes[0].lines)
+        style.figure_legend(figure, axes[0].lines)
     return figure
 
 
-def draw(axes: Axes, check: Verification, output: int, input_: int, part: Part) -> None:
+def draw_mobility(axes: Axes, check: Verification, output: int, input_: int, part: Part) -> None:
     """The three curves of one point, as amplitude, real part or another part of the complex number."""
     few = check.measured.frequency_hz.size <= FEW
     curves: tuple[tuple[Frf, str, dict[str, Any]], ...] = (
         (check.untruncated, "the model, no block", {"color": style.SOFT, "linewidth": 0.7, "linestyle": "-"}),
-        (check.measured, "measured", _measured(few)),
-        (check.regenerated, "regenerated through the same block", _regenerated(few)),
+        (check.measured, "measured", _measured_style(few)),
+        (check.regenerated, "regenerated through the same block", _regenerated_style(few)),
     )
     for frf, name, options in curves:
         values = part(frf.values[output, input_])
-        axes.plot(frf.frequency_hz, positive(values) if part is np.abs else values, label=name, **options)
+        axes.plot(frf.frequency_hz, zero_as_gap(values) if part is np.abs else values, label=name, **options)
     low, high = check.measured.frequency_hz[[0, -1]]
     edge = 0.012 * (high - low)
     axes.set_xlim(low - edge, high + edge)
 
 
-def residual(axes: Axes, check: Verification, output: int, input_: int) -> None:
+def draw_residual(axes: Axes, check: Verification, output: int, input_: int) -> None:
     """What the model does not repeat, below the curves of a logarithmic panel."""
     left = np.abs(check.measured.values[output, input_] - check.regenerated.values[output, input_])
     low, high = axes.get_ylim()
     few = check.measured.frequency_hz.size <= FEW
     options: dict[str, Any] = {"marker": "v", "linestyle": "none", "markersize": 4} if few else {"linewidth": 0.9}
-    axes.plot(check.measured.frequency_hz, positive(left), color=style.SECOND, label="residual", **options)
+    axes.plot(check.measured.frequency_hz, zero_as_gap(left), color=style.SECOND, label="residual", **options)
     # Two decades below the curves are enough to see a residual that matters, and leave these their height.
     seen = left[left > 0]
     axes.set_ylim(max(low / 100, min(low, float(seen.min()) / 2 if seen.size else low)), high)
 
 
-def _measured(few: bool) -> dict[str, Any]:
+def _measured_style(few: bool) -> dict[str, Any]:
     if few:
         return {
             "color": style.MEASURED,
@@ -89,7 +89,7 @@ def _measured(few: bool) -> dict[str, Any]:
     return {"color": style.MEASURED, "linewidth": 3.6, "alpha": 0.5}
 
 
-def _regenerated(few: bool) -> dict[str, Any]:
+def _regenerated_style(few: bool) -> dict[str, Any]:
     if few:
         return {"color": style.MODEL, "linestyle": "none", "marker": "x", "markersize": 5, "markeredgewidth": 1.4}
     return {"color": style.MODEL, "linewidth": 1.5, "linestyle": "--"}

@@ -5,12 +5,12 @@ import json
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.digits import glued, plain
+from modallab.core.digits import significant_digits, with_hard_blanks
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.reporting.figures.moving import moving
-from modallab.reporting.figures.shape_data import Shape, line, shape
-from modallab.reporting.markup import Markup, tag, trusted
+from modallab.reporting.figures.moving import moving_pictures
+from modallab.reporting.figures.shape_data import BeamShape, beam_shape, smooth_curve
+from modallab.reporting.markup import Markup, html_element, trusted_markup
 
 _WIDTH, _HALF, _LEFT, _RIGHT = 300.0, 54.0, 22.0, 12.0
 _PERIOD_S = (2.4, 1.7, 1.3, 1.1)
@@ -23,24 +23,31 @@ def animated_shapes(model: ModalModel, rig: Rig) -> Markup | None:
     Points out of step move out of step. On paper, without scripts, and for a reader who asked for less motion there
     are the two extremes.
     """
-    found = [shape(model, mode, rig) for mode in range(model.n_modes)]
+    found = [beam_shape(model, mode, rig) for mode in range(model.n_modes)]
     clamped = rig.model == "cantilever"
-    pictures = [_picture(i, float(model.frequency_hz[i]), s, clamped) for i, s in enumerate(found) if s is not None]
+    pictures = [
+        _moving_picture(i, float(model.frequency_hz[i]), s, clamped) for i, s in enumerate(found) if s is not None
+    ]
     if not pictures:
         return None
-    return moving(pictures, "motion", "motion.js")
+    return moving_pictures(pictures, "motion", "motion.js")
 
 
-def _picture(mode: int, frequency_hz: float, found: Shape, clamped: bool) -> Markup:
+def _moving_picture(mode: int, frequency_hz: float, found: BeamShape, clamped: bool) -> Markup:
     period = _PERIOD_S[min(mode, len(_PERIOD_S) - 1)]
     slower = frequency_hz * period
-    name = f"Mode {mode + 1}, {plain(frequency_hz)} Hz"
-    caption = tag("figcaption", tag("b", glued(name)), tag("br"), f"shown {plain(slower, 2)} times slower")
-    return tag("figure", _drawing(found, clamped, period, f"{name}: the beam vibrates"), caption)
+    name = f"Mode {mode + 1}, {significant_digits(frequency_hz)} Hz"
+    caption = html_element(
+        "figcaption",
+        html_element("b", with_hard_blanks(name)),
+        html_element("br"),
+        f"shown {significant_digits(slower, 2)} times slower",
+    )
+    return html_element("figure", _drawing_of_shape(found, clamped, period, f"{name}: the beam vibrates"), caption)
 
 
-def _drawing(found: Shape, clamped: bool, period_s: float, alt: str) -> Markup:
-    real, skew = line(found.x_m, found.phi, clamped), line(found.x_m, found.quadrature, clamped)
+def _drawing_of_shape(found: BeamShape, clamped: bool, period_s: float, alt: str) -> Markup:
+    real, skew = smooth_curve(found.x_m, found.phi, clamped), smooth_curve(found.x_m, found.quadrature, clamped)
     start, reach = float(real[0, 0]), float(np.abs(real[1]).max()) or 1.0
     across = (_WIDTH - _LEFT - _RIGHT) / (float(real[0, -1]) - start or 1.0)
     beam = np.array([_LEFT + (real[0] - start) * across, -real[1] / reach * _HALF, -skew[1] / reach * _HALF])
@@ -52,19 +59,19 @@ def _drawing(found: Shape, clamped: bool, period_s: float, alt: str) -> Markup:
     marks = "".join(f"M{x:.1f} {y:.2f}h0" for x, y, _ in dots.T)
     ghost = f'<path class="ghost" transform="scale(1 -1)" d="{drift_curve}"/>'
     rest = f'<path class="rest" d="M{_LEFT} 0H{_WIDTH - _RIGHT}"/>'
-    wall = f'<path class="wall" d="{_wall()}"/>' if clamped else ""
+    wall = f'<path class="wall" d="{_clamp_wall()}"/>' if clamped else ""
     view = f"0 {-_HALF - 8:.0f} {_WIDTH:.0f} {2 * _HALF + 16:.0f}"
-    return trusted(
-        f'<svg viewBox="{view}" role="img" data-period="{period_s:g}">{tag("title", alt)}{rest}{wall}{ghost}'
-        f'<path class="beam" data-p="{_points(beam)}" d="{drift_curve}"/>'
-        f'<path class="dots" data-p="{_points(dots)}" d="{marks}"/></svg>'
+    return trusted_markup(
+        f'<svg viewBox="{view}" role="img" data-period="{period_s:g}">{html_element("title", alt)}{rest}{wall}{ghost}'
+        f'<path class="beam" data-p="{_curve_points(beam)}" d="{drift_curve}"/>'
+        f'<path class="dots" data-p="{_curve_points(dots)}" d="{marks}"/></svg>'
     )
 
 
-def _points(drift_curve: NDArray[np.float64]) -> str:
+def _curve_points(drift_curve: NDArray[np.float64]) -> str:
     return json.dumps(drift_curve.T.round(2).tolist(), separators=(",", ":"))
 
 
-def _wall() -> str:
+def _clamp_wall() -> str:
     edge = f"M{_LEFT} -34V34"
     return edge + "".join(f"M{_LEFT} {y}l-9 9" for y in range(-34, 34, 8))

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from modallab.core.rig import Rig
 from modallab.core.units import SI_UNIT
 from modallab.reporting.figures import style
-from modallab.reporting.figures.selection import place
+from modallab.reporting.figures.selection import sensor_label
 from modallab.signals.signals import Signals
 
 
-def quarters(signals: Signals, output: int, rig: Rig, to_hz: float) -> tuple[Figure, list[Axes]]:
+def block_panels(signals: Signals, output: int, rig: Rig, to_hz: float) -> tuple[Figure, list[Axes]]:
     """Four panels: force and response in time, below each other; beside each its spectrum.
 
     Args:
@@ -26,13 +26,13 @@ def quarters(signals: Signals, output: int, rig: Rig, to_hz: float) -> tuple[Fig
     name = signals.outputs[output]
     channel = next((c for c in rig.channels if c.name == name), None)
     quantity = channel.quantity if channel else "acceleration"
-    where = place(name, channel.point if channel else None)
-    with style.look():
-        figure, axes = style.grid(4, 2)
+    where = sensor_label(name, channel.point if channel else None)
+    with style.figure_style():
+        figure, axes = style.panel_grid(4, 2)
         # Of several forces the first one's is shown, and said to be.
         force = "Force" if len(signals.forces) == 1 else f"Force at point {signals.block.drive_point}"
-        _pair(axes[:2], force, "N", signals.forces[0], signals.rate_hz, to_hz, style.MODEL)
-        _pair(
+        _time_and_spectrum(axes[:2], force, "N", signals.forces[0], signals.rate_hz, to_hz, style.MODEL)
+        _time_and_spectrum(
             axes[2:],
             f"{where}, {quantity}",
             SI_UNIT[quantity].replace("^2", "²"),
@@ -44,26 +44,26 @@ def quarters(signals: Signals, output: int, rig: Rig, to_hz: float) -> tuple[Fig
     return figure, axes
 
 
-def amplitude(samples: NDArray[np.float64], rate_hz: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def amplitude_spectrum(samples: NDArray[np.float64], rate_hz: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Frequencies in Hz and the amplitude of the sine at each line, in the unit of the samples; no window."""
     n = samples.shape[-1]
     return np.fft.rfftfreq(n, 1 / rate_hz).astype(np.float64), np.abs(np.fft.rfft(samples)) * 2 / n
 
 
-def _pair(
+def _time_and_spectrum(
     axes: list[Axes], what: str, unit: str, samples: NDArray[np.float64], rate_hz: float, to_hz: float, colour: str
 ) -> None:
     time, spectrum = axes
     quantity = what.rsplit(", ", 1)[-1].lower()
     time.plot(np.arange(samples.size) / rate_hz, samples, color=colour, linewidth=1.1)
-    style.label(time, what, "time [s]", f"{quantity} [{unit}]")
+    style.label_axes(time, what, "time [s]", f"{quantity} [{unit}]")
     time.set_xlim(0, samples.size / rate_hz)
-    frequency, height = amplitude(samples, rate_hz)
+    frequency, height = amplitude_spectrum(samples, rate_hz)
     # Line 0 is the mean, which has no place on a logarithmic axis of vibrations.
     height = np.where(height > 0, height, nan)
     spectrum.plot(frequency[1:], height[1:], color=colour, linewidth=1.1)
-    style.logarithmic(spectrum)
-    style.label(spectrum, f"{what}, spectrum", "frequency [Hz]", f"amplitude [{unit}]")
+    style.make_logarithmic(spectrum)
+    style.label_axes(spectrum, f"{what}, spectrum", "frequency [Hz]", f"amplitude [{unit}]")
     spectrum.set_xlim(0, min(to_hz, rate_hz / 2))
 
 
@@ -76,10 +76,10 @@ def sine_block(signals: Signals, output: int, rig: Rig, to_hz: float = 220.0) ->
         rig: for the response's quantity and point.
         to_hz: upper end of the spectra.
     """
-    figure, axes = quarters(signals, output, rig, to_hz)
+    figure, axes = block_panels(signals, output, rig, to_hz)
     frequency = signals.block.frequency_hz
     if frequency is not None:
-        with style.look():
+        with style.figure_style():
             for spectrum in (axes[1], axes[3]):
                 spectrum.axvline(frequency, color=style.SOFT, linewidth=0.9, linestyle=":", zorder=0)
     return figure
@@ -97,17 +97,17 @@ def impact_block(
         filtered: (outputs, n) the responses after the band-pass filter.
         to_hz: upper end of the spectra.
     """
-    figure, axes = quarters(signals, output, rig, to_hz)
+    figure, axes = block_panels(signals, output, rig, to_hz)
     if filtered is None:
         return figure
-    with style.look():
+    with style.figure_style():
         axes[3].lines[0].set_label("as measured")
-        frequency, height = amplitude(filtered[output], signals.rate_hz)
+        frequency, height = amplitude_spectrum(filtered[output], signals.rate_hz)
         # Far outside the band the filter leaves next to nothing; the axis stays with what was measured.
         low, high = axes[3].get_ylim()
         axes[3].plot(
             frequency[1:], height[1:], "--", color=style.INK, linewidth=1.3, label="after the band-pass filter"
         )
         axes[3].set_ylim(low / 3, high)
-        style.legend(figure, axes[3].lines)
+        style.figure_legend(figure, axes[3].lines)
     return figure

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from modallab.core.digits import plain
+from modallab.core.digits import significant_digits
 from modallab.core.rig import Rig
 from modallab.identification.selection.pairing import SAME_MODE
-from modallab.reporting.compare import Mode, Reading
+from modallab.reporting.compare import ComparedMode, ModeReading
 from modallab.reporting.figures import style
 
 PAPER = ((4.8, 0.1250), (30.9, 0.0385), (87.8, 0.0103))
@@ -31,7 +31,7 @@ _PAPER: dict[str, Any] = {
 _MARKS = {"impact": "o", "sine": "s", None: "o"}
 
 
-def damping(modes: Sequence[Mode], paper: bool = True) -> Figure:
+def damping_figure(modes: Sequence[ComparedMode], paper: bool = True) -> Figure:
     """One row a mode on a logarithmic scale of damping, one bar a test.
 
     The grey bar reaches up to the floor of the half-power rule: what it reads for a mode inside lies at the bar's end,
@@ -42,21 +42,23 @@ def damping(modes: Sequence[Mode], paper: bool = True) -> Figure:
         paper: whether this is the paper's bench, so that its values belong beside these.
     """
     height = 62 if len(modes) <= MANY else 42
-    with style.look():
-        figure, (axes,) = style.grid(1, 1, style.Cell(420, 104 + height * max(len(modes), 1)))
+    with style.figure_style():
+        figure, (axes,) = style.panel_grid(1, 1, style.PanelSize(420, 104 + height * max(len(modes), 1)))
         values: list[float] = []
         for row, mode in enumerate(modes):
-            values += _row(axes, -row, mode, paper)
-        _scale(axes, values)
-        axes.set_yticks(range(0, -len(modes), -1), [f"mode {m.number}\n{plain(m.frequency_hz, 3)} Hz" for m in modes])
+            values += _draw_mode(axes, -row, mode, paper)
+        _set_scale(axes, values)
+        axes.set_yticks(
+            range(0, -len(modes), -1), [f"mode {m.number}\n{significant_digits(m.frequency_hz, 3)} Hz" for m in modes]
+        )
         axes.set_ylim(-len(modes) + 0.4, 0.6)
         axes.grid(axis="y", visible=False)
-        style.label(axes, "Damping ratio of each mode", "damping ratio ζ [%]", "")
-        style.legend(figure, _key(modes, paper))
+        style.label_axes(axes, "Damping ratio of each mode", "damping ratio ζ [%]", "")
+        style.figure_legend(figure, _legend_key(modes, paper))
     return figure
 
 
-def paper_value(mode: Mode) -> float | None:
+def paper_value(mode: ComparedMode) -> float | None:
     """What the paper's Table 1 gives for this mode, if it is one of its three by frequency."""
     return next((value for f, value in PAPER if abs(mode.frequency_hz - f) <= SAME_MODE * f), None)
 
@@ -69,14 +71,14 @@ def is_bench_of_paper(rig: Rig) -> bool:
     return all(isclose(ours, theirs, rel_tol=0.05) for ours, theirs in zip(section, LINK_M, strict=True))
 
 
-def _row(axes: Axes, y: float, mode: Mode, papers: bool) -> list[float]:
+def _draw_mode(axes: Axes, y: float, mode: ComparedMode, papers: bool) -> list[float]:
     values: list[float] = []
     n = len(mode.readings)
     for place, reading in enumerate(mode.readings):
         height = 0.56 / n
         centre = y + 0.28 - height * (place + 0.5)
-        values += _bar(axes, centre, height * (0.9 if n > 1 else 1.0), reading)
-        values += _identified(axes, centre, reading.damping, reading.damping_sigma, _MARKS[reading.test])
+        values += _draw_test(axes, centre, height * (0.9 if n > 1 else 1.0), reading)
+        values += _draw_identified(axes, centre, reading.damping, reading.damping_sigma, _MARKS[reading.test])
     paper = paper_value(mode) if papers else None
     if paper is not None:
         values += [50 * paper, 100 * paper]
@@ -87,7 +89,7 @@ def _row(axes: Axes, y: float, mode: Mode, papers: bool) -> list[float]:
     return values
 
 
-def _bar(axes: Axes, y: float, height: float, reading: Reading) -> list[float]:
+def _draw_test(axes: Axes, y: float, height: float, reading: ModeReading) -> list[float]:
     values: list[float] = []
     floor = 100 * reading.half_power_floor
     if isfinite(floor) and floor > 0:
@@ -100,7 +102,7 @@ def _bar(axes: Axes, y: float, height: float, reading: Reading) -> list[float]:
     return values
 
 
-def _identified(axes: Axes, y: float, zeta: float, sigma: float, marker: str) -> list[float]:
+def _draw_identified(axes: Axes, y: float, zeta: float, sigma: float, marker: str) -> list[float]:
     if not (isfinite(zeta) and zeta > 0):
         return []
     error = [[100 * min(sigma, 0.9 * zeta)], [100 * sigma]] if isfinite(sigma) else None
@@ -119,13 +121,13 @@ def _identified(axes: Axes, y: float, zeta: float, sigma: float, marker: str) ->
     return [100 * zeta]
 
 
-def _scale(axes: Axes, values: list[float]) -> None:
+def _set_scale(axes: Axes, values: list[float]) -> None:
     known = [v for v in values if v > 0] or [0.1, 10.0]
     axes.set_xlim(min(known) / 2, max(known) * 2)
-    style.logarithmic(axes, "x")
+    style.make_logarithmic(axes, "x")
 
 
-def _key(modes: Sequence[Mode], paper: bool) -> list[Line2D | Patch]:
+def _legend_key(modes: Sequence[ComparedMode], paper: bool) -> list[Line2D | Patch]:
     tests = list(dict.fromkeys(r.test for m in modes for r in m.readings))
     handles: list[Line2D | Patch] = [
         Line2D(

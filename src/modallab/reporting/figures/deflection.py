@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from modallab.core.arrays import Complex128, Real
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
-from modallab.modification.deflection import turned
+from modallab.modification.deflection import turn_to_real
 from modallab.modification.skeleton import Skeleton
 from modallab.reporting.figures import style
-from modallab.reporting.figures.wireframe import is_spatial, projection
+from modallab.reporting.figures.wireframe import drawing_projection, is_spatial
 
 FRAMES, FPS = 24, 12
 REACH = 0.15
@@ -34,15 +34,15 @@ class Drawing:
             motion: (points, 3) complex, along x, y, z.
             title: over it.
         """
-        real = turned(motion.ravel()).reshape(motion.shape)
+        real = turn_to_real(motion.ravel()).reshape(motion.shape)
         self.rest, self.moved, self.pairs = project_shape(rig, real, float(np.abs(motion).max()) or 1.0)
-        with style.look():
-            self.figure, (axes,) = style.grid(1, 1, style.Cell(560, 280))
+        with style.figure_style():
+            self.figure, (axes,) = style.panel_grid(1, 1, style.PanelSize(560, 280))
             self._frame(axes, title)
 
     def _frame(self, axes: Axes, title: str) -> None:
         axes.set_axis_off()
-        axes.set_title(style.shorten(title, 70))
+        axes.set_title(style.shorten_text(title, 70))
         axes.set_aspect("equal")
         for a, b in self.pairs:
             axes.plot(*self.rest[[a, b]].T, color=style.GRID, linewidth=1.2, zorder=1)
@@ -71,7 +71,7 @@ class Drawing:
         """
         with TemporaryDirectory() as folder:
             written, writer = Path(folder) / "moving.gif", PillowWriter(fps=FPS)
-            with style.look(), writer.saving(self.figure, str(written), style.PX_PER_INCH):
+            with style.figure_style(), writer.saving(self.figure, str(written), style.PX_PER_INCH):
                 for n in range(FRAMES):
                     self.at(2 * np.pi * n / FRAMES)
                     writer.grab_frame()
@@ -90,6 +90,6 @@ def project_shape(rig: Rig, motion: Complex128, reach: float) -> tuple[Real, Com
     skeleton = Skeleton.of(rig)
     xyz = skeleton.places_m
     size = float(np.ptp(xyz, axis=0).max()) or 1.0
-    flat = projection() * np.array([1.0, -1.0]) if is_spatial(rig) else FROM_THE_SIDE
+    flat = drawing_projection() * np.array([1.0, -1.0]) if is_spatial(rig) else FROM_THE_SIDE
     moved = np.asarray(skeleton.moved(motion) @ flat, np.complex128) * (REACH * size / reach)
     return xyz @ flat, moved, list(skeleton.lines)

@@ -39,7 +39,7 @@ MEASURED, BEFORE, AFTER, LEFT = (
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Seen:
+class _RecordPair:
     """A record measured and simulated, (channels, n) each."""
 
     responses: tuple[Channel, ...]
@@ -55,75 +55,75 @@ def gap_curves(diagnosis: Diagnosis, campaign: Campaign) -> Figure | None:
     next to worst; one of those hits, and the sine block that is off most, in time, each with its residual beside it.
     """
     twins = believed_twin(campaign.rig), diagnosed_twin(diagnosis, campaign.rig, of_others=False)
-    ranked = _ranked(diagnosis.gap.by_channel, [c.name for c in campaign.rig.responses])
+    ranked = _worst_rows(diagnosis.gap.by_channel, [c.name for c in campaign.rig.responses])
     if not ranked:
         return None
     rows = {c.name: row for row, c in enumerate(campaign.rig.responses)}
     worst, row = ranked[0], rows[ranked[0]]
     draws: list[Callable[[Axes], None]] = []
-    hits = _hits(diagnosis, campaign)
+    hits = _draw_hits(diagnosis, campaign)
     if hits:
-        seen = [_seen(b, campaign, twins) for b in hits]
-        for name in dict.fromkeys((worst, *_driving(campaign, hits[0]), *ranked[1:2])):
+        seen = [_record_pair(b, campaign, twins) for b in hits]
+        for name in dict.fromkeys((worst, *_driving_row(campaign, hits[0]), *ranked[1:2])):
             title = f"{name}, FRF of the hits at point {hits[0].drive_point}"
-            draws.append(partial(_frf, seen=seen, row=rows[name], title=title))
+            draws.append(partial(_draw_frf, seen=seen, row=rows[name], title=title))
         del draws[2:]
         title = f"{worst}, a hit at point {hits[0].drive_point}"
         draws += _record_and_residual(seen[0], row, _about_hit(seen[0]), title)
-    sine = _sine(diagnosis, campaign)
+    sine = _draw_sine(diagnosis, campaign)
     if sine is not None:
-        one = _seen(sine, campaign, twins)
+        one = _record_pair(sine, campaign, twins)
         level = f", {sine.level}" if sine.level else ""
         title = f"{worst}, sine of {sine.frequency_hz:.4g} Hz{level}"
-        draws += _record_and_residual(one, row, _periods(one), title)
-    return _drawn(draws) if draws else None
+        draws += _record_and_residual(one, row, _time_of_periods(one), title)
+    return _drawn_panels(draws) if draws else None
 
 
-def _driving(campaign: Campaign, hit: Block) -> list[str]:
+def _driving_row(campaign: Campaign, hit: Block) -> list[str]:
     return [c.name for c in campaign.rig.responses if c.point == hit.drive_point][:1]
 
 
-def _record_and_residual(seen: _Seen, row: int, shown: slice, title: str) -> list[Callable[[Axes], None]]:
+def _record_and_residual(seen: _RecordPair, row: int, shown: slice, title: str) -> list[Callable[[Axes], None]]:
     return [
-        partial(_record, seen=seen, row=row, shown=shown, title=title),
-        partial(_residual, seen=seen, row=row, shown=shown, title=f"{title}: {LEFT}"),
+        partial(_draw_record, seen=seen, row=row, shown=shown, title=title),
+        partial(_draw_residual, seen=seen, row=row, shown=shown, title=f"{title}: {LEFT}"),
     ]
 
 
-def _drawn(draws: Sequence[Callable[[Axes], None]]) -> Figure:
-    with style.look():
-        figure, panels = style.grid(len(draws), 2)
+def _drawn_panels(draws: Sequence[Callable[[Axes], None]]) -> Figure:
+    with style.figure_style():
+        figure, panels = style.panel_grid(len(draws), 2)
         for draw, axes in zip(draws, panels, strict=True):
             draw(axes)
         lines = {str(line.get_label()): line for axes in panels for line in axes.lines}
-        style.legend(figure, [lines[name] for name in (MEASURED, BEFORE, AFTER, LEFT)])
+        style.figure_legend(figure, [lines[name] for name in (MEASURED, BEFORE, AFTER, LEFT)])
     return figure
 
 
-def _ranked(gaps: dict[str, float], names: Sequence[str]) -> list[str]:
+def _worst_rows(gaps: dict[str, float], names: Sequence[str]) -> list[str]:
     return sorted((name for name in gaps if name in names), key=lambda name: -gaps[name])
 
 
-def _hits(diagnosis: Diagnosis, campaign: Campaign) -> list[Block]:
+def _draw_hits(diagnosis: Diagnosis, campaign: Campaign) -> list[Block]:
     hits = [b for b in campaign.blocks if b.test == "impact" and b.drive_point is not None]
     pieces = {f"impact_p{b.drive_point:02d}" for b in hits}
-    worst = _ranked(diagnosis.gap.by_record, sorted(pieces))[:1]
+    worst = _worst_rows(diagnosis.gap.by_record, sorted(pieces))[:1]
     return [b for b in hits if f"impact_p{b.drive_point:02d}" in worst]
 
 
-def _sine(diagnosis: Diagnosis, campaign: Campaign) -> Block | None:
+def _draw_sine(diagnosis: Diagnosis, campaign: Campaign) -> Block | None:
     sines = {b.name: b for b in campaign.blocks if b.test == "sine" and b.frequency_hz and b.drive_point is not None}
-    worst = _ranked(diagnosis.gap.by_record, list(sines))
+    worst = _worst_rows(diagnosis.gap.by_record, list(sines))
     return sines[worst[0]] if worst else None
 
 
-def _seen(block: Block, campaign: Campaign, twins: tuple[Twin, Twin]) -> _Seen:
+def _record_pair(block: Block, campaign: Campaign, twins: tuple[Twin, Twin]) -> _RecordPair:
     last = float(max(1, *(b.order for b in campaign.blocks)))
     before, after = (predict_record(twin, campaign.rig, block, last) for twin in twins)
-    return _Seen(tuple(campaign.rig.responses), to_signals(block, campaign.rig), before, after)
+    return _RecordPair(tuple(campaign.rig.responses), to_signals(block, campaign.rig), before, after)
 
 
-def _frf(axes: Axes, seen: Sequence[_Seen], row: int, title: str) -> None:
+def _draw_frf(axes: Axes, seen: Sequence[_RecordPair], row: int, title: str) -> None:
     rate, n = seen[0].signals.rate_hz, seen[0].signals.force.size
     forces = np.array([np.fft.rfft(windowed_force(s.signals.force, s.signals.hit)) for s in seen])
     hz = np.fft.rfftfreq(n, 1 / rate)
@@ -143,37 +143,37 @@ def _frf(axes: Axes, seen: Sequence[_Seen], row: int, title: str) -> None:
         )
     )
     curves = [np.abs(v) for v in (measured, before, after)]
-    _three(axes, hz[shown], curves)
+    _draw_three_curves(axes, hz[shown], curves)
     axes.plot(hz[shown], np.abs(measured - after), label=LEFT, **_LEFT)
-    style.logarithmic(axes)
-    style.logarithmic(axes, "x")
+    style.make_logarithmic(axes)
+    style.make_logarithmic(axes, "x")
     low, high = axes.get_ylim()
     axes.set_ylim(max(low, float(min(c.min() for c in curves)) / BELOW), high)
-    style.label(axes, title, "frequency [Hz]", f"response per force [{_per_force(seen[0], row)}]")
+    style.label_axes(axes, title, "frequency [Hz]", f"response per force [{_per_force(seen[0], row)}]")
 
 
-def _record(axes: Axes, seen: _Seen, row: int, shown: slice, title: str) -> None:
+def _draw_record(axes: Axes, seen: _RecordPair, row: int, shown: slice, title: str) -> None:
     curves = [seen.signals.responses[row], seen.before[row], seen.after[row]]
-    _three(axes, _ms(seen, shown), [c[shown] for c in curves])
-    style.label(axes, title, "time [ms]", f"response [{_unit(seen, row)}]")
+    _draw_three_curves(axes, _milliseconds(seen, shown), [c[shown] for c in curves])
+    style.label_axes(axes, title, "time [ms]", f"response [{_unit_of_row(seen, row)}]")
 
 
-def _residual(axes: Axes, seen: _Seen, row: int, shown: slice, title: str) -> None:
+def _draw_residual(axes: Axes, seen: _RecordPair, row: int, shown: slice, title: str) -> None:
     left = seen.signals.responses[row] - seen.after[row]
-    axes.plot(_ms(seen, shown), left[shown], label=LEFT, **_LEFT)
-    style.label(axes, title, "time [ms]", f"measured less simulated [{_unit(seen, row)}]")
+    axes.plot(_milliseconds(seen, shown), left[shown], label=LEFT, **_LEFT)
+    style.label_axes(axes, title, "time [ms]", f"measured less simulated [{_unit_of_row(seen, row)}]")
 
 
-def _unit(seen: _Seen, row: int) -> str:
+def _unit_of_row(seen: _RecordPair, row: int) -> str:
     return SI_UNIT[seen.responses[row].quantity].replace("^2", "²")
 
 
-def _per_force(seen: _Seen, row: int) -> str:
-    unit = _unit(seen, row)
+def _per_force(seen: _RecordPair, row: int) -> str:
+    unit = _unit_of_row(seen, row)
     return f"({unit})/N" if "/" in unit else f"{unit}/N"
 
 
-def _ms(seen: _Seen, shown: slice) -> Real:
+def _milliseconds(seen: _RecordPair, shown: slice) -> Real:
     times_ms: Real = np.arange(seen.signals.force.size, dtype=np.float64) * (1e3 / seen.signals.rate_hz)
     return times_ms[shown]
 
@@ -181,7 +181,7 @@ def _ms(seen: _Seen, shown: slice) -> Real:
 _LEFT: dict[str, Any] = {"color": style.WARNING, "linewidth": 0.9}
 
 
-def _three(axes: Axes, at: NDArray[np.floating[Any]], curves: Sequence[NDArray[np.floating[Any]]]) -> None:
+def _draw_three_curves(axes: Axes, at: NDArray[np.floating[Any]], curves: Sequence[NDArray[np.floating[Any]]]) -> None:
     looks: tuple[tuple[str, dict[str, Any]], ...] = (
         (MEASURED, {"color": style.MEASURED, "linewidth": 3.6, "alpha": 0.5}),
         (BEFORE, {"color": style.SOFT, "linewidth": 1.0}),
@@ -191,11 +191,11 @@ def _three(axes: Axes, at: NDArray[np.floating[Any]], curves: Sequence[NDArray[n
         axes.plot(at, values, label=name, **look)
 
 
-def _about_hit(seen: _Seen) -> slice:
+def _about_hit(seen: _RecordPair) -> slice:
     first = max(0, seen.signals.hit.first - round(0.005 * seen.signals.rate_hz))
     return slice(first, first + round(HIT_S * seen.signals.rate_hz))
 
 
-def _periods(seen: _Seen) -> slice:
+def _time_of_periods(seen: _RecordPair) -> slice:
     hz = seen.signals.block.frequency_hz or 1.0
     return slice(0, min(seen.signals.force.size, round(PERIODS * seen.signals.rate_hz / hz)))

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from modallab.core.diagnosis import Where
 from modallab.core.rig import Channel, Rig
-from modallab.reporting.markup import Markup, tag
+from modallab.reporting.markup import Markup, html_element
 
 WIDTH = 420
 """Of the drawing's own units: about a phone's, so that its text is legible there."""
@@ -32,22 +32,22 @@ def bench_picture(rig: Rig, where: Where, within_m: tuple[float, float] | None =
 
     structure = where.stage == "structure"
     parts: list[Markup] = [
-        _rect(20, 44, 24, 62, "soft", structure and where.x_m == 0.0),
-        _rect(LEFT, 70, RIGHT - LEFT, 10, "measured", structure and where.x_m is None),
-        _text(4, 36, "clamp", "start"),
+        _draw_rectangle(20, 44, 24, 62, "soft", structure and where.x_m == 0.0),
+        _draw_rectangle(LEFT, 70, RIGHT - LEFT, 10, "measured", structure and where.x_m is None),
+        _draw_text(4, 36, "clamp", "start"),
     ]
-    parts += _sensors(rig, where, at)
+    parts += _draw_sensors(rig, where, at)
     if rig.shaker_point is not None:
-        parts += _shaker(at(rig.x_of(rig.shaker_point)), where.stage == "excitation")
+        parts += _draw_shaker(at(rig.x_of(rig.shaker_point)), where.stage == "excitation")
     if within_m is not None and where.x_m is not None:
         low, high = (at(min(max(v, 0.0), length)) for v in within_m)
-        parts.append(_rect(low, 84, max(high - low, 1.0), 4, "warning", True))
+        parts.append(_draw_rectangle(low, 84, max(high - low, 1.0), 4, "warning", True))
     if where.x_m is not None:
-        parts += _place(at(where.x_m), f"{where.x_m:.3f} m")
-    return tag(
+        parts += _draw_place(at(where.x_m), f"{where.x_m:.3f} m")
+    return html_element(
         "svg",
         *parts,
-        *_chain(where),
+        *_draw_chain(where),
         viewBox=f"0 0 {WIDTH} 190",
         width="100%",
         role="img",
@@ -55,31 +55,33 @@ def bench_picture(rig: Rig, where: Where, within_m: tuple[float, float] | None =
     )
 
 
-def _shaker(x: float, hot: bool) -> list[Markup]:
+def _draw_shaker(x: float, hot: bool) -> list[Markup]:
     return [
-        _line(x, 80, x, 104, "warning" if hot else "ink"),
-        _rect(x - 16, 104, 32, 20, "soft", hot),
-        _text(x, 138, "shaker, hammer and floor" if hot else "shaker", "middle", hot),
+        _draw_line(x, 80, x, 104, "warning" if hot else "ink"),
+        _draw_rectangle(x - 16, 104, 32, 20, "soft", hot),
+        _draw_text(x, 138, "shaker, hammer and floor" if hot else "shaker", "middle", hot),
     ]
 
 
-def _place(x: float, label: str) -> list[Markup]:
+def _draw_place(x: float, label: str) -> list[Markup]:
     return [
-        tag("circle", cx=f"{x:.1f}", cy="75", r="14", fill="none", stroke="var(--warning)", stroke_width="2.5"),
+        html_element(
+            "circle", cx=f"{x:.1f}", cy="75", r="14", fill="none", stroke="var(--warning)", stroke_width="2.5"
+        ),
         # Beside the clamp, not on it.
-        _text(min(max(x, LEFT + HALF_LABEL), RIGHT - 16), 104, label, "middle", True),
+        _draw_text(min(max(x, LEFT + HALF_LABEL), RIGHT - 16), 104, label, "middle", True),
     ]
 
 
-def _sensors(rig: Rig, where: Where, at: Callable[[float], float]) -> list[Markup]:
+def _draw_sensors(rig: Rig, where: Where, at: Callable[[float], float]) -> list[Markup]:
     marked = set(where.channels)
     placed = [(c, at(rig.x_of(c.point))) for c in rig.responses if c.point is not None]
-    parts = [_rect(x - 6, 58, 12, 12, "ink", c.name in marked) for c, x in placed]
-    parts += [_text(x, 52, c.name, "middle", c.name in marked) for c, x in _readable(placed, marked)]
+    parts = [_draw_rectangle(x - 6, 58, 12, 12, "ink", c.name in marked) for c, x in placed]
+    parts += [_draw_text(x, 52, c.name, "middle", c.name in marked) for c, x in _readable_names(placed, marked)]
     return parts
 
 
-def _readable(placed: list[tuple[Channel, float]], marked: set[str]) -> list[tuple[Channel, float]]:
+def _readable_names(placed: list[tuple[Channel, float]], marked: set[str]) -> list[tuple[Channel, float]]:
     """Those whose names do not run into one another, what is concerned first."""
     kept: list[tuple[Channel, float]] = []
     for one, x in sorted(placed, key=lambda p: p[0].name not in marked):
@@ -88,25 +90,27 @@ def _readable(placed: list[tuple[Channel, float]], marked: set[str]) -> list[tup
     return kept
 
 
-def _chain(where: Where) -> list[Markup]:
+def _draw_chain(where: Where) -> list[Markup]:
     parts: list[Markup] = []
     for i, stage in enumerate(STAGES):
         x, hot = 8 + i * 104, where.stage == stage
         parts.append(
-            tag(
+            html_element(
                 "rect", x=str(x), y="152", width="88", height="28", rx="5",
                 fill="var(--warning)" if hot else "var(--shade)", stroke="var(--soft)",
             )
         )  # fmt: skip
         colour = "var(--paper)" if hot else "var(--ink)"
-        parts.append(tag("text", stage, x=str(x + 44), y="170", text_anchor="middle", fill=colour, font_size="12"))
+        parts.append(
+            html_element("text", stage, x=str(x + 44), y="170", text_anchor="middle", fill=colour, font_size="12")
+        )
         if i < len(STAGES) - 1:
-            parts.append(_line(x + 89, 166, x + 103, 166, "soft"))
+            parts.append(_draw_line(x + 89, 166, x + 103, 166, "soft"))
     return parts
 
 
-def _rect(x: float, y: float, width: float, height: float, colour: str, hot: bool) -> Markup:
-    return tag(
+def _draw_rectangle(x: float, y: float, width: float, height: float, colour: str, hot: bool) -> Markup:
+    return html_element(
         "rect",
         x=f"{x:.1f}",
         y=f"{y:.1f}",
@@ -117,8 +121,8 @@ def _rect(x: float, y: float, width: float, height: float, colour: str, hot: boo
     )
 
 
-def _line(x1: float, y1: float, x2: float, y2: float, colour: str) -> Markup:
-    return tag(
+def _draw_line(x1: float, y1: float, x2: float, y2: float, colour: str) -> Markup:
+    return html_element(
         "line",
         x1=f"{x1:.1f}",
         y1=f"{y1:.1f}",
@@ -129,8 +133,8 @@ def _line(x1: float, y1: float, x2: float, y2: float, colour: str) -> Markup:
     )
 
 
-def _text(x: float, y: float, text: str, anchor: str, hot: bool = False) -> Markup:
-    return tag(
+def _draw_text(x: float, y: float, text: str, anchor: str, hot: bool = False) -> Markup:
+    return html_element(
         "text",
         text,
         x=f"{x:.1f}",

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from modallab.core.digits import short
+from modallab.core.digits import short_number
 from modallab.identification.start.half_power import reading_near
-from modallab.reporting.compare import Mode, Reading
+from modallab.reporting.compare import ComparedMode, ModeReading
 from modallab.reporting.figures import style
 from modallab.reporting.figures.damping import paper_value
 
@@ -17,7 +17,9 @@ LIGHTEST, HEAVIEST = 5e-4, 0.3
 _SAMPLES_A_PERIOD = 16
 
 
-def half_power_reading(mode: Mode, reading: Reading, block_s: float, before_s: float, paper: bool = True) -> Figure:
+def half_power_reading(
+    mode: ComparedMode, reading: ModeReading, block_s: float, before_s: float, paper: bool = True
+) -> Figure:
     """The half-power reading against the damping the beam has; a flat curve is a rule that does not see the beam.
 
     Args:
@@ -29,23 +31,23 @@ def half_power_reading(mode: Mode, reading: Reading, block_s: float, before_s: f
     """
     floor = reading.half_power_floor
     zeta = np.geomspace(min(LIGHTEST, floor / 10) if floor > 0 else LIGHTEST, HEAVIEST, 60)
-    with style.look():
-        figure, (axes,) = style.grid(1, 1, style.Cell(420, 290))
+    with style.figure_style():
+        figure, (axes,) = style.panel_grid(1, 1, style.PanelSize(420, 290))
         axes.plot(100 * zeta, 100 * zeta, color=style.SOFT, linewidth=1.0, label="a rule that reads the beam")
         for hann, line, name in ((False, "-", "half-power, no window"), (True, "--", "half-power, Hann window")):
-            read = readings(mode.frequency_hz, zeta, block_s, before_s, hann)
+            read = half_power_readings(mode.frequency_hz, zeta, block_s, before_s, hann)
             axes.plot(100 * zeta, 100 * read, line, color=style.WARNING, linewidth=2.2, label=name)
-        _marks(axes, mode, reading, paper)
+        _draw_marks(axes, mode, reading, paper)
         axes.set_xlim(100 * zeta[0], 100 * zeta[-1])
-        style.logarithmic(axes, "x")
-        style.logarithmic(axes)
-        title = f"Mode {mode.number} in a block of {short(block_s)} s"
-        style.label(axes, title, "damping ratio of the beam [%]", "half-power reading ζ [%]")
-        style.legend(figure, [line for line in axes.lines if not str(line.get_label()).startswith("_")])
+        style.make_logarithmic(axes, "x")
+        style.make_logarithmic(axes)
+        title = f"Mode {mode.number} in a block of {short_number(block_s)} s"
+        style.label_axes(axes, title, "damping ratio of the beam [%]", "half-power reading ζ [%]")
+        style.figure_legend(figure, [line for line in axes.lines if not str(line.get_label()).startswith("_")])
     return figure
 
 
-def readings(
+def half_power_readings(
     frequency_hz: float, zeta: NDArray[np.float64], block_s: float, before_s: float, hann: bool
 ) -> NDArray[np.float64]:
     """(n,) damping ratios that half-power reads of modes with each zeta (n,), in a block shorter than the ring-down.
@@ -64,7 +66,7 @@ def readings(
     return np.array([reading_near(lines, a, frequency_hz) for a in np.abs(np.fft.rfft(velocity))])
 
 
-def _marks(axes: Axes, mode: Mode, reading: Reading, papers: bool) -> None:
+def _draw_marks(axes: Axes, mode: ComparedMode, reading: ModeReading, papers: bool) -> None:
     axes.plot(
         [100 * mode.best.damping],
         [100 * reading.half_power if reading.half_power > 0 else nan],

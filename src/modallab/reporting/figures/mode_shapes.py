@@ -9,12 +9,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from modallab.core.digits import plain
+from modallab.core.digits import significant_digits
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.identification.selection.pairing import nearest
+from modallab.identification.selection.pairing import nearest_partners
 from modallab.reporting.figures import style
-from modallab.reporting.figures.shape_data import Shape, line, shape
+from modallab.reporting.figures.shape_data import BeamShape, beam_shape, smooth_curve
 
 _MARKS = (("o", style.MEASURED), ("s", style.MODEL))
 
@@ -29,39 +29,44 @@ def mode_shapes(models: Sequence[ModalModel], rig: Rig) -> Figure | None:
     Returns:
         the figure, or None if no model has shapes at known places.
     """
-    drawable = [m for m in models if m.n_modes and shape(m, 0, rig) is not None][:2]
+    drawable = [m for m in models if m.n_modes and beam_shape(m, 0, rig) is not None][:2]
     if not drawable:
         return None
     first = drawable[0]
-    with style.look():
-        figure, axes = style.grid(first.n_modes, min(3, first.n_modes), style.Cell(340, 250))
+    with style.figure_style():
+        figure, axes = style.panel_grid(first.n_modes, min(3, first.n_modes), style.PanelSize(340, 250))
         for mode, panel in enumerate(axes):
-            reference = shape(first, mode, rig)
+            reference = beam_shape(first, mode, rig)
             for model, mark in zip(drawable, _MARKS, strict=False):
-                found = _partner(first, mode, model, rig)
+                found = _partner_mode(first, mode, model, rig)
                 if found is not None and reference is not None:
-                    _draw(panel, _aligned(found, reference), mark, rig)
-            _frame(panel, rig)
-            style.label(panel, f"Mode {mode + 1} · {plain(float(first.frequency_hz[mode]))} Hz", "x [m]", "φ [kg⁻¹ᐟ²]")
-        style.legend(figure, [_key(model, mark) for model, mark in zip(drawable, _MARKS, strict=False)])
+                    _draw_shape(panel, _align_sign(found, reference), mark, rig)
+            _draw_frame(panel, rig)
+            style.label_axes(
+                panel,
+                f"Mode {mode + 1} · {significant_digits(float(first.frequency_hz[mode]))} Hz",
+                "x [m]",
+                "φ [kg⁻¹ᐟ²]",
+            )
+        style.figure_legend(figure, [_legend_key(model, mark) for model, mark in zip(drawable, _MARKS, strict=False)])
     return figure
 
 
-def _partner(first: ModalModel, mode: int, model: ModalModel, rig: Rig) -> Shape | None:
-    place = mode if model is first else nearest(first.frequency_hz, model.frequency_hz)[mode]
-    return None if place is None else shape(model, place, rig)
+def _partner_mode(first: ModalModel, mode: int, model: ModalModel, rig: Rig) -> BeamShape | None:
+    place = mode if model is first else nearest_partners(first.frequency_hz, model.frequency_hz)[mode]
+    return None if place is None else beam_shape(model, place, rig)
 
 
-def _aligned(found: Shape, reference: Shape) -> Shape:
+def _align_sign(found: BeamShape, reference: BeamShape) -> BeamShape:
     # Two nearly equal extremes can give two tests opposite signs: the first test's sign holds.
     product = np.interp(reference.x_m, found.x_m, found.phi) @ reference.phi
     return found if product >= 0 else replace(found, phi=-found.phi, quadrature=-found.quadrature)
 
 
-def _draw(axes: Axes, found: Shape, mark: tuple[str, str], rig: Rig) -> None:
+def _draw_shape(axes: Axes, found: BeamShape, mark: tuple[str, str], rig: Rig) -> None:
     symbol, colour = mark
     hollow = symbol != "o"
-    axes.plot(*line(found.x_m, found.phi, rig.model == "cantilever"), color=colour, linewidth=0.9, alpha=0.7)
+    axes.plot(*smooth_curve(found.x_m, found.phi, rig.model == "cantilever"), color=colour, linewidth=0.9, alpha=0.7)
     axes.errorbar(
         found.x_m,
         found.phi,
@@ -75,14 +80,14 @@ def _draw(axes: Axes, found: Shape, mark: tuple[str, str], rig: Rig) -> None:
     )
 
 
-def _key(model: ModalModel, mark: tuple[str, str]) -> Line2D:
+def _legend_key(model: ModalModel, mark: tuple[str, str]) -> Line2D:
     symbol, colour = mark
     fill = colour if symbol == "o" else "none"
     name = f"{model.test} test" if model.test else "FRFs"
     return Line2D([], [], color=colour, marker=symbol, markerfacecolor=fill, linewidth=0.9, label=f"{name}, ± 1 σ")
 
 
-def _frame(axes: Axes, rig: Rig) -> None:
+def _draw_frame(axes: Axes, rig: Rig) -> None:
     axes.axhline(0, color=style.SOFT, linewidth=0.9, zorder=1)
     if rig.model != "cantilever" or rig.beam is None:
         return

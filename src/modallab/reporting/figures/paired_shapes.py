@@ -7,33 +7,33 @@ from matplotlib.lines import Line2D
 
 from modallab.core.arrays import Complex128
 from modallab.core.rig import Rig
-from modallab.modification.deflection import at_points
+from modallab.modification.deflection import motion_at_points
 from modallab.reporting.figures import style
 from modallab.reporting.figures.deflection import project_shape
-from modallab.updating.correlation import Correlation
+from modallab.updating.correlation import ModelCorrelation
 
 COLUMNS = 3
 LOOKS = (("the one", style.MEASURED, "-"), ("the other", style.MODEL, "--"))
 
 
-def paired_shapes(found: Correlation, rig: Rig) -> Figure:
+def paired_shapes(found: ModelCorrelation, rig: Rig) -> Figure:
     """Both shapes of each pair at their largest, over the structure at rest.
 
     Args:
         found: pairs of modes.
         rig: where the points are.
     """
-    with style.look():
-        figure, axes = style.grid(len(found.pairs), min(COLUMNS, len(found.pairs)), style.Cell(380, 200))
+    with style.figure_style():
+        figure, axes = style.panel_grid(len(found.pairs), min(COLUMNS, len(found.pairs)), style.PanelSize(380, 200))
         for n, (panel, (i, j), hz) in enumerate(zip(axes, found.pairs, found.frequency_hz, strict=True)):
-            motions = [at_points(rig, found.freedoms, shapes[n]) for shapes in found.shapes]
-            _draw(panel, rig, motions)
+            motions = [motion_at_points(rig, found.freedoms, shapes[n]) for shapes in found.shapes]
+            _draw_motions(panel, rig, motions)
             panel.set_title(f"{i + 1}: {hz[0]:.5g} Hz, {j + 1}: {hz[1]:.5g} Hz, MAC {found.mac[i, j]:.3f}")
-        style.legend(figure, [Line2D([], [], color=c, linestyle=dash, label=name) for name, c, dash in LOOKS])
+        style.figure_legend(figure, [Line2D([], [], color=c, linestyle=dash, label=name) for name, c, dash in LOOKS])
     return figure
 
 
-def _draw(axes: Axes, rig: Rig, motions: list[Complex128]) -> None:
+def _draw_motions(axes: Axes, rig: Rig, motions: list[Complex128]) -> None:
     axes.set_axis_off()
     axes.set_aspect("equal")
     for (_, colour, dash), motion in zip(LOOKS, motions, strict=True):

@@ -19,19 +19,19 @@ def example_block(campaign: Campaign, test: Test) -> Block | None:
     return blocks[0] if blocks else None
 
 
-def farthest(rig: Rig, outputs: tuple[str, ...]) -> int:
+def farthest_sensor(rig: Rig, outputs: tuple[str, ...]) -> int:
     """Place among `outputs` of the sensor farthest from the clamp (the paper's point 10); the last if none has one."""
-    x = [position(rig, name) for name in outputs]
+    x = [distance_from_clamp(rig, name) for name in outputs]
     known = [i for i, value in enumerate(x) if np.isfinite(value)]
     return max(known, key=lambda i: x[i]) if known else len(outputs) - 1
 
 
-def position(rig: Rig, output: str) -> float:
+def distance_from_clamp(rig: Rig, output: str) -> float:
     """Distance of a channel from the clamp in m; NaN if its place is not known."""
     point = next((c.point for c in rig.channels if c.name == output), None)
     return float("nan") if point is None else rig.x_of(point)
 
 
-def place(output: str, point: int | None) -> str:
+def sensor_label(output: str, point: int | None) -> str:
     """How a sensor is called in a figure: by its point, else by its channel."""
     return f"Point {point}" if point is not None else f"Channel {output}"

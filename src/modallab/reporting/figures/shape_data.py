@@ -8,12 +8,12 @@ from scipy.interpolate import CubicSpline
 
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.modification.deflection import turned
-from modallab.reporting.figures.selection import position
+from modallab.modification.deflection import turn_to_real
+from modallab.reporting.figures.selection import distance_from_clamp
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Shape:
+class BeamShape:
     """One mode shape along the beam.
 
     Attributes:
@@ -31,22 +31,22 @@ class Shape:
     skew_deg: float
 
 
-def shape(model: ModalModel, mode: int, rig: Rig) -> Shape | None:
+def beam_shape(model: ModalModel, mode: int, rig: Rig) -> BeamShape | None:
     """One mode's shape, the point with the largest motion positive; None if shapes or places are not known."""
     if model.shapes is None:
         return None
-    x = np.array([position(rig, name) for name in model.outputs])
+    x = np.array([distance_from_clamp(rig, name) for name in model.outputs])
     phi = np.asarray(model.shapes[mode])
     order = np.argsort(x, kind="stable")
     known = order[np.isfinite(x[order]) & np.isfinite(phi[order])]
     if known.size < 2:
         return None
     sigma = np.full(phi.shape, np.nan) if model.shape_sigma is None else model.shape_sigma[mode]
-    real = turned(phi[known])
-    return Shape(x[known], real.real, real.imag, sigma[known], _skew_deg(real))
+    real = turn_to_real(phi[known])
+    return BeamShape(x[known], real.real, real.imag, sigma[known], _skew_deg(real))
 
 
-def line(x_m: NDArray[np.float64], phi: NDArray[np.float64], clamped: bool, n: int = 60) -> NDArray[np.float64]:
+def smooth_curve(x_m: NDArray[np.float64], phi: NDArray[np.float64], clamped: bool, n: int = 60) -> NDArray[np.float64]:
     """(2, n) smooth curve through the points, for the eye only; it starts at the clamp if there is one.
 
     No slope is forced at the clamp: whether it is rigid is a question, not a fact.

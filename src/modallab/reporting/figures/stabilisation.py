@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from modallab.identification.selection.diagram import IN_FREQUENCY, NEW, STABLE, Diagram
+from modallab.identification.selection.diagram import IN_FREQUENCY, NEW, STABLE, StabilisationData
 from modallab.reporting.figures import style
-from modallab.reporting.figures.overview import FEW, positive
+from modallab.reporting.figures.overview import FEW, zero_as_gap
 
 MOST_ORDERS = 40
 """Of more orders every second, third ... is drawn: more marks than these are a smear, and a page of many MB."""
@@ -22,7 +22,7 @@ _MARKS: dict[int, tuple[str, str, str, float]] = {
 _CURVES = (style.MEASURED, style.MODEL, style.THIRD)
 
 
-def stabilisation(diagram: Diagram, modes_hz: NDArray[np.float64], counted: str = "order") -> Figure:
+def stabilisation_panels(diagram: StabilisationData, modes_hz: NDArray[np.float64], counted: str = "order") -> Figure:
     """Three panels: poles by order, CMIF, and MIF.
 
     Args:
@@ -30,20 +30,20 @@ def stabilisation(diagram: Diagram, modes_hz: NDArray[np.float64], counted: str 
         modes_hz: (modes,) the model's frequencies, marked in every panel.
         counted: what the order counts.
     """
-    with style.look():
-        figure, axes = style.grid(3, 2, style.Cell(460, 300))
-        _poles(axes[0], diagram, counted)
-        _indicators(axes[1], axes[2], diagram)
+    with style.figure_style():
+        figure, axes = style.panel_grid(3, 2, style.PanelSize(460, 300))
+        _draw_poles(axes[0], diagram, counted)
+        _draw_indicators(axes[1], axes[2], diagram)
         for panel in axes:
             panel.set_xlim(float(diagram.line_hz[0]), float(diagram.line_hz[-1]))
             for mode in modes_hz:
                 panel.axvline(float(mode), color=style.SECOND, linewidth=0.9, linestyle="--", zorder=0)
-        style.legend(figure, _key(diagram))
+        style.figure_legend(figure, _legend_key(diagram))
     return figure
 
 
-def _poles(axes: Axes, diagram: Diagram, counted: str) -> None:
-    drawn = _drawn(diagram.order)
+def _draw_poles(axes: Axes, diagram: StabilisationData, counted: str) -> None:
+    drawn = _is_drawn(diagram.order)
     for standing, (marker, colour, _, size) in _MARKS.items():
         here = drawn & (diagram.standing == standing)
         axes.plot(
@@ -55,30 +55,32 @@ def _poles(axes: Axes, diagram: Diagram, counted: str) -> None:
             markerfacecolor=colour if marker == "o" else "none",
             markersize=size,
         )
-    style.label(axes, "Stabilisation diagram", "frequency [Hz]", f"{counted} [1]")
+    style.label_axes(axes, "Stabilisation diagram", "frequency [Hz]", f"{counted} [1]")
     axes.set_ylim(0, float(diagram.order.max(initial=1)) * 1.04)
 
 
-def _drawn(order: NDArray[np.int64]) -> NDArray[np.bool_]:
+def _is_drawn(order: NDArray[np.int64]) -> NDArray[np.bool_]:
     every = np.unique(order)
     return np.isin(order, every[:: max(1, -(-every.size // MOST_ORDERS))])
 
 
-def _indicators(above: Axes, below: Axes, diagram: Diagram) -> None:
+def _draw_indicators(above: Axes, below: Axes, diagram: StabilisationData) -> None:
     marker = "o" if diagram.line_hz.size <= FEW else ""
     for i, colour in list(enumerate(_CURVES))[:MOST_CURVES]:
         for axes, curves in ((above, diagram.cmif), (below, diagram.mmif)):
             if i < len(curves):
                 axes.plot(
-                    diagram.line_hz, positive(curves[i]), color=colour, marker=marker, markersize=3, linewidth=1.2
+                    diagram.line_hz, zero_as_gap(curves[i]), color=colour, marker=marker, markersize=3, linewidth=1.2
                 )
-    style.logarithmic(above)
-    style.label(above, "CMIF", "frequency [Hz]", "squared singular value [m²/(N·s)²]")
-    style.label(below, "MIF" if len(diagram.mmif) == 1 else "Multivariate MIF", "frequency [Hz]", "in-phase share [1]")
+    style.make_logarithmic(above)
+    style.label_axes(above, "CMIF", "frequency [Hz]", "squared singular value [m²/(N·s)²]")
+    style.label_axes(
+        below, "MIF" if len(diagram.mmif) == 1 else "Multivariate MIF", "frequency [Hz]", "in-phase share [1]"
+    )
     below.set_ylim(0, 1.03)
 
 
-def _key(diagram: Diagram) -> list[Line2D]:
+def _legend_key(diagram: StabilisationData) -> list[Line2D]:
     handles = [
         Line2D(
             [],

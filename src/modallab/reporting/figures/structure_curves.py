@@ -10,9 +10,9 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.frf import Frf
 from modallab.gap.modal.diagnosis import Explained
 from modallab.gap.modal.free import Free
-from modallab.modification.synthesis import outside, synthesised
+from modallab.modification.synthesis import outside_band_receptances, receptances_of_model
 from modallab.reporting.figures import style
-from modallab.reporting.figures.overview import positive
+from modallab.reporting.figures.overview import zero_as_gap
 
 MOST, LINES = 4, 600
 """Panels, and lines of a curve besides those about the modes."""
@@ -42,19 +42,19 @@ def structure_curves(explained: Explained, records: Frf | None) -> Figure:
         explained: the comparison.
         records: mobility of the records themselves, drawn below; None where there is none.
     """
-    curves, pairs = _curves(explained), worst(explained)
-    with style.look():
-        figure, panels = style.grid(len(pairs), min(2, len(pairs)))
+    curves, pairs = _mobility_curves(explained), worst_outputs(explained)
+    with style.figure_style():
+        figure, panels = style.panel_grid(len(pairs), min(2, len(pairs)))
         for (o, i), axes in zip(pairs, panels, strict=True):
             name, point = explained.free.of.model.outputs[o], explained.free.of.model.input_points[i]
-            _panel(axes, curves, _row(records, name, point), o, i)
-            style.label(axes, f"{name}, force at point {point}", "frequency [Hz]", "mobility [m/(N·s)]")
+            _draw_panel(axes, curves, _row_of_output(records, name, point), o, i)
+            style.label_axes(axes, f"{name}, force at point {point}", "frequency [Hz]", "mobility [m/(N·s)]")
         lines = {str(line.get_label()): line for axes in panels for line in axes.lines}
-        style.legend(figure, list(lines.values()))
+        style.figure_legend(figure, list(lines.values()))
     return figure
 
 
-def worst(explained: Explained) -> list[tuple[int, int]]:
+def worst_outputs(explained: Explained) -> list[tuple[int, int]]:
     """(output, input) of the outputs with the widest gap within the tolerances, the widest first."""
     free, base = explained.free, explained.judged.base
     square = np.mean(free.missed(base.u, base.change) ** 2, axis=0)
@@ -62,21 +62,21 @@ def worst(explained: Explained) -> list[tuple[int, int]]:
     return [(int(o), int(np.argmax(square[o]))) for o in order]
 
 
-def _curves(explained: Explained) -> _Curves:
+def _mobility_curves(explained: Explained) -> _Curves:
     free, c = explained.free, explained.free.of
-    hz = _lines(free)
+    hz = _frequencies(free)
     s = np.asarray(2j * np.pi * hz)
-    part = outside(c.model, s)
+    part = outside_band_receptances(c.model, s)
     best = explained.judged.best
     changed = best.candidate is not None
     before = free.at(s, part).predicted(np.zeros(free.size))
     after = best.free.at(s, part).predicted(best.u, best.change.between_lines)
     rate = s[:, None, None]
     which = WITH if changed else WITHIN
-    return _Curves(hz, rate * synthesised(c.bench, s), rate * before, rate * after, which)
+    return _Curves(hz, rate * receptances_of_model(c.bench, s), rate * before, rate * after, which)
 
 
-def _lines(free: Free) -> Real:
+def _frequencies(free: Free) -> Real:
     """(lines,) Hz over the band of the comparison, close about the modes of both."""
     low, high = free.of.s.imag[[0, -1]] / (2 * np.pi)
     models = (free.of.model, free.of.bench)
@@ -85,23 +85,23 @@ def _lines(free: Free) -> Real:
     return hz[(hz >= low) & (hz <= high)]
 
 
-def _row(records: Frf | None, output: str, point: int | None) -> tuple[Real, Real] | None:
+def _row_of_output(records: Frf | None, output: str, point: int | None) -> tuple[Real, Real] | None:
     if records is None or output not in records.outputs or point not in records.input_points:
         return None
     values = records.values[records.outputs.index(output), records.input_points.index(point)]
     return records.frequency_hz, np.abs(values)
 
 
-def _panel(axes: Axes, curves: _Curves, records: tuple[Real, Real] | None, o: int, i: int) -> None:
+def _draw_panel(axes: Axes, curves: _Curves, records: tuple[Real, Real] | None, o: int, i: int) -> None:
     measured, before, after = (np.abs(v[:, o, i]) for v in (curves.measured, curves.before, curves.after))
     if records is not None:
-        axes.plot(records[0], positive(records[1]), label=RECORDS, color=style.SOFT, linewidth=0.7, alpha=0.6)
+        axes.plot(records[0], zero_as_gap(records[1]), label=RECORDS, color=style.SOFT, linewidth=0.7, alpha=0.6)
     axes.plot(curves.hz, measured, label=MEASURED, color=style.MEASURED, linewidth=3.6, alpha=0.5)
     axes.plot(curves.hz, before, label=BEFORE, color=style.INK, linewidth=1.0, linestyle=":")
     axes.plot(curves.hz, after, label=curves.after_said, color=style.MODEL, linewidth=1.5, linestyle="--")
     left = np.abs(curves.measured[:, o, i] - curves.after[:, o, i])
     axes.plot(curves.hz, left, label=LEFT, color=style.WARNING, linewidth=0.9)
-    style.logarithmic(axes)
+    style.make_logarithmic(axes)
     axes.set_xlim(curves.hz[0], curves.hz[-1])
     shown = [*measured, *before, *after]
     axes.set_ylim(max(min(shown) / BELOW, float(left.min()) / 2), 2 * max(shown))

@@ -7,8 +7,8 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.rig import Rig
-from modallab.reporting.figures.wireframe import projection
-from modallab.reporting.markup import Markup, tag
+from modallab.reporting.figures.wireframe import drawing_projection
+from modallab.reporting.markup import Markup, html_element
 
 WIDTH, HEIGHT, EDGE = 420.0, 280.0, 40.0
 """Of the drawing's own units: about a phone's, so that its text is legible there."""
@@ -21,7 +21,7 @@ AXIS = 24.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Marked:
+class MarkedPlaces:
     """What is marked.
 
     Attributes:
@@ -35,22 +35,22 @@ class Marked:
     label: str = ""
 
 
-def structure_picture(rig: Rig, marked: Marked | None) -> Markup:
+def structure_picture(rig: Rig, marked: MarkedPlaces | None) -> Markup:
     """Points, lines and faces of the rig, sensors filled, what is marked in the warning's colour."""
     xyz = np.array([(p.x_m, p.y_m, p.z_m) for p in rig.points])
     more = np.zeros((0, 3)) if marked is None else marked.at_m
     if marked is not None and marked.towards_m is not None:
         more = np.concatenate([more, marked.towards_m[None]])
-    flat, added = np.split(_placed(np.concatenate([xyz, more]), len(xyz)), [len(xyz)])
+    flat, added = np.split(_place_on_drawing(np.concatenate([xyz, more]), len(xyz)), [len(xyz)])
     order = {p.id: n for n, p in enumerate(rig.points)}
     parts = [
-        tag("path", d=_faces(rig, order, flat), fill="var(--measured)", fill_opacity="0.12"),
-        tag("path", d=_lines(rig, order, flat), fill="none", stroke="var(--soft)", stroke_width="1.2"),
-        *_points(rig, order, flat),
-        *(_mark(added, marked) if marked is not None else []),
-        *_axes(),
+        html_element("path", d=_draw_faces(rig, order, flat), fill="var(--measured)", fill_opacity="0.12"),
+        html_element("path", d=_draw_lines(rig, order, flat), fill="none", stroke="var(--soft)", stroke_width="1.2"),
+        *_draw_points(rig, order, flat),
+        *(_draw_marks(added, marked) if marked is not None else []),
+        *_draw_axes(),
     ]
-    return tag(
+    return html_element(
         "svg",
         *parts,
         viewBox=f"0 0 {WIDTH:.0f} {HEIGHT:.0f}",
@@ -60,28 +60,32 @@ def structure_picture(rig: Rig, marked: Marked | None) -> Markup:
     )
 
 
-def _placed(xyz_m: Real, of: int) -> Real:
+def _place_on_drawing(xyz_m: Real, of: int) -> Real:
     """(places, 2) on the drawing, scaled so that the first `of` fill it."""
-    flat = xyz_m @ projection()
+    flat = xyz_m @ drawing_projection()
     low, high = flat[:of].min(axis=0), flat[:of].max(axis=0)
     room = np.array([WIDTH, HEIGHT]) - 2 * EDGE
     scale = float(np.min(room / np.maximum(high - low, 1e-9)))
     return (flat - (low + high) / 2) * scale + np.array([WIDTH, HEIGHT]) / 2
 
 
-def _faces(rig: Rig, order: dict[int, int], at: Real) -> str:
+def _draw_faces(rig: Rig, order: dict[int, int], at: Real) -> str:
     known = [face for face in rig.surfaces if all(p in order for p in face)]
-    return "".join("M" + "L".join(_pair(at[order[p]]) for p in face) + "Z" for face in known)
+    return "".join("M" + "L".join(_coordinates_text(at[order[p]]) for p in face) + "Z" for face in known)
 
 
-def _lines(rig: Rig, order: dict[int, int], at: Real) -> str:
-    return "".join(f"M{_pair(at[order[a]])}L{_pair(at[order[b]])}" for a, b in rig.lines if a in order and b in order)
+def _draw_lines(rig: Rig, order: dict[int, int], at: Real) -> str:
+    return "".join(
+        f"M{_coordinates_text(at[order[a]])}L{_coordinates_text(at[order[b]])}"
+        for a, b in rig.lines
+        if a in order and b in order
+    )
 
 
-def _points(rig: Rig, order: dict[int, int], at: Real) -> list[Markup]:
+def _draw_points(rig: Rig, order: dict[int, int], at: Real) -> list[Markup]:
     sensed = {c.point for c in rig.responses}
     parts = [
-        tag(
+        html_element(
             "circle",
             cx=f"{at[n, 0]:.1f}",
             cy=f"{at[n, 1]:.1f}",
@@ -91,10 +95,10 @@ def _points(rig: Rig, order: dict[int, int], at: Real) -> list[Markup]:
         )
         for p, n in order.items()
     ]
-    return [*parts, *(_text(at[order[p]] + [5, -5], str(p), "var(--soft)") for p in _roomy(order, at))]
+    return [*parts, *(_draw_text(at[order[p]] + [5, -5], str(p), "var(--soft)") for p in _points_with_room(order, at))]
 
 
-def _roomy(order: dict[int, int], at: Real) -> list[int]:
+def _points_with_room(order: dict[int, int], at: Real) -> list[int]:
     """Points whose numbers have room."""
     if len(order) > NUMBERED:
         return []
@@ -105,44 +109,44 @@ def _roomy(order: dict[int, int], at: Real) -> list[int]:
     return kept
 
 
-def _mark(at: Real, marked: Marked) -> list[Markup]:
+def _draw_marks(at: Real, marked: MarkedPlaces) -> list[Markup]:
     n = len(marked.at_m)
     parts = [
-        tag(
+        html_element(
             "circle", cx=f"{x:.1f}", cy=f"{y:.1f}", r="11", fill="none", stroke="var(--warning)", stroke_width="2.5"
         )
         for x, y in at[:n]
     ]  # fmt: skip
     if marked.towards_m is not None:
-        path = f"M{_pair(at[0])}L{_pair(at[n])}"
-        parts.append(tag("path", d=path, fill="none", stroke="var(--warning)", stroke_width="2.5"))
-        parts.append(tag("circle", cx=f"{at[n, 0]:.1f}", cy=f"{at[n, 1]:.1f}", r="4.5", fill="var(--warning)"))
+        path = f"M{_coordinates_text(at[0])}L{_coordinates_text(at[n])}"
+        parts.append(html_element("path", d=path, fill="none", stroke="var(--warning)", stroke_width="2.5"))
+        parts.append(html_element("circle", cx=f"{at[n, 0]:.1f}", cy=f"{at[n, 1]:.1f}", r="4.5", fill="var(--warning)"))
     if marked.label and n:
         # Above all points, where nothing else is written.
         left = at[0, 0] > WIDTH / 2
-        parts.append(tag("path", d=f"M{at[0, 0]:.1f} {at[0, 1] - 11:.1f}V24", stroke="var(--warning)"))
+        parts.append(html_element("path", d=f"M{at[0, 0]:.1f} {at[0, 1] - 11:.1f}V24", stroke="var(--warning)"))
         shift = np.array([-6.0 if left else 6.0, 28.0 - at[0, 1]])
-        parts.append(_text(at[0] + shift, marked.label, "var(--warning)", "end" if left else "start", "600"))
+        parts.append(_draw_text(at[0] + shift, marked.label, "var(--warning)", "end" if left else "start", "600"))
     return parts
 
 
-def _axes() -> list[Markup]:
+def _draw_axes() -> list[Markup]:
     origin, parts = np.array([30.0, HEIGHT - 26.0]), []
-    for name, arm in zip("xyz", projection(), strict=True):
+    for name, arm in zip("xyz", drawing_projection(), strict=True):
         end = origin + AXIS * arm
-        path = f"M{_pair(origin)}L{_pair(end)}"
-        parts.append(tag("path", d=path, fill="none", stroke="var(--soft)", stroke_width="1.2"))
-        parts.append(_text(origin + (AXIS + 8) * arm + [0, 4], name, "var(--soft)", "middle"))
+        path = f"M{_coordinates_text(origin)}L{_coordinates_text(end)}"
+        parts.append(html_element("path", d=path, fill="none", stroke="var(--soft)", stroke_width="1.2"))
+        parts.append(_draw_text(origin + (AXIS + 8) * arm + [0, 4], name, "var(--soft)", "middle"))
     return parts
 
 
-def _pair(at: Sequence[float] | Real) -> str:
+def _coordinates_text(at: Sequence[float] | Real) -> str:
     return f"{at[0]:.1f} {at[1]:.1f}"
 
 
-def _text(at: Real, text: str, colour: str, anchor: str = "start", weight: str = "400") -> Markup:
+def _draw_text(at: Real, text: str, colour: str, anchor: str = "start", weight: str = "400") -> Markup:
     size = "12" if weight == "600" else "10"
-    return tag(
+    return html_element(
         "text", text, x=f"{at[0]:.1f}", y=f"{at[1]:.1f}", fill=colour, text_anchor=anchor, font_size=size,
         font_weight=weight,
     )  # fmt: skip

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from modallab.core.digits import superscript
+from modallab.core.digits import superscript_text
 
 PX_PER_INCH = 72
 LEFT, RIGHT, BOTTOM, TOP = 62, 18, 44, 28
@@ -100,7 +100,7 @@ _LOCK = threading.RLock()
 
 
 @contextmanager
-def look() -> Generator[None]:
+def figure_style() -> Generator[None]:
     """The settings above, for as long as a figure is made or written.
 
     Matplotlib keeps its settings for the whole process, so only one thread at a time draws.
@@ -110,20 +110,20 @@ def look() -> Generator[None]:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class PanelSize:
     """Size of one panel with its labels, in px."""
 
     width: int = 420
     height: int = 270
 
 
-def grid(n: int, columns: int, cell: Cell | None = None) -> tuple[Figure, list[Axes]]:
+def panel_grid(n: int, columns: int, cell: PanelSize | None = None) -> tuple[Figure, list[Axes]]:
     """A figure of n cells in rows, with a strip above for the legend.
 
     Returns:
         the figure and its n axes, in reading order.
     """
-    cell = cell or Cell()
+    cell = cell or PanelSize()
     rows = -(-n // columns)
     width, height = columns * cell.width, rows * cell.height + LEGEND
     figure = Figure(figsize=(width / PX_PER_INCH, height / PX_PER_INCH))
@@ -140,16 +140,16 @@ def grid(n: int, columns: int, cell: Cell | None = None) -> tuple[Figure, list[A
     return figure, axes
 
 
-def label(axes: Axes, title: str, x: str, y: str) -> None:
+def label_axes(axes: Axes, title: str, x: str, y: str) -> None:
     """Title and axis labels; both labels carry a unit."""
-    axes.set_title(shorten(title))
+    axes.set_title(shorten_text(title))
     axes.set_xlabel(x, labelpad=3)
     axes.set_ylabel(y)
     # A fixed place keeps the label inside its cell whatever the tick labels are.
     axes.yaxis.set_label_coords(-(LEFT - 12) / axes.get_window_extent().width, 0.5)
 
 
-def logarithmic(axes: Axes, which: str = "y") -> None:
+def make_logarithmic(axes: Axes, which: str = "y") -> None:
     """A logarithmic axis with plain labels: 0.01, 1, 100 or 10⁻⁷."""
     axes.set_yscale("log") if which == "y" else axes.set_xscale("log")
     axis = axes.yaxis if which == "y" else axes.xaxis
@@ -157,24 +157,24 @@ def logarithmic(axes: Axes, which: str = "y") -> None:
     # Within two decades a label at each power of ten leaves the axis nearly bare.
     narrow = low > 0 and high / low < (60 if which == "y" else 2000)
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if narrow else (1,), numticks=12 if narrow else 6))
-    axis.set_major_formatter(FuncFormatter(_power))
+    axis.set_major_formatter(FuncFormatter(_power_label))
     axis.set_minor_formatter(NullFormatter())
     axis.set_minor_locator(LogLocator(subs=()))
 
 
-def legend(figure: Figure, handles: Sequence[Any]) -> None:
+def figure_legend(figure: Figure, handles: Sequence[Any]) -> None:
     """One legend for the whole figure, in the strip above its cells."""
     figure.legend(handles=list(handles), loc="upper left", ncols=6, borderaxespad=0.4, handlelength=2.2)
 
 
-def shorten(text: str, length: int = 44) -> str:
+def shorten_text(text: str, length: int = 44) -> str:
     """A text that fits over a panel."""
     return text if len(text) <= length else text[: length - 1] + "…"
 
 
-def _power(value: float, _place: int | None = None) -> str:
+def _power_label(value: float, _place: int | None = None) -> str:
     if 1e-3 < value < 1e4:
         return f"{value:g}"
     mantissa, exponent = f"{value:.0e}".split("e")
     lead = "" if mantissa == "1" else f"{mantissa}·"
-    return f"{lead}10{superscript(int(exponent))}"
+    return f"{lead}10{superscript_text(int(exponent))}"

@@ -13,7 +13,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from modallab.reporting.figures import style
-from modallab.reporting.markup import Markup, tag, trusted
+from modallab.reporting.markup import Markup, html_element, trusted_markup
 
 _METADATA: dict[str, Any] = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 _TO_NAME = {light: f"var(--{name})" for name, (light, _) in style.COLOURS.items()}
@@ -30,7 +30,7 @@ _LEAN: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...] 
 )
 
 
-def panels(figure: Figure, name: str, alt: str, columns: int) -> Markup:
+def svg_panels(figure: Figure, name: str, alt: str, columns: int) -> Markup:
     """The panels of a figure, one SVG each, which the page sets in rows as its width allows.
 
     Args:
@@ -39,32 +39,40 @@ def panels(figure: Figure, name: str, alt: str, columns: int) -> Markup:
         alt: what is to be seen, for those who can't.
         columns: panels a row on a wide page.
     """
-    root = _draw(figure, name)
+    root = _draw_svg(figure, name)
     groups = {g.get("id"): g for g in root.iter("g") if g.get("id")}
     clips = [d for d in root.findall("defs") if d.find("style") is None]
     cells = [
-        _cell(groups[str(axes.get_gid())], clips if i == 0 else [], _box(figure, axes))
+        _cell_svg(groups[str(axes.get_gid())], clips if i == 0 else [], _box_of_panel(figure, axes))
         for i, axes in enumerate(figure.axes)
     ]
-    return tag("div", legend(figure), tag("div", *cells, class_=f"panels of{columns}"), role="img", aria_label=alt)
+    return html_element(
+        "div",
+        html_legend(figure),
+        html_element("div", *cells, class_=f"panels of{columns}"),
+        role="img",
+        aria_label=alt,
+    )
 
 
-def legend(figure: Figure) -> Markup | None:
+def html_legend(figure: Figure) -> Markup | None:
     """The figure's legend as text, with a small sample of each line; None if it has none."""
     if not figure.legends:
         return None
     entry = figure.legends[0]
     names = [text.get_text() for text in entry.get_texts()]
     pairs = zip(entry.legend_handles, names, strict=True)
-    return tag("p", *(tag("span", _sample(handle), name) for handle, name in pairs), class_="key")
+    return html_element(
+        "p", *(html_element("span", _legend_sample(handle), name) for handle, name in pairs), class_="key"
+    )
 
 
-def _draw(figure: Figure, name: str) -> ET.Element:
+def _draw_svg(figure: Figure, name: str) -> ET.Element:
     for i, axes in enumerate(figure.axes):
         axes.set_gid(f"{name}-{i}")
     stream = io.StringIO()
     # The salt makes the names of markers and clips unique on the page, and the same in every run.
-    with style.look(), mpl.rc_context({"svg.hashsalt": name}):
+    with style.figure_style(), mpl.rc_context({"svg.hashsalt": name}):
         figure.savefig(stream, format="svg", metadata=_METADATA)
     text = stream.getvalue()
     for pattern, replacement in _LEAN:
@@ -78,7 +86,7 @@ def _draw(figure: Figure, name: str) -> ET.Element:
     return root
 
 
-def _box(figure: Figure, axes: Axes) -> tuple[float, float, float, float]:
+def _box_of_panel(figure: Figure, axes: Axes) -> tuple[float, float, float, float]:
     """Left, top, width and height of a panel's cell in the drawing."""
     width, height = (float(v) * style.PX_PER_INCH for v in figure.get_size_inches())
     inner = axes.get_position()
@@ -90,27 +98,27 @@ def _box(figure: Figure, axes: Axes) -> tuple[float, float, float, float]:
     )
 
 
-def _cell(group: ET.Element, shared: list[ET.Element], box: tuple[float, float, float, float]) -> Markup:
+def _cell_svg(group: ET.Element, shared: list[ET.Element], box: tuple[float, float, float, float]) -> Markup:
     for element in group.iter("g"):
         element.attrib.pop("id", None)
     inner = "".join(ET.tostring(e, encoding="unicode") for e in (*shared, group))
     view = " ".join(f"{v:.0f}" for v in box)
-    return trusted(f'<svg viewBox="{view}" aria-hidden="true">{inner}</svg>')
+    return trusted_markup(f'<svg viewBox="{view}" aria-hidden="true">{inner}</svg>')
 
 
-def _sample(handle: Any) -> Markup:
+def _legend_sample(handle: Any) -> Markup:
     """A legend's line, marker or patch, drawn small."""
     if hasattr(handle, "get_facecolor"):
         fill = _colour(handle.get_facecolor())
-        return _swatch(f'<rect x="4" y="1" width="20" height="10" fill="{fill}" opacity="{_opacity(handle)}"/>')
-    return _swatch(_stroke(handle) + _marker(handle))
+        return _swatch_svg(f'<rect x="4" y="1" width="20" height="10" fill="{fill}" opacity="{_opacity(handle)}"/>')
+    return _swatch_svg(_stroke_style(handle) + _marker(handle))
 
 
-def _swatch(inner: str) -> Markup:
-    return trusted(f'<svg viewBox="0 0 28 12" width="28" height="12" aria-hidden="true">{inner}</svg>')
+def _swatch_svg(inner: str) -> Markup:
+    return trusted_markup(f'<svg viewBox="0 0 28 12" width="28" height="12" aria-hidden="true">{inner}</svg>')
 
 
-def _stroke(line: Any) -> str:
+def _stroke_style(line: Any) -> str:
     dashes = {"--": "5 3", ":": "1.5 2.5", "-.": "6 2 1.5 2"}.get(line.get_linestyle(), "")
     if line.get_linestyle() in ("None", "none", "", " "):
         return ""

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import Complex128, Real
-from modallab.core.digits import glued, plain
+from modallab.core.digits import significant_digits, with_hard_blanks
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.modification.deflection import at_points, turned
-from modallab.reporting.figures.moving import moving
-from modallab.reporting.markup import Markup, tag, trusted
+from modallab.modification.deflection import motion_at_points, turn_to_real
+from modallab.reporting.figures.moving import moving_pictures
+from modallab.reporting.markup import Markup, html_element, trusted_markup
 
 _WIDTH, _HEIGHT, _EDGE = 300.0, 200.0, 34.0
 _PERIOD_S = 2.0
@@ -57,12 +57,12 @@ def shapes_of_model(model: ModalModel, rig: Rig) -> list[MovingShape]:
     freedoms = [(c.point or 0, c.direction[1]) for c in known]
     moved = phi[:, rows] * [rig.sense_of(c) for c in known]
     return [
-        MovingShape(f"Mode {r + 1}", float(hz), at_points(rig, freedoms, values))
+        MovingShape(f"Mode {r + 1}", float(hz), motion_at_points(rig, freedoms, values))
         for r, (hz, values) in enumerate(zip(model.frequency_hz, moved, strict=True))
     ]
 
 
-def wireframes(
+def moving_wireframes(
     points: Mapping[int, tuple[float, float, float]],
     lines: Sequence[tuple[int, int]],
     shapes: Sequence[MovingShape],
@@ -84,44 +84,46 @@ def wireframes(
     pairs = [(order[a], order[b]) for a, b in lines[::step] if a in order and b in order]
     few = surfaces[:: max(1, len(surfaces) // MOST_LINES)]
     faces = [[order[n] for n in face] for face in few if all(n in order for n in face)]
-    pictures = [_picture(xyz, pairs, faces, shape) for shape in shapes]
-    return moving(pictures, "wireframes", "wireframe.js")
+    pictures = [_wireframe_picture(xyz, pairs, faces, shape) for shape in shapes]
+    return moving_pictures(pictures, "wireframes", "wireframe.js")
 
 
-def projection() -> Real:
+def drawing_projection() -> Real:
     """(3, 2): x to the right and back, y back, z up."""
     c, s = np.cos(_TURN), np.sin(_TURN)
     return np.array([[c, s * np.sin(_TILT)], [-s, c * np.sin(_TILT)], [0.0, -np.cos(_TILT)]])
 
 
-def _picture(xyz: Real, pairs: Sequence[tuple[int, int]], faces: Sequence[Sequence[int]], shape: MovingShape) -> Markup:
-    flat = (xyz - xyz.mean(axis=0)) @ projection()
+def _wireframe_picture(
+    xyz: Real, pairs: Sequence[tuple[int, int]], faces: Sequence[Sequence[int]], shape: MovingShape
+) -> Markup:
+    flat = (xyz - xyz.mean(axis=0)) @ drawing_projection()
     size = float(np.ptp(xyz, axis=0).max()) or 1.0
     span = np.maximum(np.ptp(flat, axis=0), 1e-9)
     scale = min((_WIDTH - 2 * _EDGE) / span[0], (_HEIGHT - 2 * _EDGE) / span[1])
     middle = (flat.max(axis=0) + flat.min(axis=0)) / 2
     rest = (flat - middle) * scale + np.array([_WIDTH, _HEIGHT]) / 2
-    motion = turned(shape.motion.ravel()).reshape(shape.motion.shape)
+    motion = turn_to_real(shape.motion.ravel()).reshape(shape.motion.shape)
     reach = float(np.abs(motion).max()) or 1.0
     most = min(_REACH * size * scale, _EDGE - 6)
-    moved = motion @ projection() * (most / reach)
+    moved = motion @ drawing_projection() * (most / reach)
     data = np.column_stack([rest, moved.real, moved.imag]).round(1)
     at = data[:, :2] + data[:, 2:4]
     joined = "".join(f"M{at[a, 0]:.1f} {at[a, 1]:.1f}L{at[b, 0]:.1f} {at[b, 1]:.1f}" for a, b in pairs)
     still = "".join(f"M{rest[a, 0]:.1f} {rest[a, 1]:.1f}L{rest[b, 0]:.1f} {rest[b, 1]:.1f}" for a, b in pairs)
     dots = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in at)
     shaded = "".join("M" + "L".join(f"{at[n, 0]:.1f} {at[n, 1]:.1f}" for n in face) + "Z" for face in faces)
-    name = f"{shape.name}, {plain(shape.frequency_hz)} Hz"
-    drawing = trusted(
+    name = f"{shape.name}, {significant_digits(shape.frequency_hz)} Hz"
+    drawing = trusted_markup(
         f'<svg viewBox="0 0 {_WIDTH:.0f} {_HEIGHT:.0f}" role="img" data-period="{_PERIOD_S:g}" '
-        f'data-points="{_json(data.tolist())}" data-lines="{_json([list(p) for p in pairs])}" '
-        f'data-faces="{_json([list(f) for f in faces])}">'
-        f"{tag('title', f'{name}: the structure vibrates')}"
+        f'data-points="{_json_numbers(data.tolist())}" data-lines="{_json_numbers([list(p) for p in pairs])}" '
+        f'data-faces="{_json_numbers([list(f) for f in faces])}">'
+        f"{html_element('title', f'{name}: the structure vibrates')}"
         f'<path class="faces" d="{shaded}"/>'
         f'<path class="rest" d="{still}"/><path class="beam" d="{joined}"/><path class="dots" d="{dots}"/></svg>'
     )
-    return tag("figure", drawing, tag("figcaption", tag("b", glued(name))))
+    return html_element("figure", drawing, html_element("figcaption", html_element("b", with_hard_blanks(name))))
 
 
-def _json(values: object) -> str:
+def _json_numbers(values: object) -> str:
     return json.dumps(values, separators=(",", ":"))

@@ -4,66 +4,73 @@ from math import isfinite
 
 import numpy as np
 
-from modallab.core.digits import plain
-from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.markup import Markup, join, table, tag
+from modallab.core.digits import significant_digits
+from modallab.reporting.content import ReportContent, TestOutcome
+from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, paragraph
-from modallab.verification.assessment import Assessment
+from modallab.verification.assessment import ModelAssessment
 
 HEADING = "What the model assumes, and whether it holds"
 
 
-def section(content: ReportContent) -> Section:
+def assumptions_section(content: ReportContent) -> Section:
     """One table of verdicts and one of modes a test."""
     parts: list[Markup] = []
     absent: list[str] = []
     for outcome in content.outcomes:
         if outcome.assessment is not None and outcome.model is not None:
-            parts += _one(outcome, outcome.assessment)
-            absent += [f"{_called(outcome)}: {name} was not judged: {_first(why)}" for name, why in _reasons(outcome)]
+            parts += _assumptions_of_test(outcome, outcome.assessment)
+            absent += [
+                f"{_name_of_test(outcome)}: {name} was not judged: {_first_sentence(why)}"
+                for name, why in _reasons_list(outcome)
+            ]
     if not parts:
         return Section("assumptions", HEADING, None, tuple(absent))
     lead = paragraph(
         "A modal model stands for a structure that is linear, reciprocal and the same from the first record to the "
         "last; real shapes ask for proportional damping besides. Each is judged on the records themselves."
     )
-    return Section("assumptions", HEADING, join([lead, *parts]), tuple(absent))
+    return Section("assumptions", HEADING, join_markup([lead, *parts]), tuple(absent))
 
 
-def _reasons(outcome: Outcome) -> tuple[tuple[str, str], ...]:
+def _reasons_list(outcome: TestOutcome) -> tuple[tuple[str, str], ...]:
     return () if outcome.assessment is None else outcome.assessment.unjudged
 
 
-def _first(text: str) -> str:
+def _first_sentence(text: str) -> str:
     return text.splitlines()[0]
 
 
-def _one(outcome: Outcome, found: Assessment) -> list[Markup]:
+def _assumptions_of_test(outcome: TestOutcome, found: ModelAssessment) -> list[Markup]:
     verdicts = [(v.assumption, "holds" if v.holds else "does not hold", v.words) for v in found.verdicts]
-    parts: list[Markup] = [tag("h3", _called(outcome))]
+    parts: list[Markup] = [html_element("h3", _name_of_test(outcome))]
     if verdicts:
-        parts.append(table("Assumptions", ("assumption", "verdict", "because"), verdicts, ()))
-    parts.append(_modes(outcome, found))
+        parts.append(html_table("Assumptions", ("assumption", "verdict", "because"), verdicts, ()))
+    parts.append(_modes_table(outcome, found))
     if len(found.auto_mac) > 1 and np.isfinite(found.auto_mac).all():
         parts.append(_auto_mac(outcome, found))
     return parts
 
 
-def _auto_mac(outcome: Outcome, found: Assessment) -> Markup:
+def _auto_mac(outcome: TestOutcome, found: ModelAssessment) -> Markup:
     """Modes with a high value off the diagonal cannot be distinguished with these points."""
     names = [f"mode {r + 1}" for r in range(len(found.auto_mac))]
     rows = [(name, *(_number(float(value)) for value in row)) for name, row in zip(names, found.auto_mac, strict=True)]
-    whole = table("AutoMAC: MAC of the shapes with one another", ("", *names), rows, range(1, len(names) + 1))
-    return tag("details", tag("summary", f"AutoMAC, {_called(outcome)[0].lower()}{_called(outcome)[1:]}"), whole)
+    whole = html_table("AutoMAC: MAC of the shapes with one another", ("", *names), rows, range(1, len(names) + 1))
+    return html_element(
+        "details",
+        html_element("summary", f"AutoMAC, {_name_of_test(outcome)[0].lower()}{_name_of_test(outcome)[1:]}"),
+        whole,
+    )
 
 
-def _modes(outcome: Outcome, found: Assessment) -> Markup:
+def _modes_table(outcome: TestOutcome, found: ModelAssessment) -> Markup:
     assert outcome.model is not None
     others = found.auto_mac - np.eye(len(found.auto_mac))
     rows = [
         (
             str(r + 1),
-            plain(float(f), 4),
+            significant_digits(float(f), 4),
             _number(found.confidence[r]),
             _number(found.mpc[r]),
             _number(np.degrees(found.mpd_rad[r])),
@@ -72,12 +79,14 @@ def _modes(outcome: Outcome, found: Assessment) -> Markup:
         for r, f in enumerate(outcome.model.frequency_hz)
     ]
     header = ("mode", "frequency [Hz]", "confidence", "MPC", "MPD [°]", "largest MAC with another mode")
-    return table("Modes: 1 is the best confidence and the best phase collinearity", header, rows, range(1, len(header)))
+    return html_table(
+        "Modes: 1 is the best confidence and the best phase collinearity", header, rows, range(1, len(header))
+    )
 
 
 def _number(value: float) -> str:
-    return plain(float(value), 3) if isfinite(value) else "not known"
+    return significant_digits(float(value), 3) if isfinite(value) else "not known"
 
 
-def _called(outcome: Outcome) -> str:
+def _name_of_test(outcome: TestOutcome) -> str:
     return f"The {outcome.test} test" if outcome.test else "The FRFs"

@@ -5,67 +5,80 @@ from math import isfinite
 
 import numpy as np
 
-from modallab.core.digits import deviations, glued, listed, plain, share
-from modallab.reporting.compare import Mode, verdict
-from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.markup import Markup, tag
+from modallab.core.digits import four_places, in_sigmas, list_in_words, significant_digits, with_hard_blanks
+from modallab.reporting.compare import ComparedMode, agreement_verdict
+from modallab.reporting.content import ReportContent, TestOutcome
+from modallab.reporting.markup import Markup, html_element
 from modallab.reporting.sections.summary import MATCH, compare_tests, how_far
 
 DOUBTFUL = 0.5
 """A mode of a lower confidence may be noise, or what the model leaves unexplained."""
 
 
-def glance(content: ReportContent, modes: tuple[Mode, ...]) -> Markup | None:
+def overview_list(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Markup | None:
     """A short list, each line marked as good or as to be looked at; None without a model."""
     if not content.models:
         return None
     lines = [
-        *_known(modes),
-        *(line for outcome in content.outcomes for line in _repeated(outcome)),
-        *_tests(modes),
-        *(line for outcome in content.outcomes for line in _assumed(outcome)),
+        *_modes_known(modes),
+        *(line for outcome in content.outcomes for line in _repeated_line(outcome)),
+        *_tests_agree(modes),
+        *(line for outcome in content.outcomes for line in _assumptions_line(outcome)),
     ]
-    return tag("ul", *(_line(good, text) for good, text in lines), class_="glance", aria_label="At a glance")
+    return html_element(
+        "ul", *(_list_line(good, text) for good, text in lines), class_="glance", aria_label="At a glance"
+    )
 
 
-def _line(good: bool, text: str) -> Markup:
-    mark = tag("i", "\N{HEAVY CHECK MARK}" if good else "!", aria_label="good:" if good else "to be looked at:")
-    return tag("li", mark, tag("span", glued(text)), class_="good" if good else "look")
+def _list_line(good: bool, text: str) -> Markup:
+    mark = html_element(
+        "i", "\N{HEAVY CHECK MARK}" if good else "!", aria_label="good:" if good else "to be looked at:"
+    )
+    return html_element("li", mark, html_element("span", with_hard_blanks(text)), class_="good" if good else "look")
 
 
-def _known(modes: tuple[Mode, ...]) -> Iterator[tuple[bool, str]]:
+def _modes_known(modes: tuple[ComparedMode, ...]) -> Iterator[tuple[bool, str]]:
     readings = [mode.best for mode in modes]
     f = [100 * r.frequency_sigma_hz / r.frequency_hz for r in readings]
     zeta = [100 * r.damping_sigma / r.damping for r in readings if r.damping > 0]
     if f and zeta and all(map(isfinite, (*f, *zeta))):
-        claim = f"known to {plain(max(f), 2)} % or better, damping ratios to {plain(max(zeta), 2)} %"
+        claim = (
+            f"known to {significant_digits(max(f), 2)} % or better, damping ratios to "
+            f"{significant_digits(max(zeta), 2)} %"
+        )
         yield True, f"Natural frequencies are {claim} (one standard deviation)."
-    doubted = [plain(m.frequency_hz) for m in modes if _confidence(m) < DOUBTFUL]
+    doubted = [significant_digits(m.frequency_hz) for m in modes if _confidence_line(m) < DOUBTFUL]
     if doubted:
-        yield False, f"Doubtful: {listed(doubted)} Hz, of a confidence below {DOUBTFUL:g}."
+        yield False, f"Doubtful: {list_in_words(doubted)} Hz, of a confidence below {DOUBTFUL:g}."
 
 
-def _confidence(mode: Mode) -> float:
+def _confidence_line(mode: ComparedMode) -> float:
     found = [r.confidence for r in mode.readings if isfinite(r.confidence)]
     return max(found, default=1.0)
 
 
-def _repeated(outcome: Outcome) -> Iterator[tuple[bool, str]]:
+def _repeated_line(outcome: TestOutcome) -> Iterator[tuple[bool, str]]:
     if outcome.verification is None:
         return
     found = np.nan_to_num(outcome.verification.frac, nan=0.0)
     good = bool(found.min() >= MATCH)
     claim = "repeats what was measured" if good else "does not repeat what was measured at all points"
-    yield good, f"The model {claim} in {_called(outcome)}: FRAC {share(found.min())} to {share(found.max())}."
+    yield (
+        good,
+        (
+            f"The model {claim} in {_name_of_test(outcome)}: FRAC {four_places(found.min())} to "
+            f"{four_places(found.max())}."
+        ),
+    )
 
 
-def _tests(modes: tuple[Mode, ...]) -> Iterator[tuple[bool, str]]:
+def _tests_agree(modes: tuple[ComparedMode, ...]) -> Iterator[tuple[bool, str]]:
     pairs = compare_tests(modes)
     apart = [d for _, *both in pairs for d in both if isfinite(d)]
     if apart:
         one, other = (r.test for r in pairs[0][0].readings[:2])
-        most = f"at most {deviations(max(apart))} apart"
-        if verdict(max(apart)) == "agree":
+        most = f"at most {in_sigmas(max(apart))} apart"
+        if agreement_verdict(max(apart)) == "agree":
             yield True, f"The {one} and the {other} test agree: {most}."
             return
         text = f"The {one} and the {other} test differ, {most}: {how_far(modes)}."
@@ -75,7 +88,7 @@ def _tests(modes: tuple[Mode, ...]) -> Iterator[tuple[bool, str]]:
         yield False, text
 
 
-def _assumed(outcome: Outcome) -> Iterator[tuple[bool, str]]:
+def _assumptions_line(outcome: TestOutcome) -> Iterator[tuple[bool, str]]:
     if outcome.assessment is None or not outcome.assessment.verdicts:
         return
     for holds in (True, False):
@@ -83,9 +96,9 @@ def _assumed(outcome: Outcome) -> Iterator[tuple[bool, str]]:
         if names:
             many = len(names) > 1
             claim = ("hold" if many else "holds") if holds else ("do not hold" if many else "does not hold")
-            text = f"{listed(names)} {claim} in {_called(outcome)}."
+            text = f"{list_in_words(names)} {claim} in {_name_of_test(outcome)}."
             yield holds, text[0].upper() + text[1:]
 
 
-def _called(outcome: Outcome) -> str:
+def _name_of_test(outcome: TestOutcome) -> str:
     return f"the {outcome.test} test" if outcome.test else "the FRFs"

@@ -4,42 +4,42 @@ from math import isfinite
 
 import numpy as np
 
-from modallab.core.digits import plain, short
-from modallab.reporting.compare import Mode, Reading
+from modallab.core.digits import short_number, significant_digits
+from modallab.reporting.compare import ComparedMode, ModeReading
 from modallab.reporting.content import ReportContent
-from modallab.reporting.figures.damping import damping, is_bench_of_paper, paper_value
+from modallab.reporting.figures.damping import damping_figure, is_bench_of_paper, paper_value
 from modallab.reporting.figures.half_power_reading import half_power_reading
-from modallab.reporting.markup import Markup, join, tag
+from modallab.reporting.markup import Markup, html_element, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
 
 BLURRED = 2.0
 """A reading below so many times the floor says more about the block than about the mode."""
 
 
-def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
+def half_power_section(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Section:
     """The damping figure with the explanation in words."""
     anchor, heading = "half-power", "What the half-power rule can see"
     if not modes:
         return Section(anchor, heading, None)
     if not any(isfinite(r.half_power_floor) for m in modes for r in m.readings):
         return Section(anchor, heading, None, ("What the half-power rule can see is not known for these data.",))
-    seen = next((m for m in modes if _of_block(m) is not None), None)
+    seen = next((m for m in modes if _reading_of_block(m) is not None), None)
     paper = is_bench_of_paper(content.rig)
-    texts = [_rule(content)]
+    texts = [_rule_in_words(content)]
     if seen is not None:
-        texts += [_mode(seen, content.models[0].method), _paper(modes) if paper else ""]
-    curve = _curve(content, seen) if seen is not None else None
-    figures = tag("div", _overview(modes, paper), curve, class_="pair")
-    return Section(anchor, heading, join([*(paragraph(t) for t in texts if t), figures]))
+        texts += [_mode_in_words(seen, content.models[0].method), _paper_sentence(modes) if paper else ""]
+    curve = _reading_curve(content, seen) if seen is not None else None
+    figures = html_element("div", _overview_sentence(modes, paper), curve, class_="pair")
+    return Section(anchor, heading, join_markup([*(paragraph(t) for t in texts if t), figures]))
 
 
-def _of_block(mode: Mode) -> Reading | None:
+def _reading_of_block(mode: ComparedMode) -> ModeReading | None:
     """What the rule read off a block: the sine test's reading comes from few frequencies, no block's spectrum."""
     fit = (r for r in mode.readings if r.test != "sine" and isfinite(r.half_power_floor) and isfinite(r.half_power))
     return next(fit, None)
 
 
-def _overview(modes: tuple[Mode, ...], papers: bool) -> Markup:
+def _overview_sentence(modes: tuple[ComparedMode, ...], papers: bool) -> Markup:
     paper = papers and any(paper_value(m) is not None for m in modes)
     triangles = (
         " The triangles are the paper's Table 1: each pair is one number, read as Δf/f (left) and as ζ (right)."
@@ -47,18 +47,18 @@ def _overview(modes: tuple[Mode, ...], papers: bool) -> Markup:
         else ""
     )
     return captioned_figure(
-        damping(modes, papers),
+        damping_figure(modes, papers),
         "damping",
-        _alt(modes),
+        _alternative_text(modes),
         "Damping of each mode. The grey bar is the resolution. In it, a half-power reading shows the width of one line "
         f"or step of the spectrum, not the damping of the beam: it stands near the bar's end in any case.{triangles}",
         1,
     )
 
 
-def _curve(content: ReportContent, mode: Mode) -> Markup | None:
+def _reading_curve(content: ReportContent, mode: ComparedMode) -> Markup | None:
     length = _block_s(content)
-    reading = _of_block(mode)
+    reading = _reading_of_block(mode)
     if not length or reading is None:
         return None
     papers = is_bench_of_paper(content.rig) and paper_value(mode) is not None
@@ -79,10 +79,10 @@ def _before_s(content: ReportContent) -> float:
     return 0.0 if hit is None else int(np.argmax(np.abs(hit.force))) / hit.rate_hz
 
 
-def _rule(content: ReportContent) -> str:
+def _rule_in_words(content: ReportContent) -> str:
     length = _block_s(content)
-    of = f"a block of {short(length)} s" if length else "a short block"
-    step = f" ({plain(1 / length, 3)} Hz)" if length else ""
+    of = f"a block of {short_number(length)} s" if length else "a short block"
+    step = f" ({significant_digits(1 / length, 3)} Hz)" if length else ""
     sine = (
         " In a sine test it can't be narrower than the step from one drive frequency to the next."
         if any(o.test == "sine" for o in content.outcomes)
@@ -95,11 +95,13 @@ def _rule(content: ReportContent) -> str:
     )
 
 
-def _mode(mode: Mode, method: str) -> str:
-    reading, best = _of_block(mode), mode.best
+def _mode_in_words(mode: ComparedMode, method: str) -> str:
+    reading, best = _reading_of_block(mode), mode.best
     if reading is None:
         return ""
-    read, floor, found = (plain(100 * v, 2) for v in (reading.half_power, reading.half_power_floor, best.damping))
+    read, floor, found = (
+        significant_digits(100 * v, 2) for v in (reading.half_power, reading.half_power_floor, best.damping)
+    )
     if reading.half_power > BLURRED * reading.half_power_floor:
         return (
             f"For mode {mode.number} it reads {read} %, well above its floor of {floor} %. "
@@ -116,7 +118,7 @@ def _mode(mode: Mode, method: str) -> str:
     )
 
 
-def _paper(modes: tuple[Mode, ...]) -> str:
+def _paper_sentence(modes: tuple[ComparedMode, ...]) -> str:
     value = paper_value(modes[0])
     if value is None:
         return ""
@@ -134,10 +136,11 @@ def _block_s(content: ReportContent) -> float:
     return blocks[0].duration_s if blocks else 0.0
 
 
-def _alt(modes: tuple[Mode, ...]) -> str:
+def _alternative_text(modes: tuple[ComparedMode, ...]) -> str:
     rows = [
-        f"mode {m.number}: identified {plain(100 * m.best.damping, 2)} percent, half-power reading "
-        f"{plain(100 * m.readings[0].half_power, 2)} percent, floor {plain(100 * m.readings[0].half_power_floor, 2)} "
+        f"mode {m.number}: identified {significant_digits(100 * m.best.damping, 2)} percent, half-power reading "
+        f"{significant_digits(100 * m.readings[0].half_power, 2)} percent, floor "
+        f"{significant_digits(100 * m.readings[0].half_power_floor, 2)} "
         "percent"
         for m in modes
     ]

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.digits import alike, plain, rounded, scientific
+from modallab.core.digits import scientific_text, significant_digits, three_digits, to_places_of_sigma
 from modallab.core.model import ModalModel
 from modallab.identification.estimator import estimator_of
 from modallab.reporting.content import ReportContent
-from modallab.reporting.figures.selection import place
-from modallab.reporting.markup import Markup, join, table, tag
+from modallab.reporting.figures.selection import sensor_label
+from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, paragraph
 
 _RESPONSE_METHODS = {
@@ -21,86 +21,92 @@ _UNSCALED = (
 )
 
 
-def section(content: ReportContent) -> Section:
+def model_section(content: ReportContent) -> Section:
     """Modal constants, shapes and residuals of every model, folded away."""
     parts: list[Markup] = []
     for model in content.models:
         if model.n_modes:
-            parts += _model(model)
+            parts += _model_tables(model)
     if not parts:
         return Section("model", "The model in full", None)
     if all(model.operating_shapes is not None for model in content.models):
-        return Section("model", "The model in full", join([paragraph(_UNSCALED), *parts]))
+        return Section("model", "The model in full", join_markup([paragraph(_UNSCALED), *parts]))
     formula = paragraph(
         "The receptance is the sum over the modes of A / (ω₀² − ω² + 2jζω₀ω), with the modal constant A = φⱼφₖ of "
         "response point j and force point k at unit modal mass."
     )
-    return Section("model", "The model in full", join([formula, *parts]))
+    return Section("model", "The model in full", join_markup([formula, *parts]))
 
 
-def _model(model: ModalModel) -> list[Markup]:
+def _model_tables(model: ModalModel) -> list[Markup]:
     low, high = model.band_hz
-    head = f"{(model.test or 'FRFs').capitalize()}: {_method(model.method)}, {rounded(low)} to {rounded(high)} Hz"
-    folds = [_fold("Modal constants", _constants(model))] if model.input_points else []
+    head = (
+        f"{(model.test or 'FRFs').capitalize()}: {_method_in_words(model.method)}, {three_digits(low)} to "
+        f"{three_digits(high)} Hz"
+    )
+    folds = [_folded_block("Modal constants", _constants_table(model))] if model.input_points else []
     if model.operating_shapes is not None:
-        folds.append(_fold("Mode shapes without a scale", _operating(model, model.operating_shapes)))
+        folds.append(
+            _folded_block("Mode shapes without a scale", _operating_shapes_table(model, model.operating_shapes))
+        )
     if model.shapes is not None:
-        folds.append(_fold("Mode shapes at unit modal mass", _shapes(model)))
+        folds.append(_folded_block("Mode shapes at unit modal mass", _shapes_table(model)))
     if model.residual_powers:
-        folds.append(_fold("What modes outside the band add", _residuals(model)))
-    return [tag("h3", head), *_scale(model), *folds]
+        folds.append(_folded_block("What modes outside the band add", _residuals_table(model)))
+    return [html_element("h3", head), *_scale_sentence(model), *folds]
 
 
-def _scale(model: ModalModel) -> list[Markup]:
+def _scale_sentence(model: ModalModel) -> list[Markup]:
     scale = model.scale_uncertainty
     if scale is None:
         return []
-    force = "not known" if scale.force is None else f"{_percent(scale.force)} %"
+    force = "not known" if scale.force is None else f"{_percent_of(scale.force)} %"
     text = (
         "On top of the sigmas below, which are those of the records' noise, comes what the sensitivities are known to, "
-        f"alike in every mode (one sigma): force {force}, responses {_span(scale.responses)}, "
-        f"modal constants {_span(scale.modal_constants)}, shapes at unit modal mass {_span(scale.shapes)}"
+        f"alike in every mode (one sigma): force {force}, responses {_span_of_values(scale.responses)}, "
+        f"modal constants {_span_of_values(scale.modal_constants)}, shapes at unit modal mass "
+        f"{_span_of_values(scale.shapes)}"
     )
-    mass = "" if scale.modal_mass is None else f", modal mass {_percent(scale.modal_mass)} %"
+    mass = "" if scale.modal_mass is None else f", modal mass {_percent_of(scale.modal_mass)} %"
     return [paragraph(f"{text}{mass}.")]
 
 
-def _span(values: NDArray[np.float64]) -> str:
+def _span_of_values(values: NDArray[np.float64]) -> str:
     known = values[np.isfinite(values)]
     if not known.size:
         return "not known"
-    low, high = _percent(float(known.min())), _percent(float(known.max()))
+    low, high = _percent_of(float(known.min())), _percent_of(float(known.max()))
     which = "" if known.size == values.size else f" for {known.size} of {values.size}"
     return f"{low} %{which}" if low == high else f"{low} to {high} %{which}"
 
 
-def _percent(value: float) -> str:
-    return plain(100 * value, 2)
+def _percent_of(value: float) -> str:
+    return significant_digits(100 * value, 2)
 
 
-def _method(name: str) -> str:
+def _method_in_words(name: str) -> str:
     known = estimator_of(name)
     if name in _RESPONSE_METHODS:
         return _RESPONSE_METHODS[name]
     return name if known is None else known.title
 
 
-def _fold(summary: str, *tables: Markup) -> Markup:
-    return tag("details", tag("summary", summary), *tables)
+def _folded_block(summary: str, *tables: Markup) -> Markup:
+    return html_element("details", html_element("summary", summary), *tables)
 
 
-def _constants(model: ModalModel) -> Markup:
+def _constants_table(model: ModalModel) -> Markup:
     sigma, parts = model.modal_constant_sigma, model.modal_constant_part_sigma
     imag = sigma if parts is None else parts.imag
-    return join(
-        table(
-            f"Modal constants in kg⁻¹, {_force(model, k)}: value and sigma",
+    return join_markup(
+        html_table(
+            f"Modal constants in kg⁻¹, {_force_of_input(model, k)}: value and sigma",
             ("response", *(f"mode {r + 1}" for r in range(model.n_modes))),
             [
                 (
-                    _point(model, j),
+                    _point_of_output(model, j),
                     *(
-                        _complex(model.modal_constants[r, j, k], sigma[r, j, k], imag[r, j, k])
+                        _complex_text(model.modal_constants[r, j, k], sigma[r, j, k], imag[r, j, k])
                         for r in range(model.n_modes)
                     ),
                 )
@@ -112,36 +118,39 @@ def _constants(model: ModalModel) -> Markup:
     )
 
 
-def _shapes(model: ModalModel) -> Markup:
+def _shapes_table(model: ModalModel) -> Markup:
     assert model.shapes is not None
-    return _by_point(model, model.shapes, model.shape_sigma, "Shapes φ in kg⁻¹ᐟ²: value and sigma")
+    return _table_by_point(model, model.shapes, model.shape_sigma, "Shapes φ in kg⁻¹ᐟ²: value and sigma")
 
 
-def _operating(model: ModalModel, shapes: NDArray[np.complex128]) -> Markup:
-    return _by_point(model, shapes, model.operating_shape_sigma, "Shapes, 1 at the largest: value and sigma")
+def _operating_shapes_table(model: ModalModel, shapes: NDArray[np.complex128]) -> Markup:
+    return _table_by_point(model, shapes, model.operating_shape_sigma, "Shapes, 1 at the largest: value and sigma")
 
 
-def _by_point(
+def _table_by_point(
     model: ModalModel, shapes: NDArray[np.complex128], sigma: NDArray[np.float64] | None, caption: str
 ) -> Markup:
     known = np.full(shapes.shape, np.nan) if sigma is None else sigma
     rows = [
-        (_point(model, j), *(_complex(complex(v), float(s), float(s)) for v, s in zip(phi, own, strict=True)))
+        (
+            _point_of_output(model, j),
+            *(_complex_text(complex(v), float(s), float(s)) for v, s in zip(phi, own, strict=True)),
+        )
         for j, (phi, own) in enumerate(zip(shapes.T, known.T, strict=True))
     ]
     header = ("point", *(f"mode {r + 1}" for r in range(model.n_modes)))
-    return table(caption, header, rows, range(1, model.n_modes + 1))
+    return html_table(caption, header, rows, range(1, model.n_modes + 1))
 
 
-def _residuals(model: ModalModel) -> Markup:
-    return join(
-        table(
-            f"Residuals, {_force(model, k)}, as coefficients of s to a power, in m/N s to minus that power",
+def _residuals_table(model: ModalModel) -> Markup:
+    return join_markup(
+        html_table(
+            f"Residuals, {_force_of_input(model, k)}, as coefficients of s to a power, in m/N s to minus that power",
             ("response", *(f"power {p}" for p in model.residual_powers)),
             [
                 (
-                    _point(model, j),
-                    *(scientific(float(model.residuals[t, j, k])) for t in range(len(model.residual_powers))),
+                    _point_of_output(model, j),
+                    *(scientific_text(float(model.residuals[t, j, k])) for t in range(len(model.residual_powers))),
                 )
                 for j in range(len(model.outputs))
             ],
@@ -151,20 +160,20 @@ def _residuals(model: ModalModel) -> Markup:
     )
 
 
-def _complex(value: complex, sigma: float, sigma_imag: float) -> str:
+def _complex_text(value: complex, sigma: float, sigma_imag: float) -> str:
     known = bool(np.isfinite(sigma)) and sigma > 0
-    text = alike(value.real, sigma) if known else plain(value.real, 3)
+    text = to_places_of_sigma(value.real, sigma) if known else significant_digits(value.real, 3)
     # An imaginary part that its sigma hides is left out.
     if abs(value.imag) > 1e-9 * abs(value) and not abs(value.imag) < 2 * sigma_imag:
-        size = alike(abs(value.imag), sigma_imag) if known else plain(abs(value.imag), 3)
+        size = to_places_of_sigma(abs(value.imag), sigma_imag) if known else significant_digits(abs(value.imag), 3)
         text += f" {'−' if value.imag < 0 else '+'} {size}j"
-    return f"{text} ± {alike(sigma, sigma)}" if known else text
+    return f"{text} ± {to_places_of_sigma(sigma, sigma)}" if known else text
 
 
-def _point(model: ModalModel, output: int) -> str:
-    return place(model.outputs[output], model.output_points[output])
+def _point_of_output(model: ModalModel, output: int) -> str:
+    return sensor_label(model.outputs[output], model.output_points[output])
 
 
-def _force(model: ModalModel, k: int) -> str:
+def _force_of_input(model: ModalModel, k: int) -> str:
     point = model.input_points[k]
     return "force at an unknown point" if point is None else f"force at point {point}"

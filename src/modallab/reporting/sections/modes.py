@@ -2,10 +2,20 @@
 
 from math import isfinite
 
-from modallab.core.digits import UNKNOWN, alike, deviations, glued, listed, plain, probability, relative, with_sigma
-from modallab.reporting.compare import Mode, Reading, deviation, verdict
+from modallab.core.digits import (
+    UNKNOWN,
+    in_sigmas,
+    list_in_words,
+    probability_text,
+    relative_difference,
+    significant_digits,
+    to_places_of_sigma,
+    with_hard_blanks,
+    with_sigma,
+)
+from modallab.reporting.compare import ComparedMode, ModeReading, agreement_verdict, joint_deviations
 from modallab.reporting.content import ReportContent
-from modallab.reporting.markup import Markup, join, table, tag
+from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, paragraph
 from modallab.reporting.sections.summary import compare_tests
 
@@ -13,15 +23,15 @@ HEADER = ("mode", "test", "frequency [Hz]", "damping ζ [%]", "half-power ζ [%]
 TRUTH = ("true frequency [Hz], error", "true ζ [%], error")
 
 
-def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
+def modes_section(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Section:
     """Frequencies and damping with their sigmas, beside the half-power reading and the truth."""
     missing = tuple(o.missing for o in content.outcomes if o.model is None and o.missing)
     if not content.models:
         return Section("modes", "The modes", None, missing or ("There is no modal model: no test was identified.",))
     if not modes:
-        return Section("modes", "The modes", paragraph(_none(content)), missing)
+        return Section("modes", "The modes", paragraph(_no_model_sentence(content)), missing)
     parts: list[Markup | None] = [
-        _table(content, modes),
+        _modes_table(content, modes),
         paragraph(
             "The number after ± is one standard deviation, σ. The damping ratio ζ is the share of critical "
             "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too. Confidence says how far a "
@@ -29,17 +39,17 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
             "far above."
         ),
         _too_sure(modes),
-        _unseen(content, modes),
-        _notes(content),
-        _agreement(modes),
+        _unseen_modes(content, modes),
+        _notes_list(content),
+        _agreement_sentence(modes),
     ]
     absent = missing + (
         () if content.truth else ("The true modes are not known; only a simulated bench can state them.",)
     )
-    return Section("modes", "The modes", join(parts), absent)
+    return Section("modes", "The modes", join_markup(parts), absent)
 
 
-def _unseen(content: ReportContent, modes: tuple[Mode, ...]) -> Markup | None:
+def _unseen_modes(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Markup | None:
     """Modes that lie in the band of a test that did not find them."""
     lines: list[Markup] = []
     for model in content.models:
@@ -48,76 +58,82 @@ def _unseen(content: ReportContent, modes: tuple[Mode, ...]) -> Markup | None:
         lost = [f"mode {m.number}" for m in inside if all(r.test != model.test for r in m.readings)]
         if lost:
             name = f"The {model.test} test" if model.test else "The FRFs' model"
-            lines.append(paragraph(f"{name} did not find {listed(lost)}, though in its band."))
-    return join(lines) if lines else None
+            lines.append(paragraph(f"{name} did not find {list_in_words(lost)}, though in its band."))
+    return join_markup(lines) if lines else None
 
 
-def _notes(content: ReportContent) -> Markup | None:
+def _notes_list(content: ReportContent) -> Markup | None:
     notes = [f"{(m.test or 'FRFs').capitalize()}: {note}" for m in content.models for note in m.notes]
-    return tag("ul", *(tag("li", glued(n)) for n in notes)) if notes else None
+    return html_element("ul", *(html_element("li", with_hard_blanks(n)) for n in notes)) if notes else None
 
 
-def _none(content: ReportContent) -> str:
+def _no_model_sentence(content: ReportContent) -> str:
     notes = " ".join(n for m in content.models for n in m.notes)
     return f"The estimator found no mode in its band. {notes}".strip()
 
 
-def _table(content: ReportContent, modes: tuple[Mode, ...]) -> Markup:
+def _modes_table(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Markup:
     true = content.truth is not None
     known = any(isfinite(r.confidence) for m in modes for r in m.readings)
-    rows = [[*_row(m, r, true), *([probability(r.confidence)] if known else [])] for m in modes for r in m.readings]
+    rows = [
+        [*_mode_row(m, r, true), *([probability_text(r.confidence)] if known else [])]
+        for m in modes
+        for r in m.readings
+    ]
     header = HEADER + (TRUTH if true else ()) + (("confidence",) if known else ())
-    return table("Natural frequencies and damping", header, rows, range(2, len(header)), "modes")
+    return html_table("Natural frequencies and damping", header, rows, range(2, len(header)), "modes")
 
 
-def _row(mode: Mode, reading: Reading, true: bool) -> list[str]:
+def _mode_row(mode: ComparedMode, reading: ModeReading, true: bool) -> list[str]:
     cells = [
         str(mode.number),
         reading.test or "FRFs",
         with_sigma(reading.frequency_hz, reading.frequency_sigma_hz),
         with_sigma(100 * reading.damping, 100 * reading.damping_sigma),
-        plain(100 * reading.half_power, 3) if isfinite(reading.half_power) else "not readable",
+        significant_digits(100 * reading.half_power, 3) if isfinite(reading.half_power) else "not readable",
     ]
-    return cells + (_truth(reading) if true else [])
+    return cells + (_true_cells(reading) if true else [])
 
 
-def _truth(reading: Reading) -> list[str]:
+def _true_cells(reading: ModeReading) -> list[str]:
     if not isfinite(reading.true_frequency_hz):
         return [UNKNOWN, UNKNOWN]
     return [
-        _true(reading.frequency_hz, reading.frequency_sigma_hz, reading.true_frequency_hz, reading.true_drift),
-        _true(100 * reading.damping, 100 * reading.damping_sigma, 100 * reading.true_damping),
+        _difference_from_truth(
+            reading.frequency_hz, reading.frequency_sigma_hz, reading.true_frequency_hz, reading.true_drift
+        ),
+        _difference_from_truth(100 * reading.damping, 100 * reading.damping_sigma, 100 * reading.true_damping),
     ]
 
 
-def _true(value: float, sigma: float, truth: float, drift: float = 0.0) -> Markup:
-    gap = deviation(value, sigma, truth, truth * drift)
-    error = relative(value, truth) + (f" ({deviations(gap)})" if isfinite(gap) else "")
-    return join([alike(truth, sigma), tag("br"), tag("small", error)])
+def _difference_from_truth(value: float, sigma: float, truth: float, drift: float = 0.0) -> Markup:
+    gap = joint_deviations(value, sigma, truth, truth * drift)
+    error = relative_difference(value, truth) + (f" ({in_sigmas(gap)})" if isfinite(gap) else "")
+    return join_markup([to_places_of_sigma(truth, sigma), html_element("br"), html_element("small", error)])
 
 
-def _too_sure(modes: tuple[Mode, ...]) -> Markup | None:
+def _too_sure(modes: tuple[ComparedMode, ...]) -> Markup | None:
     """Where the truth shows that a stated uncertainty is too small."""
-    off = [f"mode {m.number} ({r.test or 'FRFs'})" for m in modes for r in m.readings if _off(r)]
+    off = [f"mode {m.number} ({r.test or 'FRFs'})" for m in modes for r in m.readings if _half_power_error(r)]
     if not off:
         return None
-    return paragraph(f"More than 3 σ off the truth: {listed(off)}. There the stated uncertainty is too small.")
+    return paragraph(f"More than 3 σ off the truth: {list_in_words(off)}. There the stated uncertainty is too small.")
 
 
-def _off(reading: Reading) -> bool:
+def _half_power_error(reading: ModeReading) -> bool:
     gaps = (
-        deviation(
+        joint_deviations(
             reading.frequency_hz,
             reading.frequency_sigma_hz,
             reading.true_frequency_hz,
             reading.true_frequency_hz * reading.true_drift,
         ),
-        deviation(reading.damping, reading.damping_sigma, reading.true_damping, 0.0),
+        joint_deviations(reading.damping, reading.damping_sigma, reading.true_damping, 0.0),
     )
-    return any(verdict(gap) == "disagree" for gap in gaps)
+    return any(agreement_verdict(gap) == "disagree" for gap in gaps)
 
 
-def _agreement(modes: tuple[Mode, ...]) -> Markup | None:
+def _agreement_sentence(modes: tuple[ComparedMode, ...]) -> Markup | None:
     pairs = compare_tests(modes)
     if not pairs:
         return None
@@ -125,9 +141,9 @@ def _agreement(modes: tuple[Mode, ...]) -> Markup | None:
     rows = [
         (
             str(m.number),
-            _apart(m.readings[0].frequency_hz, m.readings[1].frequency_hz, f),
-            _apart(m.readings[0].damping, m.readings[1].damping, z),
-            verdict(max(f, z)),
+            _differing_modes(m.readings[0].frequency_hz, m.readings[1].frequency_hz, f),
+            _differing_modes(m.readings[0].damping, m.readings[1].damping, z),
+            agreement_verdict(max(f, z)),
         )
         for m, f, z in pairs
     ]
@@ -137,8 +153,10 @@ def _agreement(modes: tuple[Mode, ...]) -> Markup | None:
         "no longer a fair explanation. Then the structure was not the same in both, as with a shaker attached in one "
         "or a stiffness that drifts from one to the next; or one of the tests, or of the uncertainties, is wrong."
     )
-    return join([table(caption, ("mode", "difference in frequency", "in damping", "verdict"), rows, (1, 2)), explained])
+    return join_markup(
+        [html_table(caption, ("mode", "difference in frequency", "in damping", "verdict"), rows, (1, 2)), explained]
+    )
 
 
-def _apart(a: float, b: float, gap: float) -> str:
-    return relative(b, a) + (f" ({deviations(gap)})" if isfinite(gap) else "")
+def _differing_modes(a: float, b: float, gap: float) -> str:
+    return relative_difference(b, a) + (f" ({in_sigmas(gap)})" if isfinite(gap) else "")

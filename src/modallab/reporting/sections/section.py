@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from modallab.core.digits import glued
-from modallab.reporting.figures.svg import panels
-from modallab.reporting.markup import Markup, tag
+from modallab.core.digits import with_hard_blanks
+from modallab.reporting.figures.svg import svg_panels
+from modallab.reporting.markup import Markup, html_element
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,11 +34,16 @@ class Section:
 
     def render(self) -> Markup:
         """The section as HTML."""
-        heading = tag("h2", self.heading)
+        heading = html_element("h2", self.heading)
         if not self.folded:
-            return tag("section", heading, self.body, id=self.anchor)
-        inside = tag("div", self.body, id=self.target)
-        return tag("section", tag("details", tag("summary", heading), inside), id=self.anchor, class_="folded")
+            return html_element("section", heading, self.body, id=self.anchor)
+        inside = html_element("div", self.body, id=self.target)
+        return html_element(
+            "section",
+            html_element("details", html_element("summary", heading), inside),
+            id=self.anchor,
+            class_="folded",
+        )
 
 
 def captioned_figure(figure: Figure, name: str, alt: str, caption: str, columns: int = 2) -> Markup:
@@ -51,9 +56,14 @@ def captioned_figure(figure: Figure, name: str, alt: str, caption: str, columns:
         caption: what it shows and how to read it.
         columns: panels a row on a wide page.
     """
-    return tag("figure", panels(figure, name, alt, columns), tag("figcaption", glued(caption)), class_="plate")
+    return html_element(
+        "figure",
+        svg_panels(figure, name, alt, columns),
+        html_element("figcaption", with_hard_blanks(caption)),
+        class_="plate",
+    )
 
 
 def paragraph(text: str) -> Markup:
     """Plain text."""
-    return tag("p", glued(text))
+    return html_element("p", with_hard_blanks(text))

@@ -2,17 +2,17 @@
 
 from itertools import combinations, pairwise
 
-from modallab.core.digits import share
+from modallab.core.digits import four_places
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
-from modallab.reporting.content import Outcome, ReportContent
+from modallab.reporting.content import ReportContent, TestOutcome
 from modallab.reporting.figures.animation import animated_shapes
 from modallab.reporting.figures.mode_shapes import mode_shapes
-from modallab.reporting.figures.shape_data import shape
-from modallab.reporting.figures.wireframe import is_spatial, shapes_of_model, wireframes
-from modallab.reporting.markup import Markup, join, table, tag
+from modallab.reporting.figures.shape_data import beam_shape
+from modallab.reporting.figures.wireframe import is_spatial, moving_wireframes, shapes_of_model
+from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
-from modallab.verification.comparison import Comparison, compare
+from modallab.verification.comparison import ShapeComparison, compare_shapes
 
 OUT_OF_STEP_DEG = 5.0
 UNPLACED = "The places of the sensors are not known, so the mode shapes can't be drawn; they stand in the model below."
@@ -24,29 +24,29 @@ CAPTION = (
 )
 
 
-def section(content: ReportContent) -> Section:
+def shapes_section(content: ReportContent) -> Section:
     """Animated shapes of the first test that has them; below, all shapes with sigma bars."""
     anchor, heading = "shapes", "The mode shapes"
-    spatial = _spatial(content)
+    spatial = _spatial_shapes(content)
     if spatial is not None:
         return Section(anchor, heading, spatial)
     absent = tuple(
-        f"{_called(m.test)} has no mode shapes at unit modal mass ({m.shapes_unavailable})."
+        f"{_name_of_test(m.test)} has no mode shapes at unit modal mass ({m.shapes_unavailable})."
         for m in content.models
         if m.shapes is None and m.n_modes
     )
     figure = mode_shapes(content.models, content.rig)
-    drawn = next((m for m in content.models if m.n_modes and shape(m, 0, content.rig) is not None), None)
+    drawn = next((m for m in content.models if m.n_modes and beam_shape(m, 0, content.rig) is not None), None)
     if figure is None or drawn is None:
         unplaced = any(m.shapes is not None and m.n_modes for m in content.models)
         return Section(anchor, heading, None, (*absent, UNPLACED) if unplaced else absent)
     still = captioned_figure(figure, "shapes", DRAWN, CAPTION, min(3, drawn.n_modes))
     moving = animated_shapes(drawn, content.rig)
-    parts = [paragraph(MOVING), moving, _skew(content), still, comparison_tables(content)]
-    return Section(anchor, heading, join(parts), absent)
+    parts = [paragraph(MOVING), moving, _skew_note(content), still, comparison_tables(content)]
+    return Section(anchor, heading, join_markup(parts), absent)
 
 
-def _spatial(content: ReportContent) -> Markup | None:
+def _spatial_shapes(content: ReportContent) -> Markup | None:
     """Moving shapes in space, of a structure that is more than a beam, or of responses alone."""
     rig = content.rig
     for model in content.models:
@@ -56,17 +56,17 @@ def _spatial(content: ReportContent) -> Markup | None:
         points = {p.id: (p.x_m, p.y_m, p.z_m) for p in rig.points}
         # Points on one axis are drawn as a beam; what joins others in space is not known.
         along = [] if is_spatial(rig) else [p.id for p in sorted(rig.points, key=lambda p: p.x_m)]
-        drawn = wireframes(points, rig.lines or tuple(pairwise(along)), moving, rig.surfaces)
+        drawn = moving_wireframes(points, rig.lines or tuple(pairwise(along)), moving, rig.surfaces)
         if drawn is not None:
             scale = "" if model.shapes is not None else " No force was used, so that the shapes have no scale."
             text = f"So the structure moves at its natural frequencies, slowed down and magnified.{scale}"
-            return join([paragraph(text), drawn])
+            return join_markup([paragraph(text), drawn])
     return None
 
 
-def _skew(content: ReportContent) -> str | None:
+def _skew_note(content: ReportContent) -> str | None:
     for model in content.models:
-        found = [shape(model, i, content.rig) for i in range(model.n_modes)]
+        found = [beam_shape(model, i, content.rig) for i in range(model.n_modes)]
         loose = [
             f"mode {i + 1} by {s.skew_deg:.0f}°" for i, s in enumerate(found) if s and s.skew_deg > OUT_OF_STEP_DEG
         ]
@@ -79,7 +79,7 @@ def _skew(content: ReportContent) -> str | None:
     return None
 
 
-def _called(test: str | None) -> str:
+def _name_of_test(test: str | None) -> str:
     return f"The {test} test" if test else "The FRFs"
 
 
@@ -95,25 +95,27 @@ def comparison_tables(content: ReportContent) -> Markup | None:
     parts: list[Markup] = []
     for (one, first), (other, second) in combinations(there, 2):
         try:
-            parts += _tables(f"{_named(one)} and {_named(other)}", first, compare(first, second))
+            parts += _shape_tables(
+                f"{_named_outcome(one)} and {_named_outcome(other)}", first, compare_shapes(first, second)
+            )
         except DataError:
             # One test of one sensor, or bands apart: there is nothing to compare.
             continue
-    return join([*parts, paragraph(COMPARED)]) if parts else None
+    return join_markup([*parts, paragraph(COMPARED)]) if parts else None
 
 
-def _tables(names: str, first: ModalModel, found: Comparison) -> list[Markup]:
+def _shape_tables(names: str, first: ModalModel, found: ShapeComparison) -> list[Markup]:
     modes = [
-        (f"{first.frequency_hz[i]:.4g} Hz", share(float(value)))
+        (f"{first.frequency_hz[i]:.4g} Hz", four_places(float(value)))
         for (i, _), value in zip(found.pairs, found.mac, strict=True)
     ]
-    points = [(f"Point {p}", share(float(value))) for p, value in zip(found.points, found.comac, strict=True)]
-    by_point = table(f"CoMAC of {names} over {len(found.pairs)} modes", ("point", "CoMAC"), points, (1,))
+    points = [(f"Point {p}", four_places(float(value))) for p, value in zip(found.points, found.comac, strict=True)]
+    by_point = html_table(f"CoMAC of {names} over {len(found.pairs)} modes", ("point", "CoMAC"), points, (1,))
     return [
-        table(f"Do the shapes of {names} agree?", ("mode", "MAC"), modes, (1,)),
-        tag("details", tag("summary", f"CoMAC at every point, {names}"), by_point),
+        html_table(f"Do the shapes of {names} agree?", ("mode", "MAC"), modes, (1,)),
+        html_element("details", html_element("summary", f"CoMAC at every point, {names}"), by_point),
     ]
 
 
-def _named(outcome: Outcome) -> str:
+def _named_outcome(outcome: TestOutcome) -> str:
     return f"the {outcome.test} test" if outcome.test else "the FRFs"

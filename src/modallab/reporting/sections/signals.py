@@ -1,31 +1,31 @@
 """What was measured: one block of each test, every hit, all FRFs."""
 
-from modallab.core.digits import counted, plain
+from modallab.core.digits import count_with_noun, significant_digits
 from modallab.core.units import Test
-from modallab.reporting.content import Outcome, ReportContent
+from modallab.reporting.content import ReportContent, TestOutcome
 from modallab.reporting.figures.blocks import impact_block, sine_block
-from modallab.reporting.figures.hits import hits
+from modallab.reporting.figures.hits import hits_figure
 from modallab.reporting.figures.overview import frf_overview
-from modallab.reporting.figures.selection import farthest
-from modallab.reporting.markup import Markup, join, table, tag
+from modallab.reporting.figures.selection import farthest_sensor
+from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure
 
 
-def section(content: ReportContent) -> Section:
+def signals_section(content: ReportContent) -> Section:
     """Signals in time and as spectrum, hits and FRFs of each test."""
     tests: tuple[Test, ...] = ("sine", "impact")
     there = {o.test for o in content.outcomes}
     absent = [f"There is no {test} test in this campaign." for test in tests if test not in there]
     parts: list[Markup] = []
     for i, outcome in enumerate(content.outcomes):
-        shown = _example(content, outcome) + _hits(outcome) + _frfs(outcome, i)
+        shown = _example_record(content, outcome) + _hits_part(outcome) + _frfs_part(outcome, i)
         if shown:
-            parts += [tag("h3", f"The {outcome.test} test" if outcome.test else "The FRFs"), *shown]
-        absent += _absent(outcome)
-    return Section("signals", "What was measured", join(parts) if parts else None, tuple(absent))
+            parts += [html_element("h3", f"The {outcome.test} test" if outcome.test else "The FRFs"), *shown]
+        absent += _absent_note(outcome)
+    return Section("signals", "What was measured", join_markup(parts) if parts else None, tuple(absent))
 
 
-def _absent(outcome: Outcome) -> list[str]:
+def _absent_note(outcome: TestOutcome) -> list[str]:
     name = f"the {outcome.test} test" if outcome.test else "the FRFs"
     out = []
     if outcome.example is None and outcome.test is not None:
@@ -35,11 +35,11 @@ def _absent(outcome: Outcome) -> list[str]:
     return out
 
 
-def _example(content: ReportContent, outcome: Outcome) -> list[Markup]:
+def _example_record(content: ReportContent, outcome: TestOutcome) -> list[Markup]:
     signals = outcome.example
     if signals is None:
         return []
-    output = farthest(content.rig, signals.outputs)
+    output = farthest_sensor(content.rig, signals.outputs)
     to_hz = 2 * outcome.model.band_hz[1] if outcome.model else signals.rate_hz / 2
     block = signals.block
     if block.test != "impact":
@@ -57,28 +57,33 @@ def _example(content: ReportContent, outcome: Outcome) -> list[Markup]:
     return [captioned_figure(figure, "impact", "Force and response of one hit, in time and as spectrum", caption)]
 
 
-def _hits(outcome: Outcome) -> list[Markup]:
+def _hits_part(outcome: TestOutcome) -> list[Markup]:
     if not outcome.hits:
         return []
     band = outcome.model.band_hz if outcome.model else (3.0, 110.0)
     rejected = [h for h in outcome.hits if not h.accepted]
     good = len(outcome.hits) - len(rejected)
-    text = f"{counted(good, 'hit')} counted, {len(rejected)} rejected."
+    text = f"{count_with_noun(good, 'hit')} counted, {len(rejected)} rejected."
     figure = captioned_figure(
-        hits(outcome.hits, band),
+        hits_figure(outcome.hits, band),
         "hits",
         f"Force pulses of all hits and their spectra. {text}",
         f"Every hit of the hammer. {text} A good hit is one short pulse whose spectrum stays high over the whole band.",
     )
     rows = [
-        (h.name, "not given" if h.point is None else str(h.point), plain(float(abs(h.force_n).max()), 3), h.reason)
+        (
+            h.name,
+            "not given" if h.point is None else str(h.point),
+            significant_digits(float(abs(h.force_n).max()), 3),
+            h.reason,
+        )
         for h in rejected
     ]
-    listing = table("Rejected hits", ("record", "point", "peak force [N]", "why"), rows, (2,)) if rows else None
+    listing = html_table("Rejected hits", ("record", "point", "peak force [N]", "why"), rows, (2,)) if rows else None
     return [figure] + ([listing] if listing else [])
 
 
-def _frfs(outcome: Outcome, place: int) -> list[Markup]:
+def _frfs_part(outcome: TestOutcome, place: int) -> list[Markup]:
     frf = outcome.frf
     if frf is None:
         return []
@@ -90,7 +95,7 @@ def _frfs(outcome: Outcome, place: int) -> list[Markup]:
     figure = captioned_figure(
         frf_overview(frf, 0, modes),
         f"overview-{place}",
-        f"Amplitude of the {frf.quantity} of {counted(len(frf.outputs), 'sensor')} over frequency{seen}",
+        f"Amplitude of the {frf.quantity} of {count_with_noun(len(frf.outputs), 'sensor')} over frequency{seen}",
         f"All FRFs of the {name}{seen}. Dotted lines mark the identified modes.{more}",
     )
     return [figure]

@@ -1,12 +1,12 @@
 """How the modes were found: the stabilisation diagram, the mode indicators, and what was picked."""
 
-from modallab.core.digits import counted
+from modallab.core.digits import count_with_noun
 from modallab.core.model import ModalModel
-from modallab.identification.estimator import USUAL, Order, estimator_of, find_estimator
-from modallab.identification.selection.diagram import Diagram
-from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.figures.stabilisation import stabilisation
-from modallab.reporting.markup import Markup, join, tag
+from modallab.identification.estimator import USUAL, ModelOrder, estimator_of, find_estimator
+from modallab.identification.selection.diagram import StabilisationData
+from modallab.reporting.content import ReportContent, TestOutcome
+from modallab.reporting.figures.stabilisation import stabilisation_panels
+from modallab.reporting.markup import Markup, html_element, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
 
 HEADING = "How the modes were found"
@@ -17,7 +17,7 @@ LEAD = (
 )
 
 
-def section(content: ReportContent) -> Section:
+def stabilisation_section(content: ReportContent) -> Section:
     """One diagram a test."""
     parts: list[Markup] = []
     absent: list[str] = []
@@ -25,31 +25,31 @@ def section(content: ReportContent) -> Section:
         if outcome.model is None:
             continue
         if isinstance(outcome.diagram, str):
-            absent.append(f"There is no stabilisation diagram of {_called(outcome)}: {outcome.diagram}.")
+            absent.append(f"There is no stabilisation diagram of {_name_of_test(outcome)}: {outcome.diagram}.")
         elif outcome.diagram is not None:
-            parts += _one(outcome, outcome.model, outcome.diagram, i)
-    body = join([paragraph(LEAD), *parts]) if parts else None
+            parts += _diagram_of_test(outcome, outcome.model, outcome.diagram, i)
+    body = join_markup([paragraph(LEAD), *parts]) if parts else None
     return Section("start", HEADING, body, tuple(absent))
 
 
-def _one(outcome: Outcome, model: ModalModel, diagram: Diagram, place: int) -> list[Markup]:
-    order = _order(model)
+def _diagram_of_test(outcome: TestOutcome, model: ModalModel, diagram: StabilisationData, place: int) -> list[Markup]:
+    order = _order_sentence(model)
     name = "order" if order is None else order.meaning
-    says = _picked(model, diagram)
+    says = _picked_poles(model, diagram)
     figure = captioned_figure(
-        stabilisation(diagram, model.frequency_hz, name),
+        stabilisation_panels(diagram, model.frequency_hz, name),
         f"start-{outcome.test or 'frf'}-{place}",
-        f"Stabilisation diagram, CMIF and MIF of {_called(outcome)} over frequency. {says}",
-        f"{says} The averaged FRFs are drawn as the estimator saw them{_damped(outcome)}.",
+        f"Stabilisation diagram, CMIF and MIF of {_name_of_test(outcome)} over frequency. {says}",
+        f"{says} The averaged FRFs are drawn as the estimator saw them{_damped_note(outcome)}.",
     )
-    called = _called(outcome)
-    return [tag("h3", called[0].upper() + called[1:]), figure]
+    called = _name_of_test(outcome)
+    return [html_element("h3", called[0].upper() + called[1:]), figure]
 
 
-def _picked(model: ModalModel, diagram: Diagram) -> str:
-    held = counted(int(diagram.held_hz.size), "pole")
-    modes = counted(model.n_modes, "mode")
-    if _order(model) is None:
+def _picked_poles(model: ModalModel, diagram: StabilisationData) -> str:
+    held = count_with_noun(int(diagram.held_hz.size), "pole")
+    modes = count_with_noun(model.n_modes, "mode")
+    if _order_sentence(model) is None:
         beside = find_estimator(USUAL).called
         return f"{held} hold over the orders of {beside}, which are drawn to compare; {modes} were read off the peaks."
     more = int(diagram.held_hz.size) - model.n_modes
@@ -61,16 +61,16 @@ def _picked(model: ModalModel, diagram: Diagram) -> str:
     return says
 
 
-def _order(model: ModalModel) -> Order | None:
+def _order_sentence(model: ModalModel) -> ModelOrder | None:
     known = estimator_of(model.method)
     return None if known is None else known.order
 
 
-def _damped(outcome: Outcome) -> str:
+def _damped_note(outcome: TestOutcome) -> str:
     if outcome.test != "impact":
         return ""
     return ", with the artificial damping that lets every ring-down end within the block: their peaks are broader"
 
 
-def _called(outcome: Outcome) -> str:
+def _name_of_test(outcome: TestOutcome) -> str:
     return f"the {outcome.test} test" if outcome.test else "the FRFs"

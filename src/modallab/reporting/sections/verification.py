@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from modallab.core.digits import listed, share
+from modallab.core.digits import four_places, list_in_words
 from modallab.core.verification import Verification
-from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.figures.all_points import all_points
+from modallab.reporting.content import ReportContent, TestOutcome
+from modallab.reporting.figures.all_points import mobility_panels
 from modallab.reporting.figures.one_point import one_point
-from modallab.reporting.figures.selection import farthest, place
-from modallab.reporting.markup import Markup, join, table, tag
+from modallab.reporting.figures.selection import farthest_sensor, sensor_label
+from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
 
 
-def section(content: ReportContent) -> Section:
+def verification_section(content: ReportContent) -> Section:
     """Measured against regenerated mobility at all points, then at the free end in full."""
     parts: list[Markup] = []
     absent: list[str] = []
@@ -20,19 +20,24 @@ def section(content: ReportContent) -> Section:
         if outcome.verification is None:
             if outcome.model is not None and outcome.model.operating_shapes is not None:
                 absent.append(
-                    f"The model of {_called(outcome)} was not compared with its measurement: without a force there is "
+                    f"The model of {_name_of_test(outcome)} was not compared with its measurement: without a "
+                    "force there is "
                     "no response to play again."
                 )
             elif outcome.model is not None:
                 absent.append(
-                    f"The model of {_called(outcome)} was not compared with its measurement: no verification was given."
+                    f"The model of {_name_of_test(outcome)} was not compared with its measurement: no "
+                    "verification was given."
                 )
             continue
-        parts += _one(content, outcome, outcome.verification, i)
+        parts += _verification_of_test(content, outcome, outcome.verification, i)
     if not parts:
         return Section("verification", "Does the model match the measurement?", None, tuple(absent))
     return Section(
-        "verification", "Does the model match the measurement?", join([paragraph(_METHOD), *parts]), tuple(absent)
+        "verification",
+        "Does the model match the measurement?",
+        join_markup([paragraph(_METHOD), *parts]),
+        tuple(absent),
     )
 
 
@@ -47,16 +52,16 @@ _METHOD = (
 SEVERAL = " Of the drive points the one that matches worst is drawn; the table has the others."
 
 
-def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) -> list[Markup]:
+def _verification_of_test(content: ReportContent, outcome: TestOutcome, check: Verification, i: int) -> list[Markup]:
     test = outcome.test or "frf"
     known = np.nan_to_num(check.frac, nan=0.0)
     worst = int(np.argmin(np.median(known, axis=0)))
     drive = check.measured.input_points[worst]
     at = "" if drive is None else f", force at point {drive}"
-    output = farthest(content.rig, check.measured.outputs)
-    where = place(check.measured.outputs[output], check.measured.output_points[output])
+    output = farthest_sensor(content.rig, check.measured.outputs)
+    where = sensor_label(check.measured.outputs[output], check.measured.output_points[output])
     named = where[0].lower() + where[1:]
-    spread = f"FRAC from {share(known.min())} to {share(known.max())}"
+    spread = f"FRAC from {four_places(known.min())} to {four_places(known.max())}"
     alone = len(check.measured.outputs) == 1
     one = captioned_figure(
         one_point(check, output, worst),
@@ -65,33 +70,33 @@ def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) 
         f"Mobility at {named}{at}, in full. {spread + '. ' if alone else ''}In the real and the imaginary part the "
         "peaks of the thin line are cut off.",
     )
-    heading = tag("h3", f"{_called(outcome)[0].upper()}{_called(outcome)[1:]}")
+    heading = html_element("h3", f"{_name_of_test(outcome)[0].upper()}{_name_of_test(outcome)[1:]}")
     if alone:
         return [heading, one]
     several = SEVERAL if check.frac.shape[1] > 1 else ""
     every = captioned_figure(
-        all_points(check, worst),
+        mobility_panels(check, worst),
         f"all-{test}-{i}",
         f"Measured and regenerated mobility at {len(check.measured.outputs)} points over frequency, {spread}",
         f"Mobility at all points{at}: measured against regenerated. {spread}.{several}",
         min(3, len(check.measured.outputs)),
     )
-    return [heading, every, one, _fracs(check)]
+    return [heading, every, one, _fracs_table(check)]
 
 
-def _fracs(check: Verification) -> Markup:
+def _fracs_table(check: Verification) -> Markup:
     drives = [f"force at point {p}" if p is not None else "force" for p in check.measured.input_points]
     rows = [
-        (place(name, point), *(share(float(value)) for value in check.frac[i]))
+        (sensor_label(name, point), *(four_places(float(value)) for value in check.frac[i]))
         for i, (name, point) in enumerate(zip(check.measured.outputs, check.measured.output_points, strict=True))
     ]
     points = [str(p) for p in check.measured.input_points if p is not None]
-    driven = f", force at {'point' if len(points) == 1 else 'points'} {listed(points)}" if points else ""
-    whole = table(
+    driven = f", force at {'point' if len(points) == 1 else 'points'} {list_in_words(points)}" if points else ""
+    whole = html_table(
         "FRAC of measured against regenerated mobility", ("response", *drives), rows, range(1, len(drives) + 1)
     )
-    return tag("details", tag("summary", f"FRAC at every point{driven}"), whole)
+    return html_element("details", html_element("summary", f"FRAC at every point{driven}"), whole)
 
 
-def _called(outcome: Outcome) -> str:
+def _name_of_test(outcome: TestOutcome) -> str:
     return f"the {outcome.test} test" if outcome.test else "the FRFs"

@@ -6,7 +6,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from modallab.service.api.problems import kinds, problem
+from modallab.service.api.problems import problem_kinds, problem_response
 from modallab.service.api.request_context import CALLER
 from modallab.service.records.callers import Caller, Callers
 from modallab.service.records.sessions import Sessions
@@ -50,20 +50,20 @@ class Guard:
         caller = self._caller(connection)
         rejected = self._rejection(connection, caller)
         if rejected is not None:
-            await _reject(scope, receive, send, *rejected)
+            await _send_rejection(scope, receive, send, *rejected)
             return
         if caller is not None:
             scope[TRUSTED], scope[CALLER] = True, caller
         limited = self._limited(scope, receive)
         if scope["type"] == "http" and TRUSTED not in scope and scope["method"] not in SAFE:
             # Whoever has no token gets no work done before his request is whole.
-            limited = await _whole(limited)
+            limited = await _whole_body(limited)
         await self._app(scope, limited, send)
 
     def _rejection(self, connection: HTTPConnection, caller: Caller | None) -> tuple[str, str] | None:
         headers, path = connection.headers, connection.scope["path"]
         host = headers.get("host", "")
-        if _name(host) not in self._hosts:
+        if _host_name(host) not in self._hosts:
             return "foreign-host", f"this service is not {host!r}"
         origin = headers.get("origin")
         changes = connection.scope["type"] == "websocket" or connection.scope["method"] not in SAFE
@@ -71,7 +71,7 @@ class Guard:
         if changes and not ours:
             return "foreign-origin", f"sent by a page of {origin!r}"
         most = self._most(path)
-        if int(_digits(headers.get("content-length", "0"))) > most:
+        if int(_number_of_digits(headers.get("content-length", "0"))) > most:
             return "too-large", f"more than {most} bytes"
         if path in OPEN_PATHS or path.startswith(OPEN_FOLDERS) or caller is not None:
             return None
@@ -105,7 +105,7 @@ class Guard:
         return limited
 
 
-async def _whole(receive: Receive) -> Receive:
+async def _whole_body(receive: Receive) -> Receive:
     """What was received to the end of the body, or to what broke it off."""
     messages: list[Message | Exception] = []
     while True:
@@ -128,20 +128,20 @@ async def _whole(receive: Receive) -> Receive:
     return again
 
 
-async def _reject(scope: Scope, receive: Receive, send: Send, code: str, detail: str) -> None:
+async def _send_rejection(scope: Scope, receive: Receive, send: Send, code: str, detail: str) -> None:
     if scope["type"] == "websocket":
         await send({"type": "websocket.close", "code": 1008, "reason": detail[:100]})
         return
-    kind = kinds()[code]
+    kind = problem_kinds()[code]
     headers = {"WWW-Authenticate": "Bearer"} if kind.status == 401 else {}
-    await problem(kind, detail, headers, remedy=kind.meaning)(scope, receive, send)
+    await problem_response(kind, detail, headers, remedy=kind.meaning)(scope, receive, send)
 
 
-def _name(host: str) -> str:
+def _host_name(host: str) -> str:
     if host.startswith("["):
         return host[1:].partition("]")[0]
     return host.partition(":")[0].lower()
 
 
-def _digits(text: str) -> str:
+def _number_of_digits(text: str) -> str:
     return text if text.isascii() and text.isdigit() and len(text) < 19 else "0"

@@ -23,15 +23,15 @@ from modallab.service.api.access import COOKIE, Guard
 from modallab.service.api.asyncapi import asyncapi_of
 from modallab.service.api.blocks import SAMPLE_HEADERS
 from modallab.service.api.compression import Gzip
-from modallab.service.api.described import METHODS, describe_operations, describe_schemas, operations
-from modallab.service.api.events import Feed
+from modallab.service.api.described import METHODS, describe_operations, describe_schemas, operations_of_document
+from modallab.service.api.events import EventFeed
 from modallab.service.api.head import HeadAsGet
 from modallab.service.api.operator_page import mount_page
 from modallab.service.api.pages import mount_manual, mount_static
-from modallab.service.api.problems import install
+from modallab.service.api.problems import install_handlers
 from modallab.service.api.request_context import LEASE, OPERATOR
 from modallab.service.api.router import HEADER as KEY
-from modallab.service.api.router import Keys
+from modallab.service.api.router import IdempotencyKeys
 from modallab.service.context import Service
 from modallab.service.records.callers import Callers
 from modallab.service.records.sessions import Sessions
@@ -58,16 +58,16 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
         openapi_url=None,
         docs_url=None,
         redoc_url=None,
-        lifespan=_life,
-        generate_unique_id_function=_operation,
+        lifespan=_lifespan,
+        generate_unique_id_function=_operation_id,
     )
-    app.state.feed = Feed(service.log)
+    app.state.feed = EventFeed(service.log)
     app.state.service, app.state.settings = service, settings
-    app.state.keys = Keys(service.engine, secrets.token_hex(8))
+    app.state.keys = IdempotencyKeys(service.engine, secrets.token_hex(8))
     callers = app.state.callers = Callers(service.engine, token)
     app.state.sessions = Sessions(service.engine, callers.secret)
-    install(app)
-    routers = resources()
+    install_handlers(app)
+    routers = resource_routers()
     for router in routers:
         app.include_router(router)
     app.state.routes = [route for router in routers for route in router.routes]
@@ -105,19 +105,19 @@ def _add_middleware(app: FastAPI, settings: Settings) -> None:
         )
 
 
-def resources() -> list[APIRouter]:
+def resource_routers() -> list[APIRouter]:
     """The routers of all modules of this package: a new resource needs no entry anywhere."""
     modules = [import_module(f"{api.__name__}.{name}") for name in declared_names(api.__name__)]
     return [value for module in modules for value in vars(module).values() if isinstance(value, APIRouter)]
 
 
-def _operation(route: APIRoute) -> str:
+def _operation_id(route: APIRoute) -> str:
     # Generated clients name their functions so: it is as stable as an address.
     return route.name
 
 
 @asynccontextmanager
-async def _life(app: FastAPI) -> AsyncGenerator[None]:
+async def _lifespan(app: FastAPI) -> AsyncGenerator[None]:
     app.state.feed.open()
     app.state.callers.open()
     Thread(target=import_module, args=("modallab.service.campaigns.live_frf",), name="warm up", daemon=True).start()
@@ -141,15 +141,15 @@ def document_of(app: FastAPI) -> dict[str, Any]:
     }
     document["security"] = [{"token": ["observer"]}, {"session": ["observer"]}]
     describe_schemas(parts["schemas"])
-    for operation in operations(document):
+    for operation in operations_of_document(document):
         for parameter in operation.get("parameters", ()):
-            _no_null(parameter)
+            _forbid_null(parameter)
     describe_operations(document)
     app.openapi_schema = document
     return document
 
 
-def _no_null(parameter: dict[str, Any]) -> None:
+def _forbid_null(parameter: dict[str, Any]) -> None:
     """A header or a query has no null: it is there or not, which `required` says."""
     schema: dict[str, Any] = parameter["schema"]
     kinds = [kind for kind in cast("list[dict[str, Any]]", schema.get("anyOf", [])) if kind != {"type": "null"}]

@@ -11,7 +11,7 @@ from starlette.routing import compile_path
 
 from modallab.core.documents.messages import AnyEvent, EnvelopeAbout, FrfAbout, SamplesAbout
 from modallab.core.documents.pages import EventView
-from modallab.service.api.described import describe_schemas, operations, words
+from modallab.service.api.described import describe_schemas, described_words, operations_of_document
 
 Json = dict[str, Any]
 REF = "#/components/schemas/{model}"
@@ -32,11 +32,11 @@ def asyncapi_of(app: FastAPI, version: str) -> Json:
     """The document of an application."""
     kinds = event_kinds()
     _, found = models_json_schema([(model, "serialization") for model in (*kinds, *ARRAYS.values())], ref_template=REF)
-    schemas: Json = found["$defs"] | {_view_name(kind): _view(kind) for kind in kinds}
+    schemas: Json = found["$defs"] | {_view_name(kind): _content_view(kind) for kind in kinds}
     describe_schemas(schemas)
     channels: Json = {EVENTS: _events_channel(app, kinds)}
     messages: Json = {_kind_of(kind): _event_message(kind) for kind in kinds}
-    for route in _sockets(app):
+    for route in _websocket_routes(app):
         about = ARRAYS[route.name]
         channels[route.name] = _socket_channel(route, about)
         messages[about.__name__] = _array_message(about)
@@ -72,7 +72,7 @@ def _view_name(model: type[BaseModel]) -> str:
     return f"EventView_{model.__name__}"
 
 
-def _view(model: type[BaseModel]) -> Json:
+def _content_view(model: type[BaseModel]) -> Json:
     """A line of the log whose content is of one kind."""
     schema = EventView.model_json_schema(ref_template=REF)
     schema["properties"]["kind"] |= {"const": _kind_of(model)}
@@ -103,7 +103,7 @@ def _array_message(about: type[BaseModel]) -> Json:
 
 def _events_channel(app: FastAPI, kinds: Iterable[type[BaseModel]]) -> Json:
     document = app.openapi()
-    asked = next(one for one in operations(document) if one["operationId"] == EVENTS)
+    asked = next(one for one in operations_of_document(document) if one["operationId"] == EVENTS)
     query = {
         one["name"]: one["schema"] | {"description": one["description"]}
         for one in asked["parameters"]
@@ -113,7 +113,7 @@ def _events_channel(app: FastAPI, kinds: Iterable[type[BaseModel]]) -> Json:
         "address": next(path for path, methods in document["paths"].items() if asked in methods.values()),
         "title": asked["summary"],
         "description": f"{asked['description']} By HTTP, as `text/event-stream`.",
-        "messages": _refs(_kind_of(kind) for kind in kinds),
+        "messages": _references(_kind_of(kind) for kind in kinds),
         "bindings": {"http": {}},
         "x-query": {"type": "object", "properties": query},
     }
@@ -125,8 +125,8 @@ def _socket_channel(route: APIWebSocketRoute, about: type[BaseModel]) -> Json:
     return {
         "address": route.path,
         "title": (route.endpoint.__doc__ or "").partition("\n")[0],
-        "messages": _refs([about.__name__]),
-        "parameters": {name: {"description": words()["parameters"][name]["description"]} for name in names},
+        "messages": _references([about.__name__]),
+        "parameters": {name: {"description": described_words()["parameters"][name]["description"]} for name in names},
         "bindings": {"ws": {"method": "GET", "query": {"type": "object", "properties": query}}},
     }
 
@@ -136,7 +136,7 @@ def _query_schema(info: Any) -> Json:
     return schema | {"description": info.description or ""}
 
 
-def _refs(names: Iterable[str]) -> Json:
+def _references(names: Iterable[str]) -> Json:
     return {name: {"$ref": f"#/components/messages/{name}"} for name in names}
 
 
@@ -149,5 +149,5 @@ def _operation(name: str, channel: Json) -> Json:
     }
 
 
-def _sockets(app: FastAPI) -> list[APIWebSocketRoute]:
+def _websocket_routes(app: FastAPI) -> list[APIWebSocketRoute]:
     return [route for route in app.state.routes if isinstance(route, APIWebSocketRoute)]

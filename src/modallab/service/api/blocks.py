@@ -7,10 +7,10 @@ from fastapi.openapi.models import Example
 
 from modallab.core.documents.pages import Page
 from modallab.core.documents.runs import BlockView, Verdict
-from modallab.service.api.problems import documented
-from modallab.service.api.request_context import Cursor, LeaseId, Limit, Operator, ServiceOf, number_of, page
+from modallab.service.api.problems import documented_responses
+from modallab.service.api.request_context import Cursor, LeaseId, Limit, Operator, ServiceOf, number_of, page_of_items
 from modallab.service.api.router import make_router
-from modallab.service.campaigns.runs import block_record, block_records, block_view, judge, read_samples
+from modallab.service.campaigns.runs import block_record, block_records, block_view, judge_block, read_samples
 
 router = make_router("blocks")
 Judgement = Annotated[
@@ -20,15 +20,15 @@ SAMPLES = "application/octet-stream"
 SAMPLE_HEADERS = DTYPE, SHAPE, CRC32 = "Modallab-Dtype", "Modallab-Shape", "Modallab-Crc32"
 
 
-@router.get("/runs/{run}/blocks", responses=documented(404))
+@router.get("/runs/{run}/blocks", responses=documented_responses(404))
 def list_blocks(run: str, service: ServiceOf, limit: Limit = 100, cursor: Cursor = None) -> Page[BlockView]:
     """The blocks of a run in the order of time, rejected ones with them."""
     after = number_of(cursor)
     rows = [row for row in block_records(service, run) if after is None or row.n > after]
-    return page([block_view(row) for row in rows[: limit + 1]], limit, lambda block: block.n)
+    return page_of_items([block_view(row) for row in rows[: limit + 1]], limit, lambda block: block.n)
 
 
-@router.get("/runs/{run}/blocks/{n}", responses=documented(404))
+@router.get("/runs/{run}/blocks/{n}", responses=documented_responses(404))
 def get_block(run: str, n: int, service: ServiceOf) -> BlockView:
     """One block."""
     return block_view(block_record(service, run, n))
@@ -37,7 +37,8 @@ def get_block(run: str, n: int, service: ServiceOf) -> BlockView:
 @router.get(
     "/runs/{run}/blocks/{n}/samples",
     response_class=Response,
-    responses={200: {"content": {SAMPLES: {"schema": {"type": "string", "format": "binary"}}}}} | documented(404),
+    responses={200: {"content": {SAMPLES: {"schema": {"type": "string", "format": "binary"}}}}}
+    | documented_responses(404),
 )
 def get_samples(run: str, n: int, service: ServiceOf) -> Response:
     """The samples as the device delivered them: (channels, count), C order, little-endian; the CRC-32 is of these."""
@@ -52,7 +53,7 @@ def get_samples(run: str, n: int, service: ServiceOf) -> Response:
     return Response(samples.tobytes(), media_type=SAMPLES, headers=headers)
 
 
-@router.put("/runs/{run}/blocks/{n}/verdict", responses=documented(404, 409, 507))
+@router.put("/runs/{run}/blocks/{n}/verdict", responses=documented_responses(404, 409, 507))
 def put_verdict(
     run: str, n: int, verdict: Judgement, service: ServiceOf, operator: Operator, lease: LeaseId = None
 ) -> BlockView:
@@ -61,5 +62,5 @@ def put_verdict(
     While the run goes on it needs its rig's lease, and is the same as the commands `accept` and `drop`: a verdict can
     be taken back until the hit was struck again.
     """
-    judge(service, run, n, verdict, lease, operator)
+    judge_block(service, run, n, verdict, lease, operator)
     return block_view(block_record(service, run, n))

@@ -9,7 +9,7 @@ from starlette.background import BackgroundTask
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
 from modallab.core.documents.pages import Page
-from modallab.service.api.problems import documented
+from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import (
     NOTES,
     CallerOf,
@@ -19,11 +19,11 @@ from modallab.service.api.request_context import (
     Limit,
     Operator,
     ServiceOf,
-    mark,
-    page,
+    is_unchanged,
+    page_of_items,
     place_of,
     revision_of,
-    unchanged,
+    set_etag,
 )
 from modallab.service.api.rigs import state_of
 from modallab.service.api.roles import require_rig
@@ -63,10 +63,10 @@ def list_campaigns(
     found = service.repository.campaigns(
         place_of(cursor), limit + 1, rig=rig, text=text, archived=archived, deleted=deleted
     )
-    return page(found, limit, lambda campaign: campaign.id)
+    return page_of_items(found, limit, lambda campaign: campaign.id)
 
 
-@router.post("/campaigns", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
+@router.post("/campaigns", status_code=201, dependencies=ONCE, responses=documented_responses(404, 409, 507))
 def create_campaign(
     new: NewCampaign, service: ServiceOf, operator: Operator, caller: CallerOf, response: Response
 ) -> CampaignView:
@@ -75,27 +75,27 @@ def create_campaign(
     state_of(service, new.rig)
     campaign = service.repository.create(new, operator)
     response.headers["Location"] = f"{PREFIX}/campaigns/{campaign.id}"
-    mark(response, campaign.revision)
+    set_etag(response, campaign.revision)
     return campaign
 
 
 @router.get(
     "/campaigns/{campaign}",
     response_model=CampaignView,
-    responses={304: {"description": "unchanged"}} | documented(404),
+    responses={304: {"description": "unchanged"}} | documented_responses(404),
 )
 def get_campaign(
     campaign: str, service: ServiceOf, response: Response, if_none_match: IfNoneMatch = None
 ) -> CampaignView | Response:
     """A campaign and the names of its runs."""
     found = service.repository.campaign(campaign)
-    if unchanged(if_none_match, found.revision):
+    if is_unchanged(if_none_match, found.revision):
         return Response(status_code=304, headers={"ETag": f'"{found.revision}"'})
-    mark(response, found.revision)
+    set_etag(response, found.revision)
     return found
 
 
-@router.patch("/campaigns/{campaign}", responses=documented(404, 412, 428, 507))
+@router.patch("/campaigns/{campaign}", responses=documented_responses(404, 412, 428, 507))
 def change_campaign(
     campaign: str,
     change: ChangedCampaign,
@@ -106,14 +106,14 @@ def change_campaign(
 ) -> CampaignView:
     """Rename a campaign or change its note; say by `If-Match` which revision you read."""
     changed = service.repository.change(campaign, change, revision_of(if_match), operator)
-    mark(response, changed.revision)
+    set_etag(response, changed.revision)
     return changed
 
 
 @router.get(
     "/campaigns/{campaign}/export",
     response_class=Response,
-    responses={200: {"content": {FILE: {"schema": BINARY}}}} | documented(404, 409, 507),
+    responses={200: {"content": {FILE: {"schema": BINARY}}}} | documented_responses(404, 409, 507),
 )
 def export(
     campaign: str,

@@ -35,7 +35,7 @@ class Gzip:
                 return
             if head is not None:
                 begun, head = head, None
-                message = await _compressed(begun, message)
+                message = await _compress_body(begun, message)
                 await send(begun)
             await send(message)
 
@@ -59,7 +59,7 @@ def _is_text(headers: Headers) -> bool:
     return kind in KINDS and "content-encoding" not in headers
 
 
-async def _compressed(head: Message, message: Message) -> Message:
+async def _compress_body(head: Message, message: Message) -> Message:
     """The only part of an answer, compressed, with what the head says of it changed; a part of a stream as it is."""
     body: bytes = message.get("body", b"")
     headers = MutableHeaders(raw=head["headers"])

@@ -12,7 +12,7 @@ Json = dict[str, Any]
 
 
 @cache
-def words() -> Json:
+def described_words() -> Json:
     """The file beside this one."""
     return cast("Json", yaml.safe_load((files(__package__ or "") / "described.yaml").read_text(encoding="utf-8")))
 
@@ -26,18 +26,18 @@ def describe_schemas(schemas: Mapping[str, Json]) -> None:
 
 def describe_operations(document: Json) -> None:
     """Describe parameters that do not do it themselves, and the headers of answers."""
-    for operation in operations(document):
+    for operation in operations_of_document(document):
         for parameter in operation.get("parameters", ()):
-            known = words()["parameters"].get(parameter["name"], {})
+            known = described_words()["parameters"].get(parameter["name"], {})
             for key, value in known.items():
                 parameter.setdefault(key, value)
         for status, answer in operation["responses"].items():
-            headers = dict(_headers(operation, status))
+            headers = dict(_response_headers(operation, status))
             if headers:
                 answer.setdefault("headers", {}).update(headers)
 
 
-def operations(document: Json) -> Iterator[Json]:
+def operations_of_document(document: Json) -> Iterator[Json]:
     """Every operation of a document."""
     for path in document["paths"].values():
         for method in METHODS:
@@ -46,20 +46,20 @@ def operations(document: Json) -> Iterator[Json]:
 
 
 def _describe_field(document: str, field: str, schema: Json) -> None:
-    unit = _unit(document, field) if is_number(schema) else None
+    unit = _unit_of_field(document, field) if is_number(schema) else None
     if unit is not None:
         schema["x-unit"] = unit
     if has_value(schema) or "examples" in schema:
         return
-    examples = words()["examples"]
+    examples = described_words()["examples"]
     for key in (f"{document}.{field}", field):
         if key in examples:
             schema["examples"] = [examples[key]]
             return
 
 
-def _unit(document: str, field: str) -> str | None:
-    units, suffixes = words()["units"], words()["suffixes"]
+def _unit_of_field(document: str, field: str) -> str | None:
+    units, suffixes = described_words()["units"], described_words()["suffixes"]
     known = units.get(f"{document}.{field}", units.get(field))
     ends = [suffix for suffix in suffixes if field.endswith(suffix)]
     return known or (suffixes[max(ends, key=len)] if ends else None)
@@ -89,10 +89,10 @@ def has_value(schema: Json) -> bool:
     return any(has_value(part) for part in parts if isinstance(part, dict))
 
 
-def _headers(operation: Json, status: str) -> Iterator[tuple[str, Json]]:
+def _response_headers(operation: Json, status: str) -> Iterator[tuple[str, Json]]:
     asked = {parameter["name"] for parameter in operation.get("parameters", ())}
     for part, required in (("headers", True), ("optional", False)):
-        for name, header in words()[part].items():
+        for name, header in described_words()[part].items():
             statuses = header["of"].get(operation["operationId"], []) + header["of"].get("any", [])
             # Whoever takes the header `with` may answer with this one.
             if int(status) in statuses or (header.get("with") in asked and status.startswith("2")):

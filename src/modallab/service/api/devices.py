@@ -8,7 +8,7 @@ from modallab.bench.loader import DEVICES, find_devices
 from modallab.core.documents.pages import Page
 from modallab.core.documents.rigs import DeviceView
 from modallab.core.errors import DataError
-from modallab.core.installed import installed
+from modallab.core.installed import installed_entry_points
 from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.router import make_router
 
@@ -26,7 +26,7 @@ def list_devices(
     scheme: Annotated[str, Query(max_length=32, pattern=r"^[a-z0-9+]*$", description="Only this driver.")] = "",
 ) -> Page[DeviceView]:
     """What the installed drivers find on the service's machine."""
-    known = sorted(entry.name for entry in installed(DEVICES))
+    known = sorted(entry.name for entry in installed_entry_points(DEVICES))
     if scheme and scheme not in known:
         raise DataError(f"no driver {scheme!r} looks for devices", where="scheme", remedy=f"known: {', '.join(known)}")
     found = find_devices(f"{scheme}://" if scheme else "")

@@ -16,10 +16,10 @@ from fastapi.responses import StreamingResponse
 
 from modallab.core.documents.pages import AuditEntry, EventView, Page
 from modallab.core.errors import DataError, ModallabError
-from modallab.service.api.request_context import Cursor, Limit, ServiceOf, number_of, page
+from modallab.service.api.request_context import Cursor, Limit, ServiceOf, number_of, page_of_items
 from modallab.service.api.router import make_router
 from modallab.service.records import audit
-from modallab.service.records.event_log import EventLog, Topic
+from modallab.service.records.event_log import EventLog, EventTopic
 from modallab.storage.recorder import utc_now
 from modallab.storage.records import ENDED
 
@@ -39,7 +39,7 @@ QUEUE = 2000
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class EventLine:
     """An event and how it goes over the wire, written once for all."""
 
     event: EventView
@@ -47,18 +47,18 @@ class Line:
 
 
 @dataclass(eq=False, slots=True)
-class Listener:
+class EventListener:
     """One who listens; `None` in the queue ends it."""
 
-    queue: asyncio.Queue[Line | None] = field(default_factory=lambda: asyncio.Queue(QUEUE))
+    queue: asyncio.Queue[EventLine | None] = field(default_factory=lambda: asyncio.Queue(QUEUE))
 
 
-class Feed:
+class EventFeed:
     """A thread looks at the log; listeners wait in the event loop."""
 
     def __init__(self, log: EventLog) -> None:
         self._log = log
-        self._listeners: set[Listener] = set()
+        self._listeners: set[EventListener] = set()
         self._closing = Flag()
         self._new = Flag()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -90,14 +90,14 @@ class Feed:
         self._closing.set()
         self._new.set()
         for listener in self._listeners:
-            _put(listener, None)
+            _put_line(listener, None)
 
-    async def listen(self, after: int | None, topic: Topic, *, to_end: bool = False) -> AsyncGenerator[bytes]:
+    async def listen(self, after: int | None, topic: EventTopic, *, to_end: bool = False) -> AsyncGenerator[bytes]:
         """Events as SSE text, from the one after number `after`, or from now on; a comment now and then.
 
         With `to_end` no more after the first event that says that a run has ended.
         """
-        listener = Listener()
+        listener = EventListener()
         self._listeners.add(listener)
         try:
             newest = await asyncio.to_thread(self._log.last)
@@ -106,26 +106,26 @@ class Feed:
             yield b": listening\n\n"
             if after is not None:
                 while before := await asyncio.to_thread(self._log.after, last, AT_ONCE, topic):
-                    yield b"".join(_text(event) for event in before)
+                    yield b"".join(_event_text(event) for event in before)
                     last = before[-1].seq
-                    if to_end and any(_ends(event) for event in before):
+                    if to_end and any(_ends_stream(event) for event in before):
                         return
             if to_end and await asyncio.to_thread(self._log.has_ended, topic.run, last):
                 return
-            async for line in _follow(listener, last, topic):
+            async for line in _follow_log(listener, last, topic):
                 yield line.text if line is not None else STILL_HERE
-                if to_end and line is not None and _ends(line.event):
+                if to_end and line is not None and _ends_stream(line.event):
                     return
         finally:
             self._listeners.discard(listener)
 
-    async def follow(self, topic: Topic) -> AsyncGenerator[EventView | None]:
+    async def follow(self, topic: EventTopic) -> AsyncGenerator[EventView | None]:
         """Events from now on; None first, once nothing that comes after is missed, and now and then."""
-        listener = Listener()
+        listener = EventListener()
         self._listeners.add(listener)
         try:
             yield None
-            async for line in _follow(listener, -1, topic):
+            async for line in _follow_log(listener, -1, topic):
                 yield None if line is None else line.event
         finally:
             self._listeners.discard(listener)
@@ -150,9 +150,9 @@ class Feed:
             lost, self._read = False, (time.monotonic(), utc_now())
             if events and self._loop is not None:
                 last = events[-1].seq
-                self._hand_to(self._loop, [Line(event, _text(event)) for event in events])
+                self._hand_to(self._loop, [EventLine(event, _event_text(event)) for event in events])
 
-    def _hand_to(self, loop: asyncio.AbstractEventLoop, lines: list[Line]) -> None:
+    def _hand_to(self, loop: asyncio.AbstractEventLoop, lines: list[EventLine]) -> None:
         handing_out = self._hand_out(lines)
         try:
             handed_out = asyncio.run_coroutine_threadsafe(handing_out, loop)
@@ -166,20 +166,20 @@ class Feed:
         while not self._closing.is_set() and not handed_out.done():
             wait([handed_out], HAND_OUT_S)
 
-    async def _hand_out(self, lines: list[Line]) -> None:
+    async def _hand_out(self, lines: list[EventLine]) -> None:
         # Not all at once: a thousand listeners that wake together keep live samples and answers waiting.
         for n, listener in enumerate(list(self._listeners)):
             if n % TOGETHER == TOGETHER - 1:
                 await asyncio.sleep(PAUSE_S)
             for line in lines:
-                _put(listener, line)
+                _put_line(listener, line)
 
 
-def _ends(event: EventView) -> bool:
+def _ends_stream(event: EventView) -> bool:
     return event.kind == "state" and event.content["state"] in ENDED
 
 
-async def _follow(listener: Listener, last: int, topic: Topic) -> AsyncGenerator[Line | None]:
+async def _follow_log(listener: EventListener, last: int, topic: EventTopic) -> AsyncGenerator[EventLine | None]:
     while True:
         try:
             line = await asyncio.wait_for(listener.queue.get(), 15.0)
@@ -192,20 +192,20 @@ async def _follow(listener: Listener, last: int, topic: Topic) -> AsyncGenerator
             yield line
 
 
-def _put(listener: Listener, line: Line | None) -> None:
+def _put_line(listener: EventListener, line: EventLine | None) -> None:
     if listener.queue.full():
         listener.queue.get_nowait()
         line = None
     listener.queue.put_nowait(line)
 
 
-def _is_of(event: EventView, topic: Topic) -> bool:
+def _is_of(event: EventView, topic: EventTopic) -> bool:
     return all(not requested or requested == found for requested, found in (
         (topic.rig, event.rig), (topic.campaign, event.campaign), (topic.run, event.run),
     ))  # fmt: skip
 
 
-def _text(event: EventView) -> bytes:
+def _event_text(event: EventView) -> bytes:
     return f"id: {event.seq}\nevent: {event.kind}\ndata: {event.model_dump_json()}\n\n".encode()
 
 
@@ -233,9 +233,9 @@ async def follow_events(
     """Follow events as server-sent events, from now on or, by `Last-Event-ID`, from where you were."""
     if last is not None and not (last.isascii() and last.isdigit()):
         raise DataError(f"{last!r} is no event's number", where="Last-Event-ID", remedy="send the id of the last one")
-    feed: Feed = request.app.state.feed
+    feed: EventFeed = request.app.state.feed
     lines: AsyncGenerator[bytes] = feed.listen(
-        int(last) if last is not None else after, Topic(rig, campaign, run), to_end=to_end
+        int(last) if last is not None else after, EventTopic(rig, campaign, run), to_end=to_end
     )
     return StreamingResponse(lines, media_type=STREAM, headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"})
 
@@ -245,12 +245,12 @@ def list_events(
     service: ServiceOf, limit: Limit = 100, cursor: Cursor = None, rig: Name = "", campaign: Name = "", run: Name = ""
 ) -> Page[EventView]:
     """Events page by page, the oldest first."""
-    found = service.log.after(number_of(cursor) or 0, limit + 1, Topic(rig, campaign, run))
-    return page(found, limit, lambda event: event.seq)
+    found = service.log.after(number_of(cursor) or 0, limit + 1, EventTopic(rig, campaign, run))
+    return page_of_items(found, limit, lambda event: event.seq)
 
 
 @router.get("/audit")
 def list_audit(service: ServiceOf, limit: Limit = 100, cursor: Cursor = None) -> Page[AuditEntry]:
     """Who did what, the newest first."""
-    found = audit.entries(service.engine, number_of(cursor), limit + 1)
-    return page(found, limit, lambda entry: entry.seq)
+    found = audit.audit_entries(service.engine, number_of(cursor), limit + 1)
+    return page_of_items(found, limit, lambda entry: entry.seq)

@@ -10,13 +10,13 @@ from sqlalchemy import func, select
 from modallab import __version__
 from modallab.core.documents.pages import Health, Trouble
 from modallab.core.settings import Settings
-from modallab.service.api.events import Feed
-from modallab.service.api.problems import documented
+from modallab.service.api.events import EventFeed
+from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.router import OPEN
 from modallab.service.context import Service
 from modallab.service.rigs.control import ControllerState
-from modallab.storage.engine import reading
+from modallab.storage.engine import read_transaction
 from modallab.storage.tables import BLOCKS, RUNS
 
 USABLE = ("idle", "running")
@@ -26,42 +26,44 @@ Family = Mapping[str, float]
 """Labels of a sample, as Prometheus writes them, and its value."""
 
 
-def counters(service: Service) -> dict[str, Family]:
+def metric_families(service: Service) -> dict[str, Family]:
     """Families of samples by name."""
-    with reading(service.engine) as connection:
+    with read_transaction(service.engine) as connection:
         runs = connection.execute(select(RUNS.c.state, func.count()).group_by(RUNS.c.state)).all()
         blocks = connection.execute(select(BLOCKS.c.accepted, func.count()).group_by(BLOCKS.c.accepted)).all()
     return {
-        "modallab_runs": {_label("state", state): count for state, count in runs},
-        "modallab_blocks": {_label("accepted", int(accepted)): count for accepted, count in blocks},
+        "modallab_runs": {_label_text("state", state): count for state, count in runs},
+        "modallab_blocks": {_label_text("accepted", int(accepted)): count for accepted, count in blocks},
         "modallab_events": {"": service.log.last()},
         "modallab_free_bytes": {"": shutil.disk_usage(service.folder).free},
-        "modallab_rig_usable": {_label("rig", state.id): state.state in USABLE for state in service.control.states()},
+        "modallab_rig_usable": {
+            _label_text("rig", state.id): state.state in USABLE for state in service.control.states()
+        },
     }
 
 
-def _label(name: str, value: object) -> str:
+def _label_text(name: str, value: object) -> str:
     escaped = str(value).replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
     return f'{{{name}="{escaped}"}}'
 
 
-def _written(name: str, family: Family) -> str:
+def _family_text(name: str, family: Family) -> str:
     # The type of a family stands once, before all its samples; a family without any is left out.
     lines = [f"{name}{labels} {float(value)!r}\n" for labels, value in family.items()]
     return f"# TYPE {name} gauge\n{''.join(lines)}" if lines else ""
 
 
-router = APIRouter(tags=["health"], responses=documented(403, 405, 413, 422, 500, 503))
+router = APIRouter(tags=["health"], responses=documented_responses(403, 405, 413, 422, 500, 503))
 
 
 @router.get("/health", openapi_extra=OPEN)
 def get_health(service: ServiceOf, request: Request, response: Response) -> Health:
     """Whether every rig can be used, and the database; what is wrong, since when, what to do. Needs no token."""
     states = service.control.states()
-    feed: Feed = request.app.state.feed
-    troubles = [_of_rig(state) for state in states if state.state not in USABLE]
+    feed: EventFeed = request.app.state.feed
+    troubles = [_rig_trouble(state) for state in states if state.state not in USABLE]
     if feed.unread_since:
-        troubles.append(_of_database(feed.unread_since))
+        troubles.append(_database_trouble(feed.unread_since))
     response.headers["Cache-Control"] = "no-store"
     return Health(
         status="degraded" if troubles else "good",
@@ -73,7 +75,7 @@ def get_health(service: ServiceOf, request: Request, response: Response) -> Heal
     )
 
 
-def _of_rig(state: ControllerState) -> Trouble:
+def _rig_trouble(state: ControllerState) -> Trouble:
     if state.state == "starting":
         return Trouble(part=f"rig {state.id}", what="its bench is being opened", since_utc=state.since, remedy="wait")
     # Where the device or the server stands is for those with the token.
@@ -85,7 +87,7 @@ def _of_rig(state: ControllerState) -> Trouble:
     )
 
 
-def _of_database(since: str) -> Trouble:
+def _database_trouble(since: str) -> Trouble:
     return Trouble(
         part="database",
         what="it does not answer",
@@ -104,10 +106,10 @@ def stop_url(request: Request) -> str:
     )
 
 
-@router.get("/metrics", response_class=PlainTextResponse, responses=documented(401))
+@router.get("/metrics", response_class=PlainTextResponse, responses=documented_responses(401))
 def get_metrics(service: ServiceOf, request: Request) -> PlainTextResponse:
     """Counters and gauges in Prometheus' text format."""
-    feed: Feed = request.app.state.feed
-    families = counters(service) | {"modallab_event_listeners": {"": feed.listeners}}
-    text = "".join(_written(name, family) for name, family in families.items())
+    feed: EventFeed = request.app.state.feed
+    families = metric_families(service) | {"modallab_event_listeners": {"": feed.listeners}}
+    text = "".join(_family_text(name, family) for name, family in families.items())
     return PlainTextResponse(text, media_type="text/plain; version=0.0.4")

@@ -17,8 +17,8 @@ from modallab.core.units import Test
 from modallab.formats.arrays.array_map import ArrayMap, parse_map
 from modallab.formats.asked import ASKED, Asked, Kind
 from modallab.formats.format import Format
-from modallab.service.api.problems import documented
-from modallab.service.api.request_context import CallerOf, Operator, ServiceOf, mark
+from modallab.service.api.problems import documented_responses
+from modallab.service.api.request_context import CallerOf, Operator, ServiceOf, set_etag
 from modallab.service.api.rigs import state_of
 from modallab.service.api.roles import require_rig
 from modallab.service.api.router import ONCE, PREFIX, answer_once, make_router
@@ -65,7 +65,7 @@ class _OfQuery:
     status_code=201,
     dependencies=ONCE,
     response_model=CampaignView,
-    responses=documented(404, 409, 507),
+    responses=documented_responses(404, 409, 507),
     openapi_extra={"requestBody": BODY},
 )
 async def import_file(
@@ -97,7 +97,7 @@ async def import_file(
             made = await run_in_threadpool(import_campaign, service, file, new, controller.rig, said, operator)
             response = Response(made.model_dump_json(), 201, media_type="application/json")
             response.headers["Location"] = f"{PREFIX}/campaigns/{made.id}"
-            mark(response, made.revision)
+            set_etag(response, made.revision)
             return response
 
         return await answer_once(request, request.url.query.encode() + b"\0" + digest, answer)

@@ -13,14 +13,14 @@ from pydantic import ValidationError
 from modallab.acquisition.process.idle_scope import idle_name
 from modallab.core.documents.rigs import StopAsked
 from modallab.core.errors import ModallabError
-from modallab.service.api.events import Feed
+from modallab.service.api.events import EventFeed
 from modallab.service.api.request_context import CALLER
 from modallab.service.api.router import PREFIX
 from modallab.service.campaigns.live_frf_messages import FrfSelection, FrfWatch
-from modallab.service.campaigns.live_samples import LiveView, Selection
+from modallab.service.campaigns.live_samples import LiveView, ViewSelection
 from modallab.service.context import Service
 from modallab.service.records.callers import Caller
-from modallab.service.records.event_log import Topic
+from modallab.service.records.event_log import EventTopic
 
 router = APIRouter(prefix=PREFIX)
 LOOK_S = 0.03
@@ -49,7 +49,7 @@ async def show_samples(
     idle: Idle = False,
 ) -> None:
     """Samples of the runs that are on, from now, or from sample `after` on as far as it is still there."""
-    await _show(socket, Selection(rig, run, tuple(channel), after), idle)
+    await _show_samples(socket, ViewSelection(rig, run, tuple(channel), after), idle)
 
 
 @router.websocket("/live/envelope")
@@ -62,7 +62,7 @@ async def show_envelope(
     idle: Idle = False,
 ) -> None:
     """Least and largest value of each stretch of time, for a picture of a fixed width."""
-    await _show(socket, Selection(rig, run, tuple(channel), None, columns_per_s), idle)
+    await _show_samples(socket, ViewSelection(rig, run, tuple(channel), None, columns_per_s), idle)
 
 
 @router.websocket("/runs/{run}/frf/live")
@@ -75,12 +75,12 @@ async def show_frf(
 ) -> None:
     """Mobility and coherence of each point, all at first and then each time a block is added or taken out."""
     service: Service = socket.app.state.service
-    feed: Feed = socket.app.state.feed
+    feed: EventFeed = socket.app.state.feed
     watch = FrfWatch(service, FrfSelection(run, tuple(output), low_hz, high_hz))
     await socket.accept()
     async with _while_there(socket) as gone:
         try:
-            async for event in _until(feed.follow(Topic(run=run)), gone):
+            async for event in _until_gone_or_found(feed.follow(EventTopic(run=run)), gone):
                 if event is None or event.kind in CHANGES:
                     for found in await asyncio.to_thread(watch.look):
                         await socket.send_bytes(found)
@@ -88,7 +88,7 @@ async def show_frf(
             await socket.close(WRONG, error.what[:REASON])
 
 
-async def _show(socket: WebSocket, chosen: Selection, idle: bool) -> None:
+async def _show_samples(socket: WebSocket, chosen: ViewSelection, idle: bool) -> None:
     service: Service = socket.app.state.service
     rigs: dict[str, str] = {}
     if idle:
@@ -143,10 +143,10 @@ async def _until_gone(socket: WebSocket, stop: Stop | None) -> None:
             text = await socket.receive_text()
             if stop is not None:
                 with contextlib.suppress(ValidationError):
-                    await _pressed(stop, StopAsked.model_validate_json(text))
+                    await _stop_pressed(stop, StopAsked.model_validate_json(text))
 
 
-async def _pressed(stop: Stop, asked: StopAsked) -> None:
+async def _stop_pressed(stop: Stop, asked: StopAsked) -> None:
     try:
         await stop(asked)
     except ModallabError as error:
@@ -154,7 +154,7 @@ async def _pressed(stop: Stop, asked: StopAsked) -> None:
         LOG.warning("emergency stop by WebSocket: %s", error)
 
 
-async def _until(found: AsyncGenerator[T], gone: "asyncio.Future[None]") -> AsyncGenerator[T]:
+async def _until_gone_or_found(found: AsyncGenerator[T], gone: "asyncio.Future[None]") -> AsyncGenerator[T]:
     """What comes, as long as the other side is there."""
     try:
         while True:

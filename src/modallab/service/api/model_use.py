@@ -25,14 +25,14 @@ from modallab.core.documents.model_use import (
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Test
-from modallab.service.api.problems import documented
+from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import ServiceOf
-from modallab.service.api.roles import needs
+from modallab.service.api.roles import role_needed
 from modallab.service.api.router import make_router
 from modallab.service.jobs.model_other import absorber_of, correlation_of, free_bands_of, tunings_of
 from modallab.service.jobs.model_understood import deflection_of, nodes_of, participation_of, shapes_of
-from modallab.service.jobs.model_update import updated
-from modallab.service.jobs.model_use import frf_of, modified, response_to, state_space_of_model
+from modallab.service.jobs.model_update import updated_parameters
+from modallab.service.jobs.model_use import frf_of, modified_modes_view, response_to, state_space_of_model
 
 router = make_router("model-use")
 OfTest = Annotated[Test | None, Query(description="Whose model; left out: the first.")]
@@ -43,7 +43,7 @@ Lines = Annotated[int, Query(ge=2, le=4000, description="Evenly over the band of
 Motion = Literal["displacement", "velocity", "acceleration"]
 
 
-@router.get("/campaigns/{campaign}/model/participation", responses=documented(404))
+@router.get("/campaigns/{campaign}/model/participation", responses=documented_responses(404))
 def get_participation(
     campaign: str,
     at: At,
@@ -61,19 +61,19 @@ def get_participation(
     return participation_of(service, campaign, test, at, of, quantity, band)
 
 
-@router.get("/campaigns/{campaign}/model/nodes", responses=documented(404))
+@router.get("/campaigns/{campaign}/model/nodes", responses=documented_responses(404))
 def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesView:
     """Where each mode moves most and where its nodes are: where to hit, where to mount."""
     return nodes_of(service, campaign, test)
 
 
-@router.get("/campaigns/{campaign}/model/shapes", responses=documented(404))
+@router.get("/campaigns/{campaign}/model/shapes", responses=documented_responses(404))
 def get_shapes(campaign: str, service: ServiceOf, test: OfTest = None) -> ShapesView:
     """The structure as points and lines, and how it moves in each mode."""
     return shapes_of(service, campaign, test)
 
 
-@router.get("/campaigns/{campaign}/model/deflection", responses=documented(404))
+@router.get("/campaigns/{campaign}/model/deflection", responses=documented_responses(404))
 def get_deflection(
     campaign: str,
     hz: Annotated[float, Query(gt=0, allow_inf_nan=False, description="Frequency in Hz.")],
@@ -85,7 +85,7 @@ def get_deflection(
     return deflection_of(service, campaign, test, hz, at)
 
 
-@router.get("/campaigns/{campaign}/model/frf", responses=documented(404))
+@router.get("/campaigns/{campaign}/model/frf", responses=documented_responses(404))
 def get_model_frf(
     campaign: str,
     service: ServiceOf,
@@ -99,19 +99,25 @@ def get_model_frf(
     return frf_of(service, campaign, test, outputs, inputs, quantity, lines)
 
 
-@router.post("/campaigns/{campaign}/model/modifications", responses=documented(404), openapi_extra=needs("observer"))
+@router.post(
+    "/campaigns/{campaign}/model/modifications",
+    responses=documented_responses(404),
+    openapi_extra=role_needed("observer"),
+)
 def modify_model(campaign: str, new: Annotated[ModificationNew, Body()], service: ServiceOf) -> ModifiedView:
     """Predict the modes after changes of the structure; nothing is kept."""
-    return modified(service, campaign, new)
+    return modified_modes_view(service, campaign, new)
 
 
-@router.post("/campaigns/{campaign}/model/responses", responses=documented(404), openapi_extra=needs("observer"))
+@router.post(
+    "/campaigns/{campaign}/model/responses", responses=documented_responses(404), openapi_extra=role_needed("observer")
+)
 def predict_response(campaign: str, new: Annotated[ResponseNew, Body()], service: ServiceOf) -> ResponseView:
     """Predict the motion that forces give, with its deviation; nothing is kept."""
     return response_to(service, campaign, new)
 
 
-@router.get("/campaigns/{campaign}/model/state-space", responses=documented(404))
+@router.get("/campaigns/{campaign}/model/state-space", responses=documented_responses(404))
 def get_state_space(
     campaign: str,
     at: Annotated[list[int], Query(max_length=100, description="Points of the forces; repeat it for several.")],
@@ -124,7 +130,7 @@ def get_state_space(
     return state_space_of_model(service, campaign, test, at, of, quantity)
 
 
-@router.get("/campaigns/{campaign}/model/correlation", responses=documented(404))
+@router.get("/campaigns/{campaign}/model/correlation", responses=documented_responses(404))
 def get_correlation(
     campaign: str,
     other: Annotated[str, Query(description="Campaign of the other model.")],
@@ -136,25 +142,33 @@ def get_correlation(
     return correlation_of(service, campaign, test, other, other_test)
 
 
-@router.post("/campaigns/{campaign}/model/tunings", responses=documented(404), openapi_extra=needs("observer"))
+@router.post(
+    "/campaigns/{campaign}/model/tunings", responses=documented_responses(404), openapi_extra=role_needed("observer")
+)
 def tune_model(campaign: str, new: Annotated[TuningNew, Body()], service: ServiceOf) -> TuningsView:
     """Find the mass or spring that brings a mode to a frequency, at each point; nothing is kept."""
     return tunings_of(service, campaign, new)
 
 
-@router.post("/campaigns/{campaign}/model/free-bands", responses=documented(404), openapi_extra=needs("observer"))
+@router.post(
+    "/campaigns/{campaign}/model/free-bands", responses=documented_responses(404), openapi_extra=role_needed("observer")
+)
 def free_band(campaign: str, new: Annotated[FreeBandNew, Body()], service: ServiceOf) -> FreeBandsView:
     """Find the mass or spring that leaves no mode in a band, at each point; nothing is kept."""
     return free_bands_of(service, campaign, new)
 
 
-@router.post("/campaigns/{campaign}/model/absorbers", responses=documented(404), openapi_extra=needs("observer"))
+@router.post(
+    "/campaigns/{campaign}/model/absorbers", responses=documented_responses(404), openapi_extra=role_needed("observer")
+)
 def find_absorber(campaign: str, new: Annotated[BestAbsorberNew, Body()], service: ServiceOf) -> BestAbsorberView:
     """Find the absorber of a mass that leaves the least peak about a mode; nothing is kept."""
     return absorber_of(service, campaign, new)
 
 
-@router.post("/campaigns/{campaign}/model/updates", responses=documented(404), openapi_extra=needs("observer"))
+@router.post(
+    "/campaigns/{campaign}/model/updates", responses=documented_responses(404), openapi_extra=role_needed("observer")
+)
 def update_finite_elements(campaign: str, new: Annotated[UpdateNew, Body()], service: ServiceOf) -> UpdatedView:
     """Estimate the parameters of a finite-element model, or of the rig file's beam; nothing is kept."""
-    return updated(service, campaign, new)
+    return updated_parameters(service, campaign, new)

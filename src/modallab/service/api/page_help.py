@@ -9,10 +9,10 @@ from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.core.documents.runs import BlockForce, PlanCheck
 from modallab.core.errors import ConfigurationError, PlanError, RigError
 from modallab.core.plan import Plan
-from modallab.service.api.problems import documented
+from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.rigs import state_of
-from modallab.service.api.roles import needs
+from modallab.service.api.roles import role_needed
 from modallab.service.api.router import make_router
 from modallab.service.campaigns.begin import require_reasonable
 from modallab.service.campaigns.queueing import duration_s
@@ -25,7 +25,7 @@ rigs = make_router("rigs")
 blocks = make_router("blocks")
 
 
-@rigs.post("/rigs/{rig}/plan-checks", responses=documented(404), openapi_extra=needs("observer"))
+@rigs.post("/rigs/{rig}/plan-checks", responses=documented_responses(404), openapi_extra=role_needed("observer"))
 def check_plan(rig: str, plan: Annotated[Plan, Body()], service: ServiceOf) -> PlanCheck:
     """Ask whether the rig could run a plan; nothing moves, and no lease is needed."""
     controller = state_of(service, rig)
@@ -43,7 +43,7 @@ def _require_possible(plan: Plan, controller: ControllerState) -> None:
         require_possible(plan, controller.rig, controller.info)
 
 
-@blocks.get("/runs/{run}/blocks/{n}/force", responses=documented(404))
+@blocks.get("/runs/{run}/blocks/{n}/force", responses=documented_responses(404))
 def get_force(run: str, n: int, service: ServiceOf) -> BlockForce:
     """The force of a block in N, and its amplitude spectrum: of a hit, what the hammer gave at each frequency."""
     return _force(service, run, n)

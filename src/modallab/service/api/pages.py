@@ -11,7 +11,7 @@ from fastapi.openapi.docs import get_swagger_ui_html
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.staticfiles import StaticFiles
 
-from modallab.service.api.problems import kinds
+from modallab.service.api.problems import problem_kinds
 from modallab.service.errors import NotFoundError
 
 router = APIRouter(include_in_schema=False)
@@ -51,18 +51,18 @@ def show_messages(request: Request) -> Response:
 @router.get("/problems/{code}")
 def show_problem(code: str) -> HTMLResponse:
     """What a kind of problem means."""
-    kind = kinds().get(code)
+    kind = problem_kinds().get(code)
     if kind is None:
-        raise NotFoundError(f"there is no kind of problem {code!r}", remedy=f"known: {', '.join(kinds())}")
+        raise NotFoundError(f"there is no kind of problem {code!r}", remedy=f"known: {', '.join(problem_kinds())}")
     return HTMLResponse(
         f"<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
         f"<title>{escape(kind.title)}</title><style>{_STYLE}</style>"
         f"<h1>{escape(kind.title)}</h1><p><code>{escape(code)}</code>, status {kind.status}</p>"
-        f"<p>{_marked(kind.meaning)}</p><p><a href=/docs>The API</a></p></html>"
+        f"<p>{_code_marked(kind.meaning)}</p><p><a href=/docs>The API</a></p></html>"
     )
 
 
-def _marked(text: str) -> str:
+def _code_marked(text: str) -> str:
     """What stands between backticks is code."""
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
 

@@ -24,7 +24,7 @@ Responses = dict[int | str, dict[str, Any]]
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class ProblemKind:
     """A kind of problem.
 
     Attributes:
@@ -40,51 +40,51 @@ class Kind:
     meaning: str
 
 
-OF_REQUEST: tuple[Kind, ...] = (
-    Kind(
+OF_REQUEST: tuple[ProblemKind, ...] = (
+    ProblemKind(
         "not-valid",
         422,
         "The request is not valid",
         "A field is missing, unknown or out of range; `errors` names each.",
     ),
-    Kind(
+    ProblemKind(
         "not-allowed",
         405,
         "This method does nothing here",
         "The header `Allow` names the methods there are.",
     ),
-    Kind(
+    ProblemKind(
         "no-page",
         404,
         "There is nothing at this address",
         "Look at /openapi.json for the addresses there are.",
     ),
-    Kind(
+    ProblemKind(
         "token-needed",
         401,
         "A token is needed",
         "Send the header `Authorization: Bearer TOKEN`, or log in at /api/v1/session. The token stands in "
         "the file the service named when it began.",
     ),
-    Kind(
+    ProblemKind(
         "foreign-host",
         403,
         "The service is not known by this name",
         "The header `Host` names another host than those the service answers for; see the setting `hosts`.",
     ),
-    Kind(
+    ProblemKind(
         "foreign-origin",
         403,
         "A page of another site sent this",
         "The header `Origin` is not this service's own.",
     ),
-    Kind(
+    ProblemKind(
         "too-large",
         413,
         "The body is too large",
         "Send less; the limit is the setting `body_bytes`.",
     ),
-    Kind(
+    ProblemKind(
         "unexpected",
         500,
         "The service failed",
@@ -93,38 +93,40 @@ OF_REQUEST: tuple[Kind, ...] = (
 )
 
 
-def kinds() -> dict[str, Kind]:
+def problem_kinds() -> dict[str, ProblemKind]:
     """All kinds by code: those of a request, and those that error classes declare as their `http`."""
-    found = {kind.code: kind for kind in OF_REQUEST} | {cls.code: _kind(cls) for cls in _declaring(ModallabError)}
+    found = {kind.code: kind for kind in OF_REQUEST} | {
+        cls.code: _declared_kind(cls) for cls in _declaring_classes(ModallabError)
+    }
     return dict(sorted(found.items()))
 
 
-def kind_of(error: ModallabError) -> Kind:
+def kind_of(error: ModallabError) -> ProblemKind:
     """The kind of an error: that of the nearest class that declares one."""
-    return _kind(next(cls for cls in type(error).__mro__ if "http" in vars(cls)))
+    return _declared_kind(next(cls for cls in type(error).__mro__ if "http" in vars(cls)))
 
 
-def _kind(cls: type[ModallabError]) -> Kind:
-    return Kind(cls.code, *cls.http)
+def _declared_kind(cls: type[ModallabError]) -> ProblemKind:
+    return ProblemKind(cls.code, *cls.http)
 
 
-def _declaring(cls: type[ModallabError]) -> Iterator[type[ModallabError]]:
+def _declaring_classes(cls: type[ModallabError]) -> Iterator[type[ModallabError]]:
     if "http" in vars(cls):
         yield cls
     for below in cls.__subclasses__():
-        yield from _declaring(below)
+        yield from _declaring_classes(below)
 
 
-def documented(*statuses: int) -> Responses:
+def documented_responses(*statuses: int) -> Responses:
     """What a route may answer with besides its result, for the OpenAPI document."""
     content: dict[str, Any] = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
     titles: dict[int, list[str]] = {}
-    for kind in kinds().values():
+    for kind in problem_kinds().values():
         titles.setdefault(kind.status, []).append(kind.code)
     return {status: {"description": ", ".join(titles[status]), "content": content} for status in statuses}
 
 
-def problem(kind: Kind, detail: str, headers: Mapping[str, str] | None = None, **more: Any) -> Response:
+def problem_response(kind: ProblemKind, detail: str, headers: Mapping[str, str] | None = None, **more: Any) -> Response:
     """An answer that says what was wrong. An error's own code may say more than its kind's."""
     known: dict[str, Any] = {"title": kind.title, "status": kind.status, "code": kind.code, "detail": detail}
     body = Problem(type=f"/problems/{kind.code}", **(known | more))
@@ -132,16 +134,16 @@ def problem(kind: Kind, detail: str, headers: Mapping[str, str] | None = None, *
     return Response(text, kind.status, headers=dict(headers or {}), media_type=MEDIA_TYPE)
 
 
-def install(app: FastAPI) -> None:
+def install_handlers(app: FastAPI) -> None:
     """Answer every error with a problem."""
-    app.add_exception_handler(ModallabError, _known)
+    app.add_exception_handler(ModallabError, _on_known_error)
     app.add_exception_handler(RequestValidationError, _not_valid)
-    app.add_exception_handler(HTTPException, _http)
-    app.add_exception_handler(ClientDisconnect, _gone)
-    app.add_exception_handler(Exception, _unexpected)
+    app.add_exception_handler(HTTPException, _on_http_error)
+    app.add_exception_handler(ClientDisconnect, _on_disconnect)
+    app.add_exception_handler(Exception, _on_unexpected_error)
 
 
-def of_error(error: ModallabError) -> Response:
+def response_of_error(error: ModallabError) -> Response:
     """The answer for an expected error."""
     kind = kind_of(error)
     headers = {"Retry-After": "1"} if kind.status == 503 else {}
@@ -152,39 +154,43 @@ def of_error(error: ModallabError) -> Response:
     where = "" if isinstance(error, DatabaseLostError) else error.where
     # On the machine itself there is a command for it; whoever asks here has the lease.
     remedy = RESET if isinstance(error, TrippedError) else error.remedy
-    return problem(kind, error.what, headers, code=error.code, remedy=remedy, where=where, legal=legal)
+    return problem_response(kind, error.what, headers, code=error.code, remedy=remedy, where=where, legal=legal)
 
 
-async def _known(request: Request, error: Exception) -> Response:
+async def _on_known_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, ModallabError)
     if kind_of(error).status >= 500:
         LOG.warning("%s %s: %s", request.method, request.url.path, error)
-    return of_error(error)
+    return response_of_error(error)
 
 
 async def _not_valid(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    found = tuple({"where": ".".join(str(part) for part in one["loc"]), "what": _said(one)} for one in error.errors())
+    found = tuple(
+        {"where": ".".join(str(part) for part in one["loc"]), "what": _detail_of_error(one)} for one in error.errors()
+    )
     remedy = "put right what `errors` names; every request and its fields stand at /docs"
-    return problem(kinds()["not-valid"], f"{len(found)} of its fields cannot be taken", remedy=remedy, errors=found)
+    return problem_response(
+        problem_kinds()["not-valid"], f"{len(found)} of its fields cannot be taken", remedy=remedy, errors=found
+    )
 
 
-def _said(error: Mapping[str, Any]) -> str:
+def _detail_of_error(error: Mapping[str, Any]) -> str:
     if error["type"] == "union_tag_not_found":
         # As pydantic says it, only its own users understand it.
         return f"needs a field {error['ctx']['discriminator']} that says what it is"
     return str(error["msg"])
 
 
-async def _http(request: Request, error: Exception) -> Response:
+async def _on_http_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     code = {404: "no-page", 405: "not-allowed", 413: "too-large"}.get(error.status_code, "not-valid")
-    headers = {"Allow": _allowed(request)} if error.status_code == 405 else error.headers
-    kind = kinds()[code]
-    return problem(kind, str(error.detail), headers, remedy=kind.meaning)
+    headers = {"Allow": _allowed_methods(request)} if error.status_code == 405 else error.headers
+    kind = problem_kinds()[code]
+    return problem_response(kind, str(error.detail), headers, remedy=kind.meaning)
 
 
-def _allowed(request: Request) -> str:
+def _allowed_methods(request: Request) -> str:
     # The router names the methods of the first route of this path; each of ours has one.
     found: set[str] = set()
     for route in request.app.state.routes:
@@ -193,12 +199,14 @@ def _allowed(request: Request) -> str:
     return ", ".join(sorted(found | ({"HEAD"} if "GET" in found else set())))
 
 
-async def _gone(_request: Request, _error: Exception) -> Response:
+async def _on_disconnect(_request: Request, _error: Exception) -> Response:
     # Whoever went away in the middle of a body reads no answer, and is no fault of the service to be logged.
     return Response(status_code=400)
 
 
-async def _unexpected(request: Request, error: Exception) -> Response:
+async def _on_unexpected_error(request: Request, error: Exception) -> Response:
     number = secrets.token_hex(4)
     LOG.error("%s: %s %s failed", number, request.method, request.url.path, exc_info=error)
-    return problem(kinds()["unexpected"], "an error nobody expected", where=number, remedy="look at the log")
+    return problem_response(
+        problem_kinds()["unexpected"], "an error nobody expected", where=number, remedy="look at the log"
+    )

@@ -6,7 +6,7 @@ from fastapi import Body, Query
 from fastapi.openapi.models import Example
 
 from modallab.core.documents.queue import ConsentNew, QueueItem, QueueItemNew, QueueOrder, QueueReason, QueueView
-from modallab.service.api.problems import documented
+from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import LeaseId, Operator, ServiceOf
 from modallab.service.api.rigs import state_of
 from modallab.service.api.router import ONCE, make_router
@@ -35,10 +35,10 @@ NewConsent = Annotated[
 ]
 Why = Annotated[QueueReason | None, Body(openapi_examples={"why": Example(value={"reason": "the clamp is loose"})})]
 Ended = Annotated[bool, Query(description="Whether to list items that have ended too, the newest 50 first.")]
-_CHANGES = documented(404, 409, 507)
+_CHANGES = documented_responses(404, 409, 507)
 
 
-@router.get("/rigs/{rig}/queue", responses=documented(404))
+@router.get("/rigs/{rig}/queue", responses=documented_responses(404))
 def get_queue(rig: str, service: ServiceOf, ended: Ended = False) -> QueueView:
     """What goes on and what waits at a rig, and what it waits for."""
     return queueing.queue_view(service, state_of(service, rig), ended=ended)
@@ -53,14 +53,14 @@ def queue_run(rig: str, new: NewItem, service: ServiceOf, operator: Operator) ->
 @router.put("/rigs/{rig}/queue/order", responses=_CHANGES)
 def reorder_queue(rig: str, order: NewOrder, service: ServiceOf, operator: Operator) -> QueueView:
     """Have what waits run in this order."""
-    queueing.reorder(service, state_of(service, rig).id, order.items, operator)
+    queueing.reorder_items(service, state_of(service, rig).id, order.items, operator)
     return queueing.queue_view(service, state_of(service, rig))
 
 
 @router.put("/rigs/{rig}/queue/consent", responses=_CHANGES)
 def consent_to_queue(rig: str, new: NewConsent, service: ServiceOf, lease: LeaseId = None) -> QueueView:
     """Let items that wait begin by themselves; needs the rig's lease, and ends with it."""
-    queueing.consent(service, state_of(service, rig).id, new, lease)
+    queueing.give_consent(service, state_of(service, rig).id, new, lease)
     return queueing.queue_view(service, state_of(service, rig))
 
 
@@ -74,18 +74,18 @@ def withdraw_consent(rig: str, service: ServiceOf) -> QueueView:
 @router.post("/rigs/{rig}/queue/pause", dependencies=ONCE, responses=_CHANGES)
 def pause_queue(rig: str, service: ServiceOf, operator: Operator, why: Why = None) -> QueueView:
     """Have nothing begin; a run that is on goes on. Needs no lease."""
-    queueing.pause(service, state_of(service, rig).id, "" if why is None else why.reason, operator)
+    queueing.pause_queue(service, state_of(service, rig).id, "" if why is None else why.reason, operator)
     return queueing.queue_view(service, state_of(service, rig))
 
 
 @router.post("/rigs/{rig}/queue/resume", dependencies=ONCE, responses=_CHANGES)
 def resume_queue(rig: str, service: ServiceOf, lease: LeaseId = None) -> QueueView:
     """Let it go on; needs the rig's lease."""
-    queueing.resume(service, state_of(service, rig).id, lease)
+    queueing.resume_queue(service, state_of(service, rig).id, lease)
     return queueing.queue_view(service, state_of(service, rig))
 
 
 @router.post("/rigs/{rig}/queue/{item}/skip", dependencies=ONCE, responses=_CHANGES)
 def skip_item(rig: str, item: str, service: ServiceOf, operator: Operator, why: Why = None) -> QueueItem:
     """Take an item out that waits."""
-    return queueing.skip(service, state_of(service, rig).id, item, "" if why is None else why.reason, operator)
+    return queueing.skip_item(service, state_of(service, rig).id, item, "" if why is None else why.reason, operator)

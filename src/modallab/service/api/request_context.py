@@ -50,12 +50,12 @@ def _operator(
 ) -> str:
     name = caller_of(request).name
     if name or operator is not None:
-        return name or _as_sent(operator or "")
+        return name or _text_as_sent(operator or "")
     response.headers[NOTES] = f"no operator is named, and the record says {UNKNOWN}: send {OPERATOR}"
     return UNKNOWN
 
 
-def _as_sent(text: str) -> str:
+def _text_as_sent(text: str) -> str:
     # Headers are bytes, read as Latin-1; most programs send UTF-8, browsers Latin-1.
     try:
         return text.encode("latin-1").decode()
@@ -92,12 +92,12 @@ def revision_of(if_match: str | None) -> int:
     return int(text)
 
 
-def mark(response: Response, tag: object) -> None:
+def set_etag(response: Response, tag: object) -> None:
     """Put an ETag on an answer."""
     response.headers["ETag"] = f'"{tag}"'
 
 
-def unchanged(if_none_match: str | None, tag: object) -> bool:
+def is_unchanged(if_none_match: str | None, tag: object) -> bool:
     """Whether the client has this already."""
     return if_none_match is not None and f'"{tag}"' in if_none_match
 
@@ -117,9 +117,9 @@ def place_of(cursor: str | None) -> str | None:
     try:
         place = base64.urlsafe_b64decode(cursor.encode()).decode()
     except (binascii.Error, UnicodeError, ValueError) as error:
-        raise _foreign(cursor) from error
+        raise _foreign_cursor(cursor) from error
     if not place.isprintable():
-        raise _foreign(cursor)
+        raise _foreign_cursor(cursor)
     return place
 
 
@@ -129,16 +129,16 @@ def number_of(cursor: str | None) -> int | None:
     if place is None:
         return None
     if not (place.isascii() and place.isdigit() and len(place) <= 18):
-        raise _foreign(cursor or "")
+        raise _foreign_cursor(cursor or "")
     return int(place)
 
 
-def page(items: Sequence[Item], limit: int, place: Callable[[Item], object]) -> Page[Item]:
+def page_of_items(items: Sequence[Item], limit: int, place: Callable[[Item], object]) -> Page[Item]:
     """A page of `items`, of which one more than `limit` was asked for."""
     shown = tuple(items[:limit])
     more = base64.urlsafe_b64encode(str(place(shown[-1])).encode()).decode() if len(items) > limit else None
     return Page(items=shown, next=more)
 
 
-def _foreign(cursor: str) -> DataError:
+def _foreign_cursor(cursor: str) -> DataError:
     return DataError(f"{cursor!r} is no cursor", where="cursor", remedy="send `next` of the page before, as it was")

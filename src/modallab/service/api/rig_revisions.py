@@ -8,7 +8,7 @@ from fastapi import Path
 from modallab.core.documents.pages import Page
 from modallab.core.documents.rigs import RigRevision, RigRevisionNew, RigView
 from modallab.core.rig import Rig
-from modallab.service.api.problems import documented
+from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import LeaseId, ServiceOf
 from modallab.service.api.rigs import rig_view, state_of
 from modallab.service.api.router import ONCE, make_router
@@ -23,26 +23,26 @@ REASON = 400
 Number = Annotated[int, Path(ge=1, lt=2**31, description="From 1.")]
 
 
-@router.get("/rigs/{rig}/revisions", responses=documented(404))
+@router.get("/rigs/{rig}/revisions", responses=documented_responses(404))
 def list_rig_revisions(rig: str, service: ServiceOf) -> Page[RigRevision]:
     """What a rig was believed to be, the oldest first."""
     return Page(items=RigRevisions(service.engine).all(state_of(service, rig).id))
 
 
-@router.get("/rigs/{rig}/revisions/{number}", responses=documented(404))
+@router.get("/rigs/{rig}/revisions/{number}", responses=documented_responses(404))
 def get_rig_revision(rig: str, number: Number, service: ServiceOf) -> Rig:
     """A description that the rig has had."""
     return RigRevisions(service.engine).description(state_of(service, rig).id, number)
 
 
-@router.post("/rigs/{rig}/revisions", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
+@router.post("/rigs/{rig}/revisions", status_code=201, dependencies=ONCE, responses=documented_responses(404, 409, 507))
 def revise_rig(rig: str, new: RigRevisionNew, service: ServiceOf, lease: LeaseId = None) -> RigView:
     """Go on with another description of what stands on the bench, which is opened again; needs the rig's lease."""
     service.control.revise(state_of(service, rig).id, new.description, new.reason, lease)
     return rig_view(service, state_of(service, rig))
 
 
-@router.post("/campaigns/{campaign}/gap/apply", dependencies=ONCE, responses=documented(404, 409, 422, 507))
+@router.post("/campaigns/{campaign}/gap/apply", dependencies=ONCE, responses=documented_responses(404, 409, 422, 507))
 def apply_diagnosis(campaign: str, service: ServiceOf, lease: LeaseId = None) -> RigView:
     """Go on with a rig whose simulation carries what the campaign's newest diagnosis found; needs the rig's lease."""
     # Imported here: it takes seconds, and the service can be asked everything else meanwhile.

@@ -9,9 +9,9 @@ from modallab.acquisition.process.trip import TripLatch
 from modallab.core.documents.pages import Page
 from modallab.core.documents.rigs import Lease, LeaseHolder, LeaseNew, RigView, StopReason, Trip
 from modallab.core.rig import Rig
-from modallab.service.api.problems import documented
+from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import CallerOf, LeaseId, Operator, ServiceOf
-from modallab.service.api.roles import needs
+from modallab.service.api.roles import role_needed
 from modallab.service.api.router import ONCE, make_router
 from modallab.service.context import Service
 from modallab.service.errors import LeaseHeldError, NotFoundError
@@ -32,13 +32,13 @@ def list_rigs(service: ServiceOf) -> Page[RigView]:
     return Page(items=tuple(rig_view(service, state) for state in service.control.states()))
 
 
-@router.get("/rigs/{rig}", responses=documented(404))
+@router.get("/rigs/{rig}", responses=documented_responses(404))
 def get_rig(rig: str, service: ServiceOf) -> RigView:
     """How a rig stands."""
     return rig_view(service, state_of(service, rig))
 
 
-@router.get("/rigs/{rig}/description", responses=documented(404))
+@router.get("/rigs/{rig}/description", responses=documented_responses(404))
 def get_description(rig: str, service: ServiceOf) -> Rig:
     """What stands on the bench, as in the rig file."""
     return state_of(service, rig).rig
@@ -47,8 +47,8 @@ def get_description(rig: str, service: ServiceOf) -> Rig:
 @router.post(
     "/rigs/{rig}/emergency-stop",
     dependencies=ONCE,
-    responses=documented(404, 409),
-    openapi_extra=needs("observer", any_rig=True),
+    responses=documented_responses(404, 409),
+    openapi_extra=role_needed("observer", any_rig=True),
 )
 def stop_rig(rig: str, service: ServiceOf, operator: Operator, stop: Reason = None) -> RigView:
     """Bring the output to 0 V and latch the rig. Needs no lease. This is not a safety-rated stop."""
@@ -57,7 +57,7 @@ def stop_rig(rig: str, service: ServiceOf, operator: Operator, stop: Reason = No
     return rig_view(service, state_of(service, rig))
 
 
-@router.post("/rigs/{rig}/reset", dependencies=ONCE, responses=documented(404, 409))
+@router.post("/rigs/{rig}/reset", dependencies=ONCE, responses=documented_responses(404, 409))
 def reset_rig(rig: str, service: ServiceOf, lease: LeaseId = None, why: Reason = None) -> RigView:
     """Let a tripped rig be driven again, after someone has looked at it."""
     service.control.reset(state_of(service, rig).id, "" if why is None else why.reason, lease)
@@ -96,7 +96,9 @@ def rig_view(service: Service, state: ControllerState) -> RigView:
 lease_router = make_router("lease")
 
 
-@lease_router.post("/rigs/{rig}/lease", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
+@lease_router.post(
+    "/rigs/{rig}/lease", status_code=201, dependencies=ONCE, responses=documented_responses(404, 409, 507)
+)
 def take_lease(rig: str, new: NewLease, service: ServiceOf, caller: CallerOf, operator: Operator) -> Lease:
     """Take the lease of a rig, if nobody holds it; with `take_over` from its holder, if no run is on or it is you; with
     `recover` the one you hold already."""
@@ -116,20 +118,20 @@ def take_lease(rig: str, new: NewLease, service: ServiceOf, caller: CallerOf, op
     return service.leases.take(state.id, name, new.ttl_s, take_over=new.take_over)
 
 
-@lease_router.put("/rigs/{rig}/lease", responses=documented(404, 507))
+@lease_router.put("/rigs/{rig}/lease", responses=documented_responses(404, 507))
 def renew_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Lease:
     """Begin the lease's time again."""
     return service.leases.renew(state_of(service, rig).id, lease or "")
 
 
-@lease_router.delete("/rigs/{rig}/lease", status_code=204, responses=documented(404, 507))
+@lease_router.delete("/rigs/{rig}/lease", status_code=204, responses=documented_responses(404, 507))
 def release_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Response:
     """Release the lease."""
     service.leases.release(state_of(service, rig).id, lease or "")
     return Response(status_code=204)
 
 
-@lease_router.get("/rigs/{rig}/lease", responses=documented(404))
+@lease_router.get("/rigs/{rig}/lease", responses=documented_responses(404))
 def get_lease(rig: str, service: ServiceOf) -> LeaseHolder:
     """Who holds the rig."""
     holder = service.leases.holder(state_of(service, rig).id)

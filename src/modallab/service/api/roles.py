@@ -16,7 +16,7 @@ ANY_RIG = "x-any-rig"
 READS = frozenset({"GET", "HEAD"})
 
 
-def needs(role: Role, *, any_rig: bool = False) -> dict[str, Any]:
+def role_needed(role: Role, *, any_rig: bool = False) -> dict[str, Any]:
     """For the `openapi_extra` of a route that needs another role than is usual for its method.
 
     With `any_rig` it may be asked of every rig, whatever rigs the token is for.
@@ -24,7 +24,7 @@ def needs(role: Role, *, any_rig: bool = False) -> dict[str, Any]:
     return {ROLE: role} | ({ANY_RIG: True} if any_rig else {})
 
 
-def declared(methods: set[str], extra: dict[str, Any]) -> dict[str, Any]:
+def declared_role(methods: set[str], extra: dict[str, Any]) -> dict[str, Any]:
     """What stands of a route's role in the document: who only reads is an observer, unless the route says otherwise."""
     if extra.get("security") == []:
         return extra

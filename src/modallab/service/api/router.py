@@ -14,13 +14,13 @@ from fastapi.routing import APIRoute
 from sqlalchemy import Engine, delete, insert, select, update
 
 from modallab.core.errors import DataError, ModallabError
-from modallab.service.api.problems import documented, of_error
+from modallab.service.api.problems import documented_responses, response_of_error
 from modallab.service.api.request_context import CALLER, OPERATOR
-from modallab.service.api.roles import declared, require_own, require_role
+from modallab.service.api.roles import declared_role, require_own, require_role
 from modallab.service.errors import ConflictError, MediaTypeError
 from modallab.service.records.callers import Caller
 from modallab.service.records.repository import key_limit, key_of_another
-from modallab.storage.engine import writing
+from modallab.storage.engine import write_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import IDEMPOTENCY
 
@@ -38,11 +38,11 @@ OPEN: dict[str, Any] = {"security": []}
 def make_router(tag: str, *, files: bool = False) -> APIRouter:
     """A router for one resource. With `files`, bodies are not held in memory, and the route checks the key itself."""
     route = RoleRoute if files else IdempotentRoute
-    return APIRouter(prefix=PREFIX, tags=[tag], route_class=route, responses=documented(*ANY))
+    return APIRouter(prefix=PREFIX, tags=[tag], route_class=route, responses=documented_responses(*ANY))
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class KeptAnswer:
     """What a request was answered with."""
 
     status: int
@@ -50,7 +50,7 @@ class Answer:
     body: str
 
 
-class Keys:
+class IdempotencyKeys:
     """Idempotency keys and the answers kept under them."""
 
     def __init__(self, engine: Engine, boot: str) -> None:
@@ -58,7 +58,7 @@ class Keys:
         self._engine = engine
         self._boot = boot
 
-    def claim(self, key: str, request: bytes) -> Answer | None:
+    def claim(self, key: str, request: bytes) -> KeptAnswer | None:
         """Claim a key for a request; the answer, if it was answered within `KEY_LIFE`.
 
         Raises:
@@ -67,7 +67,7 @@ class Keys:
         """
         digest = hashlib.sha256(request).hexdigest()
         row = {"key": key, "request": digest, "boot": self._boot, "headers": {}, "created_utc": utc_now()}
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             connection.execute(delete(IDEMPOTENCY).where(IDEMPOTENCY.c.created_utc < key_limit()))
             query = select(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key)
             found = connection.execute(query).mappings().one_or_none()
@@ -77,7 +77,7 @@ class Keys:
             if found["request"] != digest:
                 raise key_of_another()
             if found["status"] is not None:
-                return Answer(found["status"], dict(found["headers"]), found["body"])
+                return KeptAnswer(found["status"], dict(found["headers"]), found["body"])
             if found["boot"] == self._boot:
                 raise ConflictError(
                     "the first request with this key is being answered", where="Idempotency-Key", remedy="ask again"
@@ -85,15 +85,15 @@ class Keys:
             connection.execute(update(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key).values(boot=self._boot))
         return None
 
-    def keep(self, key: str, answer: Answer) -> None:
+    def keep(self, key: str, answer: KeptAnswer) -> None:
         """Keep the answer for whoever asks again."""
         values = {"status": answer.status, "headers": answer.headers, "body": answer.body}
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             connection.execute(update(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key).values(values))
 
     def forget(self, key: str) -> None:
         """Nothing was done: the same key may be used again."""
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             connection.execute(delete(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key))
 
 
@@ -123,7 +123,7 @@ class RoleRoute(APIRoute):
 
     def __init__(self, path: str, endpoint: Callable[..., Any], **more: Any) -> None:
         methods = {method.upper() for method in more.get("methods") or ("GET",)}
-        extra = declared(methods, dict(more.pop("openapi_extra", None) or {}))
+        extra = declared_role(methods, dict(more.pop("openapi_extra", None) or {}))
         super().__init__(path, endpoint, openapi_extra=extra, **more)
 
     def get_route_handler(self) -> Handler:
@@ -174,7 +174,7 @@ def _require_address(request: Request) -> None:
     """
     query = request.query_params.multi_items()
     if "\0" in request.url.path or any("\0" in part for pair in query for part in pair):
-        raise _nul("the address")
+        raise _nul_character_error("the address")
 
 
 def _query_names(dependant: Dependant) -> frozenset[str]:
@@ -228,10 +228,10 @@ async def _require_body(request: Request) -> None:
             remedy="send JSON, with the header Content-Type: application/json",
         )
     if _NUL.search(body):
-        raise _nul("the body")
+        raise _nul_character_error("the body")
 
 
-def _nul(where: str) -> DataError:
+def _nul_character_error(where: str) -> DataError:
     return DataError("holds the character NUL, which no text has", where=where, remedy="leave it out")
 
 
@@ -250,7 +250,7 @@ async def answer_once(request: Request, body: bytes, answer: Callable[[], Awaita
     key = request.headers.get(HEADER)
     if key is None or not 8 <= len(key) <= 128:
         return await answer()
-    keys: Keys = request.app.state.keys
+    keys: IdempotencyKeys = request.app.state.keys
     # Who asks is kept with what he did, so it is part of the request; the lease is not, since it may be another by now.
     caller: Caller | None = request.scope.get(CALLER)
     name = caller.name if caller is not None else ""
@@ -262,13 +262,13 @@ async def answer_once(request: Request, body: bytes, answer: Callable[[], Awaita
     try:
         response = await answer()
     except ModallabError as error:
-        response = of_error(error)
+        response = response_of_error(error)
     except BaseException:
         await run_in_threadpool(keys.forget, key)
         raise
     if response.status_code < 400 and "no-store" not in response.headers.get("cache-control", ""):
         headers = {name: response.headers[name] for name in KEPT if name in response.headers}
-        given = Answer(response.status_code, headers, bytes(response.body).decode())
+        given = KeptAnswer(response.status_code, headers, bytes(response.body).decode())
         await run_in_threadpool(keys.keep, key, given)
     else:
         await run_in_threadpool(keys.forget, key)

@@ -11,20 +11,20 @@ from modallab.core.documents.runs import Command, RunNew, RunView
 from modallab.core.frf import UNIT
 from modallab.core.units import FrfEstimator
 from modallab.service.api.campaigns import Archived, Deleted
-from modallab.service.api.problems import documented
+from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import (
     Cursor,
     IfNoneMatch,
     LeaseId,
     Limit,
     ServiceOf,
-    mark,
-    page,
+    is_unchanged,
+    page_of_items,
     place_of,
-    unchanged,
+    set_etag,
 )
 from modallab.service.api.router import ONCE, PREFIX, Key, make_router
-from modallab.service.campaigns.begin import begin
+from modallab.service.campaigns.begin import begin_run
 from modallab.service.campaigns.runs import block_records, run_view
 from modallab.service.errors import ConflictError
 
@@ -50,7 +50,7 @@ RunCommand = Annotated[
 ]
 
 
-@router.get("/campaigns/{campaign}/runs", responses=documented(404))
+@router.get("/campaigns/{campaign}/runs", responses=documented_responses(404))
 def list_runs(
     campaign: str,
     service: ServiceOf,
@@ -67,31 +67,33 @@ def list_runs(
         names = names[names.index(after) + 1 :] if after in names else ()
     shown = set(service.repository.runs(campaign, archived=archived, deleted=deleted))
     names = [run for run in names if run in shown]
-    return page([run_view(service, run) for run in names[: limit + 1]], limit, lambda run: run.id)
+    return page_of_items([run_view(service, run) for run in names[: limit + 1]], limit, lambda run: run.id)
 
 
-@router.post("/campaigns/{campaign}/runs", status_code=202, responses=documented(404, 409, 507))
+@router.post("/campaigns/{campaign}/runs", status_code=202, responses=documented_responses(404, 409, 507))
 def start_run(
     campaign: str, new: NewRun, service: ServiceOf, response: Response, key: Key, lease: LeaseId = None
 ) -> RunView:
     """Begin a run on the campaign's rig; needs the rig's lease. Follow it by its events or at `Location`."""
-    run = begin(service, campaign, new, lease, key)
+    run = begin_run(service, campaign, new, lease, key)
     response.headers["Location"] = f"{PREFIX}/runs/{run}"
     return run_view(service, run)
 
 
-@router.get("/runs/{run}", response_model=RunView, responses={304: {"description": "unchanged"}} | documented(404))
+@router.get(
+    "/runs/{run}", response_model=RunView, responses={304: {"description": "unchanged"}} | documented_responses(404)
+)
 def get_run(run: str, service: ServiceOf, response: Response, if_none_match: IfNoneMatch = None) -> RunView | Response:
     """A run as it stands."""
     view = run_view(service, run)
     tag = f"{view.state}-{view.blocks}-{view.accepted}-{view.code}-{view.archived_utc}{view.deleted_utc}"
-    if unchanged(if_none_match, tag):
+    if is_unchanged(if_none_match, tag):
         return Response(status_code=304, headers={"ETag": f'"{tag}"'})
-    mark(response, tag)
+    set_etag(response, tag)
     return view
 
 
-@router.post("/runs/{run}/commands", status_code=202, dependencies=ONCE, responses=documented(404, 409, 507))
+@router.post("/runs/{run}/commands", status_code=202, dependencies=ONCE, responses=documented_responses(404, 409, 507))
 def command_run(run: str, command: RunCommand, service: ServiceOf, lease: LeaseId = None) -> RunView:
     """Pause, resume, repeat a frequency, drop a hit, stop or abort; needs the rig's lease."""
     view = run_view(service, run)
@@ -105,7 +107,9 @@ frf_router = make_router("frf")
 
 
 @frf_router.get(
-    "/runs/{run}/frf", response_model=FrfView, responses={304: {"description": "unchanged"}} | documented(404, 409)
+    "/runs/{run}/frf",
+    response_model=FrfView,
+    responses={304: {"description": "unchanged"}} | documented_responses(404, 409),
 )
 def get_frf(
     run: str,
@@ -117,10 +121,10 @@ def get_frf(
     """Mobility and coherence of the blocks that count now; the ETag changes with every one of them."""
     counted = [row.n for row in block_records(service, run) if row.note.accepted]
     tag = f"{estimator}-{len(counted)}-{hash(tuple(counted)) & 0xFFFFFFFF:08x}"
-    if unchanged(if_none_match, tag):
+    if is_unchanged(if_none_match, tag):
         return Response(status_code=304, headers={"ETag": f'"{tag}"'})
     frf = service.frfs().frf(run, estimator=estimator)
-    mark(response, tag)
+    set_etag(response, tag)
     return FrfView(
         run=run,
         quantity=frf.quantity,

@@ -9,9 +9,9 @@ from pydantic import Field
 from modallab.core.documents.users import CallerView, LoginLink
 from modallab.core.frozen import Frozen
 from modallab.service.api.access import COOKIE
-from modallab.service.api.problems import documented, kinds, problem
+from modallab.service.api.problems import documented_responses, problem_kinds, problem_response
 from modallab.service.api.request_context import CallerOf
-from modallab.service.api.roles import needs
+from modallab.service.api.roles import role_needed
 from modallab.service.api.router import OPEN, make_router
 from modallab.service.records.callers import Callers
 from modallab.service.records.sessions import Sessions, make_link
@@ -36,9 +36,9 @@ def log_in(login: Login, request: Request) -> Response:
     callers: Callers = request.app.state.callers
     caller = callers.of_token(login.token)
     if caller is None:
-        return _wrong("the token is wrong")
+        return _wrong_token("the token is wrong")
     response = Response(status_code=204)
-    _begin(request, response, caller.token)
+    _begin_session(request, response, caller.token)
     return response
 
 
@@ -58,7 +58,9 @@ def show_caller(caller: CallerOf) -> CallerView:
     return caller.view
 
 
-@router.post("/login-links", status_code=201, responses=documented(507), openapi_extra=needs("observer"))
+@router.post(
+    "/login-links", status_code=201, responses=documented_responses(507), openapi_extra=role_needed("observer")
+)
 def make_login_link(caller: CallerOf, request: Request, response: Response) -> LoginLink:
     """Get an address that logs a browser in as yourself, once, within ten minutes."""
     response.headers["Cache-Control"] = "no-store"
@@ -76,18 +78,18 @@ def follow_link(key: Annotated[str, Query(max_length=200)], request: Request) ->
     sessions: Sessions = request.app.state.sessions
     token = sessions.use_link(key)
     if token is None:
-        return _wrong("this link was used, or is too old")
+        return _wrong_token("this link was used, or is too old")
     response = RedirectResponse("/", 303, headers={"Cache-Control": "no-store", "Referrer-Policy": "no-referrer"})
-    _begin(request, response, token)
+    _begin_session(request, response, token)
     return response
 
 
-def _begin(request: Request, response: Response, token: str) -> None:
+def _begin_session(request: Request, response: Response, token: str) -> None:
     sessions: Sessions = request.app.state.sessions
     secure = request.url.scheme == "https"
     response.set_cookie(COOKIE, sessions.begin(token), httponly=True, samesite="strict", secure=secure, path="/")
 
 
-def _wrong(what: str) -> Response:
-    kind = kinds()["token-needed"]
-    return problem(kind, what, {"WWW-Authenticate": "Bearer"}, remedy=kind.meaning)
+def _wrong_token(what: str) -> Response:
+    kind = problem_kinds()["token-needed"]
+    return problem_response(kind, what, {"WWW-Authenticate": "Bearer"}, remedy=kind.meaning)

@@ -8,37 +8,37 @@ from modallab.core.documents.campaigns import CampaignView
 from modallab.core.documents.messages import SetAsideChanged
 from modallab.core.documents.runs import RunView
 from modallab.core.settings import Settings
-from modallab.service.api.problems import documented
+from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Operator, ServiceOf
 from modallab.service.api.router import ONCE, make_router
 from modallab.service.campaigns.runs import record_of, run_view
 from modallab.service.context import Service
 from modallab.service.records.archived import Archive
-from modallab.service.records.event_log import Topic
+from modallab.service.records.event_log import EventTopic
 
 router = make_router("archive")
-_CHANGES = documented(404, 409, 507)
+_CHANGES = documented_responses(404, 409, 507)
 
 
 @router.post("/campaigns/{campaign}/archive", dependencies=ONCE, responses=_CHANGES)
 def archive_campaign(campaign: str, service: ServiceOf, operator: Operator) -> CampaignView:
     """Leave a campaign out of lists. It can be read and exported as before; nothing is added until it is restored."""
     Archive(service.engine).archive("campaign", campaign, operator)
-    return _campaign(service, campaign, "archived", operator)
+    return _set_campaign_aside(service, campaign, "archived", operator)
 
 
 @router.delete("/campaigns/{campaign}", responses=_CHANGES)
 def delete_campaign(campaign: str, service: ServiceOf, operator: Operator, request: Request) -> CampaignView:
     """Delete a campaign with its runs. Until `purge_utc` nothing is lost, and it can be restored."""
-    Archive(service.engine).delete("campaign", campaign, operator, _grace(request))
-    return _campaign(service, campaign, "deleted", operator)
+    Archive(service.engine).delete("campaign", campaign, operator, _grace_of_request(request))
+    return _set_campaign_aside(service, campaign, "deleted", operator)
 
 
 @router.post("/campaigns/{campaign}/restore", dependencies=ONCE, responses=_CHANGES)
 def restore_campaign(campaign: str, service: ServiceOf, operator: Operator) -> CampaignView:
     """Have a campaign back that is archived or deleted."""
     Archive(service.engine).restore("campaign", campaign, operator)
-    return _campaign(service, campaign, "restored", operator)
+    return _set_campaign_aside(service, campaign, "restored", operator)
 
 
 @router.post("/runs/{run}/archive", dependencies=ONCE, responses=_CHANGES)
@@ -46,15 +46,15 @@ def archive_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
     """Leave a run out of lists, and out of what is made of its campaign unless it is named."""
     record_of(service, run)
     Archive(service.engine).archive("run", run, operator)
-    return _run(service, run, "archived", operator)
+    return _set_run_aside(service, run, "archived", operator)
 
 
 @router.delete("/runs/{run}", responses=_CHANGES)
 def delete_run(run: str, service: ServiceOf, operator: Operator, request: Request) -> RunView:
     """Delete a run that has ended. Until `purge_utc` nothing is lost, and it can be restored."""
     record_of(service, run)
-    Archive(service.engine).delete("run", run, operator, _grace(request))
-    return _run(service, run, "deleted", operator)
+    Archive(service.engine).delete("run", run, operator, _grace_of_request(request))
+    return _set_run_aside(service, run, "deleted", operator)
 
 
 @router.post("/runs/{run}/restore", dependencies=ONCE, responses=_CHANGES)
@@ -62,23 +62,23 @@ def restore_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
     """Have a run back that is archived or deleted."""
     record_of(service, run)
     Archive(service.engine).restore("run", run, operator)
-    return _run(service, run, "restored", operator)
+    return _set_run_aside(service, run, "restored", operator)
 
 
-def _grace(request: Request) -> timedelta:
+def _grace_of_request(request: Request) -> timedelta:
     settings: Settings = request.app.state.settings
     return timedelta(days=settings.grace_days)
 
 
-def _campaign(service: Service, campaign: str, state: str, operator: str) -> CampaignView:
+def _set_campaign_aside(service: Service, campaign: str, state: str, operator: str) -> CampaignView:
     view = service.repository.campaign(campaign)
     event = SetAsideChanged(campaign=campaign, state=state, operator=operator)
-    service.log.append(event.kind, Topic(view.rig, campaign), event.model_dump())
+    service.log.append(event.kind, EventTopic(view.rig, campaign), event.model_dump())
     return view
 
 
-def _run(service: Service, run: str, state: str, operator: str) -> RunView:
+def _set_run_aside(service: Service, run: str, state: str, operator: str) -> RunView:
     view = run_view(service, run)
     event = SetAsideChanged(run=run, state=state, operator=operator)
-    service.log.append(event.kind, Topic(view.rig or "", view.campaign or "", run), event.model_dump())
+    service.log.append(event.kind, EventTopic(view.rig or "", view.campaign or "", run), event.model_dump())
     return view

@@ -7,16 +7,16 @@ from fastapi.openapi.models import Example
 
 from modallab.core.documents.pages import Page
 from modallab.core.documents.users import TokenMade, TokenNew, TokenView, UserChange, UserNew, UserView
-from modallab.service.api.problems import documented
+from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Operator, ServiceOf
-from modallab.service.api.roles import needs
+from modallab.service.api.roles import role_needed
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.context import Service
 from modallab.service.records.callers import Callers
 from modallab.service.records.users import Users
 
 router = make_router("users")
-ADMIN = needs("admin")
+ADMIN = role_needed("admin")
 NewUser = Annotated[
     UserNew, Body(openapi_examples={"operator": Example(value={"name": "Ada Lovelace", "role": "operator"})})
 ]
@@ -32,20 +32,22 @@ def list_users(service: ServiceOf) -> Page[UserView]:
     return Page(items=tuple(_users(service).all()))
 
 
-@router.post("/users", status_code=201, dependencies=ONCE, responses=documented(409, 507), openapi_extra=ADMIN)
+@router.post(
+    "/users", status_code=201, dependencies=ONCE, responses=documented_responses(409, 507), openapi_extra=ADMIN
+)
 def add_user(new: NewUser, service: ServiceOf, operator: Operator, response: Response) -> UserView:
     """Add a user. Make a token for him at `/users/{user}/tokens`."""
     response.headers["Location"] = f"{PREFIX}/users"
     return _users(service).add(new, operator)
 
 
-@router.get("/users/{user}", responses=documented(404), openapi_extra=ADMIN)
+@router.get("/users/{user}", responses=documented_responses(404), openapi_extra=ADMIN)
 def get_user(user: str, service: ServiceOf) -> UserView:
     """A user."""
     return _users(service).get(user)
 
 
-@router.patch("/users/{user}", responses=documented(404, 409, 507), openapi_extra=ADMIN)
+@router.patch("/users/{user}", responses=documented_responses(404, 409, 507), openapi_extra=ADMIN)
 def change_user(user: str, change: ChangedUser, service: ServiceOf, operator: Operator, request: Request) -> UserView:
     """Give a user another role; what the user's tokens are for changes with it."""
     changed = _users(service).change(user, change.role, operator)
@@ -53,7 +55,7 @@ def change_user(user: str, change: ChangedUser, service: ServiceOf, operator: Op
     return changed
 
 
-@router.delete("/users/{user}", responses=documented(404, 507), openapi_extra=ADMIN)
+@router.delete("/users/{user}", responses=documented_responses(404, 507), openapi_extra=ADMIN)
 def revoke_user(user: str, service: ServiceOf, operator: Operator, request: Request) -> UserView:
     """Have no token of a user count any more; the name stays in the record of what was done."""
     revoked = _users(service).revoke(user, operator)
@@ -61,13 +63,15 @@ def revoke_user(user: str, service: ServiceOf, operator: Operator, request: Requ
     return revoked
 
 
-@router.get("/users/{user}/tokens", responses=documented(404), openapi_extra=ADMIN)
+@router.get("/users/{user}/tokens", responses=documented_responses(404), openapi_extra=ADMIN)
 def list_tokens(user: str, service: ServiceOf) -> Page[TokenView]:
     """The tokens of a user, the oldest first, revoked and expired ones with them."""
     return Page(items=tuple(_users(service).tokens(user)))
 
 
-@router.post("/users/{user}/tokens", status_code=201, responses=documented(404, 409, 507), openapi_extra=ADMIN)
+@router.post(
+    "/users/{user}/tokens", status_code=201, responses=documented_responses(404, 409, 507), openapi_extra=ADMIN
+)
 def make_token(
     user: str, new: NewToken, service: ServiceOf, operator: Operator, request: Request, response: Response
 ) -> TokenMade:
@@ -78,7 +82,7 @@ def make_token(
     return made
 
 
-@router.delete("/users/{user}/tokens/{token}", responses=documented(404, 507), openapi_extra=ADMIN)
+@router.delete("/users/{user}/tokens/{token}", responses=documented_responses(404, 507), openapi_extra=ADMIN)
 def revoke_token(user: str, token: str, service: ServiceOf, operator: Operator, request: Request) -> TokenView:
     """Have a token not count any more, nor the cookies that stand for it."""
     revoked = _users(service).revoke_token(user, token, operator)

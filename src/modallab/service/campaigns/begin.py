@@ -14,7 +14,7 @@ from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records.archived import Archive
 from modallab.service.records.repository import RunKey
-from modallab.service.rigs.control import ControllerState, StartRun, rejection
+from modallab.service.rigs.control import ControllerState, StartRun, transition_error
 from modallab.storage.durable import planned_blocks, require_room, require_space
 from modallab.storage.records import ENDED, BlockNote, BlockRecord
 from modallab.storage.samples import RESERVE_BYTES
@@ -27,7 +27,7 @@ MAX_BLOCKS = 100_000
 _BYTES_A_SAMPLE = 8
 
 
-def begin(service: Service, campaign: str, new: RunNew, lease: str | None, key: str | None = None) -> str:
+def begin_run(service: Service, campaign: str, new: RunNew, lease: str | None, key: str | None = None) -> str:
     """Begin a run; returns its name. Under one key it is begun once: asked again, it is the name of that run.
 
     Raises:
@@ -37,7 +37,7 @@ def begin(service: Service, campaign: str, new: RunNew, lease: str | None, key: 
         DiskFullError: there is no room for what it would record.
         ModallabError: as `Control.start`.
     """
-    asked = None if key is None else RunKey(key, _digest(campaign, new))
+    asked = None if key is None else RunKey(key, _digest_of_request(campaign, new))
     begun = None if asked is None else service.repository.run_of(asked)
     if begun is not None:
         return begun
@@ -47,17 +47,17 @@ def begin(service: Service, campaign: str, new: RunNew, lease: str | None, key: 
         raise NotFoundError(f"this service has no rig {entry.rig!r}", where=campaign, remedy="start it with that rig")
     service.leases.require(entry.rig, lease)
     Archive(service.engine).require_present(campaign)
-    plan = _plan(service, campaign, new)
+    plan = _complete_plan(service, campaign, new)
     require_plan(plan, controller)
     _require_room(service.folder, plan, len(controller.rig.channels))
     return service.control.start(StartRun(entry.rig, campaign, plan, lease, new.continues, asked))
 
 
-def _digest(campaign: str, new: RunNew) -> str:
+def _digest_of_request(campaign: str, new: RunNew) -> str:
     return hashlib.sha256(f"{campaign} {new.model_dump_json()}".encode()).hexdigest()
 
 
-def _plan(service: Service, campaign: str, new: RunNew) -> Plan:
+def _complete_plan(service: Service, campaign: str, new: RunNew) -> Plan:
     if new.continues is None:
         if new.plan is None:
             raise ConflictError("a run needs a plan, or a run to continue", where="plan", remedy="send a plan")
@@ -72,7 +72,7 @@ def _plan(service: Service, campaign: str, new: RunNew) -> Plan:
         raise ConflictError("a deleted run is not continued", where="continues", remedy="restore it first")
     record = service.store.catalogue.run(new.continues)
     if record.state not in ENDED:
-        raise rejection(record.state, "be continued")
+        raise transition_error(record.state, "be continued")
     if not record.valid:
         raise ConflictError(
             "an aborted run is marked as invalid and not continued", where="continues", remedy="begin a new run"

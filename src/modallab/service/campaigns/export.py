@@ -13,7 +13,7 @@ from modallab.storage.records import ENDED
 
 
 @dataclass(frozen=True, slots=True)
-class Exported:
+class ExportedFile:
     """A file in a folder of its own, which whoever sends it removes.
 
     Attributes:
@@ -29,7 +29,7 @@ class Exported:
         shutil.rmtree(self.path.parent, ignore_errors=True)
 
 
-def export_campaign(service: Service, campaign: str, format_: str) -> Exported:
+def export_campaign(service: Service, campaign: str, format_: str) -> ExportedFile:
     """Write the valid runs of a campaign, with the blocks that count, as one file; a format that is a folder as a zip.
 
     Raises:
@@ -50,7 +50,7 @@ def export_campaign(service: Service, campaign: str, format_: str) -> Exported:
     written = folder / f"{campaign}{used.endings[0]}"
     try:
         notes = write_export(campaign_of(service.store, runs), written, format_)
-        return Exported(_one_file(written), notes)
+        return ExportedFile(_one_file(written), notes)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise

@@ -10,7 +10,7 @@ from modallab.core.events import StateChanged
 from modallab.core.rig import Rig
 from modallab.formats.format import Format, readers
 from modallab.service.context import Service
-from modallab.service.records.event_log import Topic
+from modallab.service.records.event_log import EventTopic
 from modallab.service.records.repository import RunEntry
 
 
@@ -57,7 +57,7 @@ def import_campaign(
         entry = RunEntry(run, campaign.id, new.rig, operator, None)
         service.repository.add_run(entry, record.plan.model_dump(mode="json"))
         changed = StateChanged(run=run, state=record.state, reason=record.reason)
-        service.log.append(changed.kind, Topic(new.rig, campaign.id, run), changed.model_dump())
+        service.log.append(changed.kind, EventTopic(new.rig, campaign.id, run), changed.model_dump())
     return service.repository.campaign(campaign.id)
 
 

@@ -9,8 +9,8 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.core.units import FrfEstimator
 from modallab.frf.broadband import PERIODIC, broadband_frf, driven_band
-from modallab.frf.estimate import convert
-from modallab.frf.joined import contiguous
+from modallab.frf.estimate import convert_frf
+from modallab.frf.joined import contiguous_blocks
 from modallab.frf.running import RunningFrf
 from modallab.frf.stepped import Line, frf_of_lines, line_of
 from modallab.service.errors import ConflictError
@@ -36,7 +36,7 @@ class LiveFrfs:
     def __init__(self, store: Store) -> None:
         self._store = store
         self._lock = Lock()
-        self._runs: OrderedDict[tuple[str, ...], _Followed] = OrderedDict()
+        self._runs: OrderedDict[tuple[str, ...], _FollowedRun] = OrderedDict()
 
     def frf(self, run: str, outputs: tuple[str, ...] = (), estimator: FrfEstimator = "H1") -> Frf:
         """Mobility of the blocks that count now, with coherence where blocks are averaged; of some outputs, or of all.
@@ -49,7 +49,7 @@ class LiveFrfs:
         followed = self._of(run, outputs)
         with followed.lock:
             followed.follow(self._store)
-            return convert(followed.sums.frf(followed.points, estimator), "mobility")
+            return convert_frf(followed.sums.frf(followed.points, estimator), "mobility")
 
     def news(self, run: str, outputs: tuple[str, ...], seen: Revisions) -> tuple[Revisions, list[Frf]]:
         """As `frf`, point by point, of the points whose FRF is another one than `seen`; and what is seen with them.
@@ -61,26 +61,28 @@ class LiveFrfs:
             followed.follow(self._store)
             now = dict(followed.revisions)
             changed = [point for point in followed.points if seen.get(point) != now[point]]
-            return now, [convert(followed.sums.frf((point,)), "mobility") for point in changed]
+            return now, [convert_frf(followed.sums.frf((point,)), "mobility") for point in changed]
 
-    def _of(self, run: str, outputs: tuple[str, ...]) -> "_Followed":
+    def _of(self, run: str, outputs: tuple[str, ...]) -> "_FollowedRun":
         key = run, *sorted(outputs)
         with self._lock:
             if key not in self._runs:
                 record = self._store.catalogue.run(run)
                 chosen = ChosenOutputs.of(record.rig, outputs)
-                made = {"impact": _Hits, "sine": _Sines}.get(record.test, _Broadband)
-                self._runs[key] = _Followed(run, record.rig, chosen, made(chosen.rig))
+                made = {"impact": _HitSums, "sine": _SineLines}.get(record.test, _BroadbandBlocks)
+                self._runs[key] = _FollowedRun(run, record.rig, chosen, made(chosen.rig))
             self._runs.move_to_end(key)
             while len(self._runs) > KEPT:
                 self._runs.popitem(last=False)
             return self._runs[key]
 
 
-class _Followed:
+class _FollowedRun:
     """One run: which of its blocks were looked at, and where each was driven."""
 
-    def __init__(self, run: str, rig: Rig, chosen: ChosenOutputs, sums: "_Hits | _Sines | _Broadband") -> None:
+    def __init__(
+        self, run: str, rig: Rig, chosen: ChosenOutputs, sums: "_HitSums | _SineLines | _BroadbandBlocks"
+    ) -> None:
         self.run, self.sums, self.lock = run, sums, Lock()
         self.revisions: Revisions = {}
         self._rig, self._chosen = rig, chosen
@@ -120,7 +122,7 @@ class _Followed:
             )
 
 
-class _Hits:
+class _HitSums:
     """Of an impact test."""
 
     def __init__(self, rig: Rig) -> None:
@@ -147,7 +149,7 @@ class _Hits:
         return self._running.frf(points, estimator)
 
 
-class _Sines:
+class _SineLines:
     """Of a sine test: one level only, the last one's, since FRFs of levels are what is compared, never averaged."""
 
     def __init__(self, rig: Rig) -> None:
@@ -179,7 +181,7 @@ class _Sines:
         return [line for level, line in self._lines.values() if level == last]
 
 
-class _Broadband:
+class _BroadbandBlocks:
     """Of a broadband test: the last level's blocks, all of which are read again when one comes or goes."""
 
     def __init__(self, rig: Rig) -> None:
@@ -190,7 +192,7 @@ class _Broadband:
     def empty(self) -> bool:
         """Several forces cannot be distinguished before as many waves have come, of a drive that repeats."""
         several = max((len(s.forces) for s in self._signals.values()), default=1)
-        waves = contiguous(list(self._signals.values()))
+        waves = contiguous_blocks(list(self._signals.values()))
         periodic = any(s.block.test in PERIODIC for s in self._signals.values())
         return len(self._signals) < several + (several > 1) or (periodic and len(waves) < several)
 

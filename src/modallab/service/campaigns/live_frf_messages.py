@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from modallab.core.frf import UNIT, Frf
-from modallab.service.campaigns.live_samples import message
+from modallab.service.campaigns.live_samples import binary_message
 from modallab.service.campaigns.runs import record_of
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError
@@ -76,12 +76,12 @@ class FrfWatch:
             "outputs": list(frf.outputs),
             "output_points": list(frf.output_points),
             "coherence": frf.coherence is not None,
-            "frequency_hz": _axis(lines),
+            "frequency_hz": _axis_of_lines(lines),
         }
-        return message(about, np.stack(parts))
+        return binary_message(about, np.stack(parts))
 
 
-def _axis(lines: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> dict[str, float] | list[float]:
+def _axis_of_lines(lines: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> dict[str, float] | list[float]:
     """First line and step where the lines are evenly apart, else all of them."""
     step = (lines[-1] - lines[0]) / (lines.size - 1) if lines.size > 1 else 0.0
     if lines.size > 2 and np.allclose(np.diff(lines), step, rtol=1e-9):

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.live import FOLDER, IDLE, LiveInfo, live_info
 from modallab.acquisition.monitor.ring import CELL, Ring
-from modallab.acquisition.process.idle_scope import want
+from modallab.acquisition.process.idle_scope import request_idle_view
 
 WANT_S = 1.0
 """So often a viewer says that it still looks at rigs without a run."""
@@ -27,7 +27,7 @@ LARGEST_S = 0.5
 """A message holds at most so much: who was away catches up in several."""
 
 
-def message(about: dict[str, object], values: NDArray[Any]) -> bytes:
+def binary_message(about: dict[str, object], values: NDArray[Any]) -> bytes:
     """One binary message."""
     little = np.ascontiguousarray(values.astype(values.dtype.newbyteorder("<"), copy=False))
     text = json.dumps(about | {"dtype": little.dtype.str, "shape": little.shape}).encode()
@@ -35,7 +35,7 @@ def message(about: dict[str, object], values: NDArray[Any]) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Selection:
+class ViewSelection:
     """What a viewer wants to see.
 
     Attributes:
@@ -56,7 +56,7 @@ class Selection:
 
 
 @dataclass(eq=False, slots=True)
-class Source:
+class LiveSource:
     """A run that is shown.
 
     Attributes:
@@ -111,8 +111,8 @@ class LiveView:
 
     folder: Path
     rig_of: Callable[[str], str]
-    chosen: Selection
-    _sources: dict[str, Source] = field(default_factory=dict[str, Source])
+    chosen: ViewSelection
+    _sources: dict[str, LiveSource] = field(default_factory=dict[str, LiveSource])
     _first: bool = True
     _wanted_s: float = float("-inf")
 
@@ -121,7 +121,7 @@ class LiveView:
         self._want()
         self._find()
         self._first = False
-        step = _samples if self.chosen.columns_per_s is None else self._envelope
+        step = _samples_of_source if self.chosen.columns_per_s is None else self._envelope
         return [found for source in list(self._sources.values()) for found in self._new(source, step)]
 
     def close(self) -> None:
@@ -134,17 +134,19 @@ class LiveView:
         if self.chosen.idle and now - self._wanted_s > WANT_S:
             self._wanted_s = now
             for name in self.chosen.idle:
-                want(self.folder, name)
+                request_idle_view(self.folder, name)
 
-    def _envelope(self, source: Source) -> bytes | None:
+    def _envelope(self, source: LiveSource) -> bytes | None:
         assert self.chosen.columns_per_s is not None
-        return _extremes(source, max(1, round(source.info.rate_hz / self.chosen.columns_per_s)))
+        return _extremes_by_column(source, max(1, round(source.info.rate_hz / self.chosen.columns_per_s)))
 
-    def _new(self, source: Source, step: Callable[[Source], bytes | None]) -> Iterator[bytes]:
+    def _new(self, source: LiveSource, step: Callable[[LiveSource], bytes | None]) -> Iterator[bytes]:
         while (found := step(source)) is not None:
             yield found
         if source.ended:
-            yield message(source.about(source.next, 0, ended=True), np.zeros((len(source.rows), 0), source.info.dtype))
+            yield binary_message(
+                source.about(source.next, 0, ended=True), np.zeros((len(source.rows), 0), source.info.dtype)
+            )
             source.ring.close()
             del self._sources[source.info.run]
 
@@ -181,10 +183,10 @@ class LiveView:
         rows = [i for i, name in enumerate(info.channels) if not self.chosen.channels or name in self.chosen.channels]
         # What began while the viewer looked is shown from its beginning.
         begin = (ring.written if self.chosen.after is None else self.chosen.after) if self._first else 0
-        self._sources[run] = Source(rig, info, ring, rows, begin)
+        self._sources[run] = LiveSource(rig, info, ring, rows, begin)
 
 
-def _samples(source: Source) -> bytes | None:
+def _samples_of_source(source: LiveSource) -> bytes | None:
     info = source.info
     most = source.until_break(source.next, max(1, int(LARGEST_S * info.rate_hz)))
     first, samples, over = source.ring.read(source.next, most, source.rows)
@@ -195,10 +197,10 @@ def _samples(source: Source) -> bytes | None:
         "scale": [info.scale[row] for row in source.rows],
         "overload": [info.channels[row] for row, flags in zip(source.rows, over, strict=True) if flags.any()],
     }
-    return message(about, samples)
+    return binary_message(about, samples)
 
 
-def _extremes(source: Source, width: int) -> bytes | None:
+def _extremes_by_column(source: LiveSource, width: int) -> bytes | None:
     """Whole columns of `width` samples: (channels, 2, columns) least and largest value in each channel's unit."""
     info = source.info
     begin = -(-source.next // width) * width
@@ -209,7 +211,7 @@ def _extremes(source: Source, width: int) -> bytes | None:
     if first != begin:
         # It went while it was read: on with the next column that is there.
         source.next = first
-        return _extremes(source, width)
+        return _extremes_by_column(source, width)
     lost, source.next = begin - source.next if begin - source.next >= width else 0, begin + columns * width
     values = samples.reshape(len(source.rows), columns, width)
     scale = np.array([info.scale[row] for row in source.rows])[:, None]
@@ -222,4 +224,4 @@ def _extremes(source: Source, width: int) -> bytes | None:
             for row, flags in zip(source.rows, over, strict=True)
         },
     }
-    return message(about, np.sort(ends, axis=1).astype(np.float32))
+    return binary_message(about, np.sort(ends, axis=1).astype(np.float32))

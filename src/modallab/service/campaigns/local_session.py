@@ -17,20 +17,20 @@ from modallab.core.errors import PlanError
 from modallab.core.lease import Lease
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
-from modallab.core.setups import Move, moves, require_setups, rig_of, split_setups
+from modallab.core.setups import SensorMove, require_setups, rig_of, sensor_moves, split_setups
 from modallab.pipelines.known_modes import with_known_modes
-from modallab.service.campaigns.begin import begin
+from modallab.service.campaigns.begin import begin_run
 from modallab.service.context import open_service
 from modallab.service.errors import RigUnavailableError, RunEndedError, ServiceError
 from modallab.service.records.event_log import EventLog
-from modallab.service.records.leases import Leases
-from modallab.service.rigs.controller import Bench, Controller
-from modallab.service.rigs.controllers import Controllers, rig_ids
-from modallab.service.rigs.run_log import Recovery, RunLog
+from modallab.service.records.leases import RigLeases
+from modallab.service.rigs.controller import RigController, ServedRig
+from modallab.service.rigs.controllers import RigControllers, rig_ids
+from modallab.service.rigs.run_log import RunLog, RunRecovery
 from modallab.storage import Store, campaign_of
 from modallab.storage.campaigns import campaigns_by_rig
 
-Moved = Callable[[str, Sequence[Move]], bool]
+Moved = Callable[[str, Sequence[SensorMove]], bool]
 """Has sensors moved: gets the set-up's name and what to move, returns once that is done; False to end the session."""
 
 LOCK = "service.lock"
@@ -97,12 +97,12 @@ class LocalCampaign:
             )
         self._ended: SimpleQueue[str] = SimpleQueue()
         run_log = self._run_log = RunLog(self._store, EventLog(self._store.catalogue.engine))
-        Recovery(run_log).look()
+        RunRecovery(run_log).look()
         (self._rig,) = rig_ids([rig.name])
-        leases = Leases(self._store.catalogue.engine, boot)
+        leases = RigLeases(self._store.catalogue.engine, boot)
         self._as_filed = rig
-        self._controller = Controller(Bench(self._rig, rig, url, folder), run_log, self._ended.put)
-        self._controllers = Controllers([self._controller], leases)
+        self._controller = RigController(ServedRig(self._rig, rig, url, folder), run_log, self._ended.put)
+        self._controllers = RigControllers([self._controller], leases)
         self._service = open_service(folder, self._controllers, boot)
         self._lease = self._service.leases.take(self._rig, operator, LEASE_S)
         self.campaign = self._service.repository.create(CampaignNew(name=name, rig=self._rig), operator)
@@ -164,7 +164,7 @@ class LocalCampaign:
         self._wait_until_open()
         self._service.leases.renew(self._rig, self._lease.id)
         seen = self._service.log.last()
-        run = begin(self._service, self.campaign.id, RunNew(plan=plan), self._lease.id)
+        run = begin_run(self._service, self.campaign.id, RunNew(plan=plan), self._lease.id)
         ended = False
         while True:
             events = self._service.log.after(seen, 1000)
@@ -218,7 +218,7 @@ class LocalCampaign:
     def _stands(self, plan: Plan, rig: Rig, moved: Moved | None) -> bool:
         """Have the sensors stand as in `rig`; False if the session is ended instead."""
         bench = self._controller.bench
-        to_move = moves(bench.rig, rig)
+        to_move = sensor_moves(bench.rig, rig)
         if not to_move:
             return True
         name = plan.setups[0].name if isinstance(plan, ImpactPlan) and plan.setups else "as in the rig file"
@@ -226,7 +226,7 @@ class LocalCampaign:
         if moved is None or not moved(name, to_move):
             return False
         self._controller.close()
-        self._controller = Controller(replace(bench, rig=rig), self._run_log, self._ended.put)
+        self._controller = RigController(replace(bench, rig=rig), self._run_log, self._ended.put)
         self._controllers.replace(self._controller)
         return True
 

@@ -11,13 +11,13 @@ from modallab.service.records.archived import Archive, Kind
 from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
 from modallab.storage.records import ENDED
-from modallab.storage.retention import Removable, remove
+from modallab.storage.retention import RemovableRun, remove_samples
 
 LOG = logging.getLogger(__name__)
 LOOK_S = 60.0
 
 
-def _utc() -> datetime:
+def _utc_now() -> datetime:
     return datetime.now(UTC)
 
 
@@ -28,7 +28,7 @@ class Purge:
         self,
         store: Store,
         look_s: float = LOOK_S,
-        wall: Callable[[], datetime] = _utc,
+        wall: Callable[[], datetime] = _utc_now,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Nothing is deleted yet; the first look is after `look_s`.
@@ -86,7 +86,7 @@ class Purge:
             record = self._store.catalogue.run(run)
             file = self._store.folder / "runs" / f"{run}.h5"
             if record.state in ENDED and file.exists():
-                remove(self._store, [Removable(record, file.stat().st_size)], reason)
+                remove_samples(self._store, [RemovableRun(record, file.stat().st_size)], reason)
 
     def _delete_files(self, job: str) -> None:
         try:

@@ -11,10 +11,10 @@ from modallab.service.campaigns.begin import require_plan
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError
 from modallab.service.records.archived import Archive
-from modallab.service.records.event_log import Topic
+from modallab.service.records.event_log import EventTopic
 from modallab.service.records.run_queue import RunQueue
 from modallab.service.rigs.control import ControllerState
-from modallab.service.rigs.queue_rules import obstacle
+from modallab.service.rigs.queue_rules import why_not_begun
 from modallab.storage.durable import planned_blocks
 
 HIT_S = 15.0
@@ -38,7 +38,7 @@ def queue_run(service: Service, rig: ControllerState, new: QueueItemNew, operato
     Archive(service.engine).require_present(new.campaign)
     require_plan(new.plan, rig)
     item = RunQueue(service.engine).add(rig.id, new, duration_s(new.plan), operator)
-    _notify(service, rig.id, item=item.id, state=item.state, operator=operator)
+    _notify_queue(service, rig.id, item=item.id, state=item.state, operator=operator)
     return item
 
 
@@ -53,33 +53,33 @@ def queue_view(service: Service, rig: ControllerState, *, ended: bool = False) -
         rig=rig.id,
         paused=rig.id in paused,
         reason=paused.get(rig.id, ""),
-        waits_for="" if waiting is None else obstacle(waiting, rig, trip, consent),
+        waits_for="" if waiting is None else why_not_begun(waiting, rig, trip, consent),
         consent=consent,
         remaining_s=sum(item.estimated_s for item in items),
         items=(*items, *(queue.ended(rig.id, ENDED) if ended else ())),
     )
 
 
-def skip(service: Service, rig: str, item: str, reason: str, operator: str) -> QueueItem:
+def skip_item(service: Service, rig: str, item: str, reason: str, operator: str) -> QueueItem:
     """Take an item out that waits. Raises as `RunQueue.skip`."""
     skipped = RunQueue(service.engine).take_out(rig, item, reason, operator)
-    _notify(service, rig, item=item, state="skipped", reason=reason, operator=operator)
+    _notify_queue(service, rig, item=item, state="skipped", reason=reason, operator=operator)
     return skipped
 
 
-def reorder(service: Service, rig: str, items: Sequence[str], operator: str) -> None:
+def reorder_items(service: Service, rig: str, items: Sequence[str], operator: str) -> None:
     """Have what waits run in this order. Raises as `RunQueue.reorder`."""
     RunQueue(service.engine).reorder(rig, items, operator)
-    _notify(service, rig, state="reordered", operator=operator)
+    _notify_queue(service, rig, state="reordered", operator=operator)
 
 
-def pause(service: Service, rig: str, reason: str, operator: str) -> None:
+def pause_queue(service: Service, rig: str, reason: str, operator: str) -> None:
     """Have nothing begin; a run that is on goes on."""
     RunQueue(service.engine).pause(rig, reason or f"by {operator}", operator)
-    _notify(service, rig, state="paused", reason=reason, operator=operator)
+    _notify_queue(service, rig, state="paused", reason=reason, operator=operator)
 
 
-def resume(service: Service, rig: str, lease: str | None) -> None:
+def resume_queue(service: Service, rig: str, lease: str | None) -> None:
     """Let the queue go on.
 
     Raises:
@@ -87,10 +87,10 @@ def resume(service: Service, rig: str, lease: str | None) -> None:
     """
     operator = service.leases.require(rig, lease).operator
     RunQueue(service.engine).resume(rig, operator)
-    _notify(service, rig, state="resumed", operator=operator)
+    _notify_queue(service, rig, state="resumed", operator=operator)
 
 
-def consent(service: Service, rig: str, new: ConsentNew, lease: str | None) -> None:
+def give_consent(service: Service, rig: str, new: ConsentNew, lease: str | None) -> None:
     """Let items that wait begin by themselves.
 
     Raises:
@@ -102,7 +102,7 @@ def consent(service: Service, rig: str, new: ConsentNew, lease: str | None) -> N
     if foreign:
         raise ConflictError(f"item {foreign[0]} does not wait", where="items", remedy="read the queue again")
     given = service.control.give_consent(rig, new, waiting if new.items is None else new.items, lease)
-    _notify(service, rig, state="consent", operator=given.operator, drive=given.drive, at_bench=given.at_bench)
+    _notify_queue(service, rig, state="consent", operator=given.operator, drive=given.drive, at_bench=given.at_bench)
 
 
 def duration_s(plan: Plan) -> float:
@@ -115,6 +115,6 @@ def duration_s(plan: Plan) -> float:
     return len(plan.levels_v) * (wave_s + plan.wait_s)
 
 
-def _notify(service: Service, rig: str, **content: str | bool) -> None:
+def _notify_queue(service: Service, rig: str, **content: str | bool) -> None:
     event = QueueChanged.model_validate({"rig": rig} | content)
-    service.log.append(event.kind, Topic(rig=rig), event.content())
+    service.log.append(event.kind, EventTopic(rig=rig), event.content())

@@ -9,10 +9,10 @@ from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.jobs.background import AfterRun
 from modallab.service.records import audit
-from modallab.service.records.archived import Archive, shown
-from modallab.service.records.event_log import Topic
+from modallab.service.records.archived import Archive, set_aside_view
+from modallab.service.records.event_log import EventTopic
 from modallab.service.rigs.control import legal_after
-from modallab.storage.engine import reading
+from modallab.storage.engine import read_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.records import ENDED, BlockRecord, RunRecord
 from modallab.storage.samples import Samples, open_samples
@@ -26,7 +26,7 @@ def record_of(service: Service, run: str) -> RunRecord:
     Raises:
         NotFoundError: there is none of this name.
     """
-    with reading(service.engine) as connection:
+    with read_transaction(service.engine) as connection:
         known = connection.scalar(select(RUNS.c.id).where(RUNS.c.id == run))
     if known is None:
         raise NotFoundError(f"there is no run {run!r}", remedy="look at the list of runs of its campaign")
@@ -62,7 +62,7 @@ def run_view(service: Service, run: str) -> RunView:
         accepted=sum(block.note.accepted for block in blocks),
         rate_hz=None if record.rates is None else record.rates.delivered_hz,
         rig_hash=record.rig_hash,
-        **shown(aside),
+        **set_aside_view(aside),
     )
 
 
@@ -122,7 +122,9 @@ def read_samples(service: Service, block: BlockRecord) -> Samples:
     return np.ascontiguousarray(samples, dtype=samples.dtype.newbyteorder("<"))
 
 
-def judge(service: Service, run: str, n: int, verdict: Verdict, lease: str | None, operator: str = "unknown") -> None:
+def judge_block(
+    service: Service, run: str, n: int, verdict: Verdict, lease: str | None, operator: str = "unknown"
+) -> None:
     """Accept or reject a block of a run, going on or ended.
 
     One that has ended needs no lease, since nothing moves; `operator` is who judges then.
@@ -148,9 +150,9 @@ def judge(service: Service, run: str, n: int, verdict: Verdict, lease: str | Non
     service.store.catalogue.judge_block(
         run, n, accepted=verdict.accepted, reason=verdict.reason or word, operator=operator, utc=utc_now()
     )
-    audit.enter(service.engine, operator, "verdict", f"{run}/{n}", verdict.model_dump())
+    audit.enter_action(service.engine, operator, "verdict", f"{run}/{n}", verdict.model_dump())
     given = VerdictGiven(run=run, n=n, operator=operator, accepted=verdict.accepted, reason=verdict.reason)
-    service.log.append(given.kind, Topic(entry.rig, entry.campaign, run), given.model_dump())
+    service.log.append(given.kind, EventTopic(entry.rig, entry.campaign, run), given.model_dump())
     AfterRun(service.store, service.jobs).judged(run)
 
 

@@ -8,7 +8,7 @@ from sqlalchemy import Engine
 from modallab.core.documents.messages import JobChanged
 from modallab.core.errors import ModallabError, UnknownJobError
 from modallab.jobs import Job, Jobs
-from modallab.service.records.event_log import EventLog, Topic
+from modallab.service.records.event_log import EventLog, EventTopic
 from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
 
@@ -51,7 +51,7 @@ class JobWatch:
                 job=job.id, of=job.kind, state=job.state, progress=job.progress, stage=job.stage, inputs=job.inputs,
                 error=job.error,
             )  # fmt: skip
-            topic = Topic(campaign=self._repository.campaign_of_job(name))
+            topic = EventTopic(campaign=self._repository.campaign_of_job(name))
             self._log.append(changed.kind, topic, changed.model_dump(mode="json"))
         if job.ended:
             self._known.pop(name, None)

@@ -11,7 +11,7 @@ from modallab.service.records.archived import Archive
 from modallab.storage.records import ENDED
 
 
-def order(service: Service, campaign: str, kind: JobKind, new: JobNew, operator: str) -> Job:
+def order_job(service: Service, campaign: str, kind: JobKind, new: JobNew, operator: str) -> Job:
     """Order a job on runs of a campaign.
 
     Raises:
@@ -55,7 +55,7 @@ def order_blind(service: Service, new: JobNew, operator: str) -> Job:
         raise JobError("blind trials are made, not read from runs", where="runs", remedy="leave `runs` out")
     parse_parameters("blind", new.parameters)
     job = service.jobs.submit("blind", dict(new.parameters), ())
-    audit.enter(service.engine, operator, "order-blind", job.id, {"job": job.id, "runs": []})
+    audit.enter_action(service.engine, operator, "order-blind", job.id, {"job": job.id, "runs": []})
     return job
 
 

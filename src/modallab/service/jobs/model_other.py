@@ -28,10 +28,10 @@ def correlation_of(
         NotFoundError: no such campaign, or no model of this test.
         DataError: fewer than two common points, no driving point, or no two modes that are alike.
     """
-    from modallab.updating.correlation import correlate
+    from modallab.updating.correlation import correlate_models
 
     one, two = known_of_campaign(service, campaign, test), known_of_campaign(service, other, other_test)
-    found = correlate(one, two)
+    found = correlate_models(one, two)
     pairs = (
         PairView(
             mode=i + 1,
@@ -61,11 +61,11 @@ def tunings_of(service: Service, campaign: str, new: TuningNew) -> TuningsView:
         NotFoundError: no such campaign, or no model of this test.
         DataError: no such mode, a frequency beyond the band, or a point that the model does not know.
     """
-    from modallab.modification.inverse import tuned
+    from modallab.modification.inverse import changes_for_frequency
 
     known = known_of_campaign(service, campaign, new.test)
     at = new.at or known.sensors
-    answers = tuned(known, new.mode, new.to_hz, new.by, at)
+    answers = changes_for_frequency(known, new.mode, new.to_hz, new.by, at)
     return TuningsView(
         test=known.model.test,
         tunings=tuple(

@@ -56,11 +56,11 @@ def participation_of(
         DataError: a band outside the model's, a point that it does not know, or no driving point.
     """
     from modallab.modification.known import FRF_SAMPLES
-    from modallab.modification.participation import participation
+    from modallab.modification.participation import modal_participation
 
     known = known_of_campaign(service, campaign, test)
     band = (band_hz[0], band_hz[1]) if band_hz else None
-    found = participation(known.between([of], [at]), known.samples.first(FRF_SAMPLES), at, of, quantity, band)
+    found = modal_participation(known.between([of], [at]), known.samples.first(FRF_SAMPLES), at, of, quantity, band)
     return ParticipationView(
         test=known.model.test,
         at=at,

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from modallab.updating.prior import Prior
 
 
-def updated(service: Service, campaign: str, new: UpdateNew) -> UpdatedView:
+def updated_parameters(service: Service, campaign: str, new: UpdateNew) -> UpdatedView:
     """What a test says of the parameters of the rig's beam, or of matrices.
 
     Raises:

@@ -34,13 +34,13 @@ from modallab.service.jobs.results import models_of_campaign
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from modallab.modification.attachments import Addition
-    from modallab.modification.known import Known
+    from modallab.modification.attachments import AttachedPart
+    from modallab.modification.known import KnownStructure
     from modallab.modification.structure import At
 
 KEPT = 8
 """Models that stay ready for use: their samples take longer than what is asked of them."""
-_READY: dict[tuple[str, Test | None, tuple[str, ...]], "Known"] = {}
+_READY: dict[tuple[str, Test | None, tuple[str, ...]], "KnownStructure"] = {}
 MOST_SAMPLES = 100_000
 """Of a force by kind: more are computed beside the service, from its model."""
 
@@ -76,7 +76,7 @@ def frf_of(
     )
 
 
-def modified(service: Service, campaign: str, new: ModificationNew) -> ModifiedView:
+def modified_modes_view(service: Service, campaign: str, new: ModificationNew) -> ModifiedView:
     """The modes after changes.
 
     Raises:
@@ -84,7 +84,7 @@ def modified(service: Service, campaign: str, new: ModificationNew) -> ModifiedV
         DataError: a change that is none, a point that the model does not know, or no driving point.
     """
     from modallab.modification.skeleton import motion_of
-    from modallab.reporting.modified_table import checked, notes_of
+    from modallab.reporting.modified_table import check_predictions, notes_of
 
     known = known_of_campaign(service, campaign, new.test)
     changes = [_addition(service, change) for change in new.changes]
@@ -116,13 +116,13 @@ def modified(service: Service, campaign: str, new: ModificationNew) -> ModifiedV
                 inside=c.inside,
                 words=c.words,
             )
-            for c in checked(after, measured)
+            for c in check_predictions(after, measured)
         ),
         motion=None if known.rig is None else motion_of(known.structure, known.rig, after.psi),
     )
 
 
-def _mobility(known: "Known", changed: "Known", pair: PairNew) -> MobilityView:
+def _mobility(known: "KnownStructure", changed: "KnownStructure", pair: PairNew) -> MobilityView:
     from modallab.modification.frfs import lines_with_peaks
 
     f = lines_with_peaks(known.model.band_hz, pair.lines, known.structure.poles, changed.poles)
@@ -130,7 +130,7 @@ def _mobility(known: "Known", changed: "Known", pair: PairNew) -> MobilityView:
     return MobilityView(frequency_hz=f, before=before, after=after)
 
 
-def _addition(service: Service, new: ChangeNew) -> "Addition":
+def _addition(service: Service, new: ChangeNew) -> "AttachedPart":
     from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
 
     if isinstance(new, ElementNew):
@@ -151,11 +151,11 @@ def response_to(service: Service, campaign: str, new: ResponseNew) -> ResponseVi
         NotFoundError: no such campaign, or no model of this test.
         DataError: forces that cannot be, a point that the model does not know, or no driving point.
     """
-    from modallab.modification.motion import Motion
+    from modallab.modification.motion import MotionOverTime
 
     known = known_of_campaign(service, campaign, new.test)
-    start = _start(new.start or ())
-    found = Motion.of(known, _forces(new), new.step_s, new.at, new.of, new.quantity, new.between, start)
+    start = _start_of_motion(new.start or ())
+    found = MotionOverTime.of(known, _forces(new), new.step_s, new.at, new.of, new.quantity, new.between, start)
     figures, sigma = found.figures, found.figures_sigma
     return ResponseView(
         test=known.model.test,
@@ -190,7 +190,7 @@ def _forces(new: ResponseNew) -> "NDArray[np.float64]":
     return np.array([force_samples(force, new.step_s, count) for force in new.forces or ()])
 
 
-def _start(given: tuple[StartNew, ...]) -> "dict[Quantity, dict[At, float]] | None":
+def _start_of_motion(given: tuple[StartNew, ...]) -> "dict[Quantity, dict[At, float]] | None":
     whole: dict[Quantity, dict[At, float]] = {
         "displacement": {one.at: one.displacement_m for one in given if one.displacement_m is not None},
         "velocity": {one.at: one.velocity_m_s for one in given if one.velocity_m_s is not None},
@@ -212,14 +212,14 @@ def state_space_of_model(
     return StateSpaceView.model_validate({"test": known.model.test, **found.document()})
 
 
-def known_of_campaign(service: Service, campaign: str, test: Test | None) -> "Known":
+def known_of_campaign(service: Service, campaign: str, test: Test | None) -> "KnownStructure":
     """The newest model of a test, ready for use; of the first test if none is named.
 
     Raises:
         NotFoundError: no such campaign, or no model of this test.
         DataError: no driving point, or a point that is not known.
     """
-    from modallab.modification.known import Known
+    from modallab.modification.known import KnownStructure
 
     found = model_of_campaign(service, campaign, test)
     key = (found.job, found.model.test, found.runs)
@@ -228,7 +228,7 @@ def known_of_campaign(service: Service, campaign: str, test: Test | None) -> "Kn
     rows = [row.note for run in found.runs for row in service.store.catalogue.blocks(run)]
     hits = Counter(note.drive_point for note in rows if note.accepted and note.test == "impact")
     counted = [max(1, hits[point]) if found.model.test == "impact" else 1 for point in found.model.input_points]
-    known = Known(found.model, service.store.catalogue.run(found.runs[0]).rig, counted)
+    known = KnownStructure(found.model, service.store.catalogue.run(found.runs[0]).rig, counted)
     while len(_READY) >= KEPT:
         _READY.pop(next(iter(_READY)))
     return _READY.setdefault(key, known)

@@ -33,7 +33,7 @@ def models_of_campaign(service: Service, campaign: str) -> ModelsView:
         StorageError: the newest result cannot be read.
     """
     jobs = campaign_jobs(service, campaign, "identify")
-    return _models(service, _by_test(_done(f"campaign {campaign}", campaign, "identify", jobs)))
+    return _models(service, _newest_by_test(_done_jobs(f"campaign {campaign}", campaign, "identify", jobs)))
 
 
 def curves_of_campaign(service: Service, campaign: str) -> CurvesView:
@@ -44,15 +44,15 @@ def curves_of_campaign(service: Service, campaign: str) -> CurvesView:
         StorageError: a result cannot be read.
     """
     jobs = campaign_jobs(service, campaign, "identify")
-    found = _by_test(_done(f"campaign {campaign}", campaign, "identify", jobs))
+    found = _newest_by_test(_done_jobs(f"campaign {campaign}", campaign, "identify", jobs))
     return CurvesView(tests=tuple(_curves(service, one).tests[one.place] for one in found if one.place is not None))
 
 
-def _curves(service: Service, one: "_Newest") -> CurvesView:
+def _curves(service: Service, one: "_NewestResult") -> CurvesView:
     try:
         return CurvesView.model_validate_json(job_file(service, one.job, CURVES))
     except ValidationError as error:
-        raise _unreadable(one.job) from error
+        raise _unreadable_result(one.job) from error
 
 
 def models_of_run(service: Service, run: str) -> ModelsView:
@@ -65,7 +65,7 @@ def models_of_run(service: Service, run: str) -> ModelsView:
     campaign, found = _jobs_of_run(service, run)
     jobs = [job for job in found if job.kind == "identify"]
     alone = [job for job in jobs if set(job.inputs) == {run} and job.state == "done"]
-    return _models(service, _by_test(_done(f"run {run}", campaign, "identify", alone or jobs)))
+    return _models(service, _newest_by_test(_done_jobs(f"run {run}", campaign, "identify", alone or jobs)))
 
 
 def _jobs_of_run(service: Service, run: str) -> tuple[str, list[Job]]:
@@ -90,32 +90,32 @@ def diagnosis_of_campaign(service: Service, campaign: str) -> DiagnosisView:
     Raises:
         NotFoundError: no such campaign, or it has none yet.
     """
-    job = _done(f"campaign {campaign}", campaign, "diagnose", campaign_jobs(service, campaign, "diagnose"))[0]
+    job = _done_jobs(f"campaign {campaign}", campaign, "diagnose", campaign_jobs(service, campaign, "diagnose"))[0]
     try:
         found = Diagnosis.model_validate(_document(job))
     except ValidationError as error:
-        raise _unreadable(job) from error
-    return DiagnosisView(**_about(service, job), diagnosis=found)
+        raise _unreadable_result(job) from error
+    return DiagnosisView(**_about_job(service, job), diagnosis=found)
 
 
-def comparison(service: Service, one: str, other: str) -> ComparisonView:
+def comparison_of_runs(service: Service, one: str, other: str) -> ComparisonView:
     """The models of two runs side by side.
 
     Raises:
         NotFoundError: one of them has no model.
     """
     # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
-    from modallab.identification.selection.pairing import nearest
-    from modallab.verification.comparison import compare
+    from modallab.identification.selection.pairing import nearest_partners
+    from modallab.verification.comparison import compare_shapes
 
-    first, second = (_only(models_of_run(service, run), run) for run in (one, other))
-    partners = nearest(first.frequency_hz, second.frequency_hz)
+    first, second = (_only_of_run(models_of_run(service, run), run) for run in (one, other))
+    partners = nearest_partners(first.frequency_hz, second.frequency_hz)
     pairs = tuple((i, j) for i, j in enumerate(partners) if j is not None)
     a, b = [i for i, _ in pairs], [j for _, j in pairs]
     hz = np.stack([first.frequency_hz[a], second.frequency_hz[b]], axis=1)
     joint = np.hypot(first.frequency_sigma_hz[a], second.frequency_sigma_hz[b])
     try:
-        shapes = compare(first, second)
+        shapes = compare_shapes(first, second)
     except DataError:
         shapes = None
     return ComparisonView(
@@ -129,28 +129,28 @@ def comparison(service: Service, one: str, other: str) -> ComparisonView:
         mac=None if shapes is None else shapes.mac,
         points=() if shapes is None else shapes.points,
         comac=None if shapes is None else shapes.comac,
-        alone=(_others(first, a), _others(second, b)),
+        alone=(_unpaired_modes(first, a), _unpaired_modes(second, b)),
     )
 
 
-def _others(model: ModalModel, paired: Sequence[int]) -> tuple[int, ...]:
+def _unpaired_modes(model: ModalModel, paired: Sequence[int]) -> tuple[int, ...]:
     return tuple(i for i in range(model.n_modes) if i not in paired)
 
 
-def _only(models: ModelsView, run: str) -> ModalModel:
+def _only_of_run(models: ModelsView, run: str) -> ModalModel:
     if not models.models:
         raise NotFoundError(f"run {run} gave no model", where=run, remedy=f"see why at /runs/{run}/model")
     return models.models[-1].model
 
 
-def _done(whose: str, campaign: str, kind: str, jobs: Sequence[Job]) -> list[Job]:
+def _done_jobs(whose: str, campaign: str, kind: str, jobs: Sequence[Job]) -> list[Job]:
     found = [job for job in jobs if job.state == "done"]
     if not found:
         raise none_yet(whose, campaign, kind, next(iter(jobs), None))
     return found
 
 
-class _Newest(NamedTuple):
+class _NewestResult(NamedTuple):
     """The newest word on a test: a model at its place in a job's document, or no place and why there is none."""
 
     job: Job
@@ -159,16 +159,16 @@ class _Newest(NamedTuple):
     error: str = ""
 
 
-def _by_test(jobs: Sequence[Job]) -> list[_Newest]:
+def _newest_by_test(jobs: Sequence[Job]) -> list[_NewestResult]:
     """Of done jobs, the newest first, what the newest that speaks of a test says; in the order of the tests.
 
     Raises:
         StorageError: the newest one cannot be read.
     """
-    found: dict[str | None, _Newest] = {}
+    found: dict[str | None, _NewestResult] = {}
     for job in jobs:
         try:
-            said = _said(job)
+            said = _tests_of_job(job)
         except StorageError:
             # One of an older version is no reason to hide what is newer.
             if not found:
@@ -180,20 +180,20 @@ def _by_test(jobs: Sequence[Job]) -> list[_Newest]:
     return sorted(found.values(), key=lambda one: order.get(cast("Test", one.test), len(order)))
 
 
-def _said(job: Job) -> list[_Newest]:
+def _tests_of_job(job: Job) -> list[_NewestResult]:
     document = _document(job)
     try:
-        models = [_Newest(job, model["test"], n) for n, model in enumerate(document["models"])]
-        return models + [_Newest(job, one["test"], None, one["error"]) for one in document["without_model"]]
+        models = [_NewestResult(job, model["test"], n) for n, model in enumerate(document["models"])]
+        return models + [_NewestResult(job, one["test"], None, one["error"]) for one in document["without_model"]]
     except (KeyError, TypeError) as error:
-        raise _unreadable(job) from error
+        raise _unreadable_result(job) from error
 
 
-def _models(service: Service, found: Sequence[_Newest]) -> ModelsView:
+def _models(service: Service, found: Sequence[_NewestResult]) -> ModelsView:
     models = tuple(_model(service, one.job, one.place) for one in found if one.place is not None)
     without = tuple(Missing(test=str(one.test), error=one.error) for one in found if one.place is None)
     newest = max((one.job for one in found), key=lambda job: job.created_utc)
-    abouts = [_about(service, one.job) for one in found]
+    abouts = [_about_job(service, one.job) for one in found]
     return ModelsView(
         job=newest.id,
         runs=tuple(dict.fromkeys(run for about in abouts for run in about["runs"])),
@@ -208,7 +208,7 @@ def _model(service: Service, job: Job, place: int) -> TestModel:
     document = _document(job)
     try:
         model = document["models"][place]
-        about = {key: value for key, value in _about(service, job).items() if key != "code_version"}
+        about = {key: value for key, value in _about_job(service, job).items() if key != "code_version"}
         return TestModel(
             **about,
             model=ModalModel.model_validate({key: value for key, value in model.items() if key != "frac"}),
@@ -216,10 +216,10 @@ def _model(service: Service, job: Job, place: int) -> TestModel:
             assessment=document["assessments"][place],
         )
     except (ValidationError, KeyError, IndexError) as error:
-        raise _unreadable(job) from error
+        raise _unreadable_result(job) from error
 
 
-def _about(service: Service, job: Job) -> dict[str, Any]:
+def _about_job(service: Service, job: Job) -> dict[str, Any]:
     current = not job.revision or job.revision == service.store.revision(job.inputs)
     return {"job": job.id, "runs": job.inputs, "current": current, "code_version": job.code_version}
 
@@ -228,9 +228,9 @@ def _document(job: Job) -> Mapping[str, Any]:
     result = job.result if isinstance(job.result, dict) else {}
     found = result.get("document")
     if not isinstance(found, dict):
-        raise _unreadable(job)
+        raise _unreadable_result(job)
     return cast("Mapping[str, Any]", found)
 
 
-def _unreadable(job: Job) -> StorageError:
+def _unreadable_result(job: Job) -> StorageError:
     return StorageError(f"the result of job {job.id} cannot be read", where=job.id, remedy="order it again")

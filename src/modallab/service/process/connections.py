@@ -92,7 +92,7 @@ class GuardedHttp(H11Protocol):
         return float("inf") if self._due_s is None else self._due_s
 
 
-def guarded(descriptors: int) -> type[GuardedHttp]:
+def guarded_protocol(descriptors: int) -> type[GuardedHttp]:
     """The protocol for a server of a process that may have so many descriptors."""
     crowd = ConnectionLimit(max(64, min(MOST, descriptors - RESERVE)))
     return type("Connection", (GuardedHttp,), {"crowd": crowd})

@@ -28,8 +28,8 @@ class Orphans:
 
         A rig's process brings its output to 0 V, commits and leaves; it is ended if it is frozen or does not leave.
         """
-        living = [(process, leaves) for pid, began_s, leaves in self._read() if (process := _living(pid, began_s))]
-        at_work = [process for process, leaves in living if leaves and not _frozen(process)]
+        living = [(process, leaves) for pid, began_s, leaves in self._read() if (process := _is_living(pid, began_s))]
+        at_work = [process for process, leaves in living if leaves and not _is_frozen(process)]
         _, stuck = psutil.wait_procs(at_work, timeout=END_S)
         left = [process for process, _ in living if process not in at_work or process in stuck]
         for process in left:
@@ -63,14 +63,14 @@ class Orphans:
             return []
 
 
-def _frozen(process: psutil.Process) -> bool:
+def _is_frozen(process: psutil.Process) -> bool:
     try:
         return process.status() == psutil.STATUS_STOPPED
     except psutil.Error:
         return False
 
 
-def _living(pid: int, began_s: float) -> psutil.Process | None:
+def _is_living(pid: int, began_s: float) -> psutil.Process | None:
     try:
         process = psutil.Process(pid)
         # A number that is used again is another process.

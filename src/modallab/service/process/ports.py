@@ -15,7 +15,7 @@ PATIENCE_S = 2.0
 """A process that has just been ended lets go of its port within this time."""
 
 
-def bound(host: str, port: int) -> socket.socket:
+def bound_socket(host: str, port: int) -> socket.socket:
     """A socket that listens there.
 
     Raises:
@@ -24,14 +24,14 @@ def bound(host: str, port: int) -> socket.socket:
     end = time.monotonic() + PATIENCE_S
     while True:
         try:
-            return _bound(host, port)
+            return _bind_socket(host, port)
         except OSError as error:
             if time.monotonic() > end:
-                raise taken(port, error) from error
+                raise port_taken_error(port, error) from error
             time.sleep(AGAIN_S)
 
 
-def _bound(host: str, port: int) -> socket.socket:
+def _bind_socket(host: str, port: int) -> socket.socket:
     # Bound here, so that requests wait in line while the REST process is started again.
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     # The protocol is named: asyncio sends small answers at once (TCP_NODELAY) only on sockets that name it. Without,
@@ -48,16 +48,16 @@ def _bound(host: str, port: int) -> socket.socket:
     return listener
 
 
-def taken(port: int, error: OSError) -> ServiceError:
+def port_taken_error(port: int, error: OSError) -> ServiceError:
     """What to raise where a port cannot be had."""
     return ServiceError(
-        f"cannot listen on port {port}: {error.strerror}{_holder(port)}",
+        f"cannot listen on port {port}: {error.strerror}{_holder_of_port(port)}",
         where="port",
         remedy="end that process, or name another port",
     )
 
 
-def _holder(port: int) -> str:
+def _holder_of_port(port: int) -> str:
     # Of other people's processes the system may say nothing.
     with suppress(psutil.Error, OSError):
         for one in psutil.net_connections("tcp"):

@@ -14,7 +14,7 @@ from modallab.service.errors import ServiceError
 from modallab.storage.address import ADDRESS, database_of, name_database
 
 if TYPE_CHECKING:
-    from modallab.jobs.address import Tls
+    from modallab.jobs.address import TlsFiles
 
 
 NAME = "token"
@@ -36,7 +36,7 @@ def require_token(settings: Settings) -> str:
         return settings.token
     path = token_path(settings)
     if not settings.is_local and settings.token_file is not None:
-        return _chosen(settings.token_file)
+        return _chosen_token(settings.token_file)
     if not settings.is_local:
         raise ServiceError(
             f"others can reach {settings.host}, and no token was chosen",
@@ -44,7 +44,7 @@ def require_token(settings: Settings) -> str:
             remedy="set MODALLAB_TOKEN to at least 16 characters, name a file that holds them, or listen on 127.0.0.1",
         )
     try:
-        return _read(path) or _make(path)
+        return _read_token(path) or _make_token(path)
     except (FileExistsError, NotADirectoryError) as error:
         raise ServiceError(
             "is a file", where=str(path.parent), remedy="name a folder for the recordings by --data"
@@ -55,7 +55,7 @@ def require_token(settings: Settings) -> str:
         ) from error
 
 
-def _chosen(path: Path) -> str:
+def _chosen_token(path: Path) -> str:
     # Named on purpose, as a secret that an engine for containers puts there: who may read it is not ours to say.
     try:
         token = path.read_text(encoding="ascii").strip()
@@ -70,7 +70,7 @@ def _chosen(path: Path) -> str:
     return token
 
 
-def _read(path: Path) -> str:
+def _read_token(path: Path) -> str:
     if not path.exists():
         return ""
     # A file that others could read in between is no secret any more.
@@ -78,7 +78,7 @@ def _read(path: Path) -> str:
     return "" if shared else path.read_text(encoding="ascii").strip()
 
 
-def _make(path: Path) -> str:
+def _make_token(path: Path) -> str:
     token = secrets.token_urlsafe(32)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.unlink(missing_ok=True)
@@ -99,27 +99,27 @@ def settle_database(settings: Settings) -> None:
         return
     url = settings.database.get_secret_value()
     if not (settings.data / ADDRESS).exists():
-        _shown(url)
+        _show_address(url)
         name_database(settings.data, url)
     elif database_of(settings.data) != url:
         raise ServiceError(
-            f"the folder names {_shown(database_of(settings.data))}, the setting {_shown(url)}",
+            f"the folder names {_show_address(database_of(settings.data))}, the setting {_show_address(url)}",
             where=str(settings.data / ADDRESS),
             remedy="leave the setting out; to move to another server, see modallab backup and restore",
         )
 
 
-def tls_of(settings: Settings) -> "Tls | None":
+def tls_of(settings: Settings) -> "TlsFiles | None":
     """The certificates for the scheduler; None if the settings name none, and Dask's own configuration counts.
 
     Raises:
         ServiceError: only some of the three files are named.
     """
-    from modallab.jobs.address import Tls
+    from modallab.jobs.address import TlsFiles
 
     ca, cert, key = settings.scheduler_ca, settings.scheduler_cert, settings.scheduler_key
     if ca is not None and cert is not None and key is not None:
-        return Tls(ca, cert, key)
+        return TlsFiles(ca, cert, key)
     if ca or cert or key:
         raise ServiceError(
             "certificates for the scheduler need all of authority, certificate and key",
@@ -141,15 +141,15 @@ def require_scheduler(settings: Settings) -> None:
         require_package("distributed", "computing models and diagnoses in the service (or start it with --no-jobs)")
     if settings.scheduler is None:
         return
-    from modallab.jobs.address import Tls, check_address
+    from modallab.jobs.address import TlsFiles, check_address
 
-    tls = tls_of(settings) or Tls.configured()
+    tls = tls_of(settings) or TlsFiles.configured()
     check_address(settings.scheduler, tls)
     if tls is not None:
         tls.security()
 
 
-def _shown(url: str) -> str:
+def _show_address(url: str) -> str:
     try:
         return make_url(url).render_as_string(hide_password=True)
     except ArgumentError as error:

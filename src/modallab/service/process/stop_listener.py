@@ -191,7 +191,9 @@ class _Handler(BaseHTTPRequestHandler):
             return False
         # A proxy may have put its own words for the Host that the page knows.
         hosts = (self.headers.get(name) or "" for name in ("Host", "X-Forwarded-Host"))
-        return _name(origin) not in self._ours.names | {_name(f"//{host}") for host in hosts if host}
+        return _name_of_address(origin) not in self._ours.names | {
+            _name_of_address(f"//{host}") for host in hosts if host
+        }
 
     def _stop(self, rig: str | None, operator: str) -> None:
         try:
@@ -234,7 +236,7 @@ class _Handler(BaseHTTPRequestHandler):
                 self.rfile.read(min(int(length), BODY_BYTES))
 
 
-def _name(address: str) -> str:
+def _name_of_address(address: str) -> str:
     try:
         return urlsplit(address).hostname or ""
     except ValueError:

@@ -24,18 +24,18 @@ from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
 from modallab.service.process.descriptors import raise_limit
 from modallab.service.process.orphans import Orphans
-from modallab.service.process.ports import bound, taken
+from modallab.service.process.ports import bound_socket, port_taken_error
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.tls import server_context
-from modallab.service.process.wire import Counter
-from modallab.service.process.workers import Computing
+from modallab.service.process.wire import CallServer
+from modallab.service.process.workers import ComputingProcesses
 from modallab.service.records.event_log import EventLog
-from modallab.service.records.leases import Leases
+from modallab.service.records.leases import RigLeases
 from modallab.service.records.sessions import make_link
-from modallab.service.rigs.controller import Bench, Controller
-from modallab.service.rigs.controllers import Controllers, rig_ids
+from modallab.service.rigs.controller import RigController, ServedRig
+from modallab.service.rigs.controllers import RigControllers, rig_ids
 from modallab.service.rigs.queue_runner import QueueRunner
-from modallab.service.rigs.run_log import Recovery, RunLog
+from modallab.service.rigs.run_log import RunLog, RunRecovery
 from modallab.storage import Store
 
 LOG = logging.getLogger(__name__)
@@ -49,7 +49,7 @@ LEAVE_S = 5.0
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class ServiceAddress:
     """Where the service can be reached."""
 
     host: str
@@ -57,7 +57,7 @@ class Place:
     stop_port: int
 
 
-class Supervisor:
+class ServiceSupervisor:
     """The service. What moves is in processes of its own; here is only what must work when they do not."""
 
     def __init__(self, settings: Settings, rigs: Sequence[tuple[Rig, str]], token: str) -> None:
@@ -75,22 +75,22 @@ class Supervisor:
         self.store, self._lock = _locked_store(settings.data)
         self._orphans = Orphans(settings.data)
         self._orphans.end_all()
-        self._counter: Counter | None = None
+        self._counter: CallServer | None = None
         boot = secrets.token_hex(8)
         log = EventLog(self.store.catalogue.engine, self._new_events)
         run_log = self._run_log = RunLog(self.store, log)
         jobs = self._queue = Jobs(self.store.catalogue.engine)
         self._watch = JobWatch(self.store.catalogue.engine, jobs, log)
         after = AfterRun(self.store, jobs)
-        self._recovery = Recovery(run_log, after)
+        self._recovery = RunRecovery(run_log, after)
         self._recovery.look()
         self._purge = Purge(self.store)
-        listener = bound(settings.host, settings.port)
+        listener = bound_socket(settings.host, settings.port)
         benches = _benches(rigs, run_log, settings.data)
-        leases = Leases(self.store.catalogue.engine, boot)
-        self.controllers = Controllers([Controller(bench, run_log, after) for bench in benches], leases)
+        leases = RigLeases(self.store.catalogue.engine, boot)
+        self.controllers = RigControllers([RigController(bench, run_log, after) for bench in benches], leases)
         self._stop = self._stop_listener()
-        self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
+        self.place = ServiceAddress(settings.host, listener.getsockname()[1], self._stop.port)
         settings = settings.model_copy(update={"stop_port": self._stop.port})
         self._api = Child("api", API, (settings, token, boot), self._api_started, handles=(listener,))
         self._jobs = Child("jobs", JOBS, (settings,), self._jobs_started, grace_s=LEAVE_S)
@@ -111,7 +111,7 @@ class Supervisor:
             )
         except OSError as error:
             self.controllers.close()
-            raise taken(settings.stop_port, error) from error
+            raise port_taken_error(settings.stop_port, error) from error
 
     def wait(self) -> None:
         """Until `close` is called; in short waits, since on Windows Ctrl-C does not interrupt a long one."""
@@ -157,7 +157,7 @@ class Supervisor:
         self.close()
 
     def _api_started(self, connection: Connection) -> None:
-        self._counter = Counter(connection, self.controllers)
+        self._counter = CallServer(connection, self.controllers)
 
     def _jobs_started(self, connection: Connection) -> None:
         Thread(target=self._hear_jobs, args=(connection,), name="jobs", daemon=True).start()
@@ -166,7 +166,7 @@ class Supervisor:
         owner = ""
         with suppress(EOFError, OSError):
             while True:
-                reported: Computing = connection.recv()
+                reported: ComputingProcesses = connection.recv()
                 owner, self._computing = reported.owner, reported.processes
                 self._jobs_owner = owner
         self._computing = {}
@@ -258,6 +258,8 @@ def _locked_store(folder: Path) -> tuple[Store, Lease]:
     return store, lock
 
 
-def _benches(rigs: Sequence[tuple[Rig, str]], run_log: RunLog, folder: Path) -> list[Bench]:
+def _benches(rigs: Sequence[tuple[Rig, str]], run_log: RunLog, folder: Path) -> list[ServedRig]:
     ids = rig_ids([rig.name for rig, _ in rigs])
-    return [Bench(i, run_log.revisions.settle(i, rig), url, folder) for i, (rig, url) in zip(ids, rigs, strict=True)]
+    return [
+        ServedRig(i, run_log.revisions.settle(i, rig), url, folder) for i, (rig, url) in zip(ids, rigs, strict=True)
+    ]

@@ -30,11 +30,11 @@ def settle_tls(settings: Settings) -> Settings:
     cert, key = settings.tls_cert, settings.tls_key
     if settings.tls_self_signed:
         if cert or key:
-            raise _wrong("a certificate is named, and one is to be made", "name one, or have one made")
+            raise _certificate_error("a certificate is named, and one is to be made", "name one, or have one made")
         cert, key = self_signed(settings.data / FOLDER, {*LOOPBACK, settings.host, *settings.hosts})
         settings = settings.model_copy(update={"tls_cert": cert, "tls_key": key})
     elif (cert is None) != (key is None):
-        raise _wrong("TLS needs a certificate and its key", "give --tls-cert and --tls-key")
+        raise _certificate_error("TLS needs a certificate and its key", "give --tls-cert and --tls-key")
     server_context(settings)
     return settings
 
@@ -52,7 +52,7 @@ def server_context(settings: Settings) -> ssl.SSLContext | None:
     try:
         context.load_cert_chain(settings.tls_cert, settings.tls_key)
     except OSError as error:
-        raise _wrong(
+        raise _certificate_error(
             f"{settings.tls_cert} and {settings.tls_key} cannot be used: {error}",
             "give a certificate and its key, both as PEM",
         ) from error
@@ -68,16 +68,16 @@ def self_signed(folder: Path, names: Iterable[str]) -> tuple[Path, Path]:
     """
     require_package("cryptography", "making a certificate")
     cert, key, names = folder / "cert.pem", folder / "key.pem", frozenset(names)
-    if not _good(cert, key, names):
+    if not _certificate_is_good(cert, key, names):
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            _make(cert, key, names)
+            _make_certificate(cert, key, names)
         except OSError as error:
-            raise _wrong(f"{folder} cannot be written: {error.strerror}", "look at the disk") from error
+            raise _certificate_error(f"{folder} cannot be written: {error.strerror}", "look at the disk") from error
     return cert, key
 
 
-def fingerprint(cert: Path) -> str:
+def certificate_fingerprint(cert: Path) -> str:
     """SHA-256 of a certificate, by which people compare what a browser shows."""
     import hashlib
 
@@ -85,7 +85,7 @@ def fingerprint(cert: Path) -> str:
     return ":".join(digest[i : i + 2] for i in range(0, len(digest), 2))
 
 
-def _good(cert: Path, key: Path, names: frozenset[str]) -> bool:
+def _certificate_is_good(cert: Path, key: Path, names: frozenset[str]) -> bool:
     from cryptography import x509
 
     try:
@@ -94,11 +94,13 @@ def _good(cert: Path, key: Path, names: frozenset[str]) -> bool:
     except (OSError, ValueError, x509.ExtensionNotFound):
         return False
     return (
-        key.exists() and found.not_valid_after_utc - datetime.now(UTC) > LEFT and set(_general(names)) <= set(for_names)
+        key.exists()
+        and found.not_valid_after_utc - datetime.now(UTC) > LEFT
+        and set(_general_names(names)) <= set(for_names)
     )
 
 
-def _make(cert: Path, key: Path, names: frozenset[str]) -> None:
+def _make_certificate(cert: Path, key: Path, names: frozenset[str]) -> None:
     from cryptography import x509
     from cryptography.hazmat.primitives import hashes, serialization
     from cryptography.hazmat.primitives.asymmetric import ec
@@ -116,7 +118,7 @@ def _make(cert: Path, key: Path, names: frozenset[str]) -> None:
         .serial_number(x509.random_serial_number())
         .not_valid_before(begin)
         .not_valid_after(begin + LIFE)
-        .add_extension(x509.SubjectAlternativeName(_general(names)), critical=False)
+        .add_extension(x509.SubjectAlternativeName(_general_names(names)), critical=False)
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
         .sign(secret, hashes.SHA256())
     )
@@ -127,7 +129,7 @@ def _make(cert: Path, key: Path, names: frozenset[str]) -> None:
     cert.write_bytes(made.public_bytes(encoding))
 
 
-def _general(names: Iterable[str]) -> "list[GeneralName]":
+def _general_names(names: Iterable[str]) -> "list[GeneralName]":
     from cryptography import x509
 
     found: list[GeneralName] = []
@@ -139,5 +141,5 @@ def _general(names: Iterable[str]) -> "list[GeneralName]":
     return found
 
 
-def _wrong(what: str, remedy: str) -> ServiceError:
+def _certificate_error(what: str, remedy: str) -> ServiceError:
     return ServiceError(what, where="tls", remedy=remedy)

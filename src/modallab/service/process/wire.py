@@ -31,7 +31,7 @@ CALLS = frozenset(
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class ControlCall:
     """Do something; the answer carries the same number."""
 
     number: int
@@ -40,7 +40,7 @@ class Call:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class ControlAnswer:
     """What came of a call."""
 
     number: int
@@ -49,7 +49,7 @@ class Answer:
 
 
 @dataclass(frozen=True, slots=True)
-class Sign:
+class SignOfLife:
     """The REST process lives."""
 
 
@@ -120,7 +120,7 @@ class RemoteControl:
             number = self._number
             self._waiting[number] = future
             try:
-                self._connection.send(Call(number, name, arguments))
+                self._connection.send(ControlCall(number, name, arguments))
             except OSError as error:
                 raise _no_supervisor() from error
         try:
@@ -133,7 +133,7 @@ class RemoteControl:
     def _hear(self) -> None:
         try:
             while True:
-                answer: Answer | NewEvents | None = self._connection.recv()
+                answer: ControlAnswer | NewEvents | None = self._connection.recv()
                 if answer is None:
                     break
                 if isinstance(answer, NewEvents):
@@ -157,12 +157,12 @@ class RemoteControl:
         while not self._lost.wait(BEAT_S):
             try:
                 with self._sending:
-                    self._connection.send(Sign())
+                    self._connection.send(SignOfLife())
             except OSError:
                 return
 
 
-class Counter:
+class CallServer:
     """The supervisor's end: hears calls, has each done on a thread of its own, knows when it last heard anything."""
 
     def __init__(self, connection: Connection, control: Control) -> None:
@@ -180,10 +180,10 @@ class Counter:
     def _hear(self) -> None:
         try:
             while True:
-                message: Call | Sign = self._connection.recv()
+                message: ControlCall | SignOfLife = self._connection.recv()
                 self.received_s = time.monotonic()
                 self.began = True
-                if isinstance(message, Call):
+                if isinstance(message, ControlCall):
                     self._pool.submit(self._do, message)
         except (EOFError, OSError):
             self._gone_s = time.monotonic()
@@ -216,16 +216,16 @@ class Counter:
         gone_s = self._gone_s
         return "" if gone_s is None else f"the REST process has been gone for {time.monotonic() - gone_s:.1f} s"
 
-    def _do(self, call: Call) -> None:
+    def _do(self, call: ControlCall) -> None:
         try:
             if call.name not in CALLS:
                 raise ModallabError(f"there is no call {call.name!r}")
-            answer = Answer(call.number, getattr(self._control, call.name)(*call.arguments))
+            answer = ControlAnswer(call.number, getattr(self._control, call.name)(*call.arguments))
         except ModallabError as error:
-            answer = Answer(call.number, error=error)
+            answer = ControlAnswer(call.number, error=error)
         except Exception as error:
             LOG.exception("call %s", call.name)
-            answer = Answer(call.number, error=ModallabError(f"unexpected {type(error).__name__}: {error}"))
+            answer = ControlAnswer(call.number, error=ModallabError(f"unexpected {type(error).__name__}: {error}"))
         try:
             with self._sending:
                 self._connection.send(answer)

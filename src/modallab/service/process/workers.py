@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 LOOK_S = 0.2
 
 
-class Lines(logging.Formatter):
+class JsonLines(logging.Formatter):
     """A record as one line of JSON."""
 
     def format(self, record: logging.LogRecord) -> str:
@@ -44,7 +44,7 @@ class Lines(logging.Formatter):
 def set_up(level: str) -> None:
     """Log to standard error."""
     handler = logging.StreamHandler(sys.stderr)
-    handler.setFormatter(Lines())
+    handler.setFormatter(JsonLines())
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
     for talker in ("distributed", "asyncio", "matplotlib"):
         logging.getLogger(talker).setLevel(logging.WARNING)
@@ -95,7 +95,7 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
 def _configuration(app: "FastAPI", settings: Settings) -> "uvicorn.Config":
     import uvicorn
 
-    from modallab.service.process.connections import guarded
+    from modallab.service.process.connections import guarded_protocol
     from modallab.service.process.descriptors import raise_limit
 
     return uvicorn.Config(
@@ -103,7 +103,7 @@ def _configuration(app: "FastAPI", settings: Settings) -> "uvicorn.Config":
         log_config=None,
         access_log=False,
         server_header=False,
-        http=guarded(raise_limit()),
+        http=guarded_protocol(raise_limit()),
         ws="websockets-sansio",
         # Samples hardly shrink, and what shrinks them would keep everyone else waiting meanwhile.
         ws_per_message_deflate=False,
@@ -114,7 +114,7 @@ def _configuration(app: "FastAPI", settings: Settings) -> "uvicorn.Config":
 
 
 @dataclass(frozen=True, slots=True)
-class Computing:
+class ComputingProcesses:
     """What the process reports: the name its jobs are held under, and the processes that it has started, by name."""
 
     owner: str
@@ -137,12 +137,12 @@ def run_jobs(connection: Connection, settings: Settings) -> None:
         known = kinds(campaigns_of(store), store.folder, store.revision, campaigns_of(store, ended=False))
         runner = Runner(jobs, known, settings.scheduler, tls=tls_of(settings), workers=settings.workers)
         # Before the first job is taken: whoever hears of this process' end knows then whose jobs are free.
-        reported = Computing(runner.owner, {})
+        reported = ComputingProcesses(runner.owner, {})
         with suppress(EOFError, OSError):
             connection.send(reported)
             with runner:
                 while not connection.poll(LOOK_S):
-                    now = Computing(runner.owner, runner.processes)
+                    now = ComputingProcesses(runner.owner, runner.processes)
                     if reported != now:
                         reported = now
                         connection.send(reported)

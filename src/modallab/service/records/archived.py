@@ -9,7 +9,7 @@ from sqlalchemy import Connection, Engine, Select, delete, insert, select, updat
 
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records import audit
-from modallab.storage.engine import reading, writing
+from modallab.storage.engine import read_transaction, write_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.records import ENDED
 from modallab.storage.service_tables import CAMPAIGN_RUNS, CAMPAIGNS, QUEUE, SET_ASIDE
@@ -21,7 +21,7 @@ _LOST = ("purging", "purged")
 
 
 @dataclass(frozen=True, slots=True)
-class Aside:
+class SetAsideEntry:
     """How something was set aside.
 
     Attributes:
@@ -37,7 +37,7 @@ class Aside:
     purge_utc: str
 
 
-class Shown(TypedDict, total=False):
+class SetAsideView(TypedDict, total=False):
     """What a view says of it."""
 
     archived_utc: str
@@ -45,7 +45,7 @@ class Shown(TypedDict, total=False):
     purge_utc: str
 
 
-def shown(aside: Aside | None) -> Shown:
+def set_aside_view(aside: SetAsideEntry | None) -> SetAsideView:
     """For a view."""
     if aside is None:
         return {}
@@ -86,7 +86,7 @@ class Archive:
             NotFoundError: there is no such thing.
             ConflictError: its samples are deleted by now.
         """
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             campaign = _campaign_of(connection, kind, name)
             found = aside_of(connection, kind, name)
             if found is None:
@@ -96,17 +96,17 @@ class Archive:
                     f"its grace time ended at {found.purge_utc}", where=name, remedy="restore a backup of the folder"
                 )
             connection.execute(delete(SET_ASIDE).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.id == name))
-            _changed(connection, campaign)
-            audit.note(connection, operator, f"restore-{kind}", name, {})
+            _mark_changed(connection, campaign)
+            audit.note_action(connection, operator, f"restore-{kind}", name, {})
 
-    def run(self, run: str, campaign: str) -> Aside | None:
+    def run(self, run: str, campaign: str) -> SetAsideEntry | None:
         """How a run was set aside, by itself or with its campaign; None if it was not."""
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return aside_of(connection, "run", run) or aside_of(connection, "campaign", campaign)
 
-    def campaign(self, campaign: str) -> Aside | None:
+    def campaign(self, campaign: str) -> SetAsideEntry | None:
         """How a campaign was set aside; None if it was not."""
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return aside_of(connection, "campaign", campaign)
 
     def require_present(self, campaign: str) -> None:
@@ -122,25 +122,25 @@ class Archive:
     def due(self, now: str) -> list[tuple[Kind, str]]:
         """What is to be purged: its grace time has ended by `now`, or it was begun and not finished."""
         ended = SET_ASIDE.c.state.in_(("deleted", "purging")), SET_ASIDE.c.purge_utc <= now
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return [(row.kind, row.id) for row in connection.execute(select(SET_ASIDE).where(*ended))]
 
     def begin_purge(self, kind: Kind, name: str, now: str) -> bool:
         """Enter that it cannot come back; whether that is so: somebody may have restored it meanwhile."""
         mine = SET_ASIDE.c.kind == kind, SET_ASIDE.c.id == name, SET_ASIDE.c.state.in_(("deleted", "purging"))
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             purging = update(SET_ASIDE).where(*mine, SET_ASIDE.c.purge_utc <= now).values(state="purging")
             return connection.execute(purging).rowcount == 1
 
     def end_purge(self, kind: Kind, name: str) -> None:
         """Enter that its samples are deleted."""
         mine = SET_ASIDE.c.kind == kind, SET_ASIDE.c.id == name, SET_ASIDE.c.state == "purging"
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             connection.execute(update(SET_ASIDE).where(*mine).values(state="purged"))
 
     def _put(self, kind: Kind, name: str, action: str, operator: str, purge_utc: str) -> None:
         row = {"kind": kind, "id": name, "state": _WORD[action], "operator": operator, "utc": utc_now()}
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             campaign = _campaign_of(connection, kind, name)
             found = aside_of(connection, kind, name)
             if found is not None and found.state != "archived" and action == "archive":
@@ -152,20 +152,20 @@ class Archive:
                 _require_not_continued(connection, name)
             connection.execute(delete(SET_ASIDE).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.id == name))
             connection.execute(insert(SET_ASIDE).values(row | {"purge_utc": purge_utc}))
-            _changed(connection, campaign)
-            audit.note(connection, operator, f"{action}-{kind}", name, {"until": purge_utc} if purge_utc else {})
+            _mark_changed(connection, campaign)
+            audit.note_action(connection, operator, f"{action}-{kind}", name, {"until": purge_utc} if purge_utc else {})
 
 
-def aside_of(connection: Connection, kind: Kind, name: str) -> Aside | None:
+def aside_of(connection: Connection, kind: Kind, name: str) -> SetAsideEntry | None:
     """How a campaign or a run was set aside by itself; None if it was not."""
     return asides_of(connection, kind, [name]).get(name)
 
 
-def asides_of(connection: Connection, kind: Kind, names: Sequence[str]) -> dict[str, Aside]:
+def asides_of(connection: Connection, kind: Kind, names: Sequence[str]) -> dict[str, SetAsideEntry]:
     """How those of these campaigns or runs were set aside that were, by name."""
     query = select(SET_ASIDE).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.id.in_(names))
     rows = connection.execute(query).mappings()
-    return {row["id"]: Aside(row["state"], row["operator"], row["utc"], row["purge_utc"]) for row in rows}
+    return {row["id"]: SetAsideEntry(row["state"], row["operator"], row["utc"], row["purge_utc"]) for row in rows}
 
 
 def left_out(kind: Kind, *, archived: bool, deleted: bool) -> Select[tuple[str]]:
@@ -211,6 +211,6 @@ def _require_not_continued(connection: Connection, run: str) -> None:
         raise ConflictError(f"run {after} continues it", where=run, remedy=f"delete run {after} first")
 
 
-def _changed(connection: Connection, campaign: str) -> None:
+def _mark_changed(connection: Connection, campaign: str) -> None:
     query = update(CAMPAIGNS).where(CAMPAIGNS.c.id == campaign)
     connection.execute(query.values(revision=CAMPAIGNS.c.revision + 1))

@@ -10,7 +10,7 @@ from sqlalchemy import Connection, Engine, RowMapping, func, insert, select, tex
 
 from modallab.core.documents.pages import EventView
 from modallab.core.errors import StorageError
-from modallab.storage.engine import reading, writing
+from modallab.storage.engine import read_transaction, write_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.records import ENDED
 from modallab.storage.service_tables import EVENTS
@@ -23,7 +23,7 @@ MAX_WAITING = 10_000
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class EventTopic:
     """What an event is about; "" where it is about none."""
 
     rig: str = ""
@@ -42,12 +42,12 @@ class EventLog:
         self._adding = Lock()
         self._writing = Lock()
 
-    def append(self, kind: str, topic: Topic, content: Mapping[str, Any]) -> None:
+    def append(self, kind: str, topic: EventTopic, content: Mapping[str, Any]) -> None:
         """Add an event; what the disk would not take is added with the next one, in order."""
         self.append_later(kind, topic, content)
         self.flush()
 
-    def append_later(self, kind: str, topic: Topic, content: Mapping[str, Any]) -> None:
+    def append_later(self, kind: str, topic: EventTopic, content: Mapping[str, Any]) -> None:
         """Add an event with the next `flush`: waits for no disk and no database."""
         row = {
             "utc": utc_now(),
@@ -70,26 +70,26 @@ class EventLog:
         """Events the disk has not taken yet."""
         return len(self._waiting)
 
-    def after(self, seq: int, limit: int, topic: Topic | None = None) -> list[EventView]:
+    def after(self, seq: int, limit: int, topic: EventTopic | None = None) -> list[EventView]:
         """Up to `limit` events after number `seq`, oldest first; with a topic only its own."""
         query = select(EVENTS).where(EVENTS.c.seq > seq).order_by(EVENTS.c.seq).limit(limit)
         for name in ("rig", "campaign", "run"):
             requested = getattr(topic, name) if topic is not None else ""
             if requested:
                 query = query.where(EVENTS.c[name] == requested)
-        with reading(self._engine) as connection:
-            return [_view(row) for row in connection.execute(query).mappings()]
+        with read_transaction(self._engine) as connection:
+            return [_event_view(row) for row in connection.execute(query).mappings()]
 
     def last(self) -> int:
         """Number of the newest event, 0 if there is none."""
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return connection.scalar(select(func.max(EVENTS.c.seq))) or 0
 
     def has_ended(self, run: str, seq: int) -> bool:
         """Whether the events up to number `seq` say that a run has ended."""
         mine = EVENTS.c.run == run, EVENTS.c.kind == "state", EVENTS.c.seq <= seq
         query = select(EVENTS.c.content).where(*mine).order_by(EVENTS.c.seq.desc()).limit(1)
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             content = connection.scalar(query)
         return run != "" and content is not None and content["state"] in ENDED
 
@@ -99,7 +99,7 @@ class EventLog:
         if not rows:
             return
         try:
-            with writing(self._engine) as connection:
+            with write_transaction(self._engine) as connection:
                 one_at_a_time(connection)
                 connection.execute(insert(EVENTS), rows)
         except StorageError:
@@ -111,7 +111,7 @@ class EventLog:
         self._written()
 
 
-def _view(row: RowMapping) -> EventView:
+def _event_view(row: RowMapping) -> EventView:
     event = EventView.model_validate(dict(row))
     if event.kind not in RENAMED:
         return event

@@ -10,13 +10,13 @@ from modallab.core.documents.rigs import Lease, LeaseHolder
 from modallab.service.errors import LeaseHeldError, LeaseNeededError, NotFoundError
 from modallab.service.records import audit
 from modallab.service.records.callers import UNKNOWN
-from modallab.storage.engine import reading, writing
+from modallab.storage.engine import read_transaction, write_transaction
 from modallab.storage.service_tables import LEASES
 
 REMEDY = "ask for the lease of the rig, renew it before it is over, and send its id as Modallab-Lease"
 
 
-class Leases:
+class RigLeases:
     """Leases of one service. Time is the machine's monotonic clock, so that no clock on the wall ends or prolongs one.
 
     A lease of an earlier start of the service is void: nobody may hold what nobody watched.
@@ -33,8 +33,8 @@ class Leases:
         Raises:
             LeaseHeldError: someone holds it.
         """
-        with writing(self._engine) as connection:
-            row = _row(connection, rig)
+        with write_transaction(self._engine) as connection:
+            row = _lease_row(connection, rig)
             holder = row["operator"] if row is not None and self._remaining_s(row) > 0 else None
             if holder is not None and not take_over:
                 raise self._rejected(row, rig, operator)
@@ -44,7 +44,7 @@ class Leases:
             values = lease.model_dump() | {"boot": self._boot, "expires_s": time.monotonic() + ttl_s}
             connection.execute(insert(LEASES).values(values))
             taken_from = {} if holder is None else {"taken_from": holder}
-            audit.note(connection, operator, "take-lease", rig, {"fence": fence, "ttl_s": ttl_s, **taken_from})
+            audit.note_action(connection, operator, "take-lease", rig, {"fence": fence, "ttl_s": ttl_s, **taken_from})
         return lease
 
     def renew(self, rig: str, lease: str) -> Lease:
@@ -53,11 +53,11 @@ class Leases:
         Raises:
             LeaseNeededError: it is over or not the one.
         """
-        with writing(self._engine) as connection:
-            row = self._held(_row(connection, rig), rig, lease)
+        with write_transaction(self._engine) as connection:
+            row = self._held(_lease_row(connection, rig), rig, lease)
             later = update(LEASES).where(LEASES.c.rig == rig).values(expires_s=time.monotonic() + row["ttl_s"])
             connection.execute(later)
-        return _lease(row)
+        return _lease_of_row(row)
 
     def release(self, rig: str, lease: str) -> None:
         """Release the lease.
@@ -65,11 +65,11 @@ class Leases:
         Raises:
             LeaseNeededError: it is over or not the one.
         """
-        with writing(self._engine) as connection:
-            row = self._held(_row(connection, rig), rig, lease)
+        with write_transaction(self._engine) as connection:
+            row = self._held(_lease_row(connection, rig), rig, lease)
             # The row stays, for its number must grow.
             connection.execute(update(LEASES).where(LEASES.c.rig == rig).values(expires_s=0.0))
-            audit.note(connection, row["operator"], "release-lease", rig, {"fence": row["fence"]})
+            audit.note_action(connection, row["operator"], "release-lease", rig, {"fence": row["fence"]})
 
     def require(self, rig: str, lease: str | None) -> Lease:
         """The lease, if `lease` names the one that is held now.
@@ -77,12 +77,12 @@ class Leases:
         Raises:
             LeaseNeededError: it does not.
         """
-        with reading(self._engine) as connection:
-            return _lease(self._held(_row(connection, rig), rig, lease))
+        with read_transaction(self._engine) as connection:
+            return _lease_of_row(self._held(_lease_row(connection, rig), rig, lease))
 
     def owner(self, lease: str) -> str | None:
         """Who took the lease of this id, held or over; None if it is not the last one of a rig."""
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return connection.scalar(select(LEASES.c.operator).where(LEASES.c.id == lease))
 
     def recover(self, rig: str, operator: str) -> Lease:
@@ -92,8 +92,8 @@ class Leases:
             LeaseHeldError: someone else holds it.
             NotFoundError: nobody does.
         """
-        with reading(self._engine) as connection:
-            row = _row(connection, rig)
+        with read_transaction(self._engine) as connection:
+            row = _lease_row(connection, rig)
         if row is None or self._remaining_s(row) <= 0:
             raise NotFoundError(f"nobody holds {rig}", where=rig, remedy="take the lease")
         if row["operator"] != operator:
@@ -102,8 +102,8 @@ class Leases:
 
     def holder(self, rig: str) -> LeaseHolder | None:
         """Who holds the rig; None if nobody does."""
-        with reading(self._engine) as connection:
-            row = _row(connection, rig)
+        with read_transaction(self._engine) as connection:
+            row = _lease_row(connection, rig)
         if row is None or self._remaining_s(row) <= 0:
             return None
         return LeaseHolder(operator=row["operator"], fence=row["fence"], remaining_s=self._remaining_s(row))
@@ -136,9 +136,9 @@ class Leases:
         return row
 
 
-def _row(connection: Connection, rig: str) -> Any:
+def _lease_row(connection: Connection, rig: str) -> Any:
     return connection.execute(select(LEASES).where(LEASES.c.rig == rig)).mappings().one_or_none()
 
 
-def _lease(row: Any) -> Lease:
+def _lease_of_row(row: Any) -> Lease:
     return Lease(**{name: row[name] for name in Lease.model_fields})

@@ -12,8 +12,8 @@ from modallab.core.documents.campaigns import CampaignChange, CampaignNew, Campa
 from modallab.jobs import Job
 from modallab.service.errors import ChangedError, IdempotencyError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.archived import asides_of, bring_back, left_out, shown
-from modallab.storage.engine import next_number, reading, writing
+from modallab.service.records.archived import asides_of, bring_back, left_out, set_aside_view
+from modallab.storage.engine import next_number, read_transaction, write_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS, RUN_KEYS
 
@@ -72,9 +72,9 @@ class CampaignRepository:
             "created_utc": utc_now(),
             "revision": 1,
         }
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             connection.execute(insert(CAMPAIGNS).values(row | {"seq": next_number(connection, CAMPAIGNS)}))
-            audit.note(connection, operator, "create-campaign", row["id"], {"name": new.name, "rig": new.rig})
+            audit.note_action(connection, operator, "create-campaign", row["id"], {"name": new.name, "rig": new.rig})
         return CampaignView(**row)
 
     def campaign(self, campaign: str) -> CampaignView:
@@ -83,7 +83,7 @@ class CampaignRepository:
         Raises:
             NotFoundError: there is none of this id.
         """
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return _campaign(connection, campaign)
 
     def campaigns(
@@ -110,7 +110,7 @@ class CampaignRepository:
         if before is not None:
             place = select(CAMPAIGNS.c.seq).where(CAMPAIGNS.c.id == before).scalar_subquery()
             query = query.where(CAMPAIGNS.c.seq < place)
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return _campaigns(connection, connection.scalars(query).all())
 
     def runs(self, campaign: str, *, archived: bool = False, deleted: bool = False) -> tuple[str, ...]:
@@ -119,7 +119,7 @@ class CampaignRepository:
         Raises:
             NotFoundError: there is no such campaign.
         """
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             _campaign(connection, campaign)
             return _runs(connection, campaign, archived=archived, deleted=deleted)
 
@@ -131,7 +131,7 @@ class CampaignRepository:
             ChangedError: it is at another revision.
         """
         values = change.model_dump(exclude_none=True)
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             found = _campaign(connection, campaign)
             if found.revision != revision:
                 raise ChangedError(
@@ -141,7 +141,7 @@ class CampaignRepository:
                 )
             query = update(CAMPAIGNS).where(CAMPAIGNS.c.id == campaign)
             connection.execute(query.values(**values, revision=revision + 1))
-            audit.note(connection, operator, "change-campaign", campaign, values)
+            audit.note_action(connection, operator, "change-campaign", campaign, values)
             return _campaign(connection, campaign)
 
     def add_run(self, entry: RunEntry, plan: dict[str, Any], key: RunKey | None = None) -> None:
@@ -150,13 +150,15 @@ class CampaignRepository:
         Raises:
             StorageError: it could not be kept.
         """
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             row = {name: getattr(entry, name) for name in _ENTRY} | {"seq": next_number(connection, CAMPAIGN_RUNS)}
             connection.execute(insert(CAMPAIGN_RUNS).values(row))
             more = update(CAMPAIGNS).where(CAMPAIGNS.c.id == entry.campaign)
             connection.execute(more.values(revision=CAMPAIGNS.c.revision + 1))
             bring_back(connection, entry.campaign)
-            audit.note(connection, entry.operator, "start-run", entry.run, {"campaign": entry.campaign, "plan": plan})
+            audit.note_action(
+                connection, entry.operator, "start-run", entry.run, {"campaign": entry.campaign, "plan": plan}
+            )
             if key is not None:
                 connection.execute(delete(RUN_KEYS).where(RUN_KEYS.c.created_utc < key_limit()))
                 kept = {"key": key.key, "request": key.request, "run": entry.run, "created_utc": utc_now()}
@@ -169,7 +171,7 @@ class CampaignRepository:
             IdempotencyError: another request was sent with it.
         """
         query = select(RUN_KEYS).where(RUN_KEYS.c.key == key.key, RUN_KEYS.c.created_utc >= key_limit())
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             row = connection.execute(query).mappings().one_or_none()
         if row is not None and row["request"] != key.request:
             raise key_of_another()
@@ -181,12 +183,12 @@ class CampaignRepository:
         Raises:
             StorageError: it could not be kept.
         """
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             connection.execute(update(CAMPAIGN_RUNS).where(CAMPAIGN_RUNS.c.run == run).values(code=code))
 
     def entry(self, run: str) -> RunEntry | None:
         """What the repository says of a run; None if it belongs to no campaign."""
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             row = connection.execute(select(CAMPAIGN_RUNS).where(CAMPAIGN_RUNS.c.run == run)).mappings().one_or_none()
         return None if row is None else RunEntry(**{name: row[name] for name in _ENTRY})
 
@@ -205,24 +207,26 @@ class CampaignRepository:
         """
         mine = CAMPAIGN_JOBS.c.campaign == campaign, CAMPAIGN_JOBS.c.kind == job.kind
         newest = select(CAMPAIGN_JOBS.c.job).where(*mine).order_by(CAMPAIGN_JOBS.c.n.desc()).limit(1)
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             if connection.scalar(newest) == job.id:
                 return
             connection.execute(insert(CAMPAIGN_JOBS).values(campaign=campaign, job=job.id, kind=job.kind))
-            audit.note(connection, operator, f"order-{job.kind}", campaign, {"job": job.id, "runs": list(job.inputs)})
+            audit.note_action(
+                connection, operator, f"order-{job.kind}", campaign, {"job": job.id, "runs": list(job.inputs)}
+            )
 
     def jobs(self, campaign: str, kind: str | None = None) -> list[str]:
         """Names of the jobs of a campaign, of one kind or of all, the one that was ordered last first."""
         query = select(CAMPAIGN_JOBS.c.job).where(CAMPAIGN_JOBS.c.campaign == campaign)
         if kind is not None:
             query = query.where(CAMPAIGN_JOBS.c.kind == kind)
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return list(dict.fromkeys(connection.scalars(query.order_by(CAMPAIGN_JOBS.c.n.desc()))))
 
     def campaign_of_job(self, job: str) -> str:
         """The campaign a job was ordered for first, else ""."""
         query = select(CAMPAIGN_JOBS.c.campaign).where(CAMPAIGN_JOBS.c.job == job).limit(1)
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return connection.scalar(query) or ""
 
 
@@ -265,7 +269,7 @@ def _campaigns(connection: Connection, names: Sequence[str]) -> list[CampaignVie
             {
                 **{str(column): value for column, value in rows[name].items() if column != "seq"},
                 "runs": tuple(runs[name]),
-                **shown(asides.get(name)),
+                **set_aside_view(asides.get(name)),
             }
         )
         for name in names

@@ -7,7 +7,7 @@ from modallab.core.rig import Rig
 from modallab.service.errors import NotFoundError
 from modallab.service.records import audit
 from modallab.storage import rig_hash
-from modallab.storage.engine import reading, writing
+from modallab.storage.engine import read_transaction, write_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import RIG_REVISIONS
 
@@ -44,7 +44,7 @@ class RigRevisions:
 
     def all(self, rig: str) -> tuple[RigRevision, ...]:
         """All of a rig, the oldest first."""
-        return tuple(_view(n, row) for n, row in enumerate(self._rows(rig), 1))
+        return tuple(_revision_view(n, row) for n, row in enumerate(self._rows(rig), 1))
 
     def description(self, rig: str, number: int) -> Rig:
         """What the rig was believed to be.
@@ -61,17 +61,19 @@ class RigRevisions:
 
     def _rows(self, rig: str) -> list[Row[tuple[object, ...]]]:
         query = select(RIG_REVISIONS).where(RIG_REVISIONS.c.rig == rig).order_by(RIG_REVISIONS.c.seq)
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return list(connection.execute(query))
 
     def _add(self, rig: str, description: Rig, reason: str, operator: str, *, from_file: bool) -> None:
         row = {"rig": rig, "description": description.model_dump_json(), "rig_hash": rig_hash(description)}
         row |= {"from_file": from_file, "reason": reason, "operator": operator, "utc": utc_now()}
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             connection.execute(insert(RIG_REVISIONS).values(row))
             if not from_file:
-                audit.note(connection, operator, "revise-rig", rig, {"reason": reason, "rig_hash": row["rig_hash"]})
+                audit.note_action(
+                    connection, operator, "revise-rig", rig, {"reason": reason, "rig_hash": row["rig_hash"]}
+                )
 
 
-def _view(number: int, row: Row[tuple[object, ...]]) -> RigRevision:
+def _revision_view(number: int, row: Row[tuple[object, ...]]) -> RigRevision:
     return RigRevision(number=number, rig_hash=row.rig_hash, reason=row.reason, operator=row.operator, utc=row.utc)

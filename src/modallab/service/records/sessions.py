@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 
 from sqlalchemy import Engine, delete, insert, select
 
-from modallab.storage.engine import reading, writing
+from modallab.storage.engine import read_transaction, write_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import SESSIONS
 
@@ -30,8 +30,8 @@ class Sessions:
         """
         self._engine = engine
         self._secret = secret
-        with reading(engine) as connection:
-            rows = connection.execute(select(SESSIONS).where(SESSIONS.c.created_utc >= _ago(LIFE)))
+        with read_transaction(engine) as connection:
+            rows = connection.execute(select(SESSIONS).where(SESSIONS.c.created_utc >= _time_before(LIFE)))
             self._known = {row.id: row.created_utc for row in rows}
 
     def begin(self, token: str) -> str:
@@ -40,9 +40,9 @@ class Sessions:
         Raises:
             StorageError: it could not be kept.
         """
-        cookie = _random(token)
-        with writing(self._engine) as connection:
-            connection.execute(delete(SESSIONS).where(SESSIONS.c.created_utc < _ago(LIFE)))
+        cookie = _random_cookie(token)
+        with write_transaction(self._engine) as connection:
+            connection.execute(delete(SESSIONS).where(SESSIONS.c.created_utc < _time_before(LIFE)))
             connection.execute(insert(SESSIONS).values(id=self._name(cookie), created_utc=utc_now()))
         self._known[self._name(cookie)] = utc_now()
         return cookie
@@ -52,7 +52,7 @@ class Sessions:
         token = _token_of(cookie)
         if not cookie or not self._secret(token):
             return None
-        return token if self._known.get(self._name(cookie), "") >= _ago(LIFE) else None
+        return token if self._known.get(self._name(cookie), "") >= _time_before(LIFE) else None
 
     def end(self, cookie: str) -> None:
         """From now on the cookie stands for nothing.
@@ -63,7 +63,7 @@ class Sessions:
         if self.token_of(cookie) is None:
             return
         self._known.pop(self._name(cookie), None)
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             connection.execute(delete(SESSIONS).where(SESSIONS.c.id == self._name(cookie)))
 
     def use_link(self, key: str) -> str | None:
@@ -76,16 +76,19 @@ class Sessions:
         secret = self._secret(token)
         if not secret:
             return None
-        mine = SESSIONS.c.id == _hashed("link", secret, key), SESSIONS.c.created_utc >= _ago(LINK_LIFE)
-        with reading(self._engine) as connection:
+        mine = (
+            SESSIONS.c.id == _hash_with_secret("link", secret, key),
+            SESSIONS.c.created_utc >= _time_before(LINK_LIFE),
+        )
+        with read_transaction(self._engine) as connection:
             # Anyone may try, and nobody has the database written by that.
             if connection.scalar(select(SESSIONS.c.id).where(*mine)) is None:
                 return None
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             return token if connection.execute(delete(SESSIONS).where(*mine)).rowcount == 1 else None
 
     def _name(self, cookie: str) -> str:
-        return _hashed("session", self._secret(_token_of(cookie)), cookie)
+        return _hash_with_secret("session", self._secret(_token_of(cookie)), cookie)
 
 
 def make_link(engine: Engine, token: str, secret: str) -> tuple[str, str]:
@@ -94,14 +97,14 @@ def make_link(engine: Engine, token: str, secret: str) -> tuple[str, str]:
     Raises:
         StorageError: it could not be kept.
     """
-    key = _random(token)
-    with writing(engine) as connection:
-        connection.execute(insert(SESSIONS).values(id=_hashed("link", secret, key), created_utc=utc_now()))
+    key = _random_cookie(token)
+    with write_transaction(engine) as connection:
+        connection.execute(insert(SESSIONS).values(id=_hash_with_secret("link", secret, key), created_utc=utc_now()))
     until = datetime.now(UTC) + LINK_LIFE
     return f"/login?key={key}", until.isoformat(timespec="milliseconds")
 
 
-def _random(token: str) -> str:
+def _random_cookie(token: str) -> str:
     return f"{token}.{secrets.token_urlsafe(32)}" if token else secrets.token_urlsafe(32)
 
 
@@ -110,9 +113,9 @@ def _token_of(text: str) -> str:
     return token if dot else ""
 
 
-def _hashed(what: str, secret: str, text: str) -> str:
+def _hash_with_secret(what: str, secret: str, text: str) -> str:
     return hashlib.sha256(f"modallab {what} {secret} {text}".encode()).hexdigest()
 
 
-def _ago(life: timedelta) -> str:
+def _time_before(life: timedelta) -> str:
     return (datetime.now(UTC) - life).isoformat(timespec="milliseconds")

@@ -10,7 +10,7 @@ from sqlalchemy import Connection, Engine, insert, select, update
 from modallab.core.documents.users import RANK, Role, TokenMade, TokenNew, TokenView, UserNew, UserView
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records import audit
-from modallab.storage.engine import reading, writing
+from modallab.storage.engine import read_transaction, write_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import TOKENS, USERS
 
@@ -29,16 +29,16 @@ class Users:
             StorageError: it could not be kept.
         """
         user = UserView(name=new.name, role=new.role, created_utc=utc_now())
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             if _user_row(connection, new.name) is not None:
                 raise ConflictError(f"there is a user {new.name!r} already", where="name", remedy="choose another name")
             connection.execute(insert(USERS).values(user.model_dump()))
-            audit.note(connection, by, "add-user", new.name, {"role": new.role})
+            audit.note_action(connection, by, "add-user", new.name, {"role": new.role})
         return user
 
     def all(self) -> list[UserView]:
         """All users by name, revoked ones with them."""
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             rows = connection.execute(select(USERS).order_by(USERS.c.name)).mappings()
             return [UserView.model_validate(dict(row)) for row in rows]
 
@@ -48,7 +48,7 @@ class Users:
         Raises:
             NotFoundError: there is none of this name.
         """
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             return _user(connection, name)
 
     def change(self, name: str, role: Role, by: str) -> UserView:
@@ -58,10 +58,10 @@ class Users:
             NotFoundError: there is none of this name.
             ConflictError: the user was revoked.
         """
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             _require_active(_user(connection, name))
             connection.execute(update(USERS).where(USERS.c.name == name).values(role=role))
-            audit.note(connection, by, "change-user", name, {"role": role})
+            audit.note_action(connection, by, "change-user", name, {"role": role})
             return _user(connection, name)
 
     def revoke(self, name: str, by: str) -> UserView:
@@ -70,10 +70,10 @@ class Users:
         Raises:
             NotFoundError: there is none of this name.
         """
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             if not _user(connection, name).revoked_utc:
                 connection.execute(update(USERS).where(USERS.c.name == name).values(revoked_utc=utc_now()))
-                audit.note(connection, by, "revoke-user", name, {})
+                audit.note_action(connection, by, "revoke-user", name, {})
             return _user(connection, name)
 
     def make_token(self, name: str, new: TokenNew, by: str) -> TokenMade:
@@ -85,16 +85,18 @@ class Users:
         """
         ident = secrets.token_hex(6)
         token = f"{ident}.{secrets.token_urlsafe(32)}"
-        until = "" if new.ttl_days is None else _later(new.ttl_days)
+        until = "" if new.ttl_days is None else _time_after(new.ttl_days)
         row: dict[str, Any] = new.model_dump(exclude={"ttl_days"}) | {"rigs": list(new.rigs)}
         row |= {"id": ident, "user": name, "digest": digest_of(token), "created_utc": utc_now(), "expires_utc": until}
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             user = _user(connection, name)
             _require_active(user)
             if new.role is not None and RANK[new.role] > RANK[user.role]:
                 raise ConflictError(f"{name} is {user.role}, not {new.role}", where="role", remedy="ask for less")
             connection.execute(insert(TOKENS).values(row))
-            audit.note(connection, by, "make-token", name, {"token": ident, "label": new.label, "expires": until})
+            audit.note_action(
+                connection, by, "make-token", name, {"token": ident, "label": new.label, "expires": until}
+            )
             return TokenMade(token=token, about=_token(connection, name, ident))
 
     def tokens(self, name: str) -> list[TokenView]:
@@ -104,9 +106,9 @@ class Users:
             NotFoundError: there is no user of this name.
         """
         query = select(TOKENS).where(TOKENS.c.user == name).order_by(TOKENS.c.created_utc, TOKENS.c.id)
-        with reading(self._engine) as connection:
+        with read_transaction(self._engine) as connection:
             user = _user(connection, name)
-            return [_view(row, user.role) for row in connection.execute(query).mappings()]
+            return [_user_view(row, user.role) for row in connection.execute(query).mappings()]
 
     def revoke_token(self, name: str, ident: str, by: str) -> TokenView:
         """From now on a token does not count.
@@ -114,10 +116,10 @@ class Users:
         Raises:
             NotFoundError: the user has no such token.
         """
-        with writing(self._engine) as connection:
+        with write_transaction(self._engine) as connection:
             if not _token(connection, name, ident).revoked_utc:
                 connection.execute(update(TOKENS).where(TOKENS.c.id == ident).values(revoked_utc=utc_now()))
-                audit.note(connection, by, "revoke-token", name, {"token": ident})
+                audit.note_action(connection, by, "revoke-token", name, {"token": ident})
             return _token(connection, name, ident)
 
     def digests(self) -> dict[str, tuple[str, TokenView]]:
@@ -128,8 +130,10 @@ class Users:
         """
         query = select(TOKENS, USERS.c.role.label("most")).join(USERS, USERS.c.name == TOKENS.c.user)
         query = query.where(TOKENS.c.revoked_utc == "", USERS.c.revoked_utc == "")
-        with reading(self._engine) as connection:
-            return {row["id"]: (row["digest"], _view(row, row["most"])) for row in connection.execute(query).mappings()}
+        with read_transaction(self._engine) as connection:
+            return {
+                row["id"]: (row["digest"], _user_view(row, row["most"])) for row in connection.execute(query).mappings()
+            }
 
 
 def digest_of(token: str) -> str:
@@ -137,7 +141,7 @@ def digest_of(token: str) -> str:
     return hashlib.sha256(token.encode()).hexdigest()
 
 
-def _later(days: float) -> str:
+def _time_after(days: float) -> str:
     return (datetime.now(UTC) + timedelta(days=days)).isoformat(timespec="milliseconds")
 
 
@@ -162,10 +166,10 @@ def _token(connection: Connection, name: str, ident: str) -> TokenView:
     row = connection.execute(query).mappings().one_or_none()
     if row is None:
         raise NotFoundError(f"{name} has no token {ident!r}", remedy="look at the list of the user's tokens")
-    return _view(row, _user(connection, name).role)
+    return _user_view(row, _user(connection, name).role)
 
 
-def _view(row: Any, most: Role) -> TokenView:
+def _user_view(row: Any, most: Role) -> TokenView:
     role: Role = row["role"] if row["role"] is not None and RANK[row["role"]] < RANK[most] else most
     known = {name: row[name] for name in TokenView.model_fields if name not in ("role", "rigs")}
     return TokenView(**known, role=role, rigs=tuple(row["rigs"]))

@@ -14,7 +14,7 @@ from modallab.core.events import Event, Failed, RunState, StateChanged
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.service.errors import NotFoundError, RigUnavailableError
 from modallab.service.records import audit
-from modallab.service.records.event_log import Topic
+from modallab.service.records.event_log import EventTopic
 from modallab.service.records.repository import RunEntry, key_of_another
 from modallab.service.rigs.control import StartRun, require_action
 from modallab.service.rigs.run_log import RunLog
@@ -99,9 +99,9 @@ class ActiveRun:
         self._order = order
 
     @property
-    def topic(self) -> Topic:
+    def topic(self) -> EventTopic:
         """What its events are about."""
-        return Topic(self._rig, self._order.campaign, self.run)
+        return EventTopic(self._rig, self._order.campaign, self.run)
 
     def follow(self, process: RigProcess, begun: "Future[str]") -> ModallabError | None:
         """Run the plan to its end. `begun` gets the run's name; what kept it from beginning is returned, not raised."""
@@ -126,7 +126,7 @@ class ActiveRun:
             process.accept(self._block_name(command.n), command.reason, operator)
         else:
             simple[command.kind]()
-        audit.enter(self.run_log.engine, operator, command.kind, self.run, command.model_dump(mode="json"))
+        audit.enter_action(self.run_log.engine, operator, command.kind, self.run, command.model_dump(mode="json"))
 
     def _block_name(self, n: int) -> str:
         for block in self.run_log.store.catalogue.blocks(self.run):

@@ -150,13 +150,13 @@ def require_action(state: RunState, action: Action) -> None:
         IllegalTransitionError: with the list of legal states.
     """
     requested = REQUESTED.get(action)
-    if requested is not None and (requested not in TRANSITIONS[state] or _only_begins(state, action)):
-        raise rejection(state, f"become {requested}")
+    if requested is not None and (requested not in TRANSITIONS[state] or _begins_run_only(state, action)):
+        raise transition_error(state, f"become {requested}")
     if requested is None and state not in AT_WORK:
-        raise rejection(state, action)
+        raise transition_error(state, action)
 
 
-def rejection(state: RunState, what: str) -> IllegalTransitionError:
+def transition_error(state: RunState, what: str) -> IllegalTransitionError:
     """What to raise when a run cannot do `what` in its state."""
     return IllegalTransitionError(
         f"a run that is {state} cannot {what}",
@@ -164,6 +164,6 @@ def rejection(state: RunState, what: str) -> IllegalTransitionError:
     )
 
 
-def _only_begins(state: RunState, action: Action) -> bool:
+def _begins_run_only(state: RunState, action: Action) -> bool:
     # Armed leads to acquiring too, but by a hit or a burst and not by an operator who resumes.
     return action == "resume" and state != "paused"

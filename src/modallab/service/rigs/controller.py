@@ -34,7 +34,7 @@ REOPEN_S = 5.0
 
 
 @dataclass(frozen=True, slots=True)
-class Bench:
+class ServedRig:
     """A rig of the service: its id, what stands there, the address, and where it records."""
 
     id: str
@@ -43,12 +43,12 @@ class Bench:
     folder: Path
 
 
-class Controller:
+class RigController:
     """One rig. Its thread opens the bench, keeps it open, and runs one plan after the other."""
 
     def __init__(
         self,
-        bench: Bench,
+        bench: ServedRig,
         run_log: RunLog,
         ended: Callable[[str], None],
         begin_s: float = BEGIN_S,

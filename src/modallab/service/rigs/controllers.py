@@ -10,16 +10,16 @@ from modallab.core.documents.runs import Command
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.service.errors import LeaseNeededError, NotFoundError
-from modallab.service.records.leases import Leases
+from modallab.service.records.leases import RigLeases
 from modallab.service.rigs.consents import Consent, Consents
 from modallab.service.rigs.control import ControllerState, StartRun
-from modallab.service.rigs.controller import Controller
+from modallab.service.rigs.controller import RigController
 
 
-class Controllers:
+class RigControllers:
     """The rigs by id. The lease is looked at here, last of all, so that no delay on the way outlives it."""
 
-    def __init__(self, controllers: Sequence[Controller], leases: Leases) -> None:
+    def __init__(self, controllers: Sequence[RigController], leases: RigLeases) -> None:
         self._controllers = {controller.bench.id: controller for controller in controllers}
         self._leases = leases
         self.others: Callable[[], dict[str, int]] = dict
@@ -120,7 +120,7 @@ class Controllers:
         controller = self._controller(rig)
         controller.revise(description, reason, self._leases.require(rig, lease).operator)
 
-    def replace(self, controller: Controller) -> None:
+    def replace(self, controller: RigController) -> None:
         """Put a controller in the place of a closed one of the same rig, whose sensors were moved."""
         self._controllers[controller.bench.id] = controller
 
@@ -135,13 +135,13 @@ class Controllers:
         for controller in self._controllers.values():
             controller.close()
 
-    def _controller(self, rig: str) -> Controller:
+    def _controller(self, rig: str) -> RigController:
         if rig not in self._controllers:
             known = ", ".join(self._controllers) or "none"
             raise NotFoundError(f"there is no rig {rig!r}", remedy=f"this service has: {known}")
         return self._controllers[rig]
 
-    def _stop(self, controllers: Sequence[Controller], stop: Callable[[Controller], None]) -> tuple[str, ...]:
+    def _stop(self, controllers: Sequence[RigController], stop: Callable[[RigController], None]) -> tuple[str, ...]:
         failed: ModallabError | None = None
         if not controllers:
             return ()

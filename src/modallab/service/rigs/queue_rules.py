@@ -5,7 +5,7 @@ from modallab.core.documents.queue import ConsentView, QueueItem
 from modallab.service.rigs.control import ControllerState
 
 
-def obstacle(item: QueueItem, state: ControllerState, trip: Trip | None, consent: ConsentView | None) -> str:
+def why_not_begun(item: QueueItem, state: ControllerState, trip: Trip | None, consent: ConsentView | None) -> str:
     """Why an item cannot begin now; "" if it can.
 
     A shaker never starts by itself unless who holds the lease has consented to this very item, and an impact test waits
@@ -16,9 +16,9 @@ def obstacle(item: QueueItem, state: ControllerState, trip: Trip | None, consent
     if state.state != "idle":
         return f"run {state.run} is on" if state.run else f"the rig is {state.state}"
     if consent is None:
-        return f"nobody who holds the lease has consented to it{_unless(item)}"
+        return f"nobody who holds the lease has consented to it{_unless_consented(item)}"
     if item.id not in consent.items:
-        return f"{consent.operator}'s consent was given before it was queued{_unless(item)}"
+        return f"{consent.operator}'s consent was given before it was queued{_unless_consented(item)}"
     if item.drives and not consent.drive:
         return f"{consent.operator} has not consented to tests that move the output"
     if not item.drives and not consent.at_bench:
@@ -26,6 +26,6 @@ def obstacle(item: QueueItem, state: ControllerState, trip: Trip | None, consent
     return ""
 
 
-def _unless(item: QueueItem) -> str:
+def _unless_consented(item: QueueItem) -> str:
     need = "tests that drive" if item.drives else "impact tests, at the bench"
     return f"; give one for {need}, with the lease"

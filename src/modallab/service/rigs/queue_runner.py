@@ -10,13 +10,13 @@ from modallab.core.documents.messages import QueueChanged
 from modallab.core.documents.queue import QueueItem, QueueState
 from modallab.core.errors import ModallabError
 from modallab.service.errors import ConflictError, LeaseNeededError, RigUnavailableError
-from modallab.service.records.event_log import Topic
+from modallab.service.records.event_log import EventTopic
 from modallab.service.records.repository import RunKey
 from modallab.service.records.run_queue import RunQueue
 from modallab.service.rigs.consents import Consent
 from modallab.service.rigs.control import ControllerState, StartRun
-from modallab.service.rigs.controllers import Controllers
-from modallab.service.rigs.queue_rules import obstacle
+from modallab.service.rigs.controllers import RigControllers
+from modallab.service.rigs.queue_rules import why_not_begun
 from modallab.service.rigs.run_log import RunLog
 from modallab.storage.records import ENDED
 
@@ -28,7 +28,9 @@ QUEUE = "the queue"
 class QueueRunner:
     """Looks at the queues of all rigs on a thread of its own; what it knows is in the database, but for consents."""
 
-    def __init__(self, controllers: Controllers, run_log: RunLog, may_begin: Callable[[], bool] = lambda: True) -> None:
+    def __init__(
+        self, controllers: RigControllers, run_log: RunLog, may_begin: Callable[[], bool] = lambda: True
+    ) -> None:
         """Begin to look.
 
         Args:
@@ -88,13 +90,13 @@ class QueueRunner:
             self._pause(item.rig, "the rig's process was started again since its operator has consented")
             return
         given = None if consent is None else consent.view
-        if obstacle(item, state, self._controllers.trip(item.rig), given) or not self._may_begin():
+        if why_not_begun(item, state, self._controllers.trip(item.rig), given) or not self._may_begin():
             return
         if consent is not None and self._queue.claim(item.id):
             self._begin(item, consent)
 
     def _begin(self, item: QueueItem, consent: Consent) -> None:
-        order = StartRun(item.rig, item.campaign, item.plan, consent.lease, key=_key(item))
+        order = StartRun(item.rig, item.campaign, item.plan, consent.lease, key=_key_of_item(item))
         try:
             run = self._controllers.start_queued(order)
         except (LeaseNeededError, ConflictError, TrippedError):
@@ -123,7 +125,7 @@ class QueueRunner:
 
     def _find(self, item: QueueItem, state: ControllerState) -> None:
         # Its beginning was not heard of: this service, or the one before, was ended or kept waiting in between.
-        run = self._run_log.repository.run_of(_key(item))
+        run = self._run_log.repository.run_of(_key_of_item(item))
         if run is not None:
             self._set(item, "running", run=run)
         elif state.state == "idle":
@@ -145,9 +147,9 @@ class QueueRunner:
 
     def _notify(self, rig: str, **content: str) -> None:
         said = QueueChanged.model_validate({"rig": rig} | content)
-        self._run_log.log.append(said.kind, Topic(rig=rig), said.content())
+        self._run_log.log.append(said.kind, EventTopic(rig=rig), said.content())
 
 
-def _key(item: QueueItem) -> RunKey:
+def _key_of_item(item: QueueItem) -> RunKey:
     # No request can carry a key with a blank in it.
     return RunKey(f"queue {item.id}", item.id)

@@ -15,11 +15,11 @@ from modallab.core.documents.rigs import RigState
 from modallab.core.errors import StorageError
 from modallab.core.events import StateChanged
 from modallab.service.records import audit
-from modallab.service.records.event_log import EventLog, Topic
+from modallab.service.records.event_log import EventLog, EventTopic
 from modallab.service.records.repository import CampaignRepository
 from modallab.service.records.rig_revisions import RigRevisions
 from modallab.storage import Store
-from modallab.storage.engine import reading
+from modallab.storage.engine import read_transaction
 from modallab.storage.records import ENDED
 from modallab.storage.service_tables import CAMPAIGN_RUNS, EVENTS
 
@@ -28,23 +28,23 @@ LOOK_S = 2.0
 CLOSE_S = 0.5
 
 
-class Followed(Protocol):
+class FollowedRun(Protocol):
     """A run while a controller follows it."""
 
     run: str
     """Its name; "" until it has begun."""
 
 
-class Ends:
+class RunEnds:
     """Runs that are followed, and runs whose end was reported. From any thread."""
 
     def __init__(self) -> None:
         self._lock = Lock()
-        self._followed: list[Followed] = []
+        self._followed: list[FollowedRun] = []
         self._reported: set[str] = set()
 
     @contextmanager
-    def following(self, active: Followed) -> Generator[None]:
+    def following(self, active: FollowedRun) -> Generator[None]:
         """While this lasts, who follows the run reports its end, and nobody else."""
         with self._lock:
             self._followed.append(active)
@@ -79,7 +79,7 @@ class RunLog:
         self.engine: Engine = store.catalogue.engine
         self.repository = CampaignRepository(self.engine)
         self.revisions = RigRevisions(self.engine)
-        self.ends = Ends()
+        self.ends = RunEnds()
         self._stops: SimpleQueue[tuple[str, str, str] | None] = SimpleQueue()
         self._writer = Thread(target=self._enter_stops, name="stops", daemon=True)
         self._writer.start()
@@ -91,18 +91,18 @@ class RunLog:
 
     def rig_state(self, rig: str, state: RigState, error: str) -> None:
         """The rig's process is in another state."""
-        self.log.append("rig", Topic(rig=rig), RigChanged(rig=rig, state=state, error=error).model_dump())
+        self.log.append("rig", EventTopic(rig=rig), RigChanged(rig=rig, state=state, error=error).model_dump())
 
     def tripped(self, rig: str, reason: str, operator: str) -> None:
         """Someone or something stopped the rig. Whoever stops waits neither for the disk nor for the database."""
         said = Tripped(rig=rig, reason=reason, operator=operator)
-        self.log.append_later(said.kind, Topic(rig=rig), said.model_dump())
+        self.log.append_later(said.kind, EventTopic(rig=rig), said.model_dump())
         self._stops.put((operator, rig, reason))
 
     def reset(self, rig: str, reason: str, operator: str) -> None:
         """Someone has reset it."""
         said = Reset(rig=rig, reason=reason, operator=operator)
-        self.log.append(said.kind, Topic(rig=rig), said.model_dump())
+        self.log.append(said.kind, EventTopic(rig=rig), said.model_dump())
         self._enter(operator, "reset", rig, reason)
 
     def _enter_stops(self) -> None:
@@ -113,12 +113,12 @@ class RunLog:
 
     def _enter(self, operator: str, action: str, rig: str, reason: str) -> None:
         try:
-            audit.enter(self.engine, operator, action, rig, {"reason": reason})
+            audit.enter_action(self.engine, operator, action, rig, {"reason": reason})
         except StorageError as error:
             LOG.warning("%s of %s by %s could not be kept: %s", action, rig, operator, error)
 
 
-class Recovery:
+class RunRecovery:
     """Looks now and then: a rig's process that outlived its service may die late, and a full disk may take no row."""
 
     def __init__(self, run_log: RunLog, ended: Callable[[str], None] | None = None, look_s: float = LOOK_S) -> None:
@@ -135,7 +135,7 @@ class Recovery:
         self._run_log = run_log
         self._ended = ended
         self._look_s = look_s
-        self._unreported = unreported(run_log.engine)
+        self._unreported = unreported_runs(run_log.engine)
         self._looked_s = float("-inf")
 
     def look(self) -> None:
@@ -162,7 +162,7 @@ class Recovery:
         if not self._run_log.ends.notify(run):
             return
         entry = self._run_log.repository.entry(run)
-        topic = Topic(run=run) if entry is None else Topic(entry.rig, entry.campaign, run)
+        topic = EventTopic(run=run) if entry is None else EventTopic(entry.rig, entry.campaign, run)
         if record.state == "failed" and entry is not None and not entry.code:
             with suppress(StorageError):
                 self._run_log.repository.set_code(run, CODE)
@@ -172,7 +172,7 @@ class Recovery:
             self._ended(run)
 
 
-def unreported(engine: Engine) -> set[str]:
+def unreported_runs(engine: Engine) -> set[str]:
     """Runs of the repository whose last state in the log of events is not their end.
 
     Raises:
@@ -180,6 +180,6 @@ def unreported(engine: Engine) -> set[str]:
     """
     of_a_run = select(func.max(EVENTS.c.seq)).where(EVENTS.c.kind == "state", EVENTS.c.run != "").group_by(EVENTS.c.run)
     query = select(EVENTS.c.run, EVENTS.c.content).where(EVENTS.c.seq.in_(of_a_run))
-    with reading(engine) as connection:
+    with read_transaction(engine) as connection:
         reported = {row.run for row in connection.execute(query) if row.content["state"] in ENDED}
         return set(connection.scalars(select(CAMPAIGN_RUNS.c.run))) - reported

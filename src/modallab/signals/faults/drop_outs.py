@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.signals.faults.fault import Fault
-from modallab.signals.faults.runs import Runs, equal_runs
+from modallab.signals.faults.runs import SampleRuns, equal_runs
 
 LEAST_RUN = 3
 BESIDE = 16
@@ -35,28 +35,28 @@ def drop_outs(row: Real, rate_hz: float, channel: str, steps: Real, *, force: bo
     ]
     if not kept:
         return ()
-    lost = Runs(runs.first[kept], runs.stop[kept])
+    lost = SampleRuns(runs.first[kept], runs.stop[kept])
     value = float(row[lost.first[0]])
     what = f"stands still at {value:.6g} while it should move"
     return (Fault(channel, what, float(lost.first[0]) / rate_hz, int(lost.length.sum())),)
 
 
-def _left_sharply(row: Real, runs: Runs, steps: Real) -> Runs:
+def _left_sharply(row: Real, runs: SampleRuns, steps: Real) -> SampleRuns:
     """Runs whose value is reached or left faster than that of a smooth top of as many equal samples."""
     jumps = np.abs(np.diff(row, prepend=row[0], append=row[-1]))
     edges, step = np.maximum(jumps[runs.first], jumps[runs.stop]), steps[runs.first]
     kept = (edges >= SHARP * step * (1 + 2 / runs.length) ** 2) & (edges > 0) & (runs.first >= BESIDE)
-    return Runs(runs.first[kept], runs.stop[kept])
+    return SampleRuns(runs.first[kept], runs.stop[kept])
 
 
 def _is_lost(row: Real, first: int, stop: int, steps: Real, *, force: bool) -> bool:
     step = float(steps[max(0, first - BESIDE) : stop + BESIDE].max())
-    before, after = _movement(row[first - BESIDE : first]), _movement(row[stop : stop + BESIDE])
+    before, after = _movement_of_part(row[first - BESIDE : first]), _movement_of_part(row[stop : stop + BESIDE])
     if min(before, before if stop >= row.size else after) < MOVES * step:
         return False
     chance = (stop - first - 1) * np.log(max(step, 1e-300) / (2 * before)) + np.log(row.size)
     return bool(chance < np.log(RARE)) and not (force and np.mean(row == row[first]) > REST)
 
 
-def _movement(part: Real) -> float:
+def _movement_of_part(part: Real) -> float:
     return float(np.median(np.abs(np.diff(part)))) if part.size > 2 else 0.0

@@ -8,16 +8,19 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.signals.faults.fault import Fault
-from modallab.signals.faults.runs import Runs, runs_where
+from modallab.signals.faults.runs import SampleRuns, runs_where
 
 LEAST_RUN = 3
 """Equal samples in a row: two may stand astride any top."""
 SHARP = 3.0
 """How many times further than a parabola's the next sample lies below."""
-NOISY_RUN, NOISY_SHARP = 5, 6.0
-"""The same of tops that are flat within the noise behind the stage that cut them off."""
+NOISY_LEAST, NOISY_SHARP = 5, 6.0
+"""Samples in all, and the same, of tops that are flat within the noise behind the stage that cut them off. Two modes
+can make a top without curvature: it leaves a band of three samples by 16 times its width, which is less."""
 NOISY_TOPS = 0.005
-"""Share of its height within which such a top is flat."""
+"""Largest share of its height within which such a top is flat."""
+WIDTHS = 2.0**10
+"""Range of the bands that are tried, each twice as wide as the last."""
 LEAST_HEIGHT = 0.1
 """Share of the largest excursion from the median: a level of rest is no top."""
 
@@ -39,17 +42,21 @@ def flat_tops(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fau
     return tuple(found)
 
 
-def _cut_off(row: Real, top: float, step: float, height: float) -> Runs:
-    exact = _sharp(row, top, step, runs_where(row == top).longer(LEAST_RUN), SHARP)
-    if exact.first.size:
-        return exact
-    # What is flat within a step of the converter is flat by that step.
-    band = NOISY_TOPS * height + step
-    return _sharp(row, top, band, runs_where(row >= top - band).longer(NOISY_RUN), NOISY_SHARP)
+def _cut_off(row: Real, top: float, step: float, height: float) -> SampleRuns:
+    found = _is_sharp(row, top, step, runs_where(row == top).longer(LEAST_RUN), SHARP)
+    if found.first.size:
+        return found
+    # How much noise there is behind the stage is not known: a flat top is flat in one of these bands.
+    widest = NOISY_TOPS * height + step
+    band = max(step, widest / WIDTHS)
+    while found.length.sum() < NOISY_LEAST and band <= widest:
+        found = _is_sharp(row, top, band, runs_where(row >= top - band).longer(LEAST_RUN), NOISY_SHARP)
+        band *= 2
+    return found if found.length.sum() >= NOISY_LEAST else SampleRuns(found.first[:0], found.stop[:0])
 
 
-def _sharp(row: Real, top: float, step: float, runs: Runs, times: float) -> Runs:
+def _is_sharp(row: Real, top: float, step: float, runs: SampleRuns, times: float) -> SampleRuns:
     inside = runs.within(row.size)
     below = top - np.maximum(row[inside.first - 1], row[inside.stop % row.size])
     limit = times * step * (1 + 2 / inside.length) ** 2
-    return Runs(inside.first[below > limit], inside.stop[below > limit])
+    return SampleRuns(inside.first[below > limit], inside.stop[below > limit])

@@ -8,9 +8,9 @@ from modallab.core.rig import Rig
 from modallab.signals.faults.drop_outs import drop_outs
 from modallab.signals.faults.fault import Fault
 from modallab.signals.faults.flat_tops import flat_tops
-from modallab.signals.faults.repeats import repeats
+from modallab.signals.faults.repeats import repeated_values
 from modallab.signals.faults.runs import steps_of
-from modallab.signals.faults.spikes import spikes
+from modallab.signals.faults.spikes import find_spikes
 
 LEAST_SAMPLES = 64
 """Fewer show too little of how a channel moves."""
@@ -32,12 +32,12 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
     forces = {channel.name for channel in rig.forces}
     found: list[Fault] = []
     for row, name, step in zip(rows, block.channels, steps, strict=True):
-        found += _of_row(row, name, step, block.rate_hz, force=name in forces)
-    return (*found, *spikes(rows, block.rate_hz, block.channels, steps))
+        found += _faults_of_row(row, name, step, block.rate_hz, force=name in forces)
+    return (*found, *find_spikes(rows, block.rate_hz, block.channels, steps))
 
 
-def _of_row(row: Real, name: str, steps: Real, rate_hz: float, *, force: bool) -> tuple[Fault, ...]:
+def _faults_of_row(row: Real, name: str, steps: Real, rate_hz: float, *, force: bool) -> tuple[Fault, ...]:
     tops = flat_tops(row, rate_hz, name, steps)
-    held = repeats(row, rate_hz, name, steps)
+    held = repeated_values(row, rate_hz, name, steps)
     # What is held everywhere has no drop-outs of its own; neither has a channel at the end of its range.
     return (*tops, *held) if tops or held else drop_outs(row, rate_hz, name, steps, force=force)

@@ -22,12 +22,12 @@ MOST_STRAIGHT, LEAST_STRAIGHT = 0.4, 32
 BESIDE = 8
 
 
-def repeats(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
+def repeated_values(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
     """Whether a channel (n,) holds its values, or joins them by straight lines; `steps` (n,) as of `steps_of`."""
-    return _held(row, rate_hz, channel, steps) or _straight(row, rate_hz, channel, steps)
+    return _holds_values(row, rate_hz, channel, steps) or _joins_by_lines(row, rate_hz, channel, steps)
 
 
-def _held(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
+def _holds_values(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
     runs, moves = equal_runs(row).within(row.size), np.diff(row)
     before, after = moves[runs.first - 1], moves[runs.stop - 1]
     # On a slope: at a top two equal samples are nothing rare.
@@ -45,7 +45,7 @@ def _held(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, 
     return (Fault(channel, what, float(runs.first[on_slope][0]) / rate_hz, int((runs.length[on_slope] - 1).sum())),)
 
 
-def _straight(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
+def _joins_by_lines(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
     if row.size < 4 * BESIDE:
         return ()
     step = np.maximum(steps[1:-1], np.maximum(steps[2:], steps[:-2]))

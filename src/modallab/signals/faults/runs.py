@@ -14,7 +14,7 @@ ROUNDING = 1e-13
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Runs:
+class SampleRuns:
     """Stretches of consecutive samples for which something holds: first samples and those after the last, (runs,)."""
 
     first: NDArray[np.int64]
@@ -25,27 +25,27 @@ class Runs:
         """(runs,) samples of each."""
         return self.stop - self.first
 
-    def longer(self, least: int) -> "Runs":
+    def longer(self, least: int) -> "SampleRuns":
         """Those of at least so many samples."""
         kept = self.length >= least
-        return Runs(self.first[kept], self.stop[kept])
+        return SampleRuns(self.first[kept], self.stop[kept])
 
-    def within(self, n: int) -> "Runs":
+    def within(self, n: int) -> "SampleRuns":
         """Those that touch neither end of a record of n samples."""
         kept = (self.first > 0) & (self.stop < n)
-        return Runs(self.first[kept], self.stop[kept])
+        return SampleRuns(self.first[kept], self.stop[kept])
 
 
-def runs_where(holds: NDArray[np.bool_]) -> Runs:
+def runs_where(holds: NDArray[np.bool_]) -> SampleRuns:
     """The stretches in which (n,) holds."""
     edges = np.flatnonzero(np.diff(holds.astype(np.int8), prepend=0, append=0))
-    return Runs(edges[::2], edges[1::2])
+    return SampleRuns(edges[::2], edges[1::2])
 
 
-def equal_runs(row: Real) -> Runs:
+def equal_runs(row: Real) -> SampleRuns:
     """The stretches of at least two equal samples."""
     pairs = runs_where(row[1:] == row[:-1])
-    return Runs(pairs.first, pairs.stop + 1)
+    return SampleRuns(pairs.first, pairs.stop + 1)
 
 
 def steps_of(row: Real) -> Real:

@@ -4,23 +4,23 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from modallab.core.discovery import declared
+from modallab.core.discovery import declarations_in_package
 from modallab.core.effects import STAGES, Effect, EffectKind
 from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.effect_model import EffectModel, NoChange, Search
-from modallab.twin.learned import elements
+from modallab.twin.effect_model import EffectModel, EffectSearch, NoChange
+from modallab.twin.learned import learned_element_models
 
 
 @cache
-def models() -> Mapping[str, EffectModel]:
+def effect_models() -> Mapping[str, EffectModel]:
     """Every effect's model, in the order of the catalogue.
 
     Raises:
         FormatError: a module of this package declares no `MODEL`, or one of another name than its own.
     """
-    found = declared(__name__, "MODEL", EffectModel)
+    found = declarations_in_package(__name__, "MODEL", EffectModel)
     for module, model in found.items():
         if model.kind.name != module:
             raise FormatError(
@@ -33,7 +33,7 @@ def models() -> Mapping[str, EffectModel]:
 
 def kinds() -> list[EffectKind]:
     """The entries of the catalogue; its entry point."""
-    return [m.kind for m in models().values()]
+    return [m.kind for m in effect_models().values()]
 
 
 def model_of(name: str) -> EffectModel:
@@ -42,13 +42,13 @@ def model_of(name: str) -> EffectModel:
     Raises:
         FormatError: the catalogue has no such effect.
     """
-    model = models().get(name) or elements().get(name)
+    model = effect_models().get(name) or learned_element_models().get(name)
     if model is None:
-        raise FormatError(f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(models()))}")
+        raise FormatError(f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(effect_models()))}")
     return model
 
 
-def search_of(name: str) -> Search:
+def search_of(name: str) -> EffectSearch:
     """How a fit looks for an effect.
 
     Raises:
@@ -60,18 +60,18 @@ def search_of(name: str) -> Search:
     return search
 
 
-def apply(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+def apply_effect(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     """The twin with an effect in it; what a force cannot predict (noise, hum, ringing, floor) leaves it unchanged.
 
     Raises:
         FormatError: the twin has no model of this effect.
     """
-    model = models().get(effect.effect) or elements().get(effect.effect)
+    model = effect_models().get(effect.effect) or learned_element_models().get(effect.effect)
     change = model.change if model is not None else NoChange.NO_MODEL_YET
     if change is NoChange.NO_FORCE_PREDICTS_IT:
         return twin
     if isinstance(change, NoChange):
-        able = sorted(name for name, model in models().items() if not isinstance(model.change, NoChange))
+        able = sorted(name for name, model in effect_models().items() if not isinstance(model.change, NoChange))
         raise FormatError(f"the twin has no model of {effect.effect!r}", remedy=f"use one of {', '.join(able)}")
     return change(twin, effect, rig)
 
@@ -79,5 +79,5 @@ def apply(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def with_known(twin: Twin, rig: Rig) -> Twin:
     """The twin with the effects that the rig's revisions know."""
     for effect in rig.known_effects:
-        twin = apply(twin, effect, rig)
+        twin = apply_effect(twin, effect, rig)
     return twin

@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -26,6 +26,9 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=110, slots=lambda _: (Slot("corner_hz", "log", spread(0.01, 8.0, 7), low=1e-4, high=200.0),)),
+    search=EffectSearch(
+        rank=110,
+        slots=lambda _: (FreeNumber("corner_hz", "log", spread_logarithmically(0.01, 8.0, 7), low=1e-4, high=200.0),),
+    ),
     experiment="Switch the inputs to DC and repeat the sines at low frequencies: only a high-pass changes their phase.",
 )

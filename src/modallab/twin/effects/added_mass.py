@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, along_beam, spread
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Rival, Search, over
+from modallab.twin.candidate import FreeNumber, along_beam, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, RivalEffect, in_tolerances
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -14,12 +14,12 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, structure=replace(s, masses=(*s.masses, (x_of(effect, rig), effect.parameters["mass"]))))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
-    return (Slot("mass", "log", spread(1e-3 * beam.mass_kg, 0.4 * beam.mass_kg, 5)), along_beam())
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
+    return (FreeNumber("mass", "log", spread_logarithmically(1e-3 * beam.mass_kg, 0.4 * beam.mass_kg, 5)), along_beam())
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return over(effect.parameters["mass"], rig.tolerance.sensor_mass_kg)
+    return in_tolerances(effect.parameters["mass"], rig.tolerance.sensor_mass_kg)
 
 
 MODEL = EffectModel(
@@ -35,16 +35,16 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=40, slots=_slots, tolerance=ReplacedTolerance(deviations=_own_deviations)),
+    search=EffectSearch(rank=40, slots=_slots, tolerance=ReplacedTolerance(deviations=_own_deviations)),
     experiment="Screw a known mass to the free end and repeat the hits: its own shift gives the scale.",
     rivals=(
-        Rival(
+        RivalEffect(
             "sensor_mass",
             "Take all accelerometers but one off and repeat the hits: if the "
             "frequencies rise alike, it is the sensors.",
             rank=10,
             plan="Repeat the hits with one accelerometer only: that tells the sensors' mass from another.",
         ),
-        Rival("clamp_rotation", "Screw a known mass to the free end and repeat the hits.", rank=20),
+        RivalEffect("clamp_rotation", "Screw a known mass to the free end and repeat the hits.", rank=20),
     ),
 )

@@ -5,9 +5,9 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search, SteppedLaw
-from modallab.twin.nonlinear.element import Element, Law
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, SteppedLaw
+from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
 
 STATIONS = 5.0
 """Places at which a lumped drag acts."""
@@ -15,11 +15,13 @@ STATIONS = 5.0
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     per_length = effect.parameters["c2_total"] / twin.structure.length_m
-    return replace(twin, element=Element(Law.DRAG, 0.0, (per_length, effect.parameters.get("stations", 0.0))))
+    return replace(
+        twin, element=NonlinearElement(NonlinearLaw.DRAG, 0.0, (per_length, effect.parameters.get("stations", 0.0)))
+    )
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
-    return (Slot("c2_total", "log", spread(0.3, 100.0, 5)),)
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
+    return (FreeNumber("c2_total", "log", spread_logarithmically(0.3, 100.0, 5)),)
 
 
 MODEL = EffectModel(
@@ -37,8 +39,8 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a drag spreads along the beam is a convention: evenly, or lumped at a few stations as simulators do.
-    search=Search(
-        rank=100, slots=_slots, forms=((), (("stations", STATIONS),)), inexact=0.05, law=SteppedLaw(drowns=True)
+    search=EffectSearch(
+        rank=100, slots=_slots, forms=((), (("stations", STATIONS),)), inexact=0.05, law=SteppedLaw(smooth=True)
     ),
     experiment="Repeat the sines at a third level: drag damps in proportion to the amplitude, the frequencies stay.",
 )

@@ -7,9 +7,9 @@ import numpy as np
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, along_beam
-from modallab.twin.effect_model import EffectModel, Search, SteppedLaw
-from modallab.twin.nonlinear.element import Element, Law
+from modallab.twin.candidate import FreeNumber, along_beam
+from modallab.twin.effect_model import EffectModel, EffectSearch, SteppedLaw
+from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
 
 WIDTH = 0.045
 """Half width of the loss over L where nothing says more: 0.04 and 0.05 are both in use."""
@@ -27,14 +27,14 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     share, length = effect.parameters["EI_loss_open"], twin.structure.length_m
     all_modes = effect.parameters.get("all_modes", 0.0)
     width = effect.parameters.get("width", WIDTH) * length
-    return replace(twin, element=Element(Law.CRACK, x_of(effect, rig), (share, width, all_modes)))
+    return replace(twin, element=NonlinearElement(NonlinearLaw.CRACK, x_of(effect, rig), (share, width, all_modes)))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     return (
-        Slot("EI_loss_open", "share", SHARES, high=0.97),
+        FreeNumber("EI_loss_open", "share", SHARES, high=0.97),
         # How far a crack weakens the beam beside it depends on the crack.
-        Slot("width", "log", (WIDTH,), low=NARROWEST, high=WIDEST, power=0.0),
+        FreeNumber("width", "log", (WIDTH,), low=NARROWEST, high=WIDEST, power=0.0),
         along_beam(),
     )
 
@@ -53,12 +53,12 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=False,
-    search=Search(
+    search=EffectSearch(
         rank=90,
         slots=_slots,
         forms=FORMS,
         inexact=0.05,
-        law=SteppedLaw(by_sine=True, rough=True, overtones="even", acts="couple"),
+        law=SteppedLaw(rough=True, overtones="even", acts="couple"),
     ),
     experiment="Look for even overtones in the sine responses: a crack that breathes makes them at every level.",
 )

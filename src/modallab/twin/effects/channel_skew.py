@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Rival, Search
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, RivalEffect
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -26,10 +26,12 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(
+    search=EffectSearch(
         rank=130,
-        slots=lambda _: (Slot("seconds_per_channel", "plain", spread(1e-7, 2e-4, 7), 1e-5, low=0.0, high=3e-4),),
+        slots=lambda _: (
+            FreeNumber("seconds_per_channel", "plain", spread_logarithmically(1e-7, 2e-4, 7), 1e-5, low=0.0, high=3e-4),
+        ),
     ),
     experiment="Exchange the first and the last row of the converter and repeat: a skew goes with the row.",
-    rivals=(Rival("trigger_delay", "Exchange the first and the last row of the converter and repeat.", rank=80),),
+    rivals=(RivalEffect("trigger_delay", "Exchange the first and the last row of the converter and repeat.", rank=80),),
 )

@@ -6,9 +6,9 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search, SteppedLaw
-from modallab.twin.nonlinear.element import Element, Law
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, SteppedLaw
+from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
 
 SOFTER = 1.3
 """Times as stiff as what slips a root that sticks is at least."""
@@ -19,22 +19,24 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     stick = numbers["k_stick"]
     slider = max(stick - numbers["k_slip"], 1e-6 * stick)
     root = s.root_rotation + s.bending_stiffness / s.length_m / numbers["k_slip"]
-    element = Element(Law.FRICTION, 0.0, (slider, numbers["moment_limit"], numbers.get("sharpness", 0.0)))
+    element = NonlinearElement(
+        NonlinearLaw.FRICTION, 0.0, (slider, numbers["moment_limit"], numbers.get("sharpness", 0.0))
+    )
     return replace(twin, structure=replace(s, root_rotation=root), element=element)
 
 
-def _slips(numbers: Mapping[str, float]) -> bool:
+def _slip_gives_way(numbers: Mapping[str, float]) -> bool:
     """Whether what slips gives way: at nearly the same stiffness it is a soft root, whatever the limit."""
     return numbers["k_stick"] > SOFTER * numbers["k_slip"]
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        Slot("k_slip", "log", spread(7 * unit, 220 * unit, 4)),
-        Slot("k_stick", "log", spread(40 * unit, 1500 * unit, 4), power=-1.0),
-        Slot("moment_limit", "log", spread(1.5e-5 * unit, 2.3e-2 * unit, 7), power=-1.0),
-        Slot("sharpness", "log", (1.2,), low=1.0, high=100.0, power=0.0),
+        FreeNumber("k_slip", "log", spread_logarithmically(7 * unit, 220 * unit, 4)),
+        FreeNumber("k_stick", "log", spread_logarithmically(40 * unit, 1500 * unit, 4), power=-1.0),
+        FreeNumber("moment_limit", "log", spread_logarithmically(1.5e-5 * unit, 2.3e-2 * unit, 7), power=-1.0),
+        FreeNumber("sharpness", "log", (1.2,), low=1.0, high=100.0, power=0.0),
     )
 
 
@@ -57,8 +59,8 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a joint yields is a convention.
-    search=Search(
-        rank=30, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", by_sine=True, behind="k_stick", acting=_slips)
+    search=EffectSearch(
+        rank=30, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", behind="k_stick", acting=_slip_gives_way)
     ),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )

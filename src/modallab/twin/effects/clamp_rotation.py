@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
 from modallab.twin.structure import ROOT, believed_root
 
 SOFT = 0.01
@@ -20,10 +20,10 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, structure=replace(s, root_rotation=s.root_rotation + added))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     ei, length = beam.bending_stiffness_n_m2, beam.length_m
-    starts = spread(4 * ei / length, 4e3 * ei / length, 7)
-    return (Slot("k_rot", "log", starts, low=SOFT * ei / length, power=-1.0),)
+    starts = spread_logarithmically(4 * ei / length, 4e3 * ei / length, 7)
+    return (FreeNumber("k_rot", "log", starts, low=SOFT * ei / length, power=-1.0),)
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
@@ -31,7 +31,7 @@ def _own_deviations(effect: Effect, rig: Rig) -> float:
     turned = rig.beam.bending_stiffness_n_m2 / rig.beam.length_m / effect.parameters["k_rot"]
     # Where the rig file states a spring, what it states is "about" so much.
     stated = believed_root(rig.beam)
-    return over(turned, ROOT * stated if stated else rig.tolerance.clamp_compliance)
+    return in_tolerances(turned, ROOT * stated if stated else rig.tolerance.clamp_compliance)
 
 
 MODEL = EffectModel(
@@ -47,7 +47,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(
+    search=EffectSearch(
         rank=10, slots=_slots, tolerance=ReplacedTolerance(replaces="clamp_compliance", deviations=_own_deviations)
     ),
     experiment="Strike close to the clamp: the slope there shows a soft root, not a crack nor a shift.",

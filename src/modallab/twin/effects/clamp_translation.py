@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch
 
 SOFT = 0.01
 """Stiffness of the root in EI / L^3, below which nothing stands any more."""
@@ -18,9 +18,11 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, structure=replace(s, root_translation=compliance))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     stiff = beam.bending_stiffness_n_m2 / beam.length_m**3
-    return (Slot("k_trans", "log", spread(50 * stiff, 5e4 * stiff, 7), low=SOFT * stiff, power=-1.0),)
+    return (
+        FreeNumber("k_trans", "log", spread_logarithmically(50 * stiff, 5e4 * stiff, 7), low=SOFT * stiff, power=-1.0),
+    )
 
 
 MODEL = EffectModel(
@@ -36,6 +38,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=20, slots=_slots),
+    search=EffectSearch(rank=20, slots=_slots),
     experiment="Put an accelerometer on the clamp itself: a root that shifts moves there, one that turns does not.",
 )

@@ -5,9 +5,9 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search, SteppedLaw
-from modallab.twin.nonlinear.element import Element, Law
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, SteppedLaw
+from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
 
 WITHIN = 1e-2
 """Least stiffness of the root in EI / L within the play: a beam must hang on something."""
@@ -17,17 +17,17 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     s, numbers = twin.structure, effect.parameters
     unit = s.bending_stiffness / s.length_m
     root = s.root_rotation + unit / max(numbers.get("k_within", 0.0), WITHIN * unit)
-    element = Element(Law.PLAY, 0.0, (numbers["k_contact"], numbers["gap"]))
+    element = NonlinearElement(NonlinearLaw.PLAY, 0.0, (numbers["k_contact"], numbers["gap"]))
     return replace(twin, structure=replace(s, root_rotation=root), element=element)
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        Slot("k_contact", "log", spread(20 * unit, 400 * unit, 4), power=-1.0),
-        Slot("gap", "log", spread(3e-6, 6e-4, 9)),
+        FreeNumber("k_contact", "log", spread_logarithmically(20 * unit, 400 * unit, 4), power=-1.0),
+        FreeNumber("gap", "log", spread_logarithmically(3e-6, 6e-4, 9)),
         # What still holds the root within the play; no joint lets a beam hang on nothing.
-        Slot("k_within", "log", (8 * unit,), low=WITHIN * unit, power=0.0),
+        FreeNumber("k_within", "log", (8 * unit,), low=WITHIN * unit, power=0.0),
     )
 
 
@@ -46,8 +46,8 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a contact begins is a convention.
-    search=Search(
-        rank=40, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", by_sine=True, rough=True, behind="k_contact")
+    search=EffectSearch(
+        rank=40, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", rough=True, behind="k_contact")
     ),
     experiment="Repeat the sines at a third level: a play stiffens the root with the level, friction softens it.",
 )

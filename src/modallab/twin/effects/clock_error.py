@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
+from modallab.twin.candidate import FreeNumber, both_signs
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
 
 QUARTZ = 5e-5
 """Deviation of one ordinary clock from another: two quartzes are up to 100 millionths apart."""
@@ -17,7 +17,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return over(effect.parameters["relative"], QUARTZ if rig.tolerance.of_assembly else 0.0)
+    return in_tolerances(effect.parameters["relative"], QUARTZ if rig.tolerance.of_assembly else 0.0)
 
 
 MODEL = EffectModel(
@@ -33,9 +33,9 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(
+    search=EffectSearch(
         rank=150,
-        slots=lambda _: (Slot("relative", "plain", both_signs(1e-4, 0.04, 7), 0.01, low=-0.1, high=0.1),),
+        slots=lambda _: (FreeNumber("relative", "plain", both_signs(1e-4, 0.04, 7), 0.01, low=-0.1, high=0.1),),
         needs="sine",
         tolerance=ReplacedTolerance(is_clock=True, deviations=_own_deviations),
     ),

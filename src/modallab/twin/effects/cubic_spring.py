@@ -5,18 +5,18 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, along_beam, spread
-from modallab.twin.effect_model import EffectModel, Search, SteppedLaw
-from modallab.twin.nonlinear.element import Element, Law
+from modallab.twin.candidate import FreeNumber, along_beam, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, SteppedLaw
+from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
-    return replace(twin, element=Element(Law.CUBIC, x_of(effect, rig), (effect.parameters["k3"],)))
+    return replace(twin, element=NonlinearElement(NonlinearLaw.CUBIC, x_of(effect, rig), (effect.parameters["k3"],)))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m**5
-    return (Slot("k3", "log", spread(2e2 * unit, 1e8 * unit, 6)), along_beam())
+    return (FreeNumber("k3", "log", spread_logarithmically(2e2 * unit, 1e8 * unit, 6)), along_beam())
 
 
 MODEL = EffectModel(
@@ -33,6 +33,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=False,
-    search=Search(rank=80, slots=_slots, law=SteppedLaw(acts="force", by_sine=True, on_slowest=4, drowns=True)),
+    search=EffectSearch(rank=80, slots=_slots, law=SteppedLaw(acts="force", on_slowest=4, smooth=True)),
     experiment="Repeat the sines at a third level: the frequencies rise with the square of the amplitude.",
 )

@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import FORCE_SHARE, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Rival, Search, over
+from modallab.twin.candidate import FreeNumber
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, RivalEffect, in_tolerances
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -14,7 +14,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return over(effect.parameters["gain"] - 1, FORCE_SHARE * rig.tolerance.sensitivity)
+    return in_tolerances(effect.parameters["gain"] - 1, FORCE_SHARE * rig.tolerance.sensitivity)
 
 
 MODEL = EffectModel(
@@ -30,16 +30,16 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(
+    search=EffectSearch(
         rank=120,
         slots=lambda _: (
-            Slot("gain", "log", (0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6), low=0.1, high=5.0, none=1.0),
+            FreeNumber("gain", "log", (0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6), low=0.1, high=5.0, none=1.0),
         ),
         tolerance=ReplacedTolerance(deviations=_own_deviations, replaces="sensitivity"),
     ),
     experiment="Calibrate the force transducer with a known mass on a string.",
     rivals=(
-        Rival("clock_error", "Calibrate the force transducer with a known mass on a string.", rank=70),
-        Rival("", plan="Strike a free known mass: that calibrates the hammer apart from the beam's density."),
+        RivalEffect("clock_error", "Calibrate the force transducer with a known mass on a string.", rank=70),
+        RivalEffect("", plan="Strike a free known mass: that calibrates the hammer apart from the beam's density."),
     ),
 )

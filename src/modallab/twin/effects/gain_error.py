@@ -6,8 +6,8 @@ from math import inf
 from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Rival, Search, over
+from modallab.twin.candidate import FreeNumber
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, RivalEffect, in_tolerances
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -17,12 +17,12 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return over(effect.parameters["gain"] - 1, rig.tolerance.sensitivity)
+    return in_tolerances(effect.parameters["gain"] - 1, rig.tolerance.sensitivity)
 
 
 def _from_polarity(effect: Effect, other: str, rig: Rig) -> float:
     """A turned channel reads as its sensitivity's tolerance lets it, but turned."""
-    return over(-effect.parameters["gain"] - 1, rig.tolerance.sensitivity) if other == "polarity" else inf
+    return in_tolerances(-effect.parameters["gain"] - 1, rig.tolerance.sensitivity) if other == "polarity" else inf
 
 
 MODEL = EffectModel(
@@ -38,11 +38,11 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=False,
-    search=Search(
+    search=EffectSearch(
         rank=210,
         slots=lambda _: (
             # Turned over as well: a gain of -1 alone is a polarity.
-            Slot(
+            FreeNumber(
                 "gain",
                 "plain",
                 (-1.6, -0.6, -0.2, 0.2, 0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6),
@@ -54,5 +54,7 @@ MODEL = EffectModel(
         tolerance=ReplacedTolerance(deviations=_own_deviations, deviations_from=_from_polarity, replaces_gain=True),
     ),
     experiment="Exchange the suspect accelerometer with its neighbour and repeat: a wrong gain goes with the sensor.",
-    rivals=(Rival("position_error", "Exchange the suspect accelerometer with its neighbour and repeat.", rank=40),),
+    rivals=(
+        RivalEffect("position_error", "Exchange the suspect accelerometer with its neighbour and repeat.", rank=40),
+    ),
 )

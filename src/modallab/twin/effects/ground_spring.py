@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, along_beam, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.candidate import FreeNumber, along_beam, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -14,9 +14,9 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, structure=replace(s, springs=(*s.springs, (x_of(effect, rig), effect.parameters["k"]))))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     ei, length = beam.bending_stiffness_n_m2, beam.length_m
-    return (Slot("k", "log", spread(0.01 * ei / length**3, 30 * ei / length**3, 9)), along_beam())
+    return (FreeNumber("k", "log", spread_logarithmically(0.01 * ei / length**3, 30 * ei / length**3, 9)), along_beam())
 
 
 MODEL = EffectModel(
@@ -32,6 +32,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=60, slots=_slots),
+    search=EffectSearch(rank=60, slots=_slots),
     experiment="Unfasten the cables one by one and repeat the hits: the first frequency falls as the spring goes.",
 )

@@ -5,21 +5,21 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
+from modallab.twin.candidate import FreeNumber, both_signs
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, hit_shift_m=effect.parameters["dx"])
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     length = beam.length_m
-    return (Slot("dx", "plain", both_signs(2e-3 * length, 0.06 * length, 4), 0.01),)
+    return (FreeNumber("dx", "plain", both_signs(2e-3 * length, 0.06 * length, 4), 0.01),)
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return over(effect.parameters["dx"], rig.tolerance.hit_position_m)
+    return in_tolerances(effect.parameters["dx"], rig.tolerance.hit_position_m)
 
 
 MODEL = EffectModel(
@@ -36,6 +36,8 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=160, slots=_slots, needs="impact", tolerance=ReplacedTolerance(deviations=_own_deviations)),
+    search=EffectSearch(
+        rank=160, slots=_slots, needs="impact", tolerance=ReplacedTolerance(deviations=_own_deviations)
+    ),
     experiment="Mark the points on the beam and repeat the hits there: the sines do not know of it.",
 )

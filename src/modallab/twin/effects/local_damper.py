@@ -7,8 +7,8 @@ import numpy as np
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, along_beam, spread
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
+from modallab.twin.candidate import FreeNumber, along_beam, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -16,13 +16,13 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, structure=replace(s, dampers=(*s.dampers, (x_of(effect, rig), effect.parameters["c"]))))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     critical = float(np.sqrt(beam.bending_stiffness_n_m2 * beam.mass_kg / beam.length_m**3))
-    return (Slot("c", "log", spread(1e-3 * critical, critical, 5)), along_beam())
+    return (FreeNumber("c", "log", spread_logarithmically(1e-3 * critical, critical, 5)), along_beam())
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return over(effect.parameters["c"], rig.tolerance.damper_n_s_per_m)
+    return in_tolerances(effect.parameters["c"], rig.tolerance.damper_n_s_per_m)
 
 
 MODEL = EffectModel(
@@ -38,7 +38,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(
+    search=EffectSearch(
         rank=70, slots=_slots, tolerance=ReplacedTolerance(deviations=_own_deviations, absorbed_by="damping ratios")
     ),
     experiment="Compare the phases along the beam at a resonance: one damper bends them, even damping does not.",

@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Mount, Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -14,12 +14,12 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, chain=replace(twin.chain, mounts=(*twin.chain.mounts, mount)))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     # From farther than half of such a step a fit loses its resonance, by ever more damping.
-    hz = (*spread(60.0, 2e3, 17), 4e3, 8e3)
+    hz = (*spread_logarithmically(60.0, 2e3, 17), 4e3, 8e3)
     return (
-        Slot("hz", "log", hz, low=40.0, high=2e4, power=-2.0),
-        Slot("zeta", "log", (0.04,), low=1e-3, high=0.4, power=0.0),
+        FreeNumber("hz", "log", hz, low=40.0, high=2e4, power=-2.0),
+        FreeNumber("zeta", "log", (0.04,), low=1e-3, high=0.4, power=0.0),
     )
 
 
@@ -36,6 +36,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=False,
-    search=Search(rank=240, slots=_slots),
+    search=EffectSearch(rank=240, slots=_slots),
     experiment="Fasten the accelerometer again and repeat the hits: a resonance of the mount moves or goes.",
 )

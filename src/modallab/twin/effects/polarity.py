@@ -5,7 +5,7 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, EffectSearch
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -27,6 +27,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=False,
-    search=Search(rank=220, slots=lambda _: (), fixed=(("sign", -1.0),)),
+    search=EffectSearch(rank=220, slots=lambda _: (), fixed=(("sign", -1.0),)),
     experiment="Push the beam by hand at the suspect accelerometer: a turned one reads against its neighbour.",
 )

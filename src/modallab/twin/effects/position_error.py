@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
+from modallab.twin.candidate import FreeNumber, both_signs
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -14,13 +14,13 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, chain=replace(twin.chain, shift=shift))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     length = beam.length_m
-    return (Slot("dx", "plain", both_signs(2e-3 * length, 0.08 * length, 4), 0.01),)
+    return (FreeNumber("dx", "plain", both_signs(2e-3 * length, 0.08 * length, 4), 0.01),)
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return over(effect.parameters["dx"], rig.tolerance.position_m)
+    return in_tolerances(effect.parameters["dx"], rig.tolerance.position_m)
 
 
 MODEL = EffectModel(
@@ -36,7 +36,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=False,
-    search=Search(
+    search=EffectSearch(
         rank=230, slots=_slots, tolerance=ReplacedTolerance(replaces="position_m", deviations=_own_deviations)
     ),
     experiment="Exchange the accelerometer with its neighbour: a wrong place stays there, a wrong gain goes along.",

@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -15,12 +15,12 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, structure=replace(s, masses=(*s.masses, *each)))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
-    return (Slot("mass_each", "log", spread(3e-5 * beam.mass_kg, 0.03 * beam.mass_kg, 7)),)
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
+    return (FreeNumber("mass_each", "log", spread_logarithmically(3e-5 * beam.mass_kg, 0.03 * beam.mass_kg, 7)),)
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return over(effect.parameters["mass_each"], rig.tolerance.sensor_mass_kg)
+    return in_tolerances(effect.parameters["mass_each"], rig.tolerance.sensor_mass_kg)
 
 
 MODEL = EffectModel(
@@ -36,6 +36,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=30, slots=_slots, tolerance=ReplacedTolerance(deviations=_own_deviations)),
+    search=EffectSearch(rank=30, slots=_slots, tolerance=ReplacedTolerance(deviations=_own_deviations)),
     experiment="Take all accelerometers but one off and repeat the hits: the frequencies rise if it is the sensors.",
 )

@@ -5,20 +5,20 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Rival, Search, over
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, RivalEffect, in_tolerances
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, shaker_mass_kg=effect.parameters["mass"])
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
-    return (Slot("mass", "log", spread(1e-3 * beam.mass_kg, 0.5 * beam.mass_kg, 14)),)
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
+    return (FreeNumber("mass", "log", spread_logarithmically(1e-3 * beam.mass_kg, 0.5 * beam.mass_kg, 14)),)
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return over(effect.parameters["mass"], rig.tolerance.shaker_mass_kg)
+    return in_tolerances(effect.parameters["mass"], rig.tolerance.shaker_mass_kg)
 
 
 MODEL = EffectModel(
@@ -35,7 +35,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(
+    search=EffectSearch(
         rank=90,
         slots=_slots,
         needs="shaker",
@@ -43,7 +43,7 @@ MODEL = EffectModel(
     ),
     experiment="Repeat the hits with the shaker fastened: a mass that hangs there then lowers the frequencies.",
     rivals=(
-        Rival("stinger_moment", "Repeat the sines with the shaker at another point.", rank=50),
-        Rival("added_mass", "Take the shaker off and repeat the hits.", rank=60),
+        RivalEffect("stinger_moment", "Repeat the sines with the shaker at another point.", rank=50),
+        RivalEffect("added_mass", "Take the shaker off and repeat the hits.", rank=60),
     ),
 )

@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, along_beam
-from modallab.twin.effect_model import EffectModel, Rival, Search
+from modallab.twin.candidate import FreeNumber, along_beam
+from modallab.twin.effect_model import EffectModel, EffectSearch, RivalEffect
 
 WIDTH = 0.04
 """Half width of the loss over L."""
@@ -32,12 +32,12 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(
+    search=EffectSearch(
         rank=50,
-        slots=lambda _: (Slot("EI_loss", "share", (0.05, 0.2, 0.45, 0.7, 0.85), high=0.97), along_beam()),
+        slots=lambda _: (FreeNumber("EI_loss", "share", (0.05, 0.2, 0.45, 0.7, 0.85), high=0.97), along_beam()),
         # How a crack's loss spreads along the beam is a convention.
         inexact=0.004,
     ),
     experiment="Strike on both sides of the place: the shapes bend most at a crack.",
-    rivals=(Rival("clamp_rotation", "Strike close to the clamp: the slope there tells a soft root.", rank=30),),
+    rivals=(RivalEffect("clamp_rotation", "Strike close to the clamp: the slope there tells a soft root.", rank=30),),
 )

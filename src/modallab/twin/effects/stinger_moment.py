@@ -5,23 +5,23 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Search, over
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, stinger_k_rot=effect.parameters["k_rot"])
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     ei, length = beam.bending_stiffness_n_m2, beam.length_m
-    return (Slot("k_rot", "log", spread(0.02 * ei / length, 100 * ei / length, 12)),)
+    return (FreeNumber("k_rot", "log", spread_logarithmically(0.02 * ei / length, 100 * ei / length, 12)),)
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
     assert rig.beam is not None
     unit = rig.beam.bending_stiffness_n_m2 / rig.beam.length_m
-    return over(effect.parameters["k_rot"] / unit, rig.tolerance.stinger_rotation)
+    return in_tolerances(effect.parameters["k_rot"] / unit, rig.tolerance.stinger_rotation)
 
 
 MODEL = EffectModel(
@@ -38,7 +38,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(
+    search=EffectSearch(
         rank=100,
         slots=_slots,
         needs="shaker",

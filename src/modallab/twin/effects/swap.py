@@ -10,16 +10,16 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.signals.conversion import volts_per_si
 from modallab.twin.bench import Twin
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, EffectSearch
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     assert isinstance(effect.place, TwoChannels)
     pair = effect.place.channel
-    return replace(twin, chain=replace(twin.chain, swap=pair, swap_ratio=_ratio(rig, *pair)))
+    return replace(twin, chain=replace(twin.chain, swap=pair, swap_ratio=_ratio_of_sensitivities(rig, *pair)))
 
 
-def _ratio(rig: Rig, first: int, second: int) -> dict[Test, float]:
+def _ratio_of_sensitivities(rig: Rig, first: int, second: int) -> dict[Test, float]:
     found: dict[Test, float] = {}
     for test in ("impact", "sine"):
         # A rig without a sensitivity for a test has no such test.
@@ -42,6 +42,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=310, slots=lambda _: ()),
+    search=EffectSearch(rank=310, slots=lambda _: ()),
     experiment="Tap beside each of the two accelerometers: the row that reads more is its own.",
 )

@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, ReplacedTolerance, Rival, Search, over
+from modallab.twin.candidate import FreeNumber, both_signs
+from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, RivalEffect, in_tolerances
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -14,7 +14,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
-    return over(effect.parameters["EI_drift"], rig.tolerance.stiffness_drift)
+    return in_tolerances(effect.parameters["EI_drift"], rig.tolerance.stiffness_drift)
 
 
 MODEL = EffectModel(
@@ -30,9 +30,9 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(
+    search=EffectSearch(
         rank=80,
-        slots=lambda _: (Slot("EI_drift", "plain", both_signs(1e-3, 0.12, 10), 0.01, low=-0.4, high=0.4),),
+        slots=lambda _: (FreeNumber("EI_drift", "plain", both_signs(1e-3, 0.12, 10), 0.01, low=-0.4, high=0.4),),
         # A bench warms neither evenly nor by a curve that its records show between them.
         inexact=0.02,
         tolerance=ReplacedTolerance(
@@ -40,5 +40,5 @@ MODEL = EffectModel(
         ),
     ),
     experiment="Repeat the first hits at the end: only a drift makes them another beam than at the beginning.",
-    rivals=(Rival("clamp_rotation", "Repeat the first hits at the end.", rank=90),),
+    rivals=(RivalEffect("clamp_rotation", "Repeat the first hits at the end.", rank=90),),
 )

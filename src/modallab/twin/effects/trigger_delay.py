@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -26,8 +26,11 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(
-        rank=140, slots=lambda _: (Slot("seconds", "plain", spread(1e-6, 4e-3, 9), 1e-4, low=0.0, high=8e-3),)
+    search=EffectSearch(
+        rank=140,
+        slots=lambda _: (
+            FreeNumber("seconds", "plain", spread_logarithmically(1e-6, 4e-3, 9), 1e-4, low=0.0, high=8e-3),
+        ),
     ),
     experiment="Feed one signal to the force row and to another: a delay between the two shows without the beam.",
 )

@@ -8,16 +8,16 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from modallab.core.discovery import declared
+from modallab.core.discovery import declarations_in_package
 from modallab.twin.effect_model import EffectModel
 
 
 @cache
-def elements() -> Mapping[str, EffectModel]:
+def learned_element_models() -> Mapping[str, EffectModel]:
     """Every learned element's model.
 
     Raises:
         FormatError: a module of this package declares no `MODEL`.
     """
-    found = declared(__name__, "MODEL", EffectModel)
+    found = declarations_in_package(__name__, "MODEL", EffectModel)
     return MappingProxyType({model.kind.name: model for model in sorted(found.values(), key=lambda m: m.rank)})

@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.candidate import FreeNumber, both_signs
+from modallab.twin.effect_model import EffectModel, EffectSearch
 
 STABLE = 2.2
 """In EI/L^2: a cantilever buckles under pi^2/4 of it."""
@@ -20,12 +20,12 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, structure=s)
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     axial = beam.bending_stiffness_n_m2 / beam.length_m**2
     per_length = axial / beam.length_m**2
     return (
-        Slot("tension", "plain", both_signs(0.2 * axial, 2 * axial, 3), scale=axial, low=-STABLE * axial),
-        Slot(
+        FreeNumber("tension", "plain", both_signs(0.2 * axial, 2 * axial, 3), scale=axial, low=-STABLE * axial),
+        FreeNumber(
             "bedding",
             "plain",
             both_signs(0.5 * per_length, 7 * per_length, 3),
@@ -52,6 +52,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=20, slots=_slots),
+    search=EffectSearch(rank=20, slots=_slots),
     experiment="Look for what pulls or presses the beam along its axis, or lies along it, and repeat the hits.",
 )

@@ -6,8 +6,8 @@ from math import pi
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, along_beam, both_signs, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.candidate import FreeNumber, along_beam, both_signs, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -23,15 +23,17 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, structure=s)
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     stiffness, mass = beam.bending_stiffness_n_m2 / beam.length_m**3, beam.mass_kg
     # A spring that pulls away from rest must leave the beam stable: at its tip it may take 3 EI/L^3 off.
     return (
-        Slot("k", "plain", both_signs(stiffness, 100 * stiffness, 2), scale=stiffness, low=-2.5 * stiffness),
-        Slot("c", "log", spread(1e-2 * (stiffness * mass) ** 0.5, (stiffness * mass) ** 0.5, 3)),
-        Slot("m", "plain", both_signs(0.01 * mass, 0.1 * mass, 2), scale=0.1 * mass, low=-0.1 * mass),
-        Slot("hung_m", "log", spread(0.003 * mass, 0.3 * mass, 3), low=1e-6 * mass, high=3 * mass),
-        Slot("hung_hz", "log", spread(4.0, 400.0, 12), low=1.0, high=900.0, power=0.0),
+        FreeNumber("k", "plain", both_signs(stiffness, 100 * stiffness, 2), scale=stiffness, low=-2.5 * stiffness),
+        FreeNumber("c", "log", spread_logarithmically(1e-2 * (stiffness * mass) ** 0.5, (stiffness * mass) ** 0.5, 3)),
+        FreeNumber("m", "plain", both_signs(0.01 * mass, 0.1 * mass, 2), scale=0.1 * mass, low=-0.1 * mass),
+        FreeNumber(
+            "hung_m", "log", spread_logarithmically(0.003 * mass, 0.3 * mass, 3), low=1e-6 * mass, high=3 * mass
+        ),
+        FreeNumber("hung_hz", "log", spread_logarithmically(4.0, 400.0, 12), low=1.0, high=900.0, power=0.0),
         along_beam(),
     )
 
@@ -56,6 +58,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=False,
-    search=Search(rank=10, slots=_slots),
+    search=EffectSearch(rank=10, slots=_slots),
     experiment="Look at the place, fasten or take off what touches the beam there, and repeat the hits.",
 )

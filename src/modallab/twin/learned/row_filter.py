@@ -6,8 +6,8 @@ from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.places import AllChannels
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Mount, Twin
-from modallab.twin.candidate import Slot, both_signs, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.candidate import FreeNumber, both_signs, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -27,14 +27,14 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, chain=chain)
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     return (
-        Slot("gain", "plain", (0.8, 1.2), none=1.0),
-        Slot("delay", "plain", both_signs(1e-4, 1e-3, 2), scale=1e-3),
-        Slot("low_pass_hz", "log", spread(15.0, 1500.0, 6), low=1.0, high=1e6),
-        Slot("high_pass_hz", "log", spread(0.1, 10.0, 4), low=1e-4, high=100.0),
-        Slot("mount_hz", "log", spread(40.0, 4000.0, 8), low=20.0, high=1e5),
-        Slot("mount_zeta", "log", (0.04, 0.4), low=1e-3, high=2.0, power=0.0),
+        FreeNumber("gain", "plain", (0.8, 1.2), none=1.0),
+        FreeNumber("delay", "plain", both_signs(1e-4, 1e-3, 2), scale=1e-3),
+        FreeNumber("low_pass_hz", "log", spread_logarithmically(15.0, 1500.0, 6), low=1.0, high=1e6),
+        FreeNumber("high_pass_hz", "log", spread_logarithmically(0.1, 10.0, 4), low=1e-4, high=100.0),
+        FreeNumber("mount_hz", "log", spread_logarithmically(40.0, 4000.0, 8), low=20.0, high=1e5),
+        FreeNumber("mount_zeta", "log", (0.04, 0.4), low=1e-3, high=2.0, power=0.0),
     )
 
 
@@ -59,6 +59,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=False,
-    search=Search(rank=30, slots=_slots),
+    search=EffectSearch(rank=30, slots=_slots),
     experiment="Exchange the sensor, then its cable, then the input it is plugged into, and repeat the hits.",
 )

@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.candidate import FreeNumber, spread_logarithmically
+from modallab.twin.effect_model import EffectModel, EffectSearch
 from modallab.twin.side_modes import Family, SideModes
 
 FAMILIES: dict[str, Family] = {"twist_hz": "twist", "across_hz": "across", "alone_hz": "alone"}
@@ -23,13 +23,22 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, structure=replace(s, side=(*s.side, *more)))
 
 
-def _slots(beam: Beam) -> tuple[Slot, ...]:
-    lowest = (Slot(name, "log", spread(10.0, 1000.0, 5), low=1.0, high=5000.0, power=0.0) for name in FAMILIES)
+def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
+    lowest = (
+        FreeNumber(name, "log", spread_logarithmically(10.0, 1000.0, 5), low=1.0, high=5000.0, power=0.0)
+        for name in FAMILIES
+    )
     return (
         *lowest,
-        Slot("alone_power", "plain", (1.0, 2.0), low=1.0, high=8.0, power=0.0),
-        Slot("kg", "log", spread(beam.mass_kg, 1e4 * beam.mass_kg, 3), low=1e-2 * beam.mass_kg, power=-1.0),
-        Slot("zeta", "log", (0.005,), low=1e-4, high=0.3, power=0.0),
+        FreeNumber("alone_power", "plain", (1.0, 2.0), low=1.0, high=8.0, power=0.0),
+        FreeNumber(
+            "kg",
+            "log",
+            spread_logarithmically(beam.mass_kg, 1e4 * beam.mass_kg, 3),
+            low=1e-2 * beam.mass_kg,
+            power=-1.0,
+        ),
+        FreeNumber("zeta", "log", (0.005,), low=1e-4, high=0.3, power=0.0),
     )
 
 
@@ -55,7 +64,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=False,
-    search=Search(rank=25, slots=_slots),
+    search=EffectSearch(rank=25, slots=_slots),
     experiment="Hit the beam's left and right edge in turn: modes of twisting change their sign, those of bending do "
     "not; then turn a sensor and the hammer across the drive.",
 )

@@ -11,9 +11,16 @@ import numpy as np
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.quadrature import gauss_legendre
-from modallab.twin.elements import ELEMENTS, curvature_rows, flexibility, shape_rows, slope_rows, weakened_stiffness
-from modallab.twin.modes import Modes
-from modallab.twin.structure import Structure
+from modallab.twin.elements import (
+    ELEMENTS,
+    clamped_beam_flexibility,
+    curvature_rows,
+    shape_rows,
+    slope_rows,
+    weakened_stiffness,
+)
+from modallab.twin.modes import TwinModes
+from modallab.twin.structure import TwinStructure
 
 PATTERNS = 6
 """Ways in which the beam bends about a crack that are followed where only its low modes do."""
@@ -23,7 +30,7 @@ PLACES = 12
 """Places along the beam at which a drag is taken."""
 
 
-class Law(IntEnum):
+class NonlinearLaw(IntEnum):
     """How the force follows the motion."""
 
     CUBIC = 0
@@ -34,7 +41,7 @@ class Law(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Element:
+class NonlinearElement:
     """One nonlinearity of the beam.
 
     Attributes:
@@ -47,18 +54,18 @@ class Element:
             for evenly).
     """
 
-    law: Law
+    law: NonlinearLaw
     x_m: float
     numbers: tuple[float, ...]
 
     @property
     def of_all_modes(self) -> bool:
         """Whether it feels all modes of the beam, however many are said to answer elsewhere."""
-        return self.law is Law.CRACK and bool(self.numbers[2])
+        return self.law is NonlinearLaw.CRACK and bool(self.numbers[2])
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Coupling:
+class ModalCoupling:
     """An element in the coordinates of the modes, with m channels of force.
 
     Attributes:
@@ -69,35 +76,35 @@ class Coupling:
         rows: (1 + m, n) of the switch and of the channels over the elements' degrees of freedom.
     """
 
-    law: Law
+    law: NonlinearLaw
     numbers: tuple[float, ...]
     shapes: Complex
     switch: Complex
     rows: Real
 
 
-def coupling(element: Element, structure: Structure, modes: Modes) -> Coupling:
+def couple_to_modes(element: NonlinearElement, structure: TwinStructure, modes: TwinModes) -> ModalCoupling:
     """An element on the modes of a structure."""
     length = structure.length_m
     numbers = element.numbers
     none = np.zeros(2 * ELEMENTS + 2)
-    if element.law is Law.CUBIC:
+    if element.law is NonlinearLaw.CUBIC:
         rows, gate = shape_rows(element.x_m, length), none
-    elif element.law in (Law.FRICTION, Law.PLAY):
+    elif element.law in (NonlinearLaw.FRICTION, NonlinearLaw.PLAY):
         rows, gate = slope_rows(element.x_m, length), none
-    elif element.law is Law.CRACK:
-        rows, gate = _opening(element, structure, modes)
+    elif element.law is NonlinearLaw.CRACK:
+        rows, gate = _opening_of_crack(element, structure, modes)
     else:
         per_length, *stations = numbers
-        at, weights = _dragged(round(stations[0]) if stations else 0)
+        at, weights = _stations_of_drag(round(stations[0]) if stations else 0)
         rows, gate = shape_rows(length * at, length), none
         numbers = tuple((per_length * length * weights).tolist())
-    return Coupling(
+    return ModalCoupling(
         element.law, numbers, rows @ modes.columns, gate @ modes.columns, np.concatenate([gate[None], rows])
     )
 
 
-def _dragged(stations: int) -> tuple[Real, Real]:
+def _stations_of_drag(stations: int) -> tuple[Real, Real]:
     """(m,) places over L of a drag, and (m,) the share of each; the last station stands for half a bay."""
     if not stations:
         at, weights = gauss_legendre(PLACES)
@@ -107,7 +114,7 @@ def _dragged(stations: int) -> tuple[Real, Real]:
     return np.arange(1, stations + 1) / stations, share / np.sum(share)
 
 
-def _opening(element: Element, structure: Structure, modes: Modes) -> tuple[Real, Real]:
+def _opening_of_crack(element: NonlinearElement, structure: TwinStructure, modes: TwinModes) -> tuple[Real, Real]:
     """(m, n) what bends about a crack, so that its stiffness is the sum of squares of these, and (n,) what opens it.
 
     What a crack takes off the stiffness is of many patterns; those count that the beam bends.
@@ -118,14 +125,14 @@ def _opening(element: Element, structure: Structure, modes: Modes) -> tuple[Real
     kept = values > 1e-12 * values[-1]
     rows = (vectors[:, kept] * np.sqrt(values[kept])).T
     if element.of_all_modes:
-        return _by_moments(rows, element.x_m, structure)
+        return _bending_by_moments(rows, element.x_m, structure)
     # Each mode at the same energy.
     curvatures = rows @ np.real(modes.columns * np.sqrt(2j * modes.poles.imag)) / np.abs(modes.poles)
     turned = np.linalg.svd(curvatures)[0]
     return turned.T[:PATTERNS] @ rows, curvature_rows(element.x_m, structure.length_m)[0]
 
 
-def _by_moments(rows: Real, x_m: float, structure: Structure) -> tuple[Real, Real]:
+def _bending_by_moments(rows: Real, x_m: float, structure: TwinStructure) -> tuple[Real, Real]:
     """The ways in which an open crack bends under a constant moment over it, and under one that falls, and the moment.
 
     A deep crack bends far more sharply in its middle than any mode of the intact beam.
@@ -133,7 +140,7 @@ def _by_moments(rows: Real, x_m: float, structure: Structure) -> tuple[Real, Rea
     rigidity, length = structure.bending_stiffness, structure.length_m
     # Of unit moments where the crack is closed, and where it is open.
     closed = rows @ _static_deflection(x_m, length) / rigidity
-    opened = np.linalg.solve(np.eye(len(rows)) - rows @ (flexibility(length) / rigidity) @ rows.T, closed)
+    opened = np.linalg.solve(np.eye(len(rows)) - rows @ (clamped_beam_flexibility(length) / rigidity) @ rows.T, closed)
     turned = np.linalg.qr(opened)[0]
     channels = turned.T @ rows
     return channels, np.linalg.solve(turned.T @ closed, channels)[0]

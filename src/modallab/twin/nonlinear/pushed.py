@@ -9,7 +9,7 @@ from modallab.core.arrays import Complex, Real
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Pushed:
+class ElementForces:
     """The forces of an element from a step on, and the modes they act on.
 
     The state s of the modes goes on by s[i + 1] = decay s[i] + acts F[i], and their motion is s[i] + at_once F[i].
@@ -36,16 +36,16 @@ class Pushed:
     def motion(self, steps: int | None = None) -> Real:
         """(2 kept, steps) of the modes that the element adds, real parts and then imaginary ones; all, or the first."""
         # Loaded where it is needed: what is linear needs no compiled loop.
-        from modallab.twin.nonlinear.stepping import follow
+        from modallab.twin.nonlinear.stepping import modes_under_forces
 
         forces, kept = np.ascontiguousarray(self.forces[:, :steps].T), len(self.decay)
-        acts, at_once = padded(self.acts), padded(self.at_once)
+        acts, at_once = pad_to_lanes(self.acts), pad_to_lanes(self.at_once)
         out = np.empty((len(forces), *acts.shape[1:]))
-        follow(padded(self.decay), acts, at_once, padded(self.begun), forces, out)
+        modes_under_forces(pad_to_lanes(self.decay), acts, at_once, pad_to_lanes(self.begun), forces, out)
         return out[:, :, :kept].reshape(len(out), -1).T
 
 
-def padded(values: Complex) -> Real:
+def pad_to_lanes(values: Complex) -> Real:
     """(..., 2, p) real and imaginary parts of (..., kept), p a multiple of LANES."""
     from modallab.twin.nonlinear.stepping import LANES
 

@@ -6,32 +6,32 @@ from functools import lru_cache
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.twin.modes import Modes
-from modallab.twin.nonlinear.element import Coupling, Law
-from modallab.twin.nonlinear.in_band import REACH, Fine
-from modallab.twin.nonlinear.steps import Steps
+from modallab.twin.modes import TwinModes
+from modallab.twin.nonlinear.element import ModalCoupling, NonlinearLaw
+from modallab.twin.nonlinear.in_band import REACH, FineSteps
+from modallab.twin.nonlinear.steps import ModalSteps
 
 PER_PERIOD = 36
 """Steps a period of a sine, where there may be as many."""
 HIT_STEPS = 8
 """Steps a sample of a hit."""
-LEAST = {Law.CUBIC: 2, Law.DRAG: 1, Law.PLAY: 8, Law.CRACK: 3}
+LEAST = {NonlinearLaw.CUBIC: 2, NonlinearLaw.DRAG: 1, NonlinearLaw.PLAY: 8, NonlinearLaw.CRACK: 3}
 """Steps a sample of a sine at least: fewer where a law is smooth, more where a stiff contact strikes; 4 otherwise."""
 MOST = 8
 """Steps a sample of a sine at most."""
 
 
-def ready(modes: Modes, own: Coupling, dt: float, x_m: float) -> Callable[[int], Steps]:
+def prepared_steps(modes: TwinModes, own: ModalCoupling, dt: float, x_m: float) -> Callable[[int], ModalSteps]:
     """Steps of a beam and an element, so many a sample of `dt` s, driven at `x_m`: made ready once for many records."""
 
     @lru_cache(maxsize=MOST)
-    def steps(every: int) -> Steps:
-        return Steps.of(modes, own, dt / every, x_m)
+    def steps(every: int) -> ModalSteps:
+        return ModalSteps.of(modes, own, dt / every, x_m)
 
     return steps
 
 
-def in_hit(steps: Callable[[int], Steps], pulse: Real, first: int, n: int) -> Fine:
+def added_in_hit(steps: Callable[[int], ModalSteps], pulse: Real, first: int, n: int) -> FineSteps:
     """What the element adds to a hit.
 
     Args:
@@ -47,12 +47,12 @@ def in_hit(steps: Callable[[int], Steps], pulse: Real, first: int, n: int) -> Fi
     fine = np.asarray(np.fft.irfft(spectrum, n * HIT_STEPS) * HIT_STEPS, dtype=np.float64)
     still_after = np.zeros(REACH * HIT_STEPS)
     force = np.concatenate([fine[begin * HIT_STEPS :], still_after])
-    return Fine(steps(HIT_STEPS).run(force, 0), HIT_STEPS, 0, n, begin)
+    return FineSteps(steps(HIT_STEPS).run(force, 0), HIT_STEPS, 0, n, begin)
 
 
-def in_sine(
-    steps: Callable[[int], Steps],
-    law: Law,
+def added_in_sine(
+    steps: Callable[[int], ModalSteps],
+    law: NonlinearLaw,
     amplitude_n: complex,
     frequency_hz: float,
     n: int,
@@ -61,7 +61,7 @@ def in_sine(
     ramp_s: float,
     cosine: bool,
     coarse: bool = False,
-) -> Fine:
+) -> FineSteps:
     """What it adds to a sine block that began `history_s` before, rising for `ramp_s` from rest.
 
     Coarse is in half of the steps.
@@ -80,10 +80,10 @@ def in_sine(
     )
     # Every step about the record is kept, and what rings above its band taken out as a converter does.
     before = min(skip, REACH * every)
-    return Fine(steps(every).run(force, skip - before), every, before, n)
+    return FineSteps(steps(every).run(force, skip - before), every, before, n)
 
 
-def acceleration(modes: Modes, own: Coupling, psi: Complex, added: Fine, dt: float) -> Real:
+def added_acceleration(modes: TwinModes, own: ModalCoupling, psi: Complex, added: FineSteps, dt: float) -> Real:
     """(points, n) m/s^2 that it adds where the modes' shapes are `psi` (points, p)."""
     motion, force = added.sampled()
     p = len(motion)

@@ -3,13 +3,13 @@
 import math
 
 from modallab.core.arrays import Real
-from modallab.twin.nonlinear.compiled import compiled
+from modallab.twin.nonlinear.compiled import machine_code
 
 BLOCK = 512
 """Samples that are filtered at once."""
 
 
-@compiled
+@machine_code
 def rising_sine(
     amplitude: complex, step: float, ahead: float, since: float, ramp: float, cosine: bool, out: Real
 ) -> None:
@@ -33,8 +33,8 @@ def rising_sine(
         now *= turn
 
 
-@compiled
-def decimate(fine: Real, taps: Real, every: int, out: Real) -> None:
+@machine_code
+def decimate_rows(fine: Real, taps: Real, every: int, out: Real) -> None:
     """One in `every` samples of rows (r, steps), each the sum of the steps from there on by `taps`, into (r, n)."""
     for row in range(out.shape[0]):
         for k in range(out.shape[1]):
@@ -44,8 +44,8 @@ def decimate(fine: Real, taps: Real, every: int, out: Real) -> None:
             out[row, k] = total
 
 
-@compiled
-def filtered(fine: Real, taps: Real, out: Real) -> None:
+@machine_code
+def filter_rows(fine: Real, taps: Real, out: Real) -> None:
     """Every sample of rows (r, steps), each the sum of the steps from there on by `taps`, into (r, n)."""
     count, odd = out.shape[1], taps.shape[0] % 4
     for row in range(out.shape[0]):

@@ -18,7 +18,7 @@ and would not notice that a law in another one has changed.
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.twin.nonlinear.compiled import compiled
+from modallab.twin.nonlinear.compiled import machine_code
 
 CUBIC, PLAY, CRACK = 0, 2, 3
 CURVED = 12.0
@@ -34,8 +34,8 @@ YIELDS = 0.5
 """Share of the yielding that stops when the motion turns round: what turns back is as stiff as what never slipped."""
 
 
-@compiled
-def cubic(k3: float, free: float, d: float, guess: float) -> float:
+@machine_code
+def cubic_spring_motion(k3: float, free: float, d: float, guess: float) -> float:
     """Motion at a cubic spring, where without it it is `free` and a unit of force adds `d` to it; from a guess."""
     w = guess
     for _ in range(30):
@@ -47,8 +47,8 @@ def cubic(k3: float, free: float, d: float, guess: float) -> float:
     return w
 
 
-@compiled
-def play(stiffness: float, gap: float, free: float, d: float) -> float:
+@machine_code
+def clearance_force(stiffness: float, gap: float, free: float, d: float) -> float:
     """Force of a contact beyond a gap."""
     if abs(free) <= gap:
         return 0.0
@@ -56,8 +56,8 @@ def play(stiffness: float, gap: float, free: float, d: float) -> float:
     return -stiffness * (free - edge) / (1.0 + d * stiffness)
 
 
-@compiled
-def slider(stiffness: float, limit: float, free: float, d: float, stuck: float) -> tuple[float, float]:
+@machine_code
+def slider_force(stiffness: float, limit: float, free: float, d: float, stuck: float) -> tuple[float, float]:
     """Force of a spring in series with a slider that last stood at `stuck`, and where it stands then (Jenkins)."""
     pull = stiffness * (free - stuck) / (1.0 + d * stiffness)
     if abs(pull) <= limit:
@@ -66,8 +66,8 @@ def slider(stiffness: float, limit: float, free: float, d: float, stuck: float) 
     return -most, free - d * most - most / stiffness
 
 
-@compiled
-def hysteresis(
+@machine_code
+def hysteresis_force(
     stiffness: float, limit: float, sharpness: float, free: float, d: float, last: float, pull: float, guess: float
 ) -> float:
     """Pull of a joint that yields little by little, from where it last stood and pulled (Bouc-Wen, midpoint rule)."""
@@ -103,25 +103,25 @@ def hysteresis(
     return found
 
 
-@compiled
-def answer(
+@machine_code
+def force_of_law(
     law: int, a: float, b: float, c: float, free: float, d: float, m0: float, m1: float, m2: float
 ) -> tuple[float, float, float, float]:
     """Force of a law of one motion, and what it remembers of the last two steps."""
     if law == CUBIC:
-        w = cubic(a, free, d, 2.0 * m0 - m1)
+        w = cubic_spring_motion(a, free, d, 2.0 * m0 - m1)
         return -a * w * w * w, w, m0, 0.0
     if law == PLAY:
-        g = play(a, b, free, d)
+        g = clearance_force(a, b, free, d)
         return g, free + d * g, 0.0, 0.0
     if c == 0.0:
-        g, stuck = slider(a, b, free, d, m0)
+        g, stuck = slider_force(a, b, free, d, m0)
         return g, stuck, 0.0, 0.0
-    pull = hysteresis(a, b, c, free, d, m0, m1, min(max(2.0 * m1 - m2, -b), b))
+    pull = hysteresis_force(a, b, c, free, d, m0, m1, min(max(2.0 * m1 - m2, -b), b))
     return -pull, free - d * pull, pull, m1
 
 
-@compiled
+@machine_code
 def step_one(
     law: int,
     numbers: Real,
@@ -172,7 +172,7 @@ def step_one(
     for n in range(force.shape[0]):
         last, f = f, force[n]
         free = rest + now * f + before * last + after * g + later * bend
-        new, m0, m1, m2 = answer(law, a, b, c, free, d, m0, m1, m2)
+        new, m0, m1, m2 = force_of_law(law, a, b, c, free, d, m0, m1, m2)
         rest = 0.0
         for k in range(p):
             r, i = decay_r[k], decay_i[k]
@@ -190,8 +190,8 @@ def step_one(
         g = new
 
 
-@compiled
-def motion(felt: Real, real: Real, imag: Real) -> float:
+@machine_code
+def motion_felt(felt: Real, real: Real, imag: Real) -> float:
     """What an element feels of the modes by one of its motions."""
     felt_r, felt_i = felt[0], felt[1]
     total = 0.0
@@ -200,13 +200,13 @@ def motion(felt: Real, real: Real, imag: Real) -> float:
     return total
 
 
-@compiled
+@machine_code
 def opened_by(opened: Real, felt: Real, real: Real, imag: Real, now: Real, f: float, found: Real, g: Real) -> bool:
     """Whether a crack is open, which it is where the first motion is positive; its forces into `g`, zero if closed."""
-    open_now = motion(felt[0], real, imag) + now[0] * f > 0
+    open_now = motion_felt(felt[0], real, imag) + now[0] * f > 0
     if open_now:
         for j in range(len(g)):
-            found[j] = motion(felt[1 + j], real, imag) + now[1 + j] * f
+            found[j] = motion_felt(felt[1 + j], real, imag) + now[1 + j] * f
     for j in range(len(g)):
         g[j] = 0.0
         if open_now:
@@ -215,21 +215,21 @@ def opened_by(opened: Real, felt: Real, real: Real, imag: Real, now: Real, f: fl
     return open_now
 
 
-@compiled
-def dragged(
+@machine_code
+def drag_forces(
     numbers: Real, stays: Real, felt: Real, real: Real, imag: Real, now: Real, f: float, found: Real, g: Real
 ) -> None:
     """Forces of a drag, which change so little in a step that it feels those before, into `g`."""
     for j in range(len(found)):
-        found[j] = motion(felt[1 + j], real, imag) + now[1 + j] * f
+        found[j] = motion_felt(felt[1 + j], real, imag) + now[1 + j] * f
         for other in range(len(found)):
             found[j] += stays[1 + j, other] * g[other]
     for j in range(len(found)):
         g[j] = -numbers[j] * abs(found[j]) * found[j]
 
 
-@compiled
-def add(shapes: Real, weights: Real, real: Real, imag: Real) -> None:
+@machine_code
+def add_shapes(shapes: Real, weights: Real, real: Real, imag: Real) -> None:
     """Add shapes (m, 2, p), each by its weight (m,), to real and imaginary parts (p,)."""
     for j in range(len(weights)):
         shape_r, shape_i, own = shapes[j, 0], shapes[j, 1], weights[j]
@@ -239,18 +239,18 @@ def add(shapes: Real, weights: Real, real: Real, imag: Real) -> None:
                 imag[k] += shape_i[k] * own
 
 
-@compiled
-def carry(decay: Real, push: Real, g: Real, real: Real, imag: Real) -> None:
+@machine_code
+def step_modes(decay: Real, push: Real, g: Real, real: Real, imag: Real) -> None:
     """Take a state of the modes one step on, under the forces of that step."""
     decay_r, decay_i = decay[0], decay[1]
     for k in range(len(real)):
         xr = decay_r[k] * real[k] - decay_i[k] * imag[k]
         imag[k] = decay_r[k] * imag[k] + decay_i[k] * real[k]
         real[k] = xr
-    add(push, g, real, imag)
+    add_shapes(push, g, real, imag)
 
 
-@compiled
+@machine_code
 def step_many(
     law: int,
     numbers: Real,
@@ -289,7 +289,7 @@ def step_many(
     acting, found = np.zeros(2 * m + 1), np.zeros(m)
     g0, g1, g2, since = np.zeros(m), np.zeros(m), np.zeros(m), 0
     for n in range(force.shape[0]):
-        carry(decay, push, acting, real, imag)
+        step_modes(decay, push, acting, real, imag)
         if n == skip:
             begun[0], begun[1] = real, imag
         if law == CRACK:
@@ -299,15 +299,15 @@ def step_many(
                 acting[m + 1 + j] = -(g2[j] - 2.0 * g1[j] + g0[j]) / CURVED if since >= STRAIGHT else 0.0
             g0, g1, g2 = g1, g2, g0
         else:
-            dragged(numbers, stays, felt, real, imag, now, force[n], found, acting)
+            drag_forces(numbers, stays, felt, real, imag, now, force[n], found, acting)
         acting[m] = force[n]
         if n >= skip:
             for j in range(m):
                 pushed[n - skip, j], excess[n - skip, j] = acting[j], acting[m + 1 + j]
 
 
-@compiled
-def follow(decay: Real, push: Real, late: Real, begun: Real, forces: Real, out: Real) -> None:
+@machine_code
+def modes_under_forces(decay: Real, push: Real, late: Real, begun: Real, forces: Real, out: Real) -> None:
     """The modes under known forces.
 
     Args:
@@ -323,5 +323,5 @@ def follow(decay: Real, push: Real, late: Real, begun: Real, forces: Real, out: 
         now_r, now_i, own = out[n, 0], out[n, 1], forces[n]
         for k in range(len(real)):
             now_r[k], now_i[k] = real[k], imag[k]
-        add(late, own, now_r, now_i)
-        carry(decay, push, own, real, imag)
+        add_shapes(late, own, now_r, now_i)
+        step_modes(decay, push, own, real, imag)

@@ -7,14 +7,14 @@ import numpy as np
 
 from modallab.core.arrays import Complex, Real
 from modallab.twin.elements import shape_rows
-from modallab.twin.modes import Modes
-from modallab.twin.nonlinear.element import Coupling, Law
-from modallab.twin.nonlinear.pushed import Pushed, padded
+from modallab.twin.modes import TwinModes
+from modallab.twin.nonlinear.element import ModalCoupling, NonlinearLaw
+from modallab.twin.nonlinear.pushed import ElementForces, pad_to_lanes
 
 SWIFT = 1.7
 """Radians in a step from which a mode follows the forces at once: an element that is stiff beside it would not settle
 where its own oscillation is stepped over."""
-OF_ONE_MOTION = (Law.CUBIC, Law.FRICTION, Law.PLAY)
+OF_ONE_MOTION = (NonlinearLaw.CUBIC, NonlinearLaw.FRICTION, NonlinearLaw.PLAY)
 ROW = 16
 """Powers of a step that the others are products of."""
 CHUNK = ROW**2
@@ -22,7 +22,7 @@ CHUNK = ROW**2
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Steps:
+class ModalSteps:
     """What a step does to the modes, in the terms of `stepping`.
 
     Attributes:
@@ -40,7 +40,7 @@ class Steps:
         chunk: (CHUNK, 2 kept) what is left of each of so many steps after the last, real and imaginary parts.
     """
 
-    own: Coupling
+    own: ModalCoupling
     kept: int
     decay: Complex
     push: Complex
@@ -54,7 +54,7 @@ class Steps:
     chunk: Real
 
     @classmethod
-    def of(cls, modes: Modes, own: Coupling, h: float, x_m: float) -> Self:
+    def of(cls, modes: TwinModes, own: ModalCoupling, h: float, x_m: float) -> Self:
         """Of a beam that a known force drives at `x_m`, in steps of `h` s."""
         kept = int(np.count_nonzero(np.abs(modes.poles) * h < SWIFT))
         poles, shapes = modes.poles[:kept], own.shapes[:, :kept]
@@ -87,14 +87,14 @@ class Steps:
         later = np.exp(CHUNK * np.log(self.decay) * np.arange(chunks.shape[1])[::-1, None])
         return np.sum((parts[..., : self.kept] + 1j * parts[..., self.kept :]) * later, axis=1)
 
-    def run(self, force: Real, skip: int) -> Pushed:
+    def run(self, force: Real, skip: int) -> ElementForces:
         """Step the element under a known force.
 
         Args:
             force: (steps,) N.
             skip: steps before the first that is kept.
         """
-        width, count = padded(self.decay).shape[-1], len(self.own.shapes)
+        width, count = pad_to_lanes(self.decay).shape[-1], len(self.own.shapes)
         total, pushed = np.zeros((2, width)), np.zeros((len(force) - skip, count))
         excess = np.zeros_like(pushed)
         (self._run_one if self.own.law in OF_ONE_MOTION else self._run_many)(force, skip, total, pushed, excess)
@@ -102,9 +102,11 @@ class Steps:
         state.real, state.imag = total[:, : self.kept]
         state -= self.state_after(force[:skip])
         if not np.any(excess):
-            return Pushed(self.decay, self.push, self.late, state, pushed.T, count, self.left)
+            return ElementForces(self.decay, self.push, self.late, state, pushed.T, count, self.left)
         acts, at_once = (np.concatenate(rows) for rows in ((self.push, self.decay * self.kick), (self.late, self.kick)))
-        return Pushed(self.decay, acts, at_once, state, np.concatenate([pushed, excess], axis=1).T, count, self.left)
+        return ElementForces(
+            self.decay, acts, at_once, state, np.concatenate([pushed, excess], axis=1).T, count, self.left
+        )
 
     def _run_one(self, force: Real, skip: int, begun: Real, pushed: Real, excess: Real) -> None:
         from modallab.twin.nonlinear.stepping import step_one
@@ -117,11 +119,11 @@ class Steps:
         step_one(
             int(self.own.law),
             np.array((*self.own.numbers, 0.0, 0.0)[:3]),
-            padded(self.decay),
-            padded(push),
-            padded(self.drive),
-            padded(seen * self.decay),
-            padded(later),
+            pad_to_lanes(self.decay),
+            pad_to_lanes(push),
+            pad_to_lanes(self.drive),
+            pad_to_lanes(seen * self.decay),
+            pad_to_lanes(later),
             own,
             known,
             force,
@@ -134,16 +136,16 @@ class Steps:
     def _run_many(self, force: Real, skip: int, begun: Real, pushed: Real, excess: Real) -> None:
         from modallab.twin.nonlinear.stepping import step_many
 
-        cracked, shapes = self.own.law is Law.CRACK, self.own.shapes[:, : self.kept]
+        cracked, shapes = self.own.law is NonlinearLaw.CRACK, self.own.shapes[:, : self.kept]
         felt = 2 * np.concatenate([self.own.switch[None, : self.kept], shapes * (1.0 if cracked else self.poles)])
         whole = np.eye(len(shapes)) - self.static - 2 * np.real(self.late @ shapes.T)
         step_many(
             int(self.own.law),
             np.array(self.own.numbers),
             np.asarray(np.linalg.inv(whole) if cracked else whole, dtype=np.float64),
-            padded(self.decay),
-            padded(np.concatenate([self.push, self.drive[None], self.decay * self.kick])),
-            padded(felt),
+            pad_to_lanes(self.decay),
+            pad_to_lanes(np.concatenate([self.push, self.drive[None], self.decay * self.kick])),
+            pad_to_lanes(felt),
             (self.direct if cracked else 0.0) + np.real(felt @ self.drive_late),
             np.real(felt @ self.late.T),
             force,

@@ -140,8 +140,8 @@ class StruckPointCheck:
         shape = look.shape / largest
         away = {p: float(np.sqrt(np.mean((shape - k) ** 2))) for p, k in known.items()}
         struck = self.frfs.hits_at(point)
-        scale = _scale(shape, known[point]) if struck else self._scale_beside_others(point, look)
-        return _judge(point, away, scale, FAR_BY_MODES, struck)
+        scale = _scale_of_shape(shape, known[point]) if struck else self._scale_beside_others(point, look)
+        return _judge_point(point, away, scale, FAR_BY_MODES, struck)
 
     def _scale_beside_others(self, point: int, look: _Look) -> float:
         """Motion a newton over what the model says, beside the same of hits at other points; NaN without any.
@@ -152,11 +152,11 @@ class StruckPointCheck:
         others: list[float] = []
         for name, seen in self.shapes.items():
             found = np.flatnonzero(~np.isnan(seen))
-            others.append(_scale(seen[found], self._believed(self.frfs.point_of[name])[found]))
+            others.append(_scale_of_shape(seen[found], self._believed(self.frfs.point_of[name])[found]))
         usual = float(np.median(others)) if others else float("nan")
         if not others or float(np.std(others)) > SCATTER * usual:
             return float("nan")
-        return _scale(look.shape, self._believed(point)[look.modes]) / usual
+        return _scale_of_shape(look.shape, self._believed(point)[look.modes]) / usual
 
     def _believed(self, point: int) -> Real:
         assert self.expected is not None
@@ -175,14 +175,14 @@ class StruckPointCheck:
         away = self.frfs.distances(look.frf)
         if point not in away:
             return Struck()
-        return _judge(point, away, self.frfs.scale(look.frf, point), FAR_BY_FRFS, self.frfs.hits_at(point))
+        return _judge_point(point, away, self.frfs.scale(look.frf, point), FAR_BY_FRFS, self.frfs.hits_at(point))
 
 
-def _scale(shape: Real, known: Real) -> float:
+def _scale_of_shape(shape: Real, known: Real) -> float:
     return float(shape @ known / (known @ known))
 
 
-def _judge(point: int, away: dict[int, float], scale: float, far: float, struck: int) -> Struck:
+def _judge_point(point: int, away: dict[int, float], scale: float, far: float, struck: int) -> Struck:
     nearest = min(away, key=lambda p: away[p])
     own = away[point]
     reasons: list[str] = []

@@ -48,13 +48,13 @@ class FrfsSoFar:
         struck = {point: self._mean(point) for point in sorted(set(self.point_of.values()))}
         if not struck:
             return {}
-        weight = _weight(list(struck.values()))
-        found = {point: _apart(frf, known, weight) for point, known in struck.items()}
+        weight = _weight_of_lines(list(struck.values()))
+        found = {point: _frf_distance(frf, known, weight) for point, known in struck.items()}
         for point in set(self.sensed_at) - set(struck) - {0}:
             partial = self._by_reciprocity(point, struck)
             if partial:
                 rows = list(partial)
-                found[point] = _apart(frf[rows], np.array(list(partial.values())), weight)
+                found[point] = _frf_distance(frf[rows], np.array(list(partial.values())), weight)
         return found
 
     def scale(self, frf: Complex128, point: int) -> float:
@@ -62,7 +62,7 @@ class FrfsSoFar:
         if not self.hits_at(point):
             return float("nan")
         known = self._mean(point)
-        weight = _weight([known])
+        weight = _weight_of_lines([known])
         return float(np.sum(weight * np.real(frf * known.conj())) / np.sum(weight * np.abs(known) ** 2))
 
     def _mean(self, point: int) -> Complex128:
@@ -78,12 +78,12 @@ class FrfsSoFar:
         }
 
 
-def _weight(known: list[Complex128]) -> Real:
+def _weight_of_lines(known: list[Complex128]) -> Real:
     power = np.mean([np.sum(np.abs(one) ** 2, axis=0) for one in known], axis=0)
     return 1 / np.maximum(power, 1e-12 * power.max())
 
 
-def _apart(one: Complex128, other: Complex128, weight: Real) -> float:
+def _frf_distance(one: Complex128, other: Complex128, weight: Real) -> float:
     difference = np.sum(weight * np.abs(one - other) ** 2)
     total = np.sum(weight * (np.abs(one) ** 2 + np.abs(other) ** 2))
     return float(np.sqrt(difference / total)) if total else 0.0
