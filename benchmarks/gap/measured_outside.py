@@ -26,10 +26,10 @@ from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.frf.line_noise import variance_of
 from modallab.gap.modal.diagnosis import diagnose_by_model
-from modallab.identification.frf_model import identify_frf, in_band
-from modallab.identification.options import Options
+from modallab.identification.frf_model import frf_in_band, identify_frf
+from modallab.identification.options import IdentificationOptions
 from modallab.modification.freedoms import with_points
-from modallab.modification.synthesis import synthesised
+from modallab.modification.synthesis import receptances_of_model
 from modallab.pipelines.structure_trials import measured_frf
 
 Complex = NDArray[np.complex128]
@@ -61,7 +61,7 @@ class Bench:
 
     def modelled(self, model: ModalModel) -> Complex:
         """(outputs, inputs, lines) what is measured of a model, in the quantity of the FRFs."""
-        found = np.moveaxis(synthesised(model, self.s), 0, -1)
+        found = np.moveaxis(receptances_of_model(model, self.s), 0, -1)
         return np.asarray(found * self.s ** DERIVATIVES[self.frf.quantity])
 
     def of_model(self, changed: ModalModel) -> Complex:
@@ -227,7 +227,7 @@ def said(b: Bench, values: Complex, number: tuple[int, int]) -> dict[str, object
     there = with_noise(replace(b.frf, values=values), variance_of(b.frf), np.random.default_rng(number))
     begun = time.process_time()
     try:
-        bench = with_points(identify_frf(there, b.rig, Options())[0], b.rig)
+        bench = with_points(identify_frf(there, b.rig, IdentificationOptions())[0], b.rig)
         found = diagnose_by_model(b.model, bench, b.rig, frfs=(b.frf, there))
     except IdentificationError:
         return {"said": "not_identified", "probability": 0.0}
@@ -253,8 +253,8 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
     campaign = read_campaign(arguments.campaign)
-    frf = in_band(measured_frf(campaign), arguments.band)
-    model = with_points(identify_frf(frf, campaign.rig, Options())[0], campaign.rig)
+    frf = frf_in_band(measured_frf(campaign), arguments.band)
+    model = with_points(identify_frf(frf, campaign.rig, IdentificationOptions())[0], campaign.rig)
     new = not arguments.out.exists()
     for name in arguments.kinds:
         kind = next(k for k in KINDS if k.__name__ == name)

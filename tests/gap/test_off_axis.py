@@ -129,3 +129,14 @@ def test_what_a_sensor_reads_of_the_force_is_no_term_outside_the_band() -> None:
     with_term = model().model_copy(update={"residuals": read, "residual_powers": (-2,)})
     found = diagnose_by_model(model(), with_term, rig(), frfs=(frfs(noise=1e-5), there))
     assert (found.verdict, found.effects) == ("unknown", [])
+
+
+def test_hits_at_one_of_several_points_that_were_aslant_have_no_name() -> None:
+    """One sensor and a roving hammer: a spring at that point, which takes a share of the force, was named at 1.0."""
+    of, s = model(sensors=(1,), driven=(1, 2, 3)), np.asarray(2j * np.pi * HZ)
+    values = np.moveaxis(receptances_of_model(of, s) * (s**2)[:, None, None], 0, -1)
+    known = np.full(values.shape, 1e-10)
+    before = Frf(HZ, values, "inertance", ("a1",), (1,), (1, 2, 3), variance=known)
+    aslant = values * np.array([1.0, 0.55, 1.0])[:, None]
+    found = diagnose_by_model(of, of, rig(), frfs=(before, replace(before, values=aslant)))
+    assert (found.verdict, found.effects) == ("unknown", [])
