@@ -132,7 +132,7 @@ def test_what_a_sensor_reads_of_the_force_is_no_term_outside_the_band() -> None:
 
 
 def test_hits_that_were_aslant_at_one_of_several_points_have_no_name() -> None:
-    """One sensor and a roving hammer. Where little moves, a soft place with a spring would take a share of the force."""
+    """One sensor and a roving hammer. Where little moves, a spring at a soft place would take a share of it."""
     of = model(PSI * [1.0, 1.0, 0.05], sensors=(1,), driven=(1, 2, 3))
     local = {"residuals": np.array([[[2e-6, 0.0, 0.0]]]), "residual_powers": (0,)}
     of, s = of.model_copy(update=local), np.asarray(2j * np.pi * HZ)
