@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign

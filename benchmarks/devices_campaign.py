@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 from ni_server import NiServer
 
 from modallab.acquisition.process.rig_process import RigProcess
-from modallab.cli.demo_rig import demo_plans
+from modallab.cli.demo import demo_plans
 from modallab.core.block import Campaign
 from modallab.core.events import HitRejected, HitRequested
 from modallab.core.hardware import Excitation

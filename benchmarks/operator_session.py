@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.formats.rig.rig_file import write_rig
 
 ANSI = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b[()][A-Z0-9]")

@@ -18,7 +18,7 @@ import modallab as ml
 from by_seed import measure
 from modallab.bench.loader import open_bench
 from modallab.bench.simulated import simulated_bench
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Tolerance
 from modallab.modification.inverse import By, changes_for_frequency

@@ -12,11 +12,11 @@ import numpy as np
 
 from modallab.acquisition.procedures.struck_point.answer import answer_of
 from modallab.acquisition.procedures.struck_point.check import StruckPointCheck
-from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Request
-from modallab.cli.demo_rig import demo_rig
-from modallab.pipelines.expected_modes import expected_modes
+from modallab.cli.demo import demo_rig
+from modallab.pipelines.known_modes import expected_modes
 from modallab.signals.conversion import Conversion
 
 RATE_HZ, BLOCK, BEFORE, BAND_HZ = 2000.0, 2048, 100, 110.0

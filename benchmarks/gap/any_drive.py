@@ -16,7 +16,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.block import Campaign
 from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.core.plan import BroadbandPlan, ImpactPlan

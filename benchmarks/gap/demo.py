@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from modallab.bench.simulated import simulated_bench
-from modallab.cli.demo_rig import demo_plans, demo_rig
+from modallab.cli.demo import demo_plans, demo_rig
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import ModallabError
 from modallab.core.places import AlongBeam

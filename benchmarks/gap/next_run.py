@@ -29,8 +29,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.hold_out import SPREAD
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
-from modallab.gap.design.continued import continue_campaign
-from modallab.gap.design.experiments import DECIDES, next_experiments
+from modallab.gap.design.experiments import DECIDES, continue_campaign, next_experiments
 from modallab.gap.design.explanations import remaining_explanations, without_needless
 from modallab.gap.diagnosis import diagnose
 from modallab.storage import Store, campaign_of

@@ -26,7 +26,7 @@ from playwright.sync_api import Browser
 from service_process import ServiceProcess
 
 from emergency_stop import Bench
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.formats.rig.rig_file import dump_rig
 
 DRAWN = """() => { window.drawn = []; new MutationObserver((all) => all.forEach(({target}) =>

@@ -12,23 +12,23 @@ import sys
 from dataclasses import dataclass, fields
 from datetime import date
 from pathlib import Path
+from textwrap import fill
 
 HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "benchmarks.md"
 TOPICS = {
-    "identification": "Identification",
-    "recording": "Recording, safety and devices",
-    "service": "The service and its page",
+    "identification": "Identification, recording and service",
+    "recording": "Identification, recording and service",
+    "service": "Identification, recording and service",
     "gap": "The gap",
     "modification": "The model put to use",
 }
 HEAD = """# Measured figures
 
-For who asks how good it is. This page is written by `python benchmarks/results/page.py` from
-`benchmarks/results/*.csv`, which hold more figures, with date, seed, machine and notes. *Unseen* figures come
-from a first look at new trials by one program. *Seen* ones were looked at, or mended, on the way. Times are of
-the processor. Machine: {machine}, beside other work. *By* is the number of the [command](#commands), before which
-`python benchmarks/` stands unless it names `modallab` or `python`. Superseded figures: [history](history/README.md).
+For who asks how good it is. *Unseen* figures come from a first look at new trials by one program; *seen* ones were
+looked at, or mended, on the way. `benchmarks/results/*.csv` hold more; superseded ones: [history](history/README.md).
+Machine: {machine}, beside other work. *By* is the number of the [command](#commands), which
+`python benchmarks/` precedes unless it names `modallab` or `python`.
 """
 
 
@@ -91,13 +91,13 @@ def page(by_topic: dict[str, list[Figure]]) -> str:
     machines = sorted({row.machine for rows in shown.values() for row in rows})
     top = [row for rows in shown.values() for row in rows if row.page == "headline"]
     commands: dict[str, int] = {}
-    parts = [HEAD.format(machine="; ".join(machines)), "## Headline\n", _table(top, commands, noted=True)]
-    for topic, rows in shown.items():
-        parts += [f"## {TOPICS[topic]}\n", _table([row for row in rows if row.page == "yes"], commands, noted=False)]
-    listed = "\n".join(
-        f"{number}. `{command.removeprefix('python benchmarks/')}`" for command, number in commands.items()
-    )
-    return "\n".join([*parts, "## Commands\n", f"{listed}\n"])
+    parts = [HEAD.format(machine="; ".join(machines)), "## Headline", _table(top, commands, noted=True)]
+    for title in dict.fromkeys(TOPICS[topic] for topic in shown):
+        rows = [row for topic, found in shown.items() if TOPICS[topic] == title for row in found if row.page == "yes"]
+        parts += [f"## {title}", _table(rows, commands, noted=False)]
+    listed = ". ".join(f"{n}\u00a0`{text.removeprefix('python benchmarks/')}`" for text, n in commands.items())
+    wrapped = fill(listed, 200, break_long_words=False, break_on_hyphens=False)
+    return "\n".join([*parts, "## Commands\n", f"{wrapped}\n"])
 
 
 def _table(rows: list[Figure], commands: dict[str, int], *, noted: bool) -> str:

@@ -13,13 +13,13 @@ from matplotlib.figure import Figure
 
 from modallab.core.block import Campaign
 from modallab.core.frf import Frf
-from modallab.core.verification import Verification
+from modallab.core.model import Verification
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import report_content, truth_of
 from modallab.reporting.compare import matched_modes
-from modallab.reporting.content import TestOutcome
+from modallab.reporting.content import OutcomeOfTest
 from modallab.reporting.figures import style
 from modallab.reporting.figures.all_points import mobility_panels
 from modallab.reporting.figures.damping import damping_figure
@@ -60,7 +60,7 @@ def pictures(campaign: Campaign) -> dict[str, Figure]:
     }
 
 
-def hit_s(outcome: TestOutcome) -> float:
+def hit_s(outcome: OutcomeOfTest) -> float:
     """Time before the hit in the test's example block."""
     signals = outcome.example
     return 0.0 if signals is None else int(abs(signals.force).argmax()) / signals.rate_hz

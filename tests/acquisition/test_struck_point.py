@@ -13,7 +13,7 @@ from modallab.bench.protocol import Bench
 from modallab.core.events import Event
 from modallab.core.plan import HitAcceptance, ImpactPlan
 from modallab.core.rig import Rig
-from modallab.pipelines.expected_modes import expected_modes
+from modallab.pipelines.known_modes import expected_modes
 from modallab.storage import BlockRecord, Store
 
 PLAN = ImpactPlan(points=(3,), hits=2, acceptance=HitAcceptance(max_residual_ratio=0.03))

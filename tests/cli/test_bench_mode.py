@@ -12,9 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from modallab.cli.bench_mode.big_text import big_letters
 from modallab.cli.bench_mode.keys import KeyMap
-from modallab.cli.bench_mode.screen import LOOKS, status_sentence
+from modallab.cli.bench_mode.screen import LOOKS, big_letters, status_sentence
 from modallab.cli.bench_mode.session_state import SessionState
 from modallab.cli.bench_mode.tones import RATE_HZ, TONES, write_tone
 from modallab.core.documents.pages import EventView

@@ -12,7 +12,7 @@ from made_diagnosis import made_diagnosis
 from scipy.io import savemat
 
 from modallab.cli import main
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.effects import Effect
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import write_rig

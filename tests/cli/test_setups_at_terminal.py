@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import write_rig
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from modallab.commissioning.mass_ratio import measure_mass_ratio
+from modallab.commissioning.calibrate import measure_mass_ratio
 from modallab.core.errors import FormatError
 from modallab.core.metrology import MassRatio, judge_mass_ratios
 from modallab.core.rig import Rig

@@ -15,8 +15,7 @@ from modallab.core.errors import DataError, PlanError
 from modallab.core.places import AlongBeam
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
-from modallab.gap.design.continued import continue_campaign
-from modallab.gap.design.experiments import DECIDES, Experiment, next_experiments
+from modallab.gap.design.experiments import DECIDES, Experiment, continue_campaign, next_experiments
 from modallab.gap.design.information import probabilities_of_rivals
 from modallab.gap.design.options import plans_of
 from modallab.gap.design.planning import ExperimentPlanner

@@ -32,8 +32,7 @@ from modallab.gap.simulations.compare import (
     differing_effects,
     simulation_as_measured,
 )
-from modallab.gap.simulations.simulated_records import simulated_records
-from modallab.gap.simulations.simulation_residual import simulation_residual
+from modallab.gap.simulations.simulated_records import simulated_records, simulation_residual
 from modallab.gap.words.verdicts import sentence_of_simulation
 from modallab.reporting.simulation_report import write_simulation_report
 from modallab.twin.modes import solve_modes

@@ -5,7 +5,7 @@ from contextlib import suppress
 from threading import Thread
 
 from modallab.client import Client
-from modallab.client.problem import ServiceProblemError
+from modallab.client.connection import ServiceProblemError
 from modallab.core.documents.pages import EventView
 
 

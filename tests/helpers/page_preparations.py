@@ -32,7 +32,7 @@ import modallab as ml
 from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
 from modallab.cli import main
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.plan import ImpactPlan

@@ -10,7 +10,7 @@ import pytest
 from modallab.core.errors import IdentificationError
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import IdentificationOptions
-from modallab.identification.selection.confidence import confidence_of_strength, least_strength, strength_of_modes
+from modallab.identification.selection.prune import confidence_of_strength, least_strength, strength_of_modes
 from modallab.signals.signals import to_signals_of
 
 

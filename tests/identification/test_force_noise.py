@@ -9,7 +9,7 @@ import pytest
 from modallab.identification.impact import identify_impact
 from modallab.identification.likelihood.force_noise import force_parts
 from modallab.identification.likelihood.normal_matrix import normal_equations
-from modallab.identification.likelihood.rows import complex_lines
+from modallab.identification.likelihood.orthonormal import complex_lines
 from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import to_signals_of
 

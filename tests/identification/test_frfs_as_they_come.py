@@ -10,8 +10,8 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Rig
 from modallab.identification.frf_model import identify_frf, identify_given_frf
+from modallab.identification.likelihood.even_noise import line_weights
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.line_weights import line_weights
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.selection.lost_modes import own_share, with_lost
 from modallab.identification.selection.prune import is_mode

@@ -9,8 +9,7 @@ from modallab.core.hardware import Calibration
 from modallab.core.metrology import Certificate
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.identification.model.driving import driving_points
-from modallab.identification.model.modal_mass import unit_mass_shapes
+from modallab.identification.model.modal_mass import driving_points, unit_mass_shapes
 from modallab.identification.model.scale import relative_sigma, with_scale
 
 POINTS = (1, 2, 3)

@@ -10,7 +10,7 @@ import pytest
 from scipy import signal
 
 import modallab as ml
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.errors import DataError, MissingPackageError, ModallabError, PlanError, StorageError
 from modallab.core.plan import ImpactPlan
 from modallab.gap.report.calibrated import believed_twin

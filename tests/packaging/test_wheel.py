@@ -76,7 +76,7 @@ def test_it_works_away_from_the_checkout(unpacked: Path) -> None:
     code = """
 import importlib, pkgutil, sys
 from importlib.metadata import entry_points
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.reporting import report
 import modallab, modallab_drivers, modallab_simulators
 packages = (modallab, modallab_drivers, modallab_simulators)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig, Tolerance
 from modallab.identification.selection.assumptions import CHANGE_LIMIT, AllowedDifference, linearity

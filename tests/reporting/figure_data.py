@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.frf import Frf
-from modallab.core.model import ModalModel
+from modallab.core.model import ModalModel, Verification
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.core.verification import Verification
-from modallab.reporting.content import ReportContent, ReportedHit, TestOutcome, TrueModes
+from modallab.reporting.content import OutcomeOfTest, ReportContent, ReportedHit, TrueModes
 from modallab.signals.signals import Signals
 
 POINTS = tuple(range(1, 11))
@@ -224,9 +223,9 @@ def content(**changes: object) -> ReportContent:
     lines = np.fft.rfftfreq(example.force.size, 1 / example.rate_hz)
     window[:, (lines < 3) | (lines > 110)] *= 1e-3
     outcomes = (
-        TestOutcome("impact", model(), measured(impacts), verification(impacts), example,
+        OutcomeOfTest("impact", model(), measured(impacts), verification(impacts), example,
                 np.fft.irfft(window, axis=1), tuple(hits)),
-        TestOutcome("sine", model("sine", 4, 4), None, sine_verification(FREQUENCIES), bursts[8]),
+        OutcomeOfTest("sine", model("sine", 4, 4), None, sine_verification(FREQUENCIES), bursts[8]),
     )  # fmt: skip
     values: dict[str, object] = {
         "title": "Modal test of the elastic link",

@@ -4,7 +4,7 @@ import figure_data
 import numpy as np
 import pytest
 
-from modallab.identification.selection.pairing import nearest_partners
+from modallab.identification.selection.criteria import nearest_partners
 from modallab.reporting.compare import agreement_verdict, joint_deviations, matched_modes
 from modallab.reporting.content import TrueModes
 

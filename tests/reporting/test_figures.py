@@ -21,7 +21,7 @@ from modallab.reporting.figures.hits import cut_pulse, hits_figure
 from modallab.reporting.figures.mode_shapes import mode_shapes
 from modallab.reporting.figures.one_point import one_point
 from modallab.reporting.figures.overview import frf_overview
-from modallab.reporting.figures.selection import example_block, farthest_sensor
+from modallab.reporting.figures.shape_data import example_block, farthest_sensor
 
 BOTH = ("impact", "sine")
 

@@ -12,7 +12,7 @@ from page_reader import Page
 
 from modallab.core.digits import relative_difference, to_places_of_sigma, with_sigma
 from modallab.core.errors import StorageError
-from modallab.reporting.content import ReportContent, ReportedHit, TestOutcome
+from modallab.reporting.content import OutcomeOfTest, ReportContent, ReportedHit
 from modallab.reporting.figures.style import panel_grid
 from modallab.reporting.figures.svg import svg_panels
 from modallab.reporting.report import render, write_report
@@ -242,7 +242,7 @@ def test_one_sensor_at_no_place_and_no_sine_test(content):
         }
     )
     check = outcome.verification
-    lone = TestOutcome(
+    lone = OutcomeOfTest(
         "impact",
         model,
         _first(outcome.frf),
@@ -286,7 +286,7 @@ def test_nothing_but_a_rig_still_makes_a_page(content):
 
 
 def test_a_failed_identification_is_reported_with_its_reason(content):
-    failed = TestOutcome("impact", missing="The impact test could not be identified: the force channel is dead.")
+    failed = OutcomeOfTest("impact", missing="The impact test could not be identified: the force channel is dead.")
     parsed = Page(render(replace(content, outcomes=(failed,))))
     assert "the force channel is dead" in parsed.sections["absent"]
     assert "There are no time signals to draw for the impact test." in parsed.sections["absent"]

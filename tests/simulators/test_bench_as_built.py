@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab_simulators.cantilever.address import Settings, parse

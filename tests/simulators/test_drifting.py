@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from noiseless_bench import driven
 
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab_simulators.cantilever import site
 from modallab_simulators.cantilever.address import parse
 from modallab_simulators.cantilever.basis import Basis

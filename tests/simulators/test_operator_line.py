@@ -8,7 +8,7 @@ import pytest
 
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, Request
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.errors import ConfigurationError
 from modallab.signals.conversion import Conversion
 

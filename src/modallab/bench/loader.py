@@ -4,7 +4,7 @@ from typing import cast
 
 from modallab.bench.protocol import Bench, BenchOpener, DeviceFinder, Found, OutputHandle, OutputOpener
 from modallab.core.errors import ConfigurationError
-from modallab.core.installed import installed_entry_points
+from modallab.core.extras import installed_entry_points
 from modallab.core.rig import Rig
 
 GROUP = "modallab.backends"

@@ -17,8 +17,7 @@ from modallab.core.hold_out import SPREAD
 from modallab.core.progress import report_progress_to
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.gap.design.continued import continue_campaign
-from modallab.gap.design.experiments import DECIDES, Experiment, next_experiments
+from modallab.gap.design.experiments import DECIDES, Experiment, continue_campaign, next_experiments
 from modallab.gap.design.explanations import remaining_explanations
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.words.verdicts import verdict_sentence

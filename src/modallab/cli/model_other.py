@@ -30,7 +30,7 @@ def compare(known: KnownStructure, arguments: argparse.Namespace) -> None:
 
 
 def _draw_pairs(found: ModelCorrelation, rig: Rig, path: Path) -> None:
-    from modallab.reporting.figures.paired_shapes import paired_shapes
+    from modallab.reporting.figures.mode_shapes import paired_shapes
 
     if path.suffix not in (".svg", ".png"):
         raise StorageError(f"{path.name} ends with neither .svg nor .png", where=str(path), remedy="name it pairs.svg")

@@ -14,8 +14,8 @@ from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.cli.backup import require_data
 from modallab.commissioning import calibrate
+from modallab.commissioning.calibrate import measure_mass_ratio
 from modallab.commissioning.findings import Finding
-from modallab.commissioning.mass_ratio import measure_mass_ratio
 from modallab.commissioning.rig_check import CLOCK_BURST_S, check_clock, check_idle, check_polarity, settle
 from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation
 from modallab.core.errors import PlanError, RigError, StorageError

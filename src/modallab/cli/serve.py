@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.errors import ConfigurationError, RigError
 from modallab.core.field_errors import error_sentences
 from modallab.core.rig import Rig

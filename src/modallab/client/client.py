@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from pydantic import JsonValue
 
 from modallab.client.archive_calls import ArchiveCalls, query_for_hidden
-from modallab.client.connection import AGAIN_S
+from modallab.client.connection import AGAIN_S, require_good
 from modallab.client.held_lease import HeldLease
-from modallab.client.problem import require_good
 from modallab.client.queue_calls import QueueCalls
 from modallab.client.user_calls import UserCalls
 from modallab.core.documents.campaigns import CampaignNew, CampaignView

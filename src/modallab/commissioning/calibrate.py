@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
 from modallab.core.hardware import Calibration
+from modallab.core.metrology import MassRatio
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import STANDARD_GRAVITY, si_factor
+from modallab.signals.conversion import volts_per_si
 from modallab.signals.tone_fit import fit_frequency
 
 Volts = NDArray[np.float64]
@@ -115,3 +117,26 @@ def with_calibration(
     new = channel.model_copy(update={"sensitivity_v_per_unit": sensitivity, "calibrated_on": on})
     channels = tuple(new if c.index == channel.index else c for c in rig.channels)
     return rig.model_copy(update={"channels": channels, "history": (*rig.history, entry)})
+
+
+def measure_mass_ratio(
+    rig: Rig, volts: NDArray[np.float64], sensor: Channel, mass_kg: float, when: Literal["before", "after"], on: date
+) -> MassRatio:
+    """The ratio from (channels, n) volts while the free mass is struck or shaken, with the sensitivities of the rig.
+
+    Raises:
+        DataError: force and acceleration do not go together as those of one rigid mass.
+    """
+    per_si = volts_per_si(rig, "impact")
+    force = rig.force_channel.index
+    acceleration = volts[sensor.index] / per_si[sensor.index]
+    slope, sigma = sensitivity_by_rigid_mass(volts[force], acceleration, mass_kg)
+    believed = abs(per_si[force])
+    return MassRatio(
+        date=on,
+        when=when,
+        channel=sensor.name,
+        mass_kg=mass_kg,
+        ratio=float(abs(slope) / believed),
+        sigma=float(sigma / believed),
+    )

@@ -1,6 +1,9 @@
 """Packages that only some work needs: each belongs to an extra of the distribution, and is named when it is missing."""
 
+import sys
+from functools import lru_cache
 from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from types import ModuleType
 
@@ -44,3 +47,18 @@ def optional_package(package: str, purpose: str) -> ModuleType:
     """
     require_package(package, purpose)
     return import_module(package)
+
+
+def installed_entry_points(group: str) -> tuple[EntryPoint, ...]:
+    """The entry points of a group, such as `modallab.backends`.
+
+    The files of all installed packages are read once for each path that is searched: to read them takes longer than to
+    open a simulated bench.
+    """
+    return _by_group(tuple(sys.path)).get(group, ())
+
+
+@lru_cache(maxsize=4)
+def _by_group(path: tuple[str, ...]) -> dict[str, tuple[EntryPoint, ...]]:
+    found = entry_points()
+    return {group: tuple(found.select(group=group)) for group in found.groups}

@@ -1,9 +1,13 @@
 """The modal model in the paper's form (eqs. 13 and 14), with its uncertainty."""
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
+from modallab.core.frf import Frf
 from modallab.core.frozen import ComplexArray, Frozen, RealArray, is_absent, is_unstated
 from modallab.core.units import Test
 from modallab.core.versions import MODEL
@@ -124,3 +128,20 @@ class ModalModel(Frozen):
     def n_modes(self) -> int:
         """Number of modes."""
         return len(self.frequency_hz)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Verification:
+    """Measured against regenerated mobility, both through the same block.
+
+    Attributes:
+        measured: mobility from the test's blocks.
+        regenerated: mobility of the model's response to the measured force, cut as the blocks were.
+        untruncated: the model's own mobility on a fine grid, with no block at all.
+        frac: (outputs, inputs) FRAC of measured against regenerated; of FRFs as imported in the quantity they came in.
+    """
+
+    measured: Frf
+    regenerated: Frf
+    untruncated: Frf
+    frac: NDArray[np.float64]

@@ -11,7 +11,7 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.estimator import ModelOrder, find_estimator
 from modallab.identification.start.bands import SearchBand, split_bands
-from modallab.identification.start.peak_poles import half_power_pole, poles_of_peaks
+from modallab.identification.start.half_power import half_power_pole, poles_of_peaks
 from modallab.identification.start.stabilisation import OrderPoles, StabilityLimits, stable_poles
 
 CROWDED = 0.4

@@ -13,10 +13,9 @@ from modallab.core.rig import Rig
 from modallab.frf.estimate import convert_frf
 from modallab.frf.joined import RecordSpectra
 from modallab.identification.estimate import PoleEstimate, estimate_poles, poles_without_stability
-from modallab.identification.likelihood.even_noise import WORDS, quantity_of_even_noise
+from modallab.identification.likelihood.even_noise import WORDS, line_weights, quantity_of_even_noise
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.line_weights import line_weights
 from modallab.identification.likelihood.out_of_band import stand_ins_after
 from modallab.identification.likelihood.search import FIRST_LOOK, MIN_ZETA, NOT_SETTLED
 from modallab.identification.model.modal_model import FitReadings, model_of_fit, without_sigma

@@ -14,10 +14,10 @@ from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.hit_blocks import Groups, HitBlocks
 from modallab.identification.likelihood.impact_search import first_look, search_again
 from modallab.identification.options import IdentificationOptions
-from modallab.identification.selection.confidence import MODEL_ERROR_FROM, least_strength, strength_of_modes
 from modallab.identification.selection.lost_modes import overlooked_poles
 from modallab.identification.selection.operator_choice import chosen_modes, poles_to_search
 from modallab.identification.selection.pre_trigger_noise import model_error
+from modallab.identification.selection.prune import MODEL_ERROR_FROM, least_strength, strength_of_modes
 from modallab.signals.signals import Signals
 
 

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from modallab.core.frf import Frf
 from modallab.core.units import FrfEstimator
 from modallab.frf.joined import RecordSpectra
+from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.likelihood.driven_records import OF_H2, DrivenFit, DrivenModel
 from modallab.identification.likelihood.equations import ParameterCovariance
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.modal_model import FitReadings, seen_by
 
 

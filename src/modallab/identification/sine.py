@@ -20,10 +20,10 @@ from modallab.frf.estimate import lines_of_band, output_quantity
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.estimate import estimate_poles
 from modallab.identification.likelihood.basis import LineBlock
+from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.likelihood.excitation import BlockLines
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.out_of_band import StartPoles, with_stand_ins
-from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.projection import LikelihoodProblem, SearchParameters
 from modallab.identification.likelihood.search import (
     FIRST_LOOK,

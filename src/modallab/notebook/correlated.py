@@ -51,7 +51,7 @@ class CorrelatedModes(Answered[ModelCorrelation]):
         Raises:
             DataError: the places of the points are not known.
         """
-        from modallab.reporting.figures.paired_shapes import paired_shapes
+        from modallab.reporting.figures.mode_shapes import paired_shapes
 
         if self._rig is None:
             raise DataError("the places of the points are not known", remedy="identify a campaign with its rig file")

@@ -13,9 +13,8 @@ from modallab.core.digits import number_with_sigma, probability_text
 from modallab.core.errors import DataError
 from modallab.core.extras import optional_package
 from modallab.core.frf import Frf
-from modallab.core.model import ModalModel
+from modallab.core.model import ModalModel, Verification
 from modallab.core.rig import Rig
-from modallab.core.verification import Verification
 from modallab.identification.selection.criteria import mac
 from modallab.modification.known import KnownStructure
 from modallab.notebook.arguments import path_for

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import Literal, cast
 
 from modallab.bench.simulated import simulated_bench
-from modallab.cli.demo_rig import demo_plans, demo_rig
+from modallab.cli.demo import demo_plans, demo_rig
 from modallab.core.blas_threads import one_thread
 from modallab.core.errors import BenchError, ConfigurationError, ModallabError
 from modallab.core.plan import Plan

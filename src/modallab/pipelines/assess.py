@@ -16,9 +16,9 @@ from modallab.frf.settled_periods import without_decays
 from modallab.frf.shares import least_blocks, split_blocks
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
+from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.likelihood.fit import LikelihoodFit
-from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.model.driving import driving_points
+from modallab.identification.model.modal_mass import driving_points
 from modallab.identification.selection.assumptions import (
     CHANGE_LIMIT,
     SIGMAS,
@@ -31,9 +31,9 @@ from modallab.identification.selection.assumptions import (
     reciprocity,
     time_invariance,
 )
-from modallab.identification.selection.confidence import confidence_of_strength, least_strength, strength_of_modes
 from modallab.identification.selection.pre_trigger_noise import model_error, pre_trigger_noise
-from modallab.pipelines.distortion import distortions_of
+from modallab.identification.selection.prune import confidence_of_strength, least_strength, strength_of_modes
+from modallab.pipelines.averaged_hits import distortions_of
 from modallab.pipelines.levels import FORCE_RATIO, Groups, group_by_level, group_by_strength
 from modallab.signals.signals import Signals
 from modallab.verification.assessment import ModelAssessment, assess_model

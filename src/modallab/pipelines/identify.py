@@ -10,13 +10,12 @@ from modallab.core.blas_threads import one_thread
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, IdentificationError, ModallabError
 from modallab.core.frf import Frf
-from modallab.core.model import ModalModel
+from modallab.core.model import ModalModel, Verification
 from modallab.core.progress import part_of_progress, report_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband, Test
-from modallab.core.verification import Verification
 from modallab.frf.broadband import driven_band
-from modallab.frf.driven import cut_to_own_clock
+from modallab.frf.drive_clock import cut_to_own_clock
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.backbone import DriveLevel
@@ -46,7 +45,7 @@ from modallab.verification.verify import verify_frf, verify_impact, verify_sine
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class TestWithoutModel:
+class UnidentifiedTest:
     """A test that gave no model, and why."""
 
     source: Source
@@ -58,7 +57,7 @@ class CampaignResult:
     """What a campaign gave: models, and tests without one."""
 
     identified: tuple[IdentifiedTest, ...]
-    unidentified: tuple[TestWithoutModel, ...]
+    unidentified: tuple[UnidentifiedTest, ...]
 
 
 @one_thread()
@@ -84,14 +83,14 @@ def identify_campaign(
         IdentificationError: no test holds a mode.
     """
     found: list[IdentifiedTest] = []
-    failed: list[TestWithoutModel] = []
+    failed: list[UnidentifiedTest] = []
     runs = _tests_to_identify(campaign, options, test)
     for n, (source, run) in enumerate(runs):
         try:
             with part_of_progress(n / len(runs), (n + 1) / len(runs), f"{source} test"):
                 found.append(_with_scale((ahead or {}).get(source, run)(), campaign.rig))
         except ModallabError as error:
-            failed.append(TestWithoutModel(source, error))
+            failed.append(UnidentifiedTest(source, error))
     if not found and failed:
         raise failed[0].error
     if not found:

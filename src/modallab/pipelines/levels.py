@@ -7,9 +7,8 @@ from typing import Literal
 import numpy as np
 
 from modallab.core.errors import ModallabError
-from modallab.core.model import ModalModel
+from modallab.core.model import ModalModel, Verification
 from modallab.core.units import Test
-from modallab.core.verification import Verification
 from modallab.identification.backbone import DriveLevel, backbone_of, is_nonlinear
 from modallab.identification.backbone_laws import level_notes
 from modallab.identification.options import IdentificationOptions

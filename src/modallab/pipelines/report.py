@@ -15,9 +15,9 @@ from modallab.core.units import Test
 from modallab.frf.estimate import convert_frf, group_by_point, impact_frf
 from modallab.identification.setups.readings import SetUpReading
 from modallab.pipelines.diagram import diagram_of
-from modallab.pipelines.identify import CampaignResult, IdentifiedTest, TestWithoutModel, usable_blocks
-from modallab.reporting.content import ReportContent, ReportedHit, TestOutcome, TrueModes
-from modallab.reporting.figures.selection import example_block
+from modallab.pipelines.identify import CampaignResult, IdentifiedTest, UnidentifiedTest, usable_blocks
+from modallab.reporting.content import OutcomeOfTest, ReportContent, ReportedHit, TrueModes
+from modallab.reporting.figures.shape_data import example_block
 from modallab.signals.bandpass import bandpass, remove_mean
 from modallab.signals.signals import Signals, to_signals
 
@@ -69,9 +69,9 @@ def truth_of(campaign: Campaign) -> TrueModes | None:
     return TrueModes(np.array(json.loads(frequency)), np.array(json.loads(damping)), source, sine, drift)
 
 
-def _outcome_of_test(campaign: Campaign, item: IdentifiedTest, rejected: Sequence[tuple[Block, str]]) -> TestOutcome:
+def _outcome_of_test(campaign: Campaign, item: IdentifiedTest, rejected: Sequence[tuple[Block, str]]) -> OutcomeOfTest:
     if item.source == "frf":
-        return TestOutcome(
+        return OutcomeOfTest(
             test=None,
             model=item.model,
             verification=item.verification,
@@ -80,10 +80,10 @@ def _outcome_of_test(campaign: Campaign, item: IdentifiedTest, rejected: Sequenc
         )
     test: Test = item.source
     if item.model.operating_shapes is not None:
-        return TestOutcome(test=test, model=item.model, diagram="its modes were found in the responses alone")
+        return OutcomeOfTest(test=test, model=item.model, diagram="its modes were found in the responses alone")
     block = example_block(campaign, test)
     example = None if block is None else to_signals(block, campaign.rig)
-    return TestOutcome(
+    return OutcomeOfTest(
         test=test,
         model=item.model,
         frf=_measured_signals(campaign, item),
@@ -105,8 +105,8 @@ def _frf_of_model(campaign: Campaign, item: IdentifiedTest) -> Frf:
     )
 
 
-def _outcome_without_model(item: TestWithoutModel) -> TestOutcome:
-    return TestOutcome(test=None if item.source == "frf" else item.source, missing=str(item.error))
+def _outcome_without_model(item: UnidentifiedTest) -> OutcomeOfTest:
+    return OutcomeOfTest(test=None if item.source == "frf" else item.source, missing=str(item.error))
 
 
 def _band_filtered(signals: Signals) -> NDArray[np.float64] | None:

@@ -6,9 +6,9 @@ from modallab.core.array_checks import check_signals, moving_channels
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.formats.error_list import Collected
-from modallab.signals.faults.fault import Fault
+from modallab.signals.checks import overloaded_channels
 from modallab.signals.faults.found import faults_of
-from modallab.signals.full_scale import overloaded_channels
+from modallab.signals.faults.runs import Fault
 
 _NAMED = 3
 """Faults that a message lists; more of them are counted."""

@@ -6,7 +6,7 @@ from modallab.core.arrays import Real
 from modallab.core.model import ModalModel
 from modallab.core.plan import Precision
 from modallab.core.rig import Rig
-from modallab.identification.model.driving import driving_points
+from modallab.identification.model.modal_mass import driving_points
 
 
 def telling_point(model: ModalModel, rig: Rig, hits: dict[int, int], target: Precision) -> int | None:

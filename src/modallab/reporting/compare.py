@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
-from modallab.identification.selection.pairing import nearest_partners
+from modallab.identification.selection.criteria import nearest_partners
 from modallab.reporting.content import TrueModes
 
 Confidence = NDArray[np.float64] | None

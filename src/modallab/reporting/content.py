@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
 from modallab.core.frf import Frf
-from modallab.core.model import ModalModel
+from modallab.core.model import ModalModel, Verification
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.core.verification import Verification
 from modallab.identification.selection.diagram import StabilisationData
 from modallab.identification.setups.readings import SetUpReading
 from modallab.signals.signals import Signals
@@ -62,7 +61,7 @@ class TrueModes:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class TestOutcome:
+class OutcomeOfTest:
     """What one test gave. What is None leaves its part of the report out, with a sentence why.
 
     Attributes:
@@ -70,7 +69,7 @@ class TestOutcome:
         model: the identified model; None if identification failed, then `missing` says why.
         frf: as measured, with coherence.
         verification: measured against regenerated mobility.
-        example: one block in SI units, to be drawn; see `modallab.reporting.figures.selection.example_block`.
+        example: one block in SI units, to be drawn; see `modallab.reporting.figures.shape_data.example_block`.
         filtered: (outputs, n) the responses of `example` after the band-pass filter.
         hits: every hit, the rejected ones too.
         missing: why there is no model.
@@ -107,7 +106,7 @@ class ReportContent:
 
     title: str
     campaign: Campaign
-    outcomes: tuple[TestOutcome, ...] = ()
+    outcomes: tuple[OutcomeOfTest, ...] = ()
     truth: TrueModes | None = None
     notes: tuple[str, ...] = ()
     provenance: dict[str, str] = field(default_factory=dict[str, str])

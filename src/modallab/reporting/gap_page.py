@@ -4,8 +4,7 @@ import re
 from collections.abc import Sequence
 
 from modallab.core.digits import with_hard_blanks
-from modallab.reporting.markup import Markup, html_element
-from modallab.reporting.page_head import page_head
+from modallab.reporting.markup import Markup, html_element, page_head
 
 _PERCENT = re.compile(r"(?<=\d)%")
 _MINUS = re.compile(r"(?<![\w\d])-(?=\d)")

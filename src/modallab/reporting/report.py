@@ -6,8 +6,7 @@ from pathlib import Path
 from modallab.formats.atomic import write_text
 from modallab.reporting.compare import matched_modes
 from modallab.reporting.content import ReportContent
-from modallab.reporting.markup import Markup, html_element
-from modallab.reporting.page_head import page_head
+from modallab.reporting.markup import Markup, html_element, page_head
 from modallab.reporting.sections import (
     assumptions,
     at_a_glance,

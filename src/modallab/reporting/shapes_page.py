@@ -5,8 +5,7 @@ from pathlib import Path
 
 from modallab.formats.atomic import replacing
 from modallab.reporting.figures.wireframe import MovingShape, moving_wireframes
-from modallab.reporting.markup import html_element
-from modallab.reporting.page_head import page_head
+from modallab.reporting.markup import html_element, page_head
 
 
 def write_shapes_page(

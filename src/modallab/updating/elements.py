@@ -12,7 +12,7 @@ from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
-from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.model.folded import POWERS, fold_into_residuals
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh

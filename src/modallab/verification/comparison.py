@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
-from modallab.identification.selection.criteria import comac, mac
-from modallab.identification.selection.pairing import nearest_partners
+from modallab.identification.selection.criteria import comac, mac, nearest_partners
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
-from modallab.core.model import ModalModel
+from modallab.core.model import ModalModel, Verification
 from modallab.core.rig import Rig
-from modallab.core.verification import Verification
 from modallab.frf.estimate import convert_frf, impact_frf, output_quantity
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.likelihood.fit import LikelihoodFit

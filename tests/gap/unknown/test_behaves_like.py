@@ -13,7 +13,7 @@ from modallab.core.rig import Rig
 from modallab.gap.design.prediction import predict_records
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.revisions.apply import with_diagnosis
-from modallab.gap.simulations.simulation_residual import simulation_residual
+from modallab.gap.simulations.simulated_records import simulation_residual
 from modallab.gap.words.verdicts import verdict_sentence
 from modallab.reporting.gap_report import render
 from modallab_simulators.cantilever import open_bench

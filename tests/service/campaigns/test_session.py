@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from modallab.cli.demo_rig import DEMO_POINTS, demo_plans
+from modallab.cli.demo import DEMO_POINTS, demo_plans
 from modallab.core.block import Campaign
 from modallab.core.documents.pages import EventView
 from modallab.core.errors import PlanError

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SetUp
 from modallab.core.rig import Rig

@@ -11,7 +11,7 @@ import pytest
 from pages import ROOT, fenced
 from service_process import ServiceProcess
 
-from modallab.cli.demo_rig import demo_rig
+from modallab.cli.demo import demo_rig
 from modallab.core.documents.queue import QueueItem
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.formats.rig.rig_file import write_rig

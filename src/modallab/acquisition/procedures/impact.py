@@ -10,7 +10,7 @@ from modallab.acquisition.procedures.hit_queue import HitQueue
 from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, Rest, RestWait
 from modallab.acquisition.procedures.struck_point.answer import answer_of
 from modallab.acquisition.procedures.struck_point.check import Struck, StruckPointCheck
-from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.procedures.target import Target
 from modallab.acquisition.procedures.trigger import Trigger, wait_for_record
 from modallab.core.errors import BenchError, BenchTimeoutError, SamplesLostError

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
-from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
 from modallab.core.errors import ModallabError

@@ -11,7 +11,7 @@ from threading import Event as Flag
 from threading import Lock, Thread
 from typing import Self
 
-from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.controls import RunControls
 from modallab.acquisition.process.link import HEARTBEAT_S
 from modallab.acquisition.process.messages import Beat, Close, EmergencyStop, Ended, Message, Ready, Report, RunPlan

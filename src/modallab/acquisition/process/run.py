@@ -8,7 +8,7 @@ from modallab.acquisition.procedures.broadband_checks import require_waves
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.procedures.sine import run_sine
-from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.ready import (
     Control,

@@ -20,10 +20,10 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.frf.broadband import driven_band
-from modallab.frf.driven import cut_to_own_clock, driven_frf
+from modallab.frf.drive_clock import cut_to_own_clock, driven_frf
 from modallab.frf.joined import contiguous_blocks
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import Signals, to_signals
 

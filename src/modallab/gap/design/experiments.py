@@ -5,6 +5,8 @@ explanations are fitted to both. What counts is the probability that the true on
 9 (1967), 57), and the time at the bench. The best are looked at again with full fits: slopes know no curvature.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from modallab.core.blas_threads import one_thread
@@ -87,3 +89,23 @@ def _experiment_of_prospect(prospect: RankedExperiment) -> Experiment:
         alone=outlook.alone,
         nats=outlook.nats,
     )
+
+
+def continue_campaign(campaign: Campaign, later: Campaign) -> Campaign:
+    """A campaign with the records of a later one behind its own, under names that are free."""
+    first = 1 + max((b.order for b in campaign.blocks), default=-1)
+    taken = {b.name for b in campaign.blocks}
+    added = tuple(
+        replace(b, order=first + k, name=_free_name(b.name, taken))
+        for k, b in enumerate(sorted(later.blocks, key=lambda b: b.order))
+    )
+    return replace(campaign, blocks=(*campaign.blocks, *added))
+
+
+def _free_name(name: str, taken: set[str]) -> str:
+    number = 2
+    free = name
+    while free in taken:
+        free, number = f"{name}_{number}", number + 1
+    taken.add(free)
+    return free

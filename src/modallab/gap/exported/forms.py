@@ -26,8 +26,7 @@ from modallab.gap.exported.state_space import state_space
 from modallab.gap.exported.state_space_file import read_state_space, write_state_space
 from modallab.gap.report.calibrated import believed_twin, diagnosed_twin
 from modallab.gap.report.shrinkage import BARE, closed_share
-from modallab.gap.simulations.simulated_records import Simulate, simulated_records
-from modallab.gap.simulations.simulation_residual import simulation_residual
+from modallab.gap.simulations.simulated_records import Simulate, simulated_records, simulation_residual
 from modallab.twin.bench import Twin
 
 Simulations = Mapping[Test, Simulate]

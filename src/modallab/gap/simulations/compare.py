@@ -24,7 +24,7 @@ from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.design.prediction import Records, predict_records, with_records
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.shrinkage import BARE, closed_share
-from modallab.gap.simulations.simulation_residual import simulation_residual
+from modallab.gap.simulations.simulated_records import simulation_residual
 
 SEED = 20240502
 APART = 0.05

@@ -5,6 +5,7 @@ than it was sampled, by band-limited interpolation (Shannon, Proc. IRE 37, 1949,
 """
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 
 import numpy as np
 from scipy.signal import resample
@@ -13,9 +14,14 @@ from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
+from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.records import records_in_volts, usable_records
-from modallab.gap.conditioning.reduce import force_amplitude, frequency_on_line, rise_of, wide_hit
-from modallab.gap.design.prediction import clock_of
+from modallab.gap.conditioning.reduce import force_amplitude, frequency_on_line, reduce_blocks, rise_of, wide_hit
+from modallab.gap.design.prediction import Records, clock_of, with_records
+from modallab.gap.model.fit import all_rows
+from modallab.gap.model.tolerances import with_tolerances
+from modallab.gap.report.initial_gap import weights_of
+from modallab.gap.report.measure import SquaredResiduals, squares_of
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import unit_per_si
 from modallab.signals.hit import windowed_force
@@ -93,3 +99,29 @@ def _sine_force(signals: Signals, block: Block, ratio: float, times: int) -> Rea
     along = np.clip((t + rise.history_s[0]) / max(float(rise.ramp_s[0]), 1e-9), 0.0, 1.0)
     envelope = (1 - np.cos(np.pi * along)) / 2 if rise.cosine[0] else along
     return envelope * np.real(force_amplitude(signals, f0) * np.exp(2j * np.pi * f0 * t))
+
+
+def simulation_residual(campaign: Campaign, records: Records, names: Collection[str] | None = None) -> SquaredResiduals:
+    """Squares of measured less predicted in noise units; nothing is fitted.
+
+    Args:
+        campaign: the bench's records.
+        records: record -> (channels, n) in each response channel's own unit and direction.
+        names: records that count; None for all that were predicted.
+
+    Raises:
+        DataError: no record of the campaign was predicted.
+    """
+    prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
+    blocks = [b for b in prepared.blocks if b.name in records and (names is None or b.name in names)]
+    if not blocks:
+        raise DataError(
+            f"none of the {len(records)} predicted records is one of the {len(prepared.blocks)} of the campaign",
+            where=campaign.source,
+            remedy="name the records as the campaign does",
+        )
+    weights = weights_of(prepared)
+    measured = reduce_blocks(prepared.campaign, blocks, weights)
+    simulated = with_records(replace(prepared.campaign, blocks=tuple(blocks)), records)
+    same = reduce_blocks(replace(simulated, blocks=prepared.campaign.blocks), simulated.blocks, weights)
+    return squares_of([rows.y for rows in all_rows(same)], measured)

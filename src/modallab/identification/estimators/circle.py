@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.estimator import Estimator
-from modallab.identification.start.half_power import HalfPowerPeak
-from modallab.identification.start.peak_poles import half_power_pole, pole_of_mode, poles_of_peaks
+from modallab.identification.start.half_power import HalfPowerPeak, half_power_pole, pole_of_mode, poles_of_peaks
 
 FALL = 0.4
 """A circle is fitted to the lines about a peak down to this share of its amplitude: well past half-power."""

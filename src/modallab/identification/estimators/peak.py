@@ -13,8 +13,13 @@ from modallab.core.units import Test
 from modallab.frf.estimate import convert_frf
 from modallab.identification.estimator import Estimator
 from modallab.identification.model.modal_mass import unit_mass_shapes
-from modallab.identification.start.half_power import HalfPowerPeak, find_peaks, summed_amplitude
-from modallab.identification.start.peak_poles import half_power_pole, poles_of_peaks
+from modallab.identification.start.half_power import (
+    HalfPowerPeak,
+    find_peaks,
+    half_power_pole,
+    poles_of_peaks,
+    summed_amplitude,
+)
 
 
 def identify_peaks(frf: Frf, test: Test | None, floor_lines: float = 0.886) -> ModalModel:

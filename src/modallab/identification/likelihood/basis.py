@@ -15,6 +15,7 @@ from modallab.identification.likelihood.derivatives import (
     drive_vectors,
     join_vectors,
     pole_vectors,
+    poles_of,
     residual_term_columns,
     state_vectors,
 )
@@ -26,8 +27,7 @@ from modallab.identification.likelihood.excitation import (
     PoleKernel,
     kernel_of_poles,
 )
-from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.rows import real_rows
+from modallab.identification.likelihood.orthonormal import real_rows
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
 from modallab.identification.likelihood.excitation import Excitation, Lines
-from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.rows import real_rows
+from modallab.identification.likelihood.orthonormal import real_rows
 
 Index = NDArray[np.int64]
 
@@ -104,3 +103,8 @@ def join_vectors(parts: Sequence[DerivativeVectors]) -> DerivativeVectors:
         np.concatenate([p.parameter for p in parts]),
         np.concatenate([p.column for p in parts]),
     )
+
+
+def poles_of(omega: Real, zeta: Real) -> NDArray[np.complex128]:
+    """Poles lambda = -zeta omega + j omega sqrt(1 - zeta^2), in rad/s."""
+    return -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)

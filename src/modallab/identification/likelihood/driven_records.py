@@ -25,7 +25,7 @@ from modallab.identification.likelihood.basis import BlockColumns, columns_of_bl
 from modallab.identification.likelihood.derivatives import DerivativeVectors
 from modallab.identification.likelihood.equations import covariance_of
 from modallab.identification.likelihood.excitation import BlockLines, RandomExcitation
-from modallab.identification.likelihood.rows import complex_lines
+from modallab.identification.likelihood.orthonormal import complex_lines
 from modallab.identification.likelihood.search import MIN_ZETA
 
 STEPS, TRIALS, LEAST_DAMPING = 40, 8, 1e-8

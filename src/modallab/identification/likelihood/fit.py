@@ -10,17 +10,16 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
 from modallab.identification.likelihood.basis import columns_of_block
-from modallab.identification.likelihood.derivatives import DerivativeVectors
+from modallab.identification.likelihood.derivatives import DerivativeVectors, poles_of
 from modallab.identification.likelihood.excitation import Excitation
 from modallab.identification.likelihood.force_noise import force_parts
-from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.orthonormal import complex_lines
 from modallab.identification.likelihood.projection import (
     GroupSolution,
     LikelihoodPoint,
     LikelihoodProblem,
     true_excitation,
 )
-from modallab.identification.likelihood.rows import complex_lines
 from modallab.identification.likelihood.search import SearchEnd
 
 

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
+from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.likelihood.excitation import BlockLines, Excitation, HitExcitation
-from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.orthonormal import complex_lines, stack_lines
 from modallab.identification.likelihood.projection import GroupSolution, LikelihoodPoint, LikelihoodProblem
-from modallab.identification.likelihood.rows import complex_lines, stack_lines
 
 
 @dataclass(frozen=True, eq=False, slots=True)

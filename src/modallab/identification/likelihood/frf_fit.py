@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.identification.likelihood.basis import LineBlock
+from modallab.identification.likelihood.even_noise import line_weights
 from modallab.identification.likelihood.excitation import BlockLines, Excitation, UnitExcitation
 from modallab.identification.likelihood.fit import LikelihoodFit
-from modallab.identification.likelihood.line_weights import line_weights
+from modallab.identification.likelihood.orthonormal import complex_lines, real_rows
 from modallab.identification.likelihood.out_of_band import RESIDUAL_POWERS, STAND_INS, with_stand_ins
 from modallab.identification.likelihood.projection import LikelihoodProblem, SearchParameters, solve_at
-from modallab.identification.likelihood.rows import complex_lines, real_rows
 from modallab.identification.likelihood.search import MAX_ITERATIONS, SearchLimits, search_minimum
 
 MANY = 2

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import IdentificationError
 from modallab.identification.likelihood.basis import BlockColumns, LineBlock, SharedKernels, columns_of_block
+from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.likelihood.excitation import Excitation, HitExcitation
-from modallab.identification.likelihood.orthonormal import qr_decomposition
-from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.rows import real_rows
+from modallab.identification.likelihood.orthonormal import qr_decomposition, real_rows
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -9,9 +9,9 @@ rule.
 import numpy as np
 
 from modallab.core.arrays import Real
+from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.likelihood.excitation import BlockLines
 from modallab.identification.likelihood.fit import LikelihoodFit
-from modallab.identification.likelihood.poles import poles_of
 
 LEAST = 1e-9
 """Share of the impulse; a prior of zero would divide by zero."""

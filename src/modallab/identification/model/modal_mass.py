@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.digits import number_ranges
 from modallab.core.errors import DataError
+from modallab.core.rig import Rig
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -119,3 +120,9 @@ def _is_unseen(
     column: NDArray[np.complex128], phi: NDArray[np.complex128], weight: NDArray[np.float64]
 ) -> np.complex128:
     return np.sum(weight * phi.conj() * column) / np.sum(weight * np.abs(phi) ** 2)
+
+
+def driving_points(rig: Rig) -> tuple[int | None, ...]:
+    """(responses,) the point of each response that moves along the drive's axis, None for every other."""
+    axis = rig.drive_direction[1]
+    return tuple(c.point if c.direction[1] == axis else None for c in rig.responses)

@@ -10,12 +10,11 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.identification.estimator import USUAL, find_estimator
+from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.likelihood.fit import LikelihoodFit, residual_coefficients
-from modallab.identification.likelihood.poles import poles_of
-from modallab.identification.likelihood.rows import complex_lines
-from modallab.identification.model.driving import driving_points
+from modallab.identification.likelihood.orthonormal import complex_lines
 from modallab.identification.model.folded import POWERS, fold_into_residuals
-from modallab.identification.model.modal_mass import unit_mass_shapes
+from modallab.identification.model.modal_mass import driving_points, unit_mass_shapes
 from modallab.identification.model.repeated_poles import SplitConstants, split_repeated
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.model import ModalModel, ScaleUncertainty
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import BROADBAND
-from modallab.identification.model.driving import driving_points
+from modallab.identification.model.modal_mass import driving_points
 
 
 def relative_sigma(channel: Channel, rig: Rig) -> float | None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.identification.likelihood.fit import LikelihoodFit
-from modallab.identification.selection.confidence import MODEL_ERROR_FROM
+from modallab.identification.selection.prune import MODEL_ERROR_FROM
 from modallab.signals.signals import Signals
 
 SAMPLES_NEEDED = 1000

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import IdentificationError
 from modallab.core.model import ModalModel
-from modallab.identification.selection.pairing import nearest_partners
+from modallab.identification.selection.criteria import nearest_partners
 
 
 @dataclass(frozen=True, eq=False, slots=True)

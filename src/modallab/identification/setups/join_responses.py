@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError, IdentificationError
-from modallab.identification.selection.pairing import SAME_MODE
+from modallab.identification.selection.criteria import SAME_MODE
 from modallab.identification.setups.join import weighted_mean
 
 Freedom = tuple[int, str]

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
 from modallab.core.frf import DERIVATIVES, Frf
-from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.derivatives import poles_of
 
 GRID = 400
 ZETAS = (0.003, 0.006, 0.012)

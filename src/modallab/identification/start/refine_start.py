@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import Complex128, Real
 from modallab.core.frf import Frf
-from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.start.missed_modes import GAIN, misfit_of_trials
 
 STEPS = (0.01, 0.5)

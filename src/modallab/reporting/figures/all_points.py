@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from modallab.core.digits import four_places
 from modallab.core.frf import Frf
-from modallab.core.verification import Verification
+from modallab.core.model import Verification
 from modallab.reporting.figures import style
 from modallab.reporting.figures.overview import FEW, unit_of_frf, zero_as_gap
-from modallab.reporting.figures.selection import sensor_label
+from modallab.reporting.figures.shape_data import sensor_label
 
 Part = Callable[[NDArray[np.complex128]], NDArray[np.float64]]
 """Amplitude, real part or another part of complex numbers."""

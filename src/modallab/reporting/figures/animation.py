@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from modallab.core.digits import significant_digits, with_hard_blanks
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.reporting.figures.moving import moving_pictures
 from modallab.reporting.figures.shape_data import BeamShape, beam_shape, smooth_curve
+from modallab.reporting.figures.wireframe import moving_pictures
 from modallab.reporting.markup import Markup, html_element, trusted_markup
 
 _WIDTH, _HALF, _LEFT, _RIGHT = 300.0, 54.0, 22.0, 12.0

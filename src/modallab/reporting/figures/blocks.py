@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.rig import Rig
 from modallab.core.units import SI_UNIT
 from modallab.reporting.figures import style
-from modallab.reporting.figures.selection import sensor_label
+from modallab.reporting.figures.shape_data import sensor_label
 from modallab.signals.signals import Signals
 
 

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from modallab.core.digits import significant_digits
 from modallab.core.rig import Rig
-from modallab.identification.selection.pairing import SAME_MODE
+from modallab.identification.selection.criteria import SAME_MODE
 from modallab.reporting.compare import ComparedMode, ModeReading
 from modallab.reporting.figures import style
 

@@ -9,12 +9,16 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
+from modallab.core.arrays import Complex128
 from modallab.core.digits import significant_digits
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.identification.selection.pairing import nearest_partners
+from modallab.identification.selection.criteria import nearest_partners
+from modallab.modification.deflection import motion_at_points
 from modallab.reporting.figures import style
+from modallab.reporting.figures.deflection import project_shape
 from modallab.reporting.figures.shape_data import BeamShape, beam_shape, smooth_curve
+from modallab.updating.correlation import ModelCorrelation
 
 _MARKS = (("o", style.MEASURED), ("s", style.MODEL))
 
@@ -98,3 +102,35 @@ def _draw_frame(axes: Axes, rig: Rig) -> None:
     axes.add_patch(clamp)
     axes.plot([0, 0], [-reach / 3, reach / 3], color=style.SOFT, linewidth=1.6)
     axes.set_xlim(-0.04 * length, 1.03 * length)
+
+
+COLUMNS = 3
+LOOKS = (("the one", style.MEASURED, "-"), ("the other", style.MODEL, "--"))
+
+
+def paired_shapes(found: ModelCorrelation, rig: Rig) -> Figure:
+    """Both shapes of each pair at their largest, over the structure at rest.
+
+    Args:
+        found: pairs of modes.
+        rig: where the points are.
+    """
+    with style.figure_style():
+        figure, axes = style.panel_grid(len(found.pairs), min(COLUMNS, len(found.pairs)), style.PanelSize(380, 200))
+        for n, (panel, (i, j), hz) in enumerate(zip(axes, found.pairs, found.frequency_hz, strict=True)):
+            motions = [motion_at_points(rig, found.freedoms, shapes[n]) for shapes in found.shapes]
+            _draw_motions(panel, rig, motions)
+            panel.set_title(f"{i + 1}: {hz[0]:.5g} Hz, {j + 1}: {hz[1]:.5g} Hz, MAC {found.mac[i, j]:.3f}")
+        style.figure_legend(figure, [Line2D([], [], color=c, linestyle=dash, label=name) for name, c, dash in LOOKS])
+    return figure
+
+
+def _draw_motions(axes: Axes, rig: Rig, motions: list[Complex128]) -> None:
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+    for (_, colour, dash), motion in zip(LOOKS, motions, strict=True):
+        rest, moved, pairs = project_shape(rig, motion, float(np.abs(motions[0]).max()))
+        now = rest + moved.real
+        for a, b in pairs:
+            axes.plot(*rest[[a, b]].T, color=style.GRID, linewidth=1.0, zorder=1)
+            axes.plot(*now[[a, b]].T, color=colour, linestyle=dash, linewidth=1.6, zorder=2)

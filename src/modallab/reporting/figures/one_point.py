@@ -4,11 +4,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from modallab.core.verification import Verification
+from modallab.core.model import Verification
 from modallab.reporting.figures import style
 from modallab.reporting.figures.all_points import Part, draw_mobility, draw_residual
 from modallab.reporting.figures.overview import unit_of_frf
-from modallab.reporting.figures.selection import sensor_label
+from modallab.reporting.figures.shape_data import sensor_label
 
 
 def one_point(check: Verification, output: int, input_: int = 0) -> Figure:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.frf import UNIT, Frf
 from modallab.reporting.figures import style
-from modallab.reporting.figures.selection import sensor_label
+from modallab.reporting.figures.shape_data import sensor_label
 
 FEW = 60
 """Up to so many lines an FRF was measured at single frequencies and is drawn with a dot at each."""

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from modallab.core.digits import significant_digits, with_hard_blanks
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.deflection import motion_at_points, turn_to_real
-from modallab.reporting.figures.moving import moving_pictures
 from modallab.reporting.markup import Markup, html_element, trusted_markup
 
 _WIDTH, _HEIGHT, _EDGE = 300.0, 200.0, 34.0
@@ -127,3 +127,12 @@ def _wireframe_picture(
 
 def _json_numbers(values: object) -> str:
     return json.dumps(values, separators=(",", ":"))
+
+
+def moving_pictures(pictures: list[Markup], class_: str, script: str) -> Markup:
+    """Pictures in a box of a class, which a script of this package moves by `swing.js`."""
+    folder = files("modallab.reporting")
+    code = "".join(folder.joinpath(name).read_text(encoding="utf-8") for name in ("swing.js", script))
+    button = html_element("button", "Hold still", type="button", hidden=True)
+    box = html_element("div", button, html_element("div", *pictures, class_="beams"), class_=class_)
+    return trusted_markup(box + html_element("script", trusted_markup(code)))

@@ -5,7 +5,7 @@ from math import isfinite
 import numpy as np
 
 from modallab.core.digits import significant_digits
-from modallab.reporting.content import ReportContent, TestOutcome
+from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, paragraph
 from modallab.verification.assessment import ModelAssessment
@@ -33,7 +33,7 @@ def assumptions_section(content: ReportContent) -> Section:
     return Section("assumptions", HEADING, join_markup([lead, *parts]), tuple(absent))
 
 
-def _reasons_list(outcome: TestOutcome) -> tuple[tuple[str, str], ...]:
+def _reasons_list(outcome: OutcomeOfTest) -> tuple[tuple[str, str], ...]:
     return () if outcome.assessment is None else outcome.assessment.unjudged
 
 
@@ -41,7 +41,7 @@ def _first_sentence(text: str) -> str:
     return text.splitlines()[0]
 
 
-def _assumptions_of_test(outcome: TestOutcome, found: ModelAssessment) -> list[Markup]:
+def _assumptions_of_test(outcome: OutcomeOfTest, found: ModelAssessment) -> list[Markup]:
     verdicts = [(v.assumption, "holds" if v.holds else "does not hold", v.words) for v in found.verdicts]
     parts: list[Markup] = [html_element("h3", _name_of_test(outcome))]
     if verdicts:
@@ -52,7 +52,7 @@ def _assumptions_of_test(outcome: TestOutcome, found: ModelAssessment) -> list[M
     return parts
 
 
-def _auto_mac(outcome: TestOutcome, found: ModelAssessment) -> Markup:
+def _auto_mac(outcome: OutcomeOfTest, found: ModelAssessment) -> Markup:
     """Modes with a high value off the diagonal cannot be distinguished with these points."""
     names = [f"mode {r + 1}" for r in range(len(found.auto_mac))]
     rows = [(name, *(_number(float(value)) for value in row)) for name, row in zip(names, found.auto_mac, strict=True)]
@@ -64,7 +64,7 @@ def _auto_mac(outcome: TestOutcome, found: ModelAssessment) -> Markup:
     )
 
 
-def _modes_table(outcome: TestOutcome, found: ModelAssessment) -> Markup:
+def _modes_table(outcome: OutcomeOfTest, found: ModelAssessment) -> Markup:
     assert outcome.model is not None
     others = found.auto_mac - np.eye(len(found.auto_mac))
     rows = [
@@ -88,5 +88,5 @@ def _number(value: float) -> str:
     return significant_digits(float(value), 3) if isfinite(value) else "not known"
 
 
-def _name_of_test(outcome: TestOutcome) -> str:
+def _name_of_test(outcome: OutcomeOfTest) -> str:
     return f"The {outcome.test} test" if outcome.test else "The FRFs"

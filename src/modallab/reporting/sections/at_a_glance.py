@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.digits import four_places, in_sigmas, list_in_words, significant_digits, with_hard_blanks
 from modallab.reporting.compare import ComparedMode, agreement_verdict
-from modallab.reporting.content import ReportContent, TestOutcome
+from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.markup import Markup, html_element
 from modallab.reporting.sections.summary import MATCH, compare_tests, how_far
 
@@ -57,7 +57,7 @@ def _confidence_line(mode: ComparedMode) -> float:
     return max(found, default=1.0)
 
 
-def _repeated_line(outcome: TestOutcome) -> Iterator[tuple[bool, str]]:
+def _repeated_line(outcome: OutcomeOfTest) -> Iterator[tuple[bool, str]]:
     if outcome.verification is None:
         return
     found = np.nan_to_num(outcome.verification.frac, nan=0.0)
@@ -88,7 +88,7 @@ def _tests_agree(modes: tuple[ComparedMode, ...]) -> Iterator[tuple[bool, str]]:
         yield False, text
 
 
-def _assumptions_line(outcome: TestOutcome) -> Iterator[tuple[bool, str]]:
+def _assumptions_line(outcome: OutcomeOfTest) -> Iterator[tuple[bool, str]]:
     if outcome.assessment is None or not outcome.assessment.verdicts:
         return
     for holds in (True, False):
@@ -100,5 +100,5 @@ def _assumptions_line(outcome: TestOutcome) -> Iterator[tuple[bool, str]]:
             yield holds, text[0].upper() + text[1:]
 
 
-def _name_of_test(outcome: TestOutcome) -> str:
+def _name_of_test(outcome: OutcomeOfTest) -> str:
     return f"the {outcome.test} test" if outcome.test else "the FRFs"

@@ -7,7 +7,7 @@ from modallab.core.digits import scientific_text, significant_digits, three_digi
 from modallab.core.model import ModalModel
 from modallab.identification.estimator import estimator_of
 from modallab.reporting.content import ReportContent
-from modallab.reporting.figures.selection import sensor_label
+from modallab.reporting.figures.shape_data import sensor_label
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, paragraph
 

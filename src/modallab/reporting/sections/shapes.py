@@ -5,7 +5,7 @@ from itertools import combinations, pairwise
 from modallab.core.digits import four_places
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
-from modallab.reporting.content import ReportContent, TestOutcome
+from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.figures.animation import animated_shapes
 from modallab.reporting.figures.mode_shapes import mode_shapes
 from modallab.reporting.figures.shape_data import beam_shape
@@ -117,5 +117,5 @@ def _shape_tables(names: str, first: ModalModel, found: ShapeComparison) -> list
     ]
 
 
-def _named_outcome(outcome: TestOutcome) -> str:
+def _named_outcome(outcome: OutcomeOfTest) -> str:
     return f"the {outcome.test} test" if outcome.test else "the FRFs"

@@ -2,11 +2,11 @@
 
 from modallab.core.digits import count_with_noun, significant_digits
 from modallab.core.units import Test
-from modallab.reporting.content import ReportContent, TestOutcome
+from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.figures.blocks import impact_block, sine_block
 from modallab.reporting.figures.hits import hits_figure
 from modallab.reporting.figures.overview import frf_overview
-from modallab.reporting.figures.selection import farthest_sensor
+from modallab.reporting.figures.shape_data import farthest_sensor
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure
 
@@ -25,7 +25,7 @@ def signals_section(content: ReportContent) -> Section:
     return Section("signals", "What was measured", join_markup(parts) if parts else None, tuple(absent))
 
 
-def _absent_note(outcome: TestOutcome) -> list[str]:
+def _absent_note(outcome: OutcomeOfTest) -> list[str]:
     name = f"the {outcome.test} test" if outcome.test else "the FRFs"
     out = []
     if outcome.example is None and outcome.test is not None:
@@ -35,7 +35,7 @@ def _absent_note(outcome: TestOutcome) -> list[str]:
     return out
 
 
-def _example_record(content: ReportContent, outcome: TestOutcome) -> list[Markup]:
+def _example_record(content: ReportContent, outcome: OutcomeOfTest) -> list[Markup]:
     signals = outcome.example
     if signals is None:
         return []
@@ -57,7 +57,7 @@ def _example_record(content: ReportContent, outcome: TestOutcome) -> list[Markup
     return [captioned_figure(figure, "impact", "Force and response of one hit, in time and as spectrum", caption)]
 
 
-def _hits_part(outcome: TestOutcome) -> list[Markup]:
+def _hits_part(outcome: OutcomeOfTest) -> list[Markup]:
     if not outcome.hits:
         return []
     band = outcome.model.band_hz if outcome.model else (3.0, 110.0)
@@ -83,7 +83,7 @@ def _hits_part(outcome: TestOutcome) -> list[Markup]:
     return [figure] + ([listing] if listing else [])
 
 
-def _frfs_part(outcome: TestOutcome, place: int) -> list[Markup]:
+def _frfs_part(outcome: OutcomeOfTest, place: int) -> list[Markup]:
     frf = outcome.frf
     if frf is None:
         return []

@@ -4,7 +4,7 @@ from modallab.core.digits import count_with_noun
 from modallab.core.model import ModalModel
 from modallab.identification.estimator import USUAL, ModelOrder, estimator_of, find_estimator
 from modallab.identification.selection.diagram import StabilisationData
-from modallab.reporting.content import ReportContent, TestOutcome
+from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.figures.stabilisation import stabilisation_panels
 from modallab.reporting.markup import Markup, html_element, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
@@ -32,7 +32,7 @@ def stabilisation_section(content: ReportContent) -> Section:
     return Section("start", HEADING, body, tuple(absent))
 
 
-def _diagram_of_test(outcome: TestOutcome, model: ModalModel, diagram: StabilisationData, place: int) -> list[Markup]:
+def _diagram_of_test(outcome: OutcomeOfTest, model: ModalModel, diagram: StabilisationData, place: int) -> list[Markup]:
     order = _order_sentence(model)
     name = "order" if order is None else order.meaning
     says = _picked_poles(model, diagram)
@@ -66,11 +66,11 @@ def _order_sentence(model: ModalModel) -> ModelOrder | None:
     return None if known is None else known.order
 
 
-def _damped_note(outcome: TestOutcome) -> str:
+def _damped_note(outcome: OutcomeOfTest) -> str:
     if outcome.test != "impact":
         return ""
     return ", with the artificial damping that lets every ring-down end within the block: their peaks are broader"
 
 
-def _name_of_test(outcome: TestOutcome) -> str:
+def _name_of_test(outcome: OutcomeOfTest) -> str:
     return f"the {outcome.test} test" if outcome.test else "the FRFs"

@@ -3,11 +3,11 @@
 import numpy as np
 
 from modallab.core.digits import four_places, list_in_words
-from modallab.core.verification import Verification
-from modallab.reporting.content import ReportContent, TestOutcome
+from modallab.core.model import Verification
+from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.figures.all_points import mobility_panels
 from modallab.reporting.figures.one_point import one_point
-from modallab.reporting.figures.selection import farthest_sensor, sensor_label
+from modallab.reporting.figures.shape_data import farthest_sensor, sensor_label
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
 
@@ -52,7 +52,7 @@ _METHOD = (
 SEVERAL = " Of the drive points the one that matches worst is drawn; the table has the others."
 
 
-def _verification_of_test(content: ReportContent, outcome: TestOutcome, check: Verification, i: int) -> list[Markup]:
+def _verification_of_test(content: ReportContent, outcome: OutcomeOfTest, check: Verification, i: int) -> list[Markup]:
     test = outcome.test or "frf"
     known = np.nan_to_num(check.frac, nan=0.0)
     worst = int(np.argmin(np.median(known, axis=0)))
@@ -98,5 +98,5 @@ def _fracs_table(check: Verification) -> Markup:
     return html_element("details", html_element("summary", f"FRAC at every point{driven}"), whole)
 
 
-def _name_of_test(outcome: TestOutcome) -> str:
+def _name_of_test(outcome: OutcomeOfTest) -> str:
     return f"the {outcome.test} test" if outcome.test else "the FRFs"

@@ -22,10 +22,9 @@ from modallab.service import api
 from modallab.service.api.access import COOKIE, Guard
 from modallab.service.api.asyncapi import asyncapi_of
 from modallab.service.api.blocks import SAMPLE_HEADERS
-from modallab.service.api.compression import Gzip
+from modallab.service.api.compression import Gzip, HeadAsGet
 from modallab.service.api.described import METHODS, describe_operations, describe_schemas, operations_of_document
 from modallab.service.api.events import EventFeed
-from modallab.service.api.head import HeadAsGet
 from modallab.service.api.operator_page import mount_page
 from modallab.service.api.pages import mount_manual, mount_static
 from modallab.service.api.problems import install_handlers

@@ -14,7 +14,7 @@ from modallab.service.records.archived import Archive
 from modallab.service.records.event_log import EventTopic
 from modallab.service.records.run_queue import RunQueue
 from modallab.service.rigs.control import ControllerState
-from modallab.service.rigs.queue_rules import why_not_begun
+from modallab.service.rigs.queue_runner import why_not_begun
 from modallab.storage.durable import planned_blocks
 
 HIT_S = 15.0

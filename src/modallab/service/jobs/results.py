@@ -105,7 +105,7 @@ def comparison_of_runs(service: Service, one: str, other: str) -> ComparisonView
         NotFoundError: one of them has no model.
     """
     # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
-    from modallab.identification.selection.pairing import nearest_partners
+    from modallab.identification.selection.criteria import nearest_partners
     from modallab.verification.comparison import compare_shapes
 
     first, second = (_only_of_run(models_of_run(service, run), run) for run in (one, other))

@@ -1,6 +1,7 @@
 """Connections of the REST process: how many, and how long one may leave a request unfinished."""
 
 import asyncio
+import sys
 import time
 from typing import Any
 
@@ -96,3 +97,21 @@ def guarded_protocol(descriptors: int) -> type[GuardedHttp]:
     """The protocol for a server of a process that may have so many descriptors."""
     crowd = ConnectionLimit(max(64, min(MOST, descriptors - RESERVE)))
     return type("Connection", (GuardedHttp,), {"crowd": crowd})
+
+
+ENOUGH = 16384
+
+
+def raise_limit() -> int:
+    """Let this process, and those that it starts, have as many as the system allows; how many that is."""
+    if sys.platform == "win32":
+        return ENOUGH
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft == resource.RLIM_INFINITY:
+        return ENOUGH
+    allowed = ENOUGH if hard == resource.RLIM_INFINITY else min(hard, ENOUGH)
+    if soft < allowed:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (allowed, hard))
+    return max(soft, allowed)

@@ -22,7 +22,7 @@ from modallab.service.campaigns.purge import Purge
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
-from modallab.service.process.descriptors import raise_limit
+from modallab.service.process.connections import raise_limit
 from modallab.service.process.orphans import Orphans
 from modallab.service.process.ports import bound_socket, port_taken_error
 from modallab.service.process.stop_listener import StopListener

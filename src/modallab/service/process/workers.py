@@ -95,8 +95,7 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
 def _configuration(app: "FastAPI", settings: Settings) -> "uvicorn.Config":
     import uvicorn
 
-    from modallab.service.process.connections import guarded_protocol
-    from modallab.service.process.descriptors import raise_limit
+    from modallab.service.process.connections import guarded_protocol, raise_limit
 
     return uvicorn.Config(
         app,

@@ -6,7 +6,7 @@ from concurrent.futures import TimeoutError as NotYetError
 from contextlib import suppress
 from threading import Lock
 
-from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.core.documents.runs import Accept, Command, Drop, Repeat
 from modallab.core.errors import ModallabError, StorageError
@@ -155,7 +155,7 @@ class ActiveRun:
         if not isinstance(self.plan, ImpactPlan) or not self.plan.acceptance.check_point:
             return None
         # Here and not above: a service that runs no impact test starts without what it takes.
-        from modallab.pipelines.expected_modes import expected_modes
+        from modallab.pipelines.known_modes import expected_modes
 
         return expected_modes(process.rig)
 

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from threading import Event as Flag
 from threading import Thread
 
-from modallab.acquisition.process.trip import TrippedError
+from modallab.acquisition.process.trip import Trip, TrippedError
 from modallab.core.documents.messages import QueueChanged
-from modallab.core.documents.queue import QueueItem, QueueState
+from modallab.core.documents.queue import ConsentView, QueueItem, QueueState
 from modallab.core.errors import ModallabError
 from modallab.service.errors import ConflictError, LeaseNeededError, RigUnavailableError
 from modallab.service.records.event_log import EventTopic
@@ -16,9 +16,35 @@ from modallab.service.records.run_queue import RunQueue
 from modallab.service.rigs.consents import Consent
 from modallab.service.rigs.control import ControllerState, StartRun
 from modallab.service.rigs.controllers import RigControllers
-from modallab.service.rigs.queue_rules import why_not_begun
 from modallab.service.rigs.run_log import RunLog
 from modallab.storage.records import ENDED
+
+
+def why_not_begun(item: QueueItem, state: ControllerState, trip: Trip | None, consent: ConsentView | None) -> str:
+    """Why an item cannot begin now; "" if it can.
+
+    A shaker never starts by itself unless who holds the lease has consented to this very item, and an impact test waits
+    until he says that he is at the bench.
+    """
+    if trip is not None:
+        return f"the rig is tripped: {trip.what}; look at the bench, and reset it"
+    if state.state != "idle":
+        return f"run {state.run} is on" if state.run else f"the rig is {state.state}"
+    if consent is None:
+        return f"nobody who holds the lease has consented to it{_unless_consented(item)}"
+    if item.id not in consent.items:
+        return f"{consent.operator}'s consent was given before it was queued{_unless_consented(item)}"
+    if item.drives and not consent.drive:
+        return f"{consent.operator} has not consented to tests that move the output"
+    if not item.drives and not consent.at_bench:
+        return f"{consent.operator} has not said that he is at the bench, and the test needs its operator"
+    return ""
+
+
+def _unless_consented(item: QueueItem) -> str:
+    need = "tests that drive" if item.drives else "impact tests, at the bench"
+    return f"; give one for {need}, with the lease"
+
 
 LOG = logging.getLogger(__name__)
 LOOK_S = 0.3

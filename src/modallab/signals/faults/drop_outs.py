@@ -3,8 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.fault import Fault
-from modallab.signals.faults.runs import SampleRuns, equal_runs
+from modallab.signals.faults.runs import Fault, SampleRuns, equal_runs
 
 LEAST_RUN = 3
 BESIDE = 16

@@ -7,8 +7,7 @@ The top of a smooth signal is a parabola: over L samples that differ by a step a
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.fault import Fault
-from modallab.signals.faults.runs import SampleRuns, runs_where
+from modallab.signals.faults.runs import Fault, SampleRuns, runs_where
 
 LEAST_RUN = 3
 """Equal samples in a row: two may stand astride any top."""

@@ -6,8 +6,7 @@ Either puts images of the signal about each multiple of the slower rate, which l
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.fault import Fault
-from modallab.signals.faults.runs import equal_runs
+from modallab.signals.faults.runs import Fault, equal_runs
 
 MOVES = 32.0
 """Steps of the converter from which on a channel moves: by chance one of 80 samples then repeats another."""

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.procedures.struck_point.answer import Answer
-from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.procedures.struck_point.frfs_so_far import FrfsSoFar
-from modallab.acquisition.procedures.struck_point.participation import participation
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, participation
 from modallab.core.arrays import Real
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion

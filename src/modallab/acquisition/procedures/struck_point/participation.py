@@ -11,8 +11,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.procedures.struck_point.answer import Answer
-from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.core.arrays import Complex128, Real
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ExpectedModes:
+    """A belief, from the rig's beam or a model of an earlier test. Good to some per cent is good enough.
+
+    Attributes:
+        frequency_hz: (modes,) ascending.
+        damping_ratio: of every mode.
+        points: (points,) numbers of the points.
+        at_points: (points, modes) shapes at unit modal mass, kg^-1/2.
+        channels: (sensors,) places in the rig of the channels that sense this motion.
+        at_sensors: (sensors, modes) the same where they are.
+        derivative: (sensors,) of the displacement: 0, 1 or 2.
+    """
+
+    frequency_hz: Real
+    damping_ratio: float
+    points: tuple[int, ...]
+    at_points: Real
+    channels: tuple[int, ...]
+    at_sensors: Real
+    derivative: NDArray[np.int64]
+
 
 REACH = 0.07
 """Lines within this part of a mode's frequency are fitted, and at least `LEAST_LINES` on either side."""
