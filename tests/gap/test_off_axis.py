@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from other_structures import as_believed, as_built, benches, frf
-from phased_line import model, rig
+from phased_line import PSI, model, rig
 from structures import Material
 
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
@@ -128,4 +128,16 @@ def test_what_a_sensor_reads_of_the_force_is_no_term_outside_the_band() -> None:
     there.values[1] += read[0, 1, 0]
     with_term = model().model_copy(update={"residuals": read, "residual_powers": (-2,)})
     found = diagnose_by_model(model(), with_term, rig(), frfs=(frfs(noise=1e-5), there))
+    assert (found.verdict, found.effects) == ("unknown", [])
+
+
+def test_hits_that_were_aslant_at_one_of_several_points_have_no_name() -> None:
+    """One sensor and a roving hammer. Where little moves, a spring at a soft place would take a share of it."""
+    of = model(PSI * [1.0, 1.0, 0.05], sensors=(1,), driven=(1, 2, 3))
+    local = {"residuals": np.array([[[2e-6, 0.0, 0.0]]]), "residual_powers": (0,)}
+    of, s = of.model_copy(update=local), np.asarray(2j * np.pi * HZ)
+    values = np.moveaxis(receptances_of_model(of, s) * (s**2)[:, None, None], 0, -1)
+    before = Frf(HZ, values, "inertance", ("a1",), (1,), (1, 2, 3), variance=np.full(values.shape, 1e-10))
+    aslant = values * np.array([1.0, 1.0, 0.55])[:, None]
+    found = diagnose_by_model(of, of, rig(), frfs=(before, replace(before, values=aslant)))
     assert (found.verdict, found.effects) == ("unknown", [])

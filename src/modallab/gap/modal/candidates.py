@@ -110,6 +110,21 @@ def force_channel(c: Compared) -> Candidate:
     return Candidate("", (), None, make, (np.zeros(count),), np.full(count, ODD), np.zeros(count), ())
 
 
+def hits_at(i: int) -> Candidate:
+    """The force at one of several driven points is another than is read: hits aslant, or a set-up with its own gain."""
+    spread = np.array([GAIN_SPREAD])
+    return Candidate(
+        "",
+        (),
+        None,
+        lambda v, _: Change(hit_gains=((i, float(np.exp(v[0]))),)),
+        (np.zeros(1),),
+        spread,
+        np.zeros(1),
+        (),
+    )
+
+
 def _delays(c: Compared) -> Iterator[Candidate]:
     index = {channel.name: channel.index for channel in c.rig.channels}
     scanned = np.array([index[name.split("@")[0]] for name in c.model.outputs], float) - c.rig.force_channel.index

@@ -27,6 +27,7 @@ class Change:
         hung: on the structure.
         gains: output -> factor on what it reads.
         force_gain: factor on what the force channel reads.
+        hit_gains: input -> factor on the force that acts there.
         shifts: output -> metres along the two tangents, and by how many deviations the shapes there are off (modes,).
         filters: (outputs, powers) as of `State`; None where nothing is filtered.
     """
@@ -34,6 +35,7 @@ class Change:
     hung: Hung | None = None
     gains: tuple[tuple[int, float], ...] = ()
     force_gain: float = 1.0
+    hit_gains: tuple[tuple[int, float], ...] = ()
     shifts: tuple[tuple[int, Real, Real], ...] = ()
     filters: Real | None = None
 
@@ -142,6 +144,8 @@ class Free:
             filters = 0 * filters
         driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(c.into_slopes.shape[:2]), c.into_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
+        for i, factor in change.hit_gains:
+            applied[i] *= factor
         structure, flexibility = self.structure(u)
         return State(
             structure=structure,

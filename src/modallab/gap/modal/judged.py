@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.diagnosis import Verdict
-from modallab.gap.modal.candidates import force_channel
+from modallab.gap.modal.candidates import force_channel, hits_at
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import Fitted, fit
-from modallab.gap.modal.scales import Rung, estimated, nameless, settled, usual
+from modallab.gap.modal.scales import SUSPECTS, Rung, estimated, nameless, settled, usual
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import frfs_without_shapes
 
@@ -33,7 +33,7 @@ class Judged:
         ranked: the best fit of each kind of change with its probability, the most probable first.
         nothing: probability that nothing was changed.
         unknown: probability that something without a name is the cause.
-        where: what that would be: "structure", "everything" or the name of a channel.
+        where: what that would be: "structure", "everything", the name of a channel, or the hits at a point.
         strains: of the tolerances without and with the best explanation, at what is usual.
         notes: why.
     """
@@ -61,7 +61,7 @@ def judged(search: ModalSearch) -> Judged:
     kinds = search.kinds(nothing)
     # One from smoother lines stands for its kind until it is fitted on those that count.
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
-    force = _force_channel(base, as_usual)
+    force = _of_forces(base, as_usual)
     others = {name: estimated(nothing, rungs) for name, rungs in nameless(base, nothing.free.wide).items()} | force
     found = _weighed(base, nothing, names, others)
     if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
@@ -81,14 +81,17 @@ def judged(search: ModalSearch) -> Judged:
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
 
 
-def _force_channel(base: Fitted, as_usual: list[Rung]) -> dict[str, Fitted]:
-    """What the force's channel does otherwise, whatever it is; empty where no force was measured."""
+def _of_forces(base: Fitted, as_usual: list[Rung]) -> dict[str, Fitted]:
+    """What the force's channel, or the hits at a point, do otherwise, whatever it is; empty where none was measured."""
     c = base.free.of
     if c.bench.operating_shapes is not None:
         return {}
-    otherwise = force_channel(c)
-    begun = fit(base.free, otherwise, base.u, otherwise.starts[0])
-    return {c.rig.force_channel.name: settled(begun, as_usual)}
+    otherwise = {c.rig.force_channel.name: force_channel(c)}
+    missed = np.sqrt(np.mean(base.missed**2, axis=(0, 1)))
+    if missed.size > 1:
+        otherwise |= {f"hits at {c.model.input_points[i]}": hits_at(i) for i in np.argsort(-missed)[:SUSPECTS].tolist()}
+    begun = {name: fit(base.free, one, base.u, one.starts[0]) for name, one in otherwise.items()}
+    return {name: settled(one, as_usual) for name, one in begun.items()}
 
 
 def _weighed(base: Fitted, nothing: Fitted, names: Sequence[Fitted], others: Mapping[str, Fitted]) -> Judged:

@@ -21,7 +21,7 @@ UNUSUAL = (4.0, 16.0, 64.0)
 TURNS = 2
 """Times that scales are inferred, and numbers fitted at them."""
 SUSPECTS = 2
-"""Channels of which it is asked whether they do something else."""
+"""Channels, and driven points, of which it is asked whether they do something else."""
 
 Rung = tuple[Compared, float]
 """A comparison with its lines and shapes at some scale, and the scale of the structure."""
