@@ -57,7 +57,7 @@ def held(r: Record) -> Record:
     return changed(r, a2=np.repeat(r.a2[::4], 4)[: len(r.a2)])
 
 
-def beyond_numbers(r: Record) -> Record:
+def impossible_value(r: Record) -> Record:
     a = r.a1.copy()
     a[len(a) // 2] = 1e200
     return changed(r, a1=a)
@@ -110,17 +110,17 @@ put("one_sensor_held", "One channel is a slower converter's: each value four tim
 put(
     "a_value_of_1e200",
     "One value of 1e200 in one of three hits.",
-    beyond_numbers,
+    impossible_value,
     "(?i)1e\\+?200|single|value|beyond",
     3,
     1,
 )
-put("cable_for_40_ms", "One channel is 0 for 40 ms in one of three hits.", dropped, "(?i)drop|held|constant", 3, 2)
+put("cable_for_40_ms", "One channel is 0 for 40 ms in one of three hits.", dropped, "stands still", 3, 2)
 put(
     "dead_but_noisy", "A channel without a sensor: its converter's last step only.", dead, "(?i)dead|no signal|a1|noise"
 )
 put("warming_sensor", "A zero that drifts by twenty times the signal.", drifting, "(?i)drift|zero|rest|a1")
-put("static_discharges", "Three single samples of ten times the largest.", struck, "(?i)single|spike|outlier")
+put("static_discharges", "Three single samples of ten times the largest.", struck, "nothing near it")
 put(
     "counts_that_wrap",
     "Overflow of whole numbers: beyond the range the other end.",

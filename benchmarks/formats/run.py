@@ -20,6 +20,7 @@ from pathlib import Path
 import array_cases  # noqa: F401
 import clock_cases  # noqa: F401
 import damaged_cases  # noqa: F401
+import eighth_cases  # noqa: F401
 import fifth_cases  # noqa: F401
 import fourth_cases  # noqa: F401
 import frf_cases  # noqa: F401

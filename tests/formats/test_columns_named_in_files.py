@@ -244,3 +244,40 @@ def test_volts_need_a_sensitivity(tmp_path: Path) -> None:
     for one in (rig, stored):
         with pytest.raises(DataError, match="channel a01 is in V, and the rig has no sensitivity of it"):
             import_sources([tmp_path / "x.csv"], one)
+
+
+def test_an_array_of_structures_of_matlab_7_3_has_the_channels_of_their_names(tmp_path: Path) -> None:
+    path = tmp_path / "x.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        fields: dict[str, list[h5py.Reference]] = {"name": [], "fs": [], "data": []}
+        for k, (name, row) in enumerate(zip(NAMES, hit(4), strict=True)):
+            held = {"name": np.array([[ord(c)] for c in name], np.uint16), "fs": RATE_HZ, "data": row[None]}
+            for key, value in held.items():
+                file[f"#refs#/{key}{k}"] = np.atleast_2d(value)
+                file[f"#refs#/{key}{k}"].attrs["MATLAB_class"] = np.bytes_("char" if key == "name" else "double")
+                fields[key].append(file[f"#refs#/{key}{k}"].ref)
+        for key, references in fields.items():
+            file[f"rec/{key}"] = np.array([references], h5py.ref_dtype).T
+    with path.open("r+b") as raw:
+        raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116))
+    (block,) = import_sources([path], RIG).blocks
+    assert block.rate_hz == RATE_HZ
+    np.testing.assert_array_equal(block.samples, hit(4))
+
+
+def save_counts(path: Path, **beside: float) -> Path:
+    with h5py.File(path, "w") as file:
+        for name, row in zip(NAMES, hit(4), strict=True):
+            file[name] = np.round((row - 0.5) * 1e6).astype(np.int32)
+            file[name].attrs.update({"fs": RATE_HZ, **beside})
+    return path
+
+
+def test_whole_numbers_are_scaled_as_netcdf_says_it(tmp_path: Path) -> None:
+    (block,) = import_sources([save_counts(tmp_path / "x.h5", scale_factor=1e-6, add_offset=0.5)], RIG).blocks
+    np.testing.assert_allclose(block.samples, hit(4), atol=1e-6)
+
+
+def test_whole_numbers_beside_a_gain_are_rejected(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=r"holds whole numbers beside a gain of 1e-06"):
+        import_sources([save_counts(tmp_path / "x.h5", gain=1e-6)], RIG)

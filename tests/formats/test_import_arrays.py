@@ -1,5 +1,6 @@
 """MATLAB, WAV and netCDF4 files made here are read to the last bit, or rejected by name."""
 
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -112,6 +113,17 @@ def test_a_sound_file_that_was_streamed_reaches_to_its_end(tmp_path: Path) -> No
     raw = (tmp_path / "hit.wav").read_bytes()
     place = raw.index(b"data") + 4
     (tmp_path / "hit.wav").write_bytes(raw[:4] + b"\xff" * 4 + raw[8:place] + b"\xff" * 4 + raw[place + 4 :])
+    np.testing.assert_array_equal(import_sources([tmp_path / "hit.wav"], RIG).blocks[0].samples, rows)
+
+
+def test_a_sound_file_of_64_bit_lengths_is_one(tmp_path: Path) -> None:
+    rows = hit(4).astype(np.float32)
+    wavfile.write(tmp_path / "hit.wav", int(RATE_HZ), rows.T)
+    raw = (tmp_path / "hit.wav").read_bytes()
+    place = raw.index(b"data")
+    lengths = struct.pack("<4sIQQQI", b"ds64", 28, len(raw) + 28, rows.nbytes, rows.shape[1], 0)
+    body = raw[8:12] + lengths + raw[12 : place + 4] + b"\xff" * 4 + raw[place + 8 :] + b"LIST\4\0\0\0INFO"
+    (tmp_path / "hit.wav").write_bytes(b"RF64" + b"\xff" * 4 + body)
     np.testing.assert_array_equal(import_sources([tmp_path / "hit.wav"], RIG).blocks[0].samples, rows)
 
 

@@ -128,7 +128,7 @@ CASES: list[tuple[str, type[ModallabError], str, str]] = [
     ),
     ("channel twice", DataError, "time,force,a01,a02,a02\n" + rows(GOOD), "column a02 is there twice"),
     ("spectra", DataError, "frequency,force,a01,a02,a03\n" + rows(GOOD), "its first column is 'frequency'"),
-    ("short line", FormatError, HEADER + "\n1,2,3\n" + rows(GOOD), "line 2 has 3 columns, not 5"),
+    ("short line", FormatError, HEADER + "\n1,2,3\n" + rows(GOOD), "line 2, column 4 (a02): is empty"),
     ("no numbers", FormatError, HEADER + "\n", "holds no table of numbers"),
     ("no header, too few", DataError, rows(GOOD[:, :3]), "has 3 columns and no header; the rig has 4 channels"),
     ("coarse times", DataError, HEADER + "\n" + rows(np.round(GOOD, 3), "%.3f"), "written too coarsely"),

@@ -196,3 +196,19 @@ def test_of_two_quantities_one_is_left_out(tmp_path: Path) -> None:
         read(tmp_path, text)
     frf = read(tmp_path, text, ignore=("a03",))
     assert (frf.quantity, frf.outputs) == ("inertance", ("a01", "a02"))
+
+
+def test_frfs_are_functions_of_response_and_force_over_cycles_per_minute(tmp_path: Path) -> None:
+    columns = [f'"H1({n},force) {part}"' for n in NAMES for part in ("Magnitude ((m/s²)/N)", "Phase (Degree)")]
+    text = table(",".join(["Frequency [CPM]", *columns]), polar)
+    rows = [line.partition(",") for line in text.splitlines()[1:]]
+    minutes = [f"{60 * float(f):.12g},{rest}" for f, _, rest in rows]
+    frf = read(tmp_path, "\n".join([text.splitlines()[0], *minutes]) + "\n")
+    np.testing.assert_allclose(frf.frequency_hz, LINES)
+    np.testing.assert_allclose(frf.values[:, 0], inertances(), rtol=1e-9)
+
+
+def test_a_unit_that_is_none_of_frequency_is_named(tmp_path: Path) -> None:
+    text = table("Frequency [furlong]," + ",".join(f"Mag {n},Phase {n} [deg]" for n in NAMES), polar)
+    with pytest.raises(DataError, match="unit 'furlong' is no unit of frequency"):
+        read(tmp_path, text)

@@ -90,6 +90,16 @@ def test_channels_that_begin_at_different_times_are_aligned(tmp_path: Path) -> N
     assert "begin at different times" in campaign.provenance["notes"]
 
 
+def test_a_channel_that_ends_earlier_cuts_the_others_where_each_sample_has_its_time(tmp_path: Path) -> None:
+    lines = segment(".", "Multi", "\t")
+    last = [k for k, line in enumerate(lines) if line][-7:]
+    for k in last:
+        lines[k] = "\t".join([*lines[k].split("\t")[:2], "", ""])
+    campaign = read(tmp_path, header(".", "Multi", "\t") + lines)
+    np.testing.assert_allclose(campaign.blocks[0].samples, SAMPLES[:, :-7], atol=1e-7)
+    assert f"cut to the first {N - 7} samples" in campaign.provenance["notes"]
+
+
 def test_a_rig_is_drafted_from_names_and_units(tmp_path: Path) -> None:
     path = tmp_path / "hit.lvm"
     path.write_text("\n".join(header(".", "No", "\t") + segment(".", "No", "\t")), encoding="utf-8")

@@ -57,6 +57,10 @@ DIALECTS = {
     ),
     "a delimiter at the end of each line": table("time [s],force [N],a1 [g],", PLAIN + ","),
     "an empty column of comments": table("time [s],force [N],a1 [g],Comment", PLAIN + ","),
+    "a slow channel whose cells are left out": re.sub(
+        r"(?m)^(0\.0[0-9]0000.*)$", r"\1,21.5", table("time [s],force [N],a1 [g],T [°C]", PLAIN)
+    ),
+    "wrapped headings": table('"Time\n[s]","force\n[N]","a1\n\n[g]"', PLAIN),
     "a column of words": table("time [s],force [N],a1 [g],state", PLAIN + ",ok"),
     "a clock across midnight": table("time,force [N],a1 [g]", PLAIN, clock("%H:%M:%S.%f")),
     "ISO times": table("timestamp,force [N],a1 [g]", PLAIN, clock("%Y-%m-%dT%H:%M:%S.%f")),
@@ -93,6 +97,12 @@ def test_every_dialect_gives_the_same_record(tmp_path: Path, text: str) -> None:
 def test_the_unit_of_a_heading_counts(tmp_path: Path, heading: str) -> None:
     (block,) = read(tmp_path, table(f"time [s],{heading},a1 [g]", PLAIN)).blocks
     assert block.units == ("kN", "g")
+
+
+@pytest.mark.parametrize("unit", ["m·s⁻²", "m*s^-2", "m s-2", "m/s²", "m.s-2"])
+def test_a_unit_may_have_negative_exponents(tmp_path: Path, unit: str) -> None:
+    (block,) = read(tmp_path, table(f"time [s],force [N],a1 [{unit}]", PLAIN)).blocks
+    assert block.units == ("N", "m/s^2")
 
 
 def test_commas_between_columns_and_in_numbers_are_said_to_be_both(tmp_path: Path) -> None:

@@ -169,3 +169,16 @@ def test_shells_are_surfaces_and_bars_and_solids_are_lines_alone(tmp_path: Path)
     found = read_results(path).geometry
     assert found.surfaces == ((1, 2, 3, 4), (1, 2, 3))
     assert (2, 4) in found.lines
+
+
+@pytest.mark.parametrize(("data_type", "turns"), [(2, True), (4, True), (5, False)])
+def test_six_numbers_of_a_node_are_what_their_data_type_says(tmp_path: Path, data_type: int, turns: bool) -> None:
+    facts = [1, 2, 3 if turns else 2, 8, data_type, 6 if turns else 3]
+    numbers = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+    words = [f"{1:10d}", "mode 1", f"{1:10d}", *["NONE"] * 5, "".join(f"{v:10d}" for v in facts)]
+    whole = ["".join(f"{v:10d}" for v in [0] * 8), f"{0:10d}{0:10d}"]
+    reals = ["".join(f"{v:13.5E}" for v in row) for row in ((0, 12.5, 0, 1, 0.01, 0), (0,) * 6, numbers)]
+    lines = ["    -1", "  2414", *words, *whole, *reals[:2], f"{7:10d}", reals[2], "    -1"]
+    (tmp_path / "x.uff").write_text("\n".join(lines) + "\n")
+    (mode,) = read_results(tmp_path / "x.uff").modes
+    np.testing.assert_allclose(mode.at[7], numbers[:3] if turns else [0.1 + 0.2j, 0.3 + 0.4j, 0.5 + 0.6j])

@@ -119,3 +119,13 @@ def test_a_filter_in_the_force_s_channel_has_no_name_and_a_delay_has_one() -> No
         found = diagnose_by_model(model(), model(), rig(), frfs=(frfs(noise=1e-5), there))
         verdicts.append((found.verdict, [e.effect for e in found.effects]))
     assert verdicts == [("unknown", []), ("known", ["trigger_delay"])]
+
+
+def test_what_a_sensor_reads_of_the_force_is_no_term_outside_the_band() -> None:
+    """An identification calls it a body's mass, which the reference has not. Its FRFs say that it was not there."""
+    there, read = frfs(noise=1e-5, seed=2), np.zeros((1, 3, 1))
+    read[0, 1] = 0.5 * np.median(np.abs(there.values[1]))
+    there.values[1] += read[0, 1, 0]
+    with_term = model().model_copy(update={"residuals": read, "residual_powers": (-2,)})
+    found = diagnose_by_model(model(), with_term, rig(), frfs=(frfs(noise=1e-5), there))
+    assert (found.verdict, found.effects) == ("unknown", [])

@@ -113,9 +113,23 @@ def one_off(row: Rows, factor: float) -> Rows:
     return changed
 
 
+def with_last_step(row: Rows, share: float) -> Rows:
+    """Cut off, with noise of a step of the converter behind the stage that did it."""
+    step = share * np.abs(row).max() / 8000
+    noise = np.random.default_rng(5).integers(-1, 2, row.size)
+    return np.where(np.abs(row) > 8000 * step, np.sign(row) * 8000 + noise, np.round(row / step)) * step
+
+
+def warming(row: Rows) -> Rows:
+    return row + 20 * np.abs(row).max() * (1 - np.exp(-4 * np.arange(row.size) / row.size))
+
+
 CHAIN: dict[str, tuple[Callable[[Rows], Rows], str]] = {
     "both ends": (lambda r: at_share(r, 0.6), "flat"),
     "upper end": (lambda r: np.minimum(r, 0.6 * r.max()), "flat tops"),
+    "both ends, noise behind": (lambda r: with_last_step(r, 0.5), "flat"),
+    "zero that drifts": (warming, "zero drifts"),
+    "no sensor": (lambda r: 1e-3 * np.random.default_rng(6).integers(-1, 2, r.size), "no more than 2 steps"),
     "held 2": (lambda r: held(r, 2), "held for 2 samples"),
     "held 2.5": (lambda r: held(r, 2.5), "held for"),
     "held 8": (lambda r: held(r, 8), "held for 8 samples"),
@@ -148,6 +162,22 @@ def test_it_is_named_with_its_time() -> None:
     rows[2] = one_off(rows[2], 100)
     (found,) = faults_of(block(rows), RIG)
     assert (found.channel, found.first_s, found.samples) == ("a2", 0.75, 1)
+
+
+@pytest.mark.parametrize("kind", ["hit", "random"])
+def test_a_buffer_that_was_written_twice_is_named(kind: str) -> None:
+    rows = record(kind, 1, 1e-4)
+    rows[:, 400:528] = rows[:, 272:400]
+    (found,) = faults_of(block(rows), RIG)
+    assert "repeats to the last digit" in found.what
+    assert (found.first_s, found.samples) == (400 / RATE_HZ, 128)
+
+
+def test_a_hit_of_three_samples_is_none() -> None:
+    rows = record("hit", 1, 1e-4)
+    rows[0] *= 1e-3
+    rows[0, 40:43] = np.abs(rows[0]).max() * np.array([1e4, 2e4, 1e4])
+    assert faults_of(block(rows), RIG) == ()
 
 
 def test_a_shock_that_all_channels_feel_is_none() -> None:

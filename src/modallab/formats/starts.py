@@ -28,13 +28,15 @@ class Start:
     Attributes:
         at_s: s since any moment that the channels of a record share.
         resolution_s: half of the last digit with which the file writes it; 0 if that is exact.
+        timed: whether the file gives the time of each sample.
     """
 
     at_s: Fraction
     resolution_s: float = 0.0
+    timed: bool = False
 
 
-def start_of(seconds: float, resolution_s: float = 0.0) -> Start:
+def start_of(seconds: float, resolution_s: float = 0.0, *, timed: bool = False) -> Start:
     """A start that a file gives as a number of s.
 
     Raises:
@@ -42,7 +44,7 @@ def start_of(seconds: float, resolution_s: float = 0.0) -> Start:
     """
     if not np.isfinite(seconds):
         raise DataError(f"the record begins at {seconds} s", remedy="export the records again")
-    return Start(Fraction(float(seconds)), resolution_s)
+    return Start(Fraction(float(seconds)), resolution_s, timed)
 
 
 def start_of_text(text: str, where: str) -> Start:
@@ -85,6 +87,9 @@ def on_common_times(
     """
     stamps = [start for start in starts if start is not None]
     if len({start.at_s for start in stamps}) < 2:
+        if len({len(row) for row in rows}) > 1 and len(stamps) == len(rows) and all(start.timed for start in stamps):
+            n = min(map(len, rows))
+            return np.stack([row[:n] for row in rows]), f"channels differ in length; cut to the first {n} samples"
         return _same_length(rows, stamps[0] if stamps else None, rate_hz, names, where), ""
     if len(stamps) < len(starts):
         without = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)

@@ -60,11 +60,21 @@ _FRF_OF: dict[Quantity, FrfQuantity] = {
 }
 
 
+_RAISED = str.maketrans({"⁻": "-", "¹": "1", "³": "^3"})
+_PER = re.compile(r"\s*[·⋅*. ]\s*([A-Za-z]+)\^?-\^?(\d)")
+"""A factor with a negative exponent, as in m·s⁻²."""
+
+
+def _over(factor: re.Match[str]) -> str:
+    return f"/{factor[1]}" if factor[2] == "1" else f"/{factor[1]}^{factor[2]}"
+
+
 def normal_unit(text: str) -> str:
     """A unit in the project's own spelling; an unknown one as it is. "" for NONE and the like."""
     unit = re.sub(
         r"\s+", " ", text.strip().strip('"').replace("²", "^2").replace("**", "^").replace("/s\ufffd", "/s^2")
     )
+    unit = _PER.sub(_over, unit.translate(_RAISED))
     if unit.startswith("(") and unit.endswith(")"):
         unit = unit[1:-1].strip()
     unit = _without_lost_brackets(unit)

@@ -69,8 +69,8 @@ def search_explanation(
     choice = choose(bench, [first], matters)
     if choice.flat:
         return SearchOutcome(choice)
-    if choice.explained and not loses_samples(prepared, choice.fit):
-        # Most of the gap has a name; what is left may have one too.
+    if choice.explained and leaves_noise_only(bench, choice.fit) and not loses_samples(prepared, choice.fit):
+        # Nothing is left that an element without a name could explain better.
         return SearchOutcome(choose(bench, selection.rounds(), matters))
     behaves = () if clock_error_visible(bench) else _without_name(bench, prepared, selection, alone, unseen, held)
     if behaves:

@@ -56,12 +56,12 @@ class Hypothesis:
     """What may act at a place.
 
     Attributes:
-        name: in words.
+        names: of the elements, in words.
         together: for each set of inner numbers the shapes of the elements that act together; () for none known.
         prior: probability.
     """
 
-    name: str
+    names: tuple[str, ...]
     together: tuple[tuple[Shape, ...], ...]
     prior: float
 
@@ -71,8 +71,8 @@ class LikelyLaw:
     """What the backbones are like.
 
     Attributes:
-        laws: name -> probability, the most probable first.
-        point: at which the most probable one acts; None where the shapes do not show it.
+        laws: name -> probability that it acts, alone or with another; the most probable first.
+        point: at which the most probable of all acts; None where the shapes do not show it.
         at_point: probability of that.
     """
 
@@ -120,12 +120,9 @@ LAWS = (
 
 def _hypotheses() -> list[Hypothesis]:
     pairs = list(combinations(LAWS, 2))
-    one = [Hypothesis(a.name, tuple((s,) for s in a.shapes), PRIOR[1] / len(LAWS)) for a in LAWS]
-    two = [
-        Hypothesis(f"{a.name} and {b.name}", tuple(product(a.shapes, b.shapes)), PRIOR[2] / len(pairs))
-        for a, b in pairs
-    ]
-    return [*one, *two, Hypothesis("no known element", ((),), PRIOR[0])]
+    one = [Hypothesis((a.name,), tuple((s,) for s in a.shapes), PRIOR[1] / len(LAWS)) for a in LAWS]
+    two = [Hypothesis((a.name, b.name), tuple(product(a.shapes, b.shapes)), PRIOR[2] / len(pairs)) for a, b in pairs]
+    return [*one, *two, Hypothesis(("no known element",), ((),), PRIOR[0])]
 
 
 HYPOTHESES = _hypotheses()
@@ -143,7 +140,7 @@ def likely_law(found: Backbone, model: ModalModel) -> LikelyLaw | None:
     if found.frequency_hz.shape[1] < 3 or not known.any():
         return None
     scores = {
-        (one.name, point): np.logaddexp.reduce(
+        (one.names, point): np.logaddexp.reduce(
             [_evidence_of_elements(found, known, each, phi, at) for each in one.together]
         )
         + np.log(one.prior / len(one.together))
@@ -152,11 +149,10 @@ def likely_law(found: Backbone, model: ModalModel) -> LikelyLaw | None:
     }
     total = np.logaddexp.reduce(list(scores.values()))
     each = {key: float(np.exp(value - total)) for key, value in scores.items()}
-    laws = {one.name: sum(p for (name, _), p in each.items() if name == one.name) for one in HYPOTHESES}
-    ordered = dict(sorted(laws.items(), key=lambda pair: -pair[1]))
-    first = next(iter(ordered))
-    (_, point), share = max(((k, p) for k, p in each.items() if k[0] == first), key=lambda pair: pair[1])
-    return LikelyLaw(ordered, point, share / max(ordered[first], 1e-300))
+    acts = {n: sum(p for (names, _), p in each.items() if n in names) for one in HYPOTHESES for n in one.names}
+    first, point = max(each, key=lambda key: each[key])
+    there = sum(p for (names, _), p in each.items() if names == first)
+    return LikelyLaw(dict(sorted(acts.items(), key=lambda pair: -pair[1])), point, each[first, point] / there)
 
 
 def level_notes(found: Backbone, model: ModalModel) -> tuple[str, ...]:
@@ -168,12 +164,15 @@ def law_note(likely: LikelyLaw | None) -> tuple[str, ...]:
     """A sentence on the law and its place, as far as they are known."""
     if likely is None:
         return ()
-    name, probability = next(iter(likely.laws.items()))
-    if probability < SAID:
+    stated = {name: p for name, p in likely.laws.items() if p >= SAID}
+    if not stated:
         two = [f"{n} ({min(p, 0.99):.2f})" for n, p in list(likely.laws.items())[:2]]
         return (f"Its law stays open: {' or '.join(two)}.",)
     place = f" at point {likely.point}" if likely.point is not None and likely.at_point >= SAID else ""
-    return (f"The modes go with their amplitude as with {name}{place} (probability {min(probability, 0.99):.2f}).",)
+    probability = min(*stated.values(), 0.99)
+    return (
+        f"The modes go with their amplitude as with {' and '.join(stated)}{place} (probability {probability:.2f}).",
+    )
 
 
 def _places_of_element(
@@ -199,7 +198,8 @@ def _evidence_of_elements(
     zeta, amplitude = found.damping_ratio[known], found.amplitude_m[known] * np.maximum(at, 1e-6)[:, None]
     values = np.stack([omega**2, 2 * zeta * omega**2])
     relative = 2 * found.frequency_sigma_hz[known] / found.frequency_hz[known], found.damping_sigma[known] / zeta
-    off = (OFF if shapes else ANYHOW) * np.ptp(values, axis=2, keepdims=True)
+    # Stiffness and damping are the two parts of one complex number: what is off in one may be in the other.
+    off = (OFF if shapes else ANYHOW) * np.ptp(values, axis=2, keepdims=True).max(axis=0)
     sigma = np.maximum(np.hypot(values * np.stack(relative), off), 1e-300)
     left = _without_mean(values, sigma)
     elements = [np.stack(shape(amplitude, omega)) * phi[:, None] for shape in shapes]

@@ -51,7 +51,7 @@ def channel_times(arrays: Arrays, key: str, n: int, where: str) -> ChannelTimes:
         times = np.ravel(own).astype(np.float64)
         if times.size != n:
             raise DataError(f"has {times.size} times and {n} samples", where=place, remedy="export both together")
-        return ChannelTimes(check_time(times, f"{place}, times"), start_of(float(times[0])))
+        return ChannelTimes(check_time(times, f"{place}, times"), start_of(float(times[0]), timed=True))
     rate, step, start = (_number(arrays, key, names) for names in (RATE_NAMES, STEP_NAMES, START_NAMES))
     if step is not None and rate is None:
         rate = 1 / step if step > 0 else 0.0

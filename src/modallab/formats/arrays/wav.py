@@ -55,6 +55,8 @@ def read_wav(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 def _with_length(path: Path) -> io.BytesIO | None:
     """The file with the length of its samples, if that is left open, as by a program that streams; else None."""
     data, place = path.read_bytes(), 12
+    if data[:4] == b"RF64":  # It says its lengths in a chunk of their own.
+        return None
     while place + 8 <= len(data):
         name, size = data[place : place + 4], struct.unpack_from("<I", data, place + 4)[0]
         if name == b"data" and size == _OPEN:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError, FormatError
 from modallab.formats.csv.clock_times import is_date, is_time, seconds_of
-from modallab.formats.csv.csv_cells import complex_number, is_number, split
+from modallab.formats.csv.csv_cells import complex_number, head_cells, is_number, split
 from modallab.formats.csv.csv_heads import BY_OPTION, abscissa, headings, said_headings
 from modallab.formats.csv.digits import half_last_digits
 from modallab.formats.csv.text_lines import Line, TextRow, TextTable, read_text
@@ -156,10 +156,14 @@ def _texts(lines: Sequence[Line]) -> list[str]:
 
 
 def _by_column(text: TextTable, where: str) -> list[Sequence[str]]:
+    """The cells of each column. Where a line above names as many columns as the longest row has, others end early."""
     counts = np.array([len(row.cells) for row in text.rows])
+    columns = int(counts.max())
     if (counts != text.columns).any():
-        raise _other_columns(text, counts, where)
-    return list(zip(*(row.cells for row in text.rows), strict=True))
+        named = any(len(head_cells(line.text, text.delimiter, columns)) == columns for line in text.above)
+        if not named or (counts[:-1] == columns).all():
+            raise _other_columns(text, counts, where)
+    return list(zip(*([*row.cells, *[""] * (columns - len(row.cells))] for row in text.rows), strict=True))
 
 
 def _with_seconds(columns: Sequence[_Column]) -> list[_Column]:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def _fits(head: bytes, path: Path) -> bool:
-    return head[:4] in (b"RIFF", b"RIFX") and head[8:12] == b"WAVE"
+    return head[:4] in (b"RIFF", b"RIFX", b"RF64") and head[8:12] == b"WAVE"
 
 
 def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:

@@ -119,8 +119,10 @@ def _rate(channel: LvmChannel, options: ImportOptions, where: str) -> float:
 
 
 def _starts(used: Sequence[LvmChannel], where: str) -> list[Start]:
-    offsets = [start_of(float(c.x[0]) if c.x.size else c.x0) for c in used]
+    offsets = [start_of(float(c.x[0]) if c.x.size else c.x0, timed=c.x.size > 0) for c in used]
     if len({c.start for c in used}) < 2:
         return offsets
     days = [start_of_text(c.start, where) for c in used]
-    return [Start(o.at_s + d.at_s, o.resolution_s + d.resolution_s) for o, d in zip(offsets, days, strict=True)]
+    return [
+        Start(o.at_s + d.at_s, o.resolution_s + d.resolution_s, o.timed) for o, d in zip(offsets, days, strict=True)
+    ]

@@ -145,7 +145,7 @@ def _start(series: dict[str, Any], where: str) -> Start | None:
     stamp, times = series.get("start_timestamp"), series.get("time")
     if stamp is not None:
         return start_of_text(str(stamp), f"{where}, {series['name']}")
-    return None if times is None else start_of(float(times[0]), _last_digit(times))
+    return None if times is None else start_of(float(times[0]), _last_digit(times), timed=True)
 
 
 def _block(

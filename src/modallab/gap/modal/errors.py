@@ -19,7 +19,7 @@ SMALL = 0.3
 OUTSIDE = 0.3
 """By how much of its size each residual term of an FRF may be off."""
 OPEN = 3.0
-"""The same of a term that the reference does not have: it is not known at all."""
+"""The same of a term that the reference's model does not have, and no FRFs say: it is not known at all."""
 SHAPE = 0.015
 """By how much of its size a modal constant is off by itself: what modes outside the band mix into a shape."""
 
@@ -50,7 +50,8 @@ def weights(
         lines: factor on by how much each line is off by itself, (outputs, 1) or of all.
         along: the same of what goes along whole FRFs.
     """
-    terms, of_terms = _of_residuals(reference, bench, s)
+    # What lies outside the band is in measured FRFs, whatever terms either model made of it.
+    terms, of_terms = _of_residuals(reference, bench if noise is None else reference, s)
     constants = np.abs(bench.modal_constants)
     size = np.hypot(constants, SMALL * _rms(constants))
     # One that was not found at all is believed to be as large as it is.

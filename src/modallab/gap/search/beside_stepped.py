@@ -28,6 +28,9 @@ from modallab.twin.candidate import CandidateEffect
 SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
 """Effects that leave the root soft even where their element does nothing, and the stiffness that stays."""
 
+ROOT = "clamp_rotation"
+"""The effect that such a root is without the element."""
+
 
 def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
     """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
@@ -36,16 +39,23 @@ def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
         level = StepwiseSelection(without, evaluated_on_all(without, linear_fit(without, fit))).rounds(1)[0]
     if not level.fits or not earns_beside_law(level.base, level.fits[0]):
         return None
-    found = level.fits[0]
-    added, stepped = found.problem.candidates[-1], fit.problem.candidates[-1]
-    before = fit.problem.candidates[:-1]
-    at = bench.free.size + sum(len(c.slots) for c in before)
-    # The root that the stepped effect leaves soft stands in its own numbers again.
-    own = found.u[len(found.u) - len(added.slots) :]
-    u = np.concatenate([found.u[:at], own, _with_root(fit.u[at:], stepped, found, at)])
-    problem = Problem(bench.data, bench.free, (*before, added, stepped))
+    linear, root = _coordinates(level.fits[0]), None
+    if fit.problem.candidates[-1].effect in SOFT:
+        # The root that the stepped effect leaves soft stands in its own numbers again.
+        root = next((own for c, own in linear if c.effect == ROOT), None)
+        linear = [(c, own) for c, own in linear if c.effect != ROOT]
+    stepped, own = _coordinates(fit)[-1]
+    own = own if root is None else _with_root(own, stepped, bench, root)
+    u = np.concatenate([level.fits[0].u[: bench.free.size], *(o for _, o in linear), own])
+    problem = Problem(bench.data, bench.free, (*(c for c, _ in linear), stepped))
     joint = minimise(replace(problem, floor=0.002, held=(float(u[0]), float(u[1]), float(u[2]))), u, 2, 3e-2)
     return Level(fit, (fit_on_all_records(bench, joint),))
+
+
+def _coordinates(fit: Fit) -> list[tuple[CandidateEffect, Real]]:
+    """The effects of a fit, each with its coordinates."""
+    ends = fit.problem.free.size + np.cumsum([len(c.slots) for c in fit.problem.candidates])
+    return [(c, fit.u[e - len(c.slots) : e]) for c, e in zip(fit.problem.candidates, ends, strict=True)]
 
 
 def linear_part(bench: Bench, fit: Fit) -> Bench:
@@ -72,19 +82,20 @@ def linear_fit(bench: Bench, fit: Fit) -> Fit:
     at = bench.free.size + sum(len(c.slots) for c in before)
     candidates, u = tuple(before), fit.u[:at]
     if stepped.effect in SOFT:
-        root = next(c for c in of_bench(bench.data.rig) if c.effect == "clamp_rotation")
+        root = _soft_root(bench)
         stiffness = stepped.at(fit.u[at:]).parameters[SOFT[stepped.effect]]
         candidates, u = (*candidates, root), np.concatenate([u, [root.slots[0].coordinate(stiffness)]])
     problem = Problem(bench.data, bench.free, candidates)
     return Fit(problem, u, float(np.sum(fit.residual**2)), fit.residual, np.eye(len(u)))
 
 
-def _with_root(own: Real, stepped: CandidateEffect, found: Fit, at: int) -> Real:
-    if stepped.effect not in SOFT:
-        return own
-    own, names = own.copy(), [s.name for s in stepped.slots]
-    root = found.problem.candidates[-2]
-    stiffness = root.at(found.u[at : at + 1]).parameters["k_rot"]
-    which = names.index(SOFT[stepped.effect])
+def _with_root(own: Real, stepped: CandidateEffect, bench: Bench, root: Real) -> Real:
+    """The stepped effect's coordinates with the stiffness of a soft root."""
+    own, which = own.copy(), [s.name for s in stepped.slots].index(SOFT[stepped.effect])
+    stiffness = _soft_root(bench).at(root).parameters["k_rot"]
     own[which] = stepped.slots[which].coordinate(stiffness)
     return own
+
+
+def _soft_root(bench: Bench) -> CandidateEffect:
+    return next(c for c in of_bench(bench.data.rig) if c.effect == ROOT)

@@ -34,19 +34,20 @@ def stepped_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     if not listed or bench.data.sines is None:
         return Level(base, ())
     few = compared_sines(bench.data, bench.overtones, FREQUENCIES)
-    looks: list[Fit] = []
+    found: list[Fit] = []
     for i, candidate in enumerate(listed):
         report_progress(0.7 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
-        looks += first_fits(bench, base, few, candidate)
-    looks.sort(key=_score)
-    if not looks or not _explains(bench, looks[0], base):
+        found += first_fits(bench, base, few, candidate)
+    best, *others = _best_forms(sorted(found, key=_score)) or [base]
+    if best is base or not _explains(bench, best, base):
         return Level(base, ())
-    report_progress(0.7, f"{looks[0].problem.candidates[-1].effect.replace('_', ' ')}, on all records")
-    near = [f for f in looks if _score(f) < _score(looks[0]) + CLOSE]
-    return Level(
-        base,
-        tuple(_best_forms(sorted((fit_on_all_records(bench, f) for f in near[:MOST_ON_ALL_RECORDS]), key=cost_of))),
-    )
+    report_progress(0.7, f"{best.problem.candidates[-1].effect.replace('_', ' ')}, on all records")
+    fits: list[Fit] = []
+    for f in [best, *(f for f in others if _score(f) < _score(best) + CLOSE)][:MOST_ON_ALL_RECORDS]:
+        # Beside one that leaves nothing but noise there is no rival.
+        if not any(fit.gap <= bench.flat for fit in fits):
+            fits.append(fit_on_all_records(bench, f))
+    return Level(base, tuple(sorted(fits, key=cost_of)))
 
 
 def _score(fit: Fit) -> float:

@@ -5,6 +5,10 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
+from modallab.core.units import Quantity
+from modallab.signals.faults.copies import copies
+from modallab.signals.faults.dead import dead
+from modallab.signals.faults.drift import drift
 from modallab.signals.faults.drop_outs import drop_outs
 from modallab.signals.faults.flat_tops import flat_tops
 from modallab.signals.faults.repeats import repeated_values
@@ -16,7 +20,7 @@ LEAST_SAMPLES = 64
 
 
 def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
-    """Faults of the chain in a block's samples: flat tops, held values, drop-outs and values that stand alone.
+    """Faults of the chain in a block's samples: flat tops, held values, drop-outs, drift and values that stand alone.
 
     Each needs what no sound channel does, whatever its noise and resolution; limits are given with each kind.
 
@@ -28,15 +32,23 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
         return ()
     rows = block.samples.astype(np.float64)
     steps = np.stack([steps_of(row) for row in rows])
-    forces = {channel.name for channel in rig.forces}
+    quantities = {channel.name: channel.quantity for channel in rig.channels}
     found: list[Fault] = []
     for row, name, step in zip(rows, block.channels, steps, strict=True):
-        found += _faults_of_row(row, name, step, block.rate_hz, force=name in forces)
-    return (*found, *find_spikes(rows, block.rate_hz, block.channels, steps))
+        found += _faults_of_row(row, name, step, block.rate_hz, quantities.get(name))
+    return (
+        *found,
+        *copies(rows, block.rate_hz, block.channels, steps),
+        *find_spikes(rows, block.rate_hz, block.channels, steps),
+    )
 
 
-def _faults_of_row(row: Real, name: str, steps: Real, rate_hz: float, *, force: bool) -> tuple[Fault, ...]:
+def _faults_of_row(row: Real, name: str, steps: Real, rate_hz: float, quantity: Quantity | None) -> tuple[Fault, ...]:
+    if found := dead(row, name, steps):
+        return found
     tops = flat_tops(row, rate_hz, name, steps)
     held = repeated_values(row, rate_hz, name, steps)
     # What is held everywhere has no drop-outs of its own; neither has a channel at the end of its range.
-    return (*tops, *held) if tops or held else drop_outs(row, rate_hz, name, steps, force=force)
+    lost = () if tops or held else drop_outs(row, rate_hz, name, steps, force=quantity == "force")
+    # Only accelerations keep their mean: a structure may end where it was not, and a force may be let go.
+    return (*tops, *held, *lost, *(drift(row, rate_hz, name) if quantity == "acceleration" else ()))
