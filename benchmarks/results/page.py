@@ -95,7 +95,7 @@ def page(by_topic: dict[str, list[Figure]]) -> str:
     for title in dict.fromkeys(TOPICS[topic] for topic in shown):
         rows = [row for topic, found in shown.items() if TOPICS[topic] == title for row in found if row.page == "yes"]
         parts += [f"## {title}", _table(rows, commands, noted=False)]
-    listed = "; ".join(f"{n}\u00a0`{text.removeprefix('python benchmarks/')}`" for text, n in commands.items())
+    listed = ". ".join(f"{n}\u00a0`{text.removeprefix('python benchmarks/')}`" for text, n in commands.items())
     wrapped = fill(listed, 200, break_long_words=False, break_on_hyphens=False)
     return "\n".join([*parts, "## Commands\n", f"{wrapped}\n"])
 
