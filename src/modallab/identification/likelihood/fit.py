@@ -27,7 +27,8 @@ from modallab.identification.likelihood.search import SearchEnd
 class LikelihoodFit:
     """The end of an identification, with what is needed to regenerate every block.
 
-    `channels`, of a fit of FRFs, says how one group's outputs unfold into (outputs, inputs). `by_scatter` (modes, 2) are factors of the poles' sigmas, where what was measured says by its own scatter how well it is known.
+    `channels`, of a fit of FRFs, says how one group's outputs unfold into (outputs, inputs). `by_scatter` (modes, 2)
+    are factors of the poles' sigmas, where what was measured says by its own scatter how well it is known.
     """
 
     problem: LikelihoodProblem
