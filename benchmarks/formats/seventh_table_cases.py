@@ -94,7 +94,7 @@ def head_acoustics(folder: Path) -> Known:
 
 @case("seventh")
 def catman(folder: Path) -> Known:
-    """Names with the sensor's remark, a line of units in square brackets, a line `x 1` of sample numbers, decimal comma."""
+    """Names with the sensor's remark, a line of units in square brackets, a line `x 1` of samples, decimal comma."""
     d = drawn("catman")
     r = d.hit()
     head = ["HBM_CATMAN_DATAFILE", "T0 = 29.03.2026 10:00:00", "", "Time 1\tforce\ta1\ta2", "[s]\t[N]\t[m/s2]\t[m/s2]"]
