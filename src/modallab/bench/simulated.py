@@ -39,7 +39,7 @@ def simulated_bench(rig: Rig, seed: int, effects: Sequence[str] = (), tolerances
 
 
 def example_effect(kind: EffectKind, rig: Rig) -> str:
-    """An effect of this kind, of a size that shows: added_mass,mass=0.05,x=0.8."""
+    """An effect of this kind, large enough to be seen in a test: added_mass,mass=0.05,x=0.8."""
     words = [kind.name]
     for number in kind.parameters:
         low, high = (number.low, number.high) if rig.beam is None else number.bounds(rig.beam)

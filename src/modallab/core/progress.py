@@ -60,7 +60,7 @@ def report_progress(share: float, stage: str = "") -> None:
 
 
 def count_progress(items: Iterable[Item], total: int, stage: str = "") -> Generator[Item]:
-    """Pass items on; after each, so many of `total` are done."""
+    """Yield the items and report after each how many of `total` are done."""
     for n, item in enumerate(items, 1):
         report_progress(n / total, f"{stage}, {n} of {total}")
         yield item

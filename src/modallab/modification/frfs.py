@@ -1,29 +1,16 @@
 """FRFs of a model at pairs of points, measured ones or not, with their uncertainty."""
 
 from collections.abc import Sequence
-from typing import Protocol
 
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
-from modallab.modification.structure import At, Structure
+from modallab.modification.structure import At, Receptances, Structure
 
 CHUNK = 64
 """Lines of all samples that are computed at once."""
-
-
-class Receptances(Protocol):
-    """A structure, with or without attachments."""
-
-    def receptance(self, s: Complex, left: Real | None = None, right: Real | None = None) -> Complex:
-        """(..., lines, left, right) m/N."""
-        ...
-
-    def motion(self, s: Complex, forces: Complex, left: Real, right: Real) -> Complex:
-        """(left, lines) m, of forces (right, lines) N."""
-        ...
 
 
 LOWEST = 1e-3

@@ -14,15 +14,15 @@ from modallab.core.units import Quantity
 from modallab.modification.attachments import AttachedPart, Coupled
 from modallab.modification.conditioning import conditioning_of
 from modallab.modification.freedoms import Freedom
-from modallab.modification.frfs import Receptances, frf_between
+from modallab.modification.frfs import frf_between
 from modallab.modification.measured import MeasuredPairs
 from modallab.modification.modified import ModesAfter, modified_modes, residues_of
 from modallab.modification.poles import StructureWithAttachments
 from modallab.modification.remainder import remainder_of_structure
 from modallab.modification.response import Between, ModesAtPlaces, modal_states, motion_of_modes
 from modallab.modification.samples import places_of, samples_of
-from modallab.modification.state_space import ModalStateSpace, state_space_of
-from modallab.modification.structure import At, Structure, structure_of
+from modallab.modification.state_space import StateSpaceModel, state_space_of
+from modallab.modification.structure import At, Receptances, Structure, structure_of
 
 FRF_SAMPLES = 50
 """Of FRFs and motions, which have many numbers: enough to know a standard deviation to 10 %."""
@@ -251,7 +251,7 @@ class KnownStructure:
         left, right = structure.columns(of), structure.columns(at)
         return ModesAtPlaces(poles, psi @ left, psi @ right, self._now, left, right, self.model.band_hz)
 
-    def state_space(self, at: Sequence[At], of: Sequence[At], quantity: Quantity) -> ModalStateSpace:
+    def state_space(self, at: Sequence[At], of: Sequence[At], quantity: Quantity) -> StateSpaceModel:
         """From forces at points to motions of points, without what lies outside the band.
 
         Raises:

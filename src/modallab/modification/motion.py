@@ -119,14 +119,14 @@ class MotionOverTime:
     @cached_property
     def figures(self) -> Real:
         """(points, 2 + octaves) largest value, effective value, effective value in each octave band."""
-        return self._figures(self.values)
+        return self._figures_of_samples(self.values)
 
     @cached_property
     def figures_sigma(self) -> Real:
-        """(points, 2 + octaves) one standard deviation of these."""
-        return self.deviation(self._figures)
+        """(points, 2 + octaves) one standard deviation of `figures`."""
+        return self.deviation(self._figures_of_samples)
 
-    def _figures(self, values: Real) -> Real:
+    def _figures_of_samples(self, values: Real) -> Real:
         peak, rms = np.abs(values).max(axis=1), np.sqrt(np.mean(values**2, axis=1))
         edges = [(centre / OCTAVE**0.5, centre * OCTAVE**0.5) for centre in self.octaves_hz]
         return np.stack([peak, rms, *(self._level(values, *edge) for edge in edges)], axis=1)

@@ -15,7 +15,7 @@ from scipy import linalg
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.modification.attachments import AttachedPart, Coupled, RigidLink, merge_attachments
-from modallab.modification.structure import Structure
+from modallab.modification.structure import Receptances, Structure
 
 STEPS = (0.25, 0.5, 0.75, 1.0)
 """Shares of what lies outside the band."""
@@ -31,7 +31,7 @@ NO_SPRING = 1e-6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class StructureWithAttachments:
+class StructureWithAttachments(Receptances):
     """A structure with attachments.
 
     Attributes:
@@ -80,10 +80,6 @@ class StructureWithAttachments:
         """
         to, of = self.structure.receptance(s, left, self.b), self.structure.receptance(s, self.b, right)
         return self.structure.receptance(s, left, right) - to @ np.linalg.solve(self.flexibility(s), of)
-
-    def motion(self, s: Complex, forces: Complex, left: Real, right: Real) -> Complex:
-        """(left, lines) m, of forces (right, lines) N."""
-        return np.einsum("loi,il->ol", self.receptance(s, left, right), forces, optimize=True)
 
     def with_structure(self, structure: Structure) -> "StructureWithAttachments":
         """The same attachments on another structure."""

@@ -17,7 +17,7 @@ from scipy import fft, signal
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.units import DERIVATIVE, Quantity
-from modallab.modification.frfs import Receptances
+from modallab.modification.structure import Receptances
 
 Between = Literal["band-limited", "linear"]
 

@@ -18,7 +18,7 @@ from modallab.modification.response import ramp_weights
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class ModalStateSpace:
+class StateSpaceModel:
     """x' = A x + B f, y = C x + D f, with the forces f in N.
 
     Attributes:
@@ -87,7 +87,7 @@ def state_space_of(
     quantity: Quantity,
     outputs: Sequence[object],
     inputs: Sequence[object],
-) -> ModalStateSpace:
+) -> StateSpaceModel:
     """The state space of modes, without what lies outside the band.
 
     Args:
@@ -103,7 +103,7 @@ def state_space_of(
     c = (out * poles[:, None] ** DERIVATIVE[quantity]).T
     # A force accelerates at once; in displacement and velocity the modes' shares of it cancel.
     direct = 2 * np.real((out * poles[:, None]).T @ into) if quantity == "acceleration" else 0 * np.real(out.T @ into)
-    return ModalStateSpace(
+    return StateSpaceModel(
         A=np.asarray(a, np.float64),
         B=np.asarray(np.concatenate([into.real, into.imag]), np.float64),
         C=2 * np.concatenate([c.real, -c.imag], axis=1),

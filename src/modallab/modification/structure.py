@@ -8,6 +8,7 @@ All arrays may have leading axes: samples of a model that is known with uncertai
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +29,20 @@ NEAREST = 1e-9
 """Of a pole: nearer to it no receptance is computed, as rounding would be all that is left of it."""
 
 
+class Receptances(Protocol):
+    """A structure, with or without attachments."""
+
+    def receptance(self, s: Complex, left: Real | None = None, right: Real | None = None) -> Complex:
+        """(..., lines, left, right) m/N."""
+        ...
+
+    def motion(self, s: Complex, forces: Complex, left: Real, right: Real) -> Complex:
+        """(left, lines) m, of forces (right, lines) N."""
+        return np.einsum("loi,il->ol", self.receptance(s, left, right), forces, optimize=True)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
-class Structure:
+class Structure(Receptances):
     """Poles and shapes at all freedoms.
 
     Attributes:
@@ -131,10 +144,6 @@ class Structure:
         powers: Complex = s[..., None] ** np.array(self.powers, np.float64)
         terms: Complex = (left.T @ self.residual @ right).astype(np.complex128)
         return _weighted_sum(up, shapes) + _weighted_sum(down, shapes.conj()) + _weighted_sum(powers, terms)
-
-    def motion(self, s: Complex, forces: Complex, left: Real, right: Real) -> Complex:
-        """(left, lines) m, of forces (right, lines) N."""
-        return np.einsum("loi,il->ol", self.receptance(s, left, right), forces, optimize=True)
 
     def _kernels(self, s: Complex) -> tuple[Complex, Complex]:
         p, q = self.poles, self.poles.conj()

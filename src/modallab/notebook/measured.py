@@ -134,7 +134,7 @@ def _numbers(given: ArrayLike, name: str) -> NDArray[Any]:
 
 
 def _outputs_inputs_lines(values: NDArray[Any], lines: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """(outputs, inputs, lines), whichever way they lay."""
+    """(outputs, inputs, lines), from either order of the axes."""
     if not 1 <= values.ndim <= 3 or lines.size not in (values.shape[0], values.shape[-1]):
         raise DataError(
             f"H of shape {values.shape} does not fit {lines.size} frequencies",

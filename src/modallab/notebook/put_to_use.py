@@ -20,7 +20,7 @@ from modallab.modification.frfs import lines_with_peaks
 from modallab.modification.inverse import By, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
 from modallab.modification.response import Between
-from modallab.modification.state_space import ModalStateSpace
+from modallab.modification.state_space import StateSpaceModel
 from modallab.modification.structure import At
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.predicted_motion import PredictedMotion
@@ -103,7 +103,7 @@ class PutToUse:
 
     def state_space(
         self, at: At | Sequence[At], of: Sequence[At] | None = None, quantity: Quantity = "acceleration"
-    ) -> ModalStateSpace:
+    ) -> StateSpaceModel:
         """Matrices A, B, C, D from forces in N to motions, without what lies outside the band.
 
         Args:

@@ -59,7 +59,7 @@ def identify_setups(campaigns: Sequence[Campaign], options: IdentificationOption
             remedy="leave the kind of FRF out, or identify each set-up by itself",
         )
     if len(campaigns) < 2:
-        raise DataError(f"{len(campaigns)} set-up is nothing to join", remedy="name at least two")
+        raise DataError(f"{len(campaigns)} set-up cannot be joined: give two or more", remedy="name at least two")
     names = setup_names(campaigns)
     require_distinct(campaigns)
     require_same_points([(n, _struck_points(c)) for n, c in zip(names, campaigns, strict=True)])

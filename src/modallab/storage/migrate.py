@@ -25,7 +25,7 @@ def migrate_tables(
     Args:
         connection: in a transaction that may write.
         where: for messages.
-        steps: version -> what leads to it from the one before; the project's own if None.
+        steps: version -> the step to it from the version before; the project's own if None.
         newest: the version to reach.
 
     Raises:

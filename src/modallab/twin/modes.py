@@ -51,7 +51,7 @@ class TwinModes:
 
 def solve_modes(structure: TwinStructure) -> TwinModes:
     """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
-    key = (*undamped_key(structure), structure.zeta.tobytes(), structure.dampers)
+    key = (*undamped_modes_key(structure), structure.zeta.tobytes(), structure.dampers)
     return with_side_modes(structure, _DAMPED.of(key, lambda: _damped_modes(structure, *undamped_modes(structure))))
 
 
@@ -75,7 +75,7 @@ def have_same_modes(structure: TwinStructure, other: TwinStructure) -> bool:
         return False
     if not np.array_equal(structure.zeta, other.zeta):
         return False
-    return undamped_key(structure) == undamped_key(other)
+    return undamped_modes_key(structure) == undamped_modes_key(other)
 
 
 def _damped_modes(structure: TwinStructure, omega: Real, phi: Real, out_of_band: Real) -> TwinModes:
@@ -117,7 +117,7 @@ def undamped_modes(structure: TwinStructure) -> tuple[Real, Real, Real]:
 
     n counts the freedoms of the beam and of what hangs on it. Results are kept: damping and chain do not change them.
     """
-    return _UNDAMPED.of(undamped_key(structure), lambda: _undamped_modes(structure))
+    return _UNDAMPED.of(undamped_modes_key(structure), lambda: _undamped_modes(structure))
 
 
 def _undamped_modes(structure: TwinStructure) -> tuple[Real, Real, Real]:
@@ -134,7 +134,7 @@ def _undamped_modes(structure: TwinStructure) -> tuple[Real, Real, Real]:
     return omega, phi, out_of_band
 
 
-def undamped_key(s: TwinStructure) -> tuple[object, ...]:
+def undamped_modes_key(s: TwinStructure) -> tuple[object, ...]:
     """What the undamped modes depend on; to remember them by."""
     size = s.length_m, s.width_m, s.thickness_m, s.youngs_modulus_pa, s.density_kg_m3
     fields = s.ei_field.tobytes(), s.mass_field.tobytes()

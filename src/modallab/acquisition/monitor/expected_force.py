@@ -21,7 +21,7 @@ FORCE_BRACKET = 30.0
 
 SAME_FREQUENCY = 0.002
 SAME_BRACKET = 2.0
-"""And so much between two settled bursts at one frequency."""
+"""The same limit between two settled bursts at one frequency."""
 
 REMEDY = "check the channel's sensor, cable and input; the blocks before are kept, the one under way is not"
 

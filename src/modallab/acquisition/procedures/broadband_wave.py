@@ -167,7 +167,7 @@ def _unit_rms_wave(
     layout: WaveLayout,
     undriven: Sequence[int],
 ) -> Real:
-    """(count,) of a root mean square of 1 while it is on."""
+    """(count,) samples whose rms is 1 while the wave is on."""
     if plan.signal == "random":
         return _noise_wave(rng, count, rate_hz, plan.band_hz)
     if plan.signal == "burst-random":

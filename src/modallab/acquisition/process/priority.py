@@ -15,7 +15,7 @@ def take_priority() -> str:
     """Raise all threads of this process; says in words what came of it, empty if all is well."""
     try:
         if sys.platform == "win32":
-            _take_on_windows()
+            _raise_priority_on_windows()
         else:
             _take_on_posix()
     except OSError as error:
@@ -28,7 +28,7 @@ def take_priority() -> str:
 
 if sys.platform == "win32":
 
-    def _take_on_windows() -> None:
+    def _raise_priority_on_windows() -> None:
         import ctypes
 
         kernel = ctypes.windll.kernel32

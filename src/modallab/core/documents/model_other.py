@@ -51,7 +51,7 @@ class CorrelationView(Frozen):
     comac: RealArray
 
 
-class TuningNew(Frozen):
+class ChangeForFrequencyNew(Frozen):
     """A frequency that a mode shall have.
 
     Attributes:
@@ -69,7 +69,7 @@ class TuningNew(Frozen):
     at: Annotated[tuple[PositiveInt, ...], Field(min_length=1, max_length=100)] | None = None
 
 
-class TuningView(Frozen):
+class ChangeForFrequencyView(Frozen):
     """What brings a mode to a frequency at a point.
 
     Attributes:
@@ -87,7 +87,7 @@ class TuningView(Frozen):
     highest_hz: float
 
 
-class TuningsView(Frozen):
+class ChangesForFrequencyView(Frozen):
     """The same at several points, the smallest first.
 
     Attributes:
@@ -96,10 +96,10 @@ class TuningsView(Frozen):
     """
 
     test: Test | None
-    tunings: tuple[TuningView, ...]
+    tunings: tuple[ChangeForFrequencyView, ...]
 
 
-class FreeBandNew(Frozen):
+class ChangeForFreeBandNew(Frozen):
     """A band that shall hold no mode.
 
     Attributes:
@@ -117,7 +117,7 @@ class FreeBandNew(Frozen):
     at: Annotated[tuple[PositiveInt, ...], Field(min_length=1, max_length=100)] | None = None
 
 
-class FreeBandView(Frozen):
+class ChangeForFreeBandView(Frozen):
     """What leaves no mode in a band at a point, or the mode that stays there.
 
     Attributes:
@@ -137,7 +137,7 @@ class FreeBandView(Frozen):
     stays_hz: float | None
 
 
-class FreeBandsView(Frozen):
+class ChangesForFreeBandView(Frozen):
     """The same at several points, the smallest first.
 
     Attributes:
@@ -146,7 +146,7 @@ class FreeBandsView(Frozen):
     """
 
     test: Test | None
-    answers: tuple[FreeBandView, ...]
+    answers: tuple[ChangeForFreeBandView, ...]
 
 
 class BestAbsorberNew(Frozen):

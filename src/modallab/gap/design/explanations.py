@@ -63,7 +63,7 @@ class RecordsSoFar:
 
 
 def records_to_plan_with(campaign: Campaign) -> RecordsSoFar:
-    """The records of a campaign as a diagnosis of them and of later ones would fit them.
+    """The records of a campaign as a diagnosis of these and later records would fit them.
 
     Raises:
         DataError: the campaign holds no record that says what drove it.

@@ -13,7 +13,7 @@ import numpy as np
 from modallab.core.arrays import Complex
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.twin.bench import Twin
-from modallab.twin.modes import TwinModes, undamped_key
+from modallab.twin.modes import TwinModes, undamped_modes_key
 from modallab.twin.nonlinear.element import ModalCoupling, NonlinearLaw, couple_to_modes
 from modallab.twin.nonlinear.records import added_in_hit, added_in_sine, prepared_steps
 from modallab.twin.nonlinear.steps import ModalSteps
@@ -115,7 +115,7 @@ def _read(
 def _remembered(twin: Twin, more: tuple[object, ...], d: ImpactData | SineData, dt: float, step: Any) -> Any:
     s = twin.structure if isinstance(d, ImpactData) else twin.in_sine(d.pieces[0].drive_x_m)
     key = (
-        undamped_key(s),
+        undamped_modes_key(s),
         s.dampers,
         s.zeta.tobytes(),
         twin.element,

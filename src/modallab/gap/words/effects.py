@@ -26,7 +26,7 @@ FIXED = {
     "hit": "where the hammer strikes",
     "impact": "in the impact test",
 }
-"""Places that an effect always has."""
+"""Places that need no words: the effect is never anywhere else."""
 FROM_CLAMP = " from the clamp"
 OPEN = 100.0
 """End of an interval over its beginning, from which a number is not known to within a factor of ten."""

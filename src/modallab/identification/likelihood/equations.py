@@ -103,7 +103,7 @@ class NormalEquations:
         return move
 
     def covariance(self) -> ParameterCovariance:
-        """Of the parameters, even if some are undetermined."""
+        """Covariance of the parameters, even if some are undetermined."""
         n = len(self.poles)
         scale = _scale_to_unit(self.diagonal)
         found = self.scaled(scale)._inverse()

@@ -27,8 +27,8 @@ from modallab.identification.likelihood.search import SearchEnd
 class LikelihoodFit:
     """The end of an identification, with what is needed to regenerate every block.
 
-    `channels` says how one group's outputs unfold into (outputs, inputs), where FRFs came as such. `by_scatter` (modes,
-    2) are factors of the poles' sigmas, where what was measured says by its own scatter how well it is known.
+    `channels`, of a fit of FRFs, says how one group's outputs unfold into (outputs, inputs). `by_scatter` (modes, 2)
+    are factors of the poles' sigmas, where what was measured says by its own scatter how well it is known.
     """
 
     problem: LikelihoodProblem
@@ -99,7 +99,7 @@ def _modal_constants(fit: LikelihoodFit) -> tuple[NDArray[np.complex128], NDArra
 
 
 def _unfold_channels(fit: LikelihoodFit, values: NDArray[Any]) -> NDArray[Any]:
-    """(rows, outputs, inputs) from (rows, channels, 1) where FRFs came as such."""
+    """(rows, outputs, inputs) from (rows, channels, 1) of FRFs."""
     return values if fit.channels is None else values.reshape(len(values), *fit.channels)
 
 
@@ -127,7 +127,7 @@ def _slopes_on_q(fit: LikelihoodFit, group: GroupSolution) -> Callable[[int], Re
     rows, width = group.columns[0].phi.shape[0], problem.n_local
     parts = [group.q[m * rows : (m + 1) * rows].T for m in range(len(group.members))]
     poles = np.sum([p @ c.poles.values for p, c in zip(parts, group.columns, strict=True)], axis=0)
-    forces = force_parts(problem, fit.point, group).on_q if problem.force_sigma is not None else None
+    forces = force_parts(problem, fit.point, group).slopes_in_columns if problem.force_sigma is not None else None
     local = [p @ c.local.values if c.local.parameter.size else None for p, c in zip(parts, group.columns, strict=True)]
 
     def of_output(o: int) -> Real:

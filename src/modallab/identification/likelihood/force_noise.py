@@ -106,11 +106,11 @@ class ForceParts:
 
     @property
     def slopes(self) -> tuple[Real, ...]:
-        """Per member (rows, outputs, width)."""
+        """Slopes by the force samples of each hit, (rows, outputs, width)."""
         return tuple(w.slopes[..., place] for w, place in zip(self.windows, self.places, strict=True))
 
     @property
-    def on_q(self) -> tuple[Real, ...]:
+    def slopes_in_columns(self) -> tuple[Real, ...]:
         """Per member Q^T slopes (columns, outputs, width)."""
         return tuple(part[..., place] for part, place in zip(self.all_on_q, self.places, strict=True))
 
@@ -172,7 +172,7 @@ def force_equations(
     parts = force_parts(problem, point, group)
     width = point.parameters.force.shape[1]
     n_others, rows = len(others[1]), group.columns[0].phi.shape[0]
-    projected = np.concatenate([b.reshape(-1, width) for b in parts.on_q], axis=1)
+    projected = np.concatenate([b.reshape(-1, width) for b in parts.slopes_in_columns], axis=1)
     matrix = np.zeros((n_others + projected.shape[1],) * 2)
     gradient = np.zeros(len(matrix))
     matrix[:n_others, :n_others], gradient[:n_others] = others

@@ -50,17 +50,17 @@ class HalfSpectra:
 
     def at(self, order: int) -> OrderPolesWithSlopes:
         """Poles of one order with what moves them."""
-        poles, shapes = self._solved(self._mean, order // self._references)
+        poles, shapes = self._solve_order(self._mean, order // self._references)
         count = len(self._without)
         moved = np.empty((count, poles.size), np.complex128)
         shapes_moved = np.empty((count, *shapes.shape), np.complex128)
         largest = np.argmax(np.abs(shapes), axis=1)
         for k, covariances in enumerate(self._without):
-            own, own_shapes = self._solved(covariances, order // self._references, largest, poles)
+            own, own_shapes = self._solve_order(covariances, order // self._references, largest, poles)
             moved[k], shapes_moved[k] = (count - 1) * (poles - own), (count - 1) * (shapes - own_shapes)
         return OrderPolesWithSlopes(poles, shapes, moved, shapes_moved)
 
-    def _solved(
+    def _solve_order(
         self, covariances: Real, order: int, largest: NDArray[np.int64] | None = None, like: Complex128 | None = None
     ) -> tuple[Complex128, Complex128]:
         """Poles in rad/s and shapes, those nearest to `like` in its order."""

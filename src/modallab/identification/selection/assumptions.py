@@ -26,7 +26,7 @@ CHANGE_LIMIT = 0.05
 PHASE_LIMIT_RAD = 0.1
 SIGMAS = 3.0
 MOST_CHANGE = 0.5
-"""A limit on the change beyond this no structure would ever fail: noise this large leaves the assumption open."""
+"""Above this limit no structure could fail: noise this large leaves the assumption open."""
 MOST_PHASE_RAD = 0.5
 """The same of the phases, of which the mean deviation is 0.8 where they say nothing at all."""
 LEAST_LINES = 0.2

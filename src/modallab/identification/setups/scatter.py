@@ -1,7 +1,7 @@
 """The common poles of points that scatter: a random effect of each set-up, whose size the data say.
 
-Points that were measured in one set-up share what it did to the poles. Points whose shifts agree in all modes within
-their sigmas are taken for one set-up, so that a shift counts once and not at every point.
+Points that were measured in one set-up share the shift of the poles in that set-up. Points whose shifts agree in
+all modes within their sigmas are taken for one set-up, so that a shift counts once and not at every point.
 Sources: DerSimonian and Laird, "Meta-analysis in clinical trials", Controlled Clinical Trials 7 (1986); Paule and
 Mandel, "Consensus values and weighting factors", J. Res. NBS 87 (1982).
 """

@@ -1,4 +1,4 @@
-"""Answers as gzip, for who takes it: text that is there as a whole. No stream, and no samples: those are compact."""
+"""Answers as gzip, for clients that accept it: no stream, and no samples, which are compact."""
 
 import gzip
 from functools import partial

@@ -8,11 +8,11 @@ from modallab.core.documents.model_change import ModificationNew, ModifiedView
 from modallab.core.documents.model_other import (
     BestAbsorberNew,
     BestAbsorberView,
+    ChangeForFreeBandNew,
+    ChangeForFrequencyNew,
+    ChangesForFreeBandView,
+    ChangesForFrequencyView,
     CorrelationView,
-    FreeBandNew,
-    FreeBandsView,
-    TuningNew,
-    TuningsView,
 )
 from modallab.core.documents.model_understood import DeflectionView, NodesView, ParticipationView, ShapesView
 from modallab.core.documents.model_update import UpdatedView, UpdateNew
@@ -145,7 +145,9 @@ def get_correlation(
 @router.post(
     "/campaigns/{campaign}/model/tunings", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
-def tune_model(campaign: str, new: Annotated[TuningNew, Body()], service: ServiceOf) -> TuningsView:
+def tune_model(
+    campaign: str, new: Annotated[ChangeForFrequencyNew, Body()], service: ServiceOf
+) -> ChangesForFrequencyView:
     """Find the mass or spring that brings a mode to a frequency, at each point; nothing is kept."""
     return tunings_of(service, campaign, new)
 
@@ -153,7 +155,9 @@ def tune_model(campaign: str, new: Annotated[TuningNew, Body()], service: Servic
 @router.post(
     "/campaigns/{campaign}/model/free-bands", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
-def free_band(campaign: str, new: Annotated[FreeBandNew, Body()], service: ServiceOf) -> FreeBandsView:
+def free_band(
+    campaign: str, new: Annotated[ChangeForFreeBandNew, Body()], service: ServiceOf
+) -> ChangesForFreeBandView:
     """Find the mass or spring that leaves no mode in a band, at each point; nothing is kept."""
     return free_bands_of(service, campaign, new)
 

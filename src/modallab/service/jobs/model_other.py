@@ -5,14 +5,14 @@ from math import isfinite
 from modallab.core.documents.model_other import (
     BestAbsorberNew,
     BestAbsorberView,
+    ChangeForFreeBandNew,
+    ChangeForFreeBandView,
+    ChangeForFrequencyNew,
+    ChangeForFrequencyView,
+    ChangesForFreeBandView,
+    ChangesForFrequencyView,
     CorrelationView,
-    FreeBandNew,
-    FreeBandsView,
-    FreeBandView,
     PairView,
-    TuningNew,
-    TuningsView,
-    TuningView,
 )
 from modallab.core.units import Test
 from modallab.service.context import Service
@@ -54,7 +54,7 @@ def correlation_of(
     )
 
 
-def tunings_of(service: Service, campaign: str, new: TuningNew) -> TuningsView:
+def tunings_of(service: Service, campaign: str, new: ChangeForFrequencyNew) -> ChangesForFrequencyView:
     """What brings a mode to a frequency at each of several points.
 
     Raises:
@@ -66,10 +66,10 @@ def tunings_of(service: Service, campaign: str, new: TuningNew) -> TuningsView:
     known = known_of_campaign(service, campaign, new.test)
     at = new.at or known.sensors
     answers = changes_for_frequency(known, new.mode, new.to_hz, new.by, at)
-    return TuningsView(
+    return ChangesForFrequencyView(
         test=known.model.test,
         tunings=tuple(
-            TuningView(
+            ChangeForFrequencyView(
                 at=a.at[0] if isinstance(a.at, tuple) else a.at,
                 size=a.size if a.feasible else None,
                 sigma=a.sigma if a.feasible else None,
@@ -81,7 +81,7 @@ def tunings_of(service: Service, campaign: str, new: TuningNew) -> TuningsView:
     )
 
 
-def free_bands_of(service: Service, campaign: str, new: FreeBandNew) -> FreeBandsView:
+def free_bands_of(service: Service, campaign: str, new: ChangeForFreeBandNew) -> ChangesForFreeBandView:
     """What leaves no mode in a band at each of several points.
 
     Raises:
@@ -92,7 +92,7 @@ def free_bands_of(service: Service, campaign: str, new: FreeBandNew) -> FreeBand
 
     known = known_of_campaign(service, campaign, new.test)
     answers = tuple(
-        FreeBandView(
+        ChangeForFreeBandView(
             at=a.at[0] if isinstance(a.at, tuple) else a.at,
             size=a.size if a.feasible else None,
             sigma=a.sigma if a.feasible else None,
@@ -102,7 +102,7 @@ def free_bands_of(service: Service, campaign: str, new: FreeBandNew) -> FreeBand
         )
         for a in kept_free(known, (new.low_hz, new.high_hz), new.by, new.at or known.sensors)
     )
-    return FreeBandsView(test=known.model.test, answers=answers)
+    return ChangesForFreeBandView(test=known.model.test, answers=answers)
 
 
 def absorber_of(service: Service, campaign: str, new: BestAbsorberNew) -> BestAbsorberView:

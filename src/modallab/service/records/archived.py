@@ -88,7 +88,7 @@ class Archive:
         """
         with write_transaction(self._engine) as connection:
             campaign = _campaign_of(connection, kind, name)
-            found = aside_of(connection, kind, name)
+            found = set_aside_entry(connection, kind, name)
             if found is None:
                 return
             if found.state in _LOST:
@@ -102,12 +102,12 @@ class Archive:
     def run(self, run: str, campaign: str) -> SetAsideEntry | None:
         """How a run was set aside, by itself or with its campaign; None if it was not."""
         with read_transaction(self._engine) as connection:
-            return aside_of(connection, "run", run) or aside_of(connection, "campaign", campaign)
+            return set_aside_entry(connection, "run", run) or set_aside_entry(connection, "campaign", campaign)
 
     def campaign(self, campaign: str) -> SetAsideEntry | None:
         """How a campaign was set aside; None if it was not."""
         with read_transaction(self._engine) as connection:
-            return aside_of(connection, "campaign", campaign)
+            return set_aside_entry(connection, "campaign", campaign)
 
     def require_present(self, campaign: str) -> None:
         """Reject what would add to a campaign that is set aside.
@@ -142,7 +142,7 @@ class Archive:
         row = {"kind": kind, "id": name, "state": _WORD[action], "operator": operator, "utc": utc_now()}
         with write_transaction(self._engine) as connection:
             campaign = _campaign_of(connection, kind, name)
-            found = aside_of(connection, kind, name)
+            found = set_aside_entry(connection, kind, name)
             if found is not None and found.state != "archived" and action == "archive":
                 raise ConflictError(f"it is {found.state}", where=name, remedy="restore it first")
             if found is not None and (found.state == _WORD[action] or found.state in _LOST):
@@ -156,7 +156,7 @@ class Archive:
             audit.note_action(connection, operator, f"{action}-{kind}", name, {"until": purge_utc} if purge_utc else {})
 
 
-def aside_of(connection: Connection, kind: Kind, name: str) -> SetAsideEntry | None:
+def set_aside_entry(connection: Connection, kind: Kind, name: str) -> SetAsideEntry | None:
     """How a campaign or a run was set aside by itself; None if it was not."""
     return asides_of(connection, kind, [name]).get(name)
 

@@ -28,7 +28,7 @@ def drop_outs(row: Real, rate_hz: float, channel: str, steps: Real, *, force: bo
         steps: (n,) as of `steps_of`.
         force: whether it is the force, which rests between hits and between bursts.
     """
-    runs = _left_sharply(row, equal_runs(row).longer(LEAST_RUN), steps)
+    runs = _begin_with_jump(row, equal_runs(row).longer(LEAST_RUN), steps)
     kept = [
         k for k in range(runs.first.size) if _is_lost(row, int(runs.first[k]), int(runs.stop[k]), steps, force=force)
     ]
@@ -40,7 +40,7 @@ def drop_outs(row: Real, rate_hz: float, channel: str, steps: Real, *, force: bo
     return (Fault(channel, what, float(lost.first[0]) / rate_hz, int(lost.length.sum())),)
 
 
-def _left_sharply(row: Real, runs: SampleRuns, steps: Real) -> SampleRuns:
+def _begin_with_jump(row: Real, runs: SampleRuns, steps: Real) -> SampleRuns:
     """Runs whose value is reached or left faster than that of a smooth top of as many equal samples."""
     jumps = np.abs(np.diff(row, prepend=row[0], append=row[-1]))
     edges, step = np.maximum(jumps[runs.first], jumps[runs.stop]), steps[runs.first]
