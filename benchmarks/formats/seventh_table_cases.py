@@ -94,11 +94,7 @@ def head_acoustics(folder: Path) -> Known:
 
 @case("seventh")
 def catman(folder: Path) -> Known:
-<<<<<<< HEAD
     """A line of names, one of units in square brackets, decimal comma, a tab at the end of each row."""
-=======
-    """Names with the sensor's remark, a line of units in square brackets, a line `x 1` of samples, decimal comma."""
->>>>>>> main
     d = drawn("catman")
     r = d.hit()
     head = ["HBM_CATMAN_DATAFILE", "T0 = 29.03.2026 10:00:00", "", "Time 1\tforce\ta1\ta2", "[s]\t[N]\t[m/s2]\t[m/s2]"]
