@@ -376,6 +376,20 @@ def test_a_damaged_tdms_file_is_an_error_or_other_numbers_never_a_crash(data: st
         assert import_sources([path], rig).blocks[0].channels == ("force", "acceleration")
 
 
+def test_a_tdms_file_that_announces_more_scales_than_it_has_bytes_is_rejected(tmp_path: Path) -> None:
+    rig = plain_rig()
+    path = written(campaign(rig, block(rig, counts(rig)[:, :8])), "tdms", tmp_path)
+    with nptdms.TdmsFile.open(path) as found:
+        objects = [
+            nptdms.ChannelObject(c.group_name, c.name, c[:], c.properties) for g in found.groups() for c in g.channels()
+        ]
+    objects[0].properties["NI_Number_Of_Scales"] = 2**30
+    with nptdms.TdmsWriter(path) as out:
+        out.write_segment(objects)
+    with pytest.raises(FormatError, match="announces 1073741824 scales"):
+        import_sources([path], rig)
+
+
 def test_a_campaign_of_hdf5_is_the_campaign(tmp_path: Path) -> None:
     source = replace(session(), frfs=(frf(),), provenance={"seed": "7"})
     found = read_campaign(written(source, "hdf5", tmp_path))

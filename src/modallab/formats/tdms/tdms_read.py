@@ -1,6 +1,7 @@
 """Groups and channels of a TDMS file, read by npTDMS and checked here: it reads on where a file is cut off."""
 
 import logging
+import re
 import struct
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +17,7 @@ _COPY_AGAIN = "copy the file again, or export it again"
 _NEVER_ENDED = 2**64 - 1
 _KNOWN_SCALES = {"Linear", "Polynomial", "RTD", "Strain", "Table", "Thermistor", "Thermocouple", "Add", "Subtract"}
 """What npTDMS scales; by a scale that it does not know it leaves numbers unscaled, without an error."""
+_SCALE = re.compile(r"NI_Scale\[(\d+)\]")
 _DELIVERED = ("i2", "i4", "f4", "f8")
 """Types that stay as they are; others become real numbers of double precision."""
 
@@ -67,7 +69,9 @@ def read_tdms_groups(path: Path) -> tuple[TdmsGroup, ...]:
             nptdms.TdmsFile(source, raw_timestamps=True, read_metadata_only=True, keep_open=True) as found,
         ):
             _check_chunks(found, flags, where)
-            groups = [_group(group, path.stat().st_size, where) for group in found.groups()]
+            size = path.stat().st_size
+            _check_scales(found.properties, size, where)
+            groups = [_group(group, size, where) for group in found.groups()]
     except (FormatError, DataError):
         raise
     except Exception as error:  # On damaged files npTDMS raises nearly every type there is.
@@ -113,13 +117,23 @@ def _check_chunks(found: Any, flags: int, where: str) -> None:
         raise FormatError("holds part of a chunk of samples", where=where, remedy=_COPY_AGAIN)
 
 
+def _check_scales(properties: dict[str, Any], size: int, where: str) -> None:
+    # npTDMS makes an entry of each scale that is announced: a damaged count would ask for more memory than there is.
+    places = [int(m.group(1)) + 1 for m in map(_SCALE.match, properties) if m is not None]
+    count = max([int(properties.get("NI_Number_Of_Scales", 0)), *places])
+    if count > size:
+        raise FormatError(f"announces {count} scales in {size} bytes", where=where, remedy=_COPY_AGAIN)
+
+
 def _group(group: Any, size: int, where: str) -> TdmsGroup:
     found = TdmsGroup(str(group.name), str(group.properties.get("description", "")))
+    _check_scales(group.properties, size, f"{where}, group {group.name}")
     for channel in group.channels():
         place = f"{where}, group {group.name}, channel {channel.name}"
         # A damaged count would ask for more memory than there is.
         if len(channel) > size:
             raise FormatError(f"announces {len(channel)} samples in {size} bytes", where=place, remedy=_COPY_AGAIN)
+        _check_scales(channel.properties, size, place)
         read = _samples(channel, place) if len(channel) else None
         if read is None:
             found.others.append(str(channel.name))
