@@ -12,8 +12,6 @@ from modallab.core.model import ModalModel
 from modallab.core.plan import KnownMode, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
-from modallab.twin.modes import solve_modes
-from modallab.twin.structure import TwinStructure
 
 
 def with_modes(plan: SinePlan, model: ModalModel) -> SinePlan:
@@ -56,6 +54,10 @@ def expected_modes(rig: Rig) -> ExpectedModes | None:
     ]
     if rig.beam is None or rig.model != "cantilever" or not sensors or not rig.points:
         return None
+    # Not above: whoever records loads this module, and the twin loads SciPy.
+    from modallab.twin.modes import solve_modes
+    from modallab.twin.structure import TwinStructure
+
     modes = solve_modes(TwinStructure.of(rig.beam, rig.damping_ratio.guess))
     unit_mass = np.sqrt(2j * modes.poles.imag)
 
