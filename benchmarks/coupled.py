@@ -16,7 +16,8 @@ import numpy as np
 from scipy.linalg import block_diag, null_space
 
 from by_seed import measure
-from modallab.modification.attachments import AttachedPart, Coupled, Element
+from modallab.modification.attachments import AttachedPart, Element
+from modallab.modification.coupled import Coupled
 from modallab.modification.known import KnownStructure
 from modallab.verification.verify import frac
 from modified_structures import HITS, TOLERANCE, Bench

@@ -55,7 +55,8 @@ def of_modallab(given: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     from chain import BARE, Chain
 
     from modallab.identification.selection.criteria import mac
-    from modallab.modification.attachments import Coupled, Element
+    from modallab.modification.attachments import Element
+    from modallab.modification.coupled import Coupled
     from modallab.modification.known import KnownStructure
 
     added = [Element(n + 1, mass=float(kg)) for n, kg in enumerate(given["added"]) if kg]

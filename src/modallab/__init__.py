@@ -10,7 +10,8 @@ from modallab.core.lazy import lazy_getattr
 if TYPE_CHECKING:
     from modallab.core.documents.forces import ImpulseForce, RandomForce, SineForce, SweepForce
     from modallab.formats.fem.matrix_model import MatrixModel
-    from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
+    from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
+    from modallab.modification.coupled import Coupled
     from modallab.notebook.correlated import Correlated, CorrelatedModes, UpdatedModel
     from modallab.notebook.driven import driven
     from modallab.notebook.gap import Agreement, GapFound, agreement, diagnose
@@ -70,7 +71,8 @@ __getattr__ = lazy_getattr(
     __name__,
     {
         "core.documents.forces": ("ImpulseForce", "RandomForce", "SineForce", "SweepForce"),
-        "modification.attachments": ("Coupled", "Element", "RigidLink", "TunedAbsorber"),
+        "modification.attachments": ("Element", "RigidLink", "TunedAbsorber"),
+        "modification.coupled": ("Coupled",),
         "notebook.understood": ("DeflectionShape", "Understood"),
         "notebook.shown": ("Answered",),
         "notebook.predicted_motion": ("PredictedMotion",),

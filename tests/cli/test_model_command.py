@@ -12,7 +12,8 @@ from modallab.cli import main
 from modallab.core.units import Quantity
 from modallab.formats.frf_file import bare_rig
 from modallab.formats.rig.rig_file import write_rig
-from modallab.modification.attachments import Coupled, Element
+from modallab.modification.attachments import Element
+from modallab.modification.coupled import Coupled
 from modallab.modification.known import KnownStructure
 from modallab.modification.participation import modal_participation
 from modallab.modification.structure import At

@@ -8,7 +8,8 @@ from chain import BARE, OTHER, Chain
 from scipy import linalg
 
 from modallab.core.errors import DataError
-from modallab.modification.attachments import AttachedPart, Coupled, Element, RigidLink, TunedAbsorber
+from modallab.modification.attachments import AttachedPart, Element, RigidLink, TunedAbsorber
+from modallab.modification.coupled import Coupled
 from modallab.modification.free_band import kept_free
 from modallab.modification.inverse import By, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure

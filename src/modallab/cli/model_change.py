@@ -9,7 +9,8 @@ import numpy as np
 from modallab.cli.console import console_of, show_rows, write_json
 from modallab.cli.model_ready import prepare_model
 from modallab.core.errors import ConfigurationError
-from modallab.modification.attachments import AttachedPart, Coupled, Element, RigidLink, TunedAbsorber
+from modallab.modification.attachments import AttachedPart, Element, RigidLink, TunedAbsorber
+from modallab.modification.coupled import Coupled
 from modallab.modification.free_band import FreeBand, kept_free
 from modallab.modification.inverse import ChangeAtPoint, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure

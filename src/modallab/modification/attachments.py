@@ -1,11 +1,11 @@
-"""What can be hung on a structure: masses, springs, dampers, absorbers, rigid links, another structure.
+"""What can be hung on a structure: masses, springs, dampers, absorbers, rigid links.
 
 Each is known by its compliance Y(s) at the places where it holds the structure, 0 where it is rigid; and, to begin a
 search of poles, by mass, damping and stiffness matrices with constraints.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any, NamedTuple, Protocol
 
@@ -240,78 +240,6 @@ class RigidLink:
     def words(self) -> str:
         """As of `AttachedPart`."""
         return f"ground at {self.at}" if self.to is None else f"rigid link {self.at} to {self.to}"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Coupled:
-    """Another structure, held at pairs of points, rigidly or by a joint.
-
-    Attributes:
-        other: the structure.
-        pairs: (point of this one, point of the other).
-        joint_spring: N/m of the joint at each pair; None for rigid ones.
-        sign: -1 where the other is taken away from a measurement of both.
-        samples: (samples, ...) of the other structure, for the uncertainty; None where it is taken as exact.
-    """
-
-    other: Structure
-    pairs: Sequence[tuple[At, At]]
-    joint_spring: float | None = None
-    sign: int = 1
-    samples: Structure | None = None
-    own: Real = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        """Look up the points of the other structure.
-
-        Raises:
-            DataError: no pair, or a point that the other structure does not have.
-        """
-        if not self.pairs:
-            raise DataError("no pair of points is given", remedy="give pairs=[(point of one, point of the other)]")
-        object.__setattr__(self, "own", self.other.columns([of for _, of in self.pairs]))
-
-    def links(self, structure: Structure) -> Real:
-        """As of `AttachedPart`."""
-        return structure.columns([at for at, _ in self.pairs])
-
-    def compliance(self, s: Complex) -> Complex:
-        """Of the other structure at its points, with the joints'."""
-        joint = 0.0 if self.joint_spring is None else np.eye(len(self.pairs)) / self.joint_spring
-        return self.sign * self.other.receptance(s, self.own, self.own) + joint
-
-    def sampled(self, count: int) -> "Coupled":
-        """The same with samples of the other structure."""
-        return self if self.samples is None else replace(self, other=self.samples.first(count))
-
-    @property
-    def measured_part(self) -> bool:
-        """Whether it is taken away at one rigid joint, and known as uncertain as it was measured."""
-        return self.sign < 0 and len(self.pairs) == 1 and self.joint_spring is None and self.samples is not None
-
-    @property
-    def poles(self) -> Complex:
-        """Those of the other structure."""
-        return self.other.poles
-
-    @property
-    def matrices(self) -> AttachmentMatrices:
-        """Modes of the other structure, with their motions held to this one's."""
-        pairs, modes = len(self.pairs), len(self.other.poles)
-        phi = np.real(self.other.psi * np.sqrt(2j * self.other.poles.imag)[:, None]) @ self.own
-        omega = np.abs(self.other.poles)
-        own = [np.ones(modes), -2 * self.other.poles.real, omega**2]
-        mass, damping, stiffness = (np.diag(np.concatenate([np.zeros(pairs), self.sign * v])) for v in own)
-        apart = np.concatenate([np.eye(pairs), -phi.T], axis=1)
-        if self.joint_spring is None:
-            return AttachmentMatrices(mass, damping, stiffness, apart)
-        return AttachmentMatrices(mass, damping, stiffness + self.joint_spring * apart.T @ apart, apart[:0])
-
-    @property
-    def words(self) -> str:
-        """As of `AttachedPart`."""
-        how = "taken away" if self.sign < 0 else "coupled"
-        return f"structure {how} at " + ", ".join(f"{a}={b}" for a, b in self.pairs)
 
 
 def merge_attachments(attachments: Sequence[AttachedPart]) -> tuple[AttachedPart, ...]:

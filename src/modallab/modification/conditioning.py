@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import Complex
-from modallab.modification.attachments import Coupled
+from modallab.modification.coupled import Coupled
 from modallab.modification.structure import Structure
 
 LINES = 200

@@ -11,8 +11,9 @@ from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
-from modallab.modification.attachments import AttachedPart, Coupled
+from modallab.modification.attachments import AttachedPart
 from modallab.modification.conditioning import conditioning_of
+from modallab.modification.coupled import Coupled
 from modallab.modification.freedoms import Freedom
 from modallab.modification.frfs import frf_between
 from modallab.modification.measured import MeasuredPairs

@@ -14,7 +14,8 @@ from scipy import linalg
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
-from modallab.modification.attachments import AttachedPart, Coupled, RigidLink, merge_attachments
+from modallab.modification.attachments import AttachedPart, RigidLink, merge_attachments
+from modallab.modification.coupled import Coupled
 from modallab.modification.structure import Receptances, Structure
 
 STEPS = (0.25, 0.5, 0.75, 1.0)

@@ -13,7 +13,8 @@ from modallab.core.documents.forces import ForceKind
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Quantity
-from modallab.modification.attachments import AttachedPart, Coupled, Element, TunedAbsorber
+from modallab.modification.attachments import AttachedPart, Element, TunedAbsorber
+from modallab.modification.coupled import Coupled
 from modallab.modification.forces import force_samples
 from modallab.modification.free_band import kept_free
 from modallab.modification.frfs import lines_with_peaks

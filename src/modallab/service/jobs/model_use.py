@@ -131,7 +131,8 @@ def _mobility(known: "KnownStructure", changed: "KnownStructure", pair: PairNew)
 
 
 def _addition(service: Service, new: ChangeNew) -> "AttachedPart":
-    from modallab.modification.attachments import Coupled, Element, RigidLink, TunedAbsorber
+    from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
+    from modallab.modification.coupled import Coupled
 
     if isinstance(new, ElementNew):
         return Element(new.at, new.to, new.mass_kg, new.spring_n_per_m, new.damper_n_s_per_m)
