@@ -14,7 +14,7 @@ from modallab.core.errors import DataError, ModallabError
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.exporter import write_export
-from modallab.formats.importer import draft_rig
+from modallab.formats.importer import draft_rig, import_recordings
 from modallab.formats.rig.rig_file import read_rig
 from modallab.formats.uff.uff_results import read_results
 from modallab.formats.unit_text import frf_unit, normal_unit
@@ -52,6 +52,15 @@ def records(path: Path, *, force: bool = True) -> Path:
     for row, (node, axis, unit) in zip(rows[1:], axes, strict=True):
         sets.append(uff_set(row, times(), 1, rsp_node=node, rsp_dir=axis, ordinate_axis_units_lab=unit))
     return write_uff(path, *sets)
+
+
+def test_the_drive_point_that_the_user_names_is_on_the_drafted_rig(tmp_path: Path) -> None:
+    path = tmp_path / "hit.csv"
+    rows = np.column_stack([times(), *hit(2)])
+    np.savetxt(path, rows, delimiter=",", header="t,force,a1", comments="", fmt="%.9g")
+    found = import_recordings([path], None, {"drive_point": 3})
+    assert [point.id for point in found.rig.points] == [3]
+    assert found.blocks[0].drive_point == 3
 
 
 def test_names_units_nodes_and_directions_of_a_universal_file_make_a_rig(tmp_path: Path) -> None:

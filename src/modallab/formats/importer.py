@@ -9,7 +9,7 @@ from modallab.core.array_checks import identical_channels
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.progress import count_progress
-from modallab.core.rig import Rig
+from modallab.core.rig import Point, Rig
 from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure
 from modallab.formats.draft import DraftChannel, select_channels
@@ -35,7 +35,7 @@ def import_recordings(paths: Sequence[Path], rig: Rig | None, said: Mapping[str,
         ModallabError: an option that there is not, or one error with everything that is wrong in any of the files.
     """
     each = options_of(said, len(paths))
-    known = draft_rig(paths[0], each[0]) if rig is None else _taken_of(rig, each[0])
+    known = _with_drive_points(draft_rig(paths[0], each[0]), each) if rig is None else _taken_of(rig, each[0])
     if known.force is None and said.get("test") is None:
         each = tuple(replace(one, test="random") for one in each)
     return import_sources(paths, known, each)
@@ -100,6 +100,13 @@ def draft_rig(path: Path, options: ImportOptions | None = None) -> Rig:
             remedy="write a rig file and give it with --rig; docs/how-to/write-a-rig-file.md says how",
         )
     return found.draft(path, options or ImportOptions())
+
+
+def _with_drive_points(rig: Rig, each: Sequence[ImportOptions]) -> Rig:
+    """The drafted rig with the points that the user says were driven, a metre apart as all that are not known."""
+    more = {one.drive_point for one in each if one.drive_point is not None} - {p.id for p in rig.points}
+    added = tuple(Point(id=n, x_m=float(n)) for n in sorted(more) if n > 0)
+    return rig.model_copy(update={"points": (*rig.points, *added)})
 
 
 def _taken_of(rig: Rig, options: ImportOptions) -> Rig:
