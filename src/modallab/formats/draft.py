@@ -62,19 +62,23 @@ def rig_of(
             remedy="a rig holds one force: write a rig file with one of them, and give it with --rig",
         )
     channels = [_channel(i, s, drafts, force=forces[:1] == [i]) for i, s in enumerate(drafts)]
-    named = sorted({c.point for c in channels if c.point} | set(driven))
-    known = {p.id for p in points}
-    more = tuple(Point(id=n, x_m=float(n)) for n in named if n not in known)
+    named = {c.point for c in channels if c.point} | set(driven)
     force = next((c for c in channels if c.quantity == "force"), None)
     return Rig(
         name=path.stem,
         model="unknown",
         drive_direction="+z" if force is None else force.direction,
-        points=(*points, *more),
+        points=with_named_points(points, named),
         lines=lines,
         surfaces=surfaces,
         channels=tuple(channels),
     )
+
+
+def with_named_points(points: tuple[Point, ...], named: Iterable[int]) -> tuple[Point, ...]:
+    """Points of a geometry and those that are only named, a metre apart."""
+    more = sorted(set(named) - {p.id for p in points})
+    return (*points, *(Point(id=n, x_m=float(n)) for n in more))
 
 
 def select_channels(drafts: Iterable[DraftChannel], options: ImportOptions) -> list[DraftChannel]:

@@ -9,10 +9,10 @@ from modallab.core.array_checks import identical_channels
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.progress import count_progress
-from modallab.core.rig import Point, Rig
+from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure
-from modallab.formats.draft import DraftChannel, select_channels
+from modallab.formats.draft import DraftChannel, select_channels, with_named_points
 from modallab.formats.error_list import Collected
 from modallab.formats.options import COUNTED_HZ, ImportOptions, options_of
 from modallab.formats.sniff import sniff
@@ -103,10 +103,9 @@ def draft_rig(path: Path, options: ImportOptions | None = None) -> Rig:
 
 
 def _with_drive_points(rig: Rig, each: Sequence[ImportOptions]) -> Rig:
-    """The drafted rig with the points that the user says were driven, a metre apart as all that are not known."""
-    more = {one.drive_point for one in each if one.drive_point is not None} - {p.id for p in rig.points}
-    added = tuple(Point(id=n, x_m=float(n)) for n in sorted(more) if n > 0)
-    return rig.model_copy(update={"points": (*rig.points, *added)})
+    """The drafted rig with the points that the user says were driven."""
+    driven = {one.drive_point for one in each if one.drive_point is not None and one.drive_point > 0}
+    return rig.model_copy(update={"points": with_named_points(rig.points, driven)})
 
 
 def _taken_of(rig: Rig, options: ImportOptions) -> Rig:

@@ -20,7 +20,7 @@ from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.choose import earns_beside_law
-from modallab.gap.search.fitting import Bench, evaluated_on_all
+from modallab.gap.search.fitting import Bench, evaluated_on_all, without_effect
 from modallab.gap.search.nonlinear import fit_on_all_records
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import CandidateEffect
@@ -78,14 +78,14 @@ def without_element(data: Reduced, twin: Twin) -> Reduced:
 
 def linear_fit(bench: Bench, fit: Fit) -> Fit:
     """The fit without the element; the root that it leaves soft becomes a soft root."""
-    *before, stepped = fit.problem.candidates
-    at = bench.free.size + sum(len(c.slots) for c in before)
-    candidates, u = tuple(before), fit.u[:at]
+    stepped, own = _coordinates(fit)[-1]
+    problem, u = without_effect(fit.problem, fit.u, len(fit.problem.candidates) - 1)
+    problem = Problem(bench.data, bench.free, problem.candidates)
     if stepped.effect in SOFT:
         root = _soft_root(bench)
-        stiffness = stepped.at(fit.u[at:]).parameters[SOFT[stepped.effect]]
-        candidates, u = (*candidates, root), np.concatenate([u, [root.slots[0].coordinate(stiffness)]])
-    problem = Problem(bench.data, bench.free, candidates)
+        stiffness = stepped.at(own).parameters[SOFT[stepped.effect]]
+        problem = replace(problem, candidates=(*problem.candidates, root))
+        u = np.append(u, root.slots[0].coordinate(stiffness))
     return Fit(problem, u, float(np.sum(fit.residual**2)), fit.residual, np.eye(len(u)))
 
 

@@ -4,9 +4,11 @@ Such an effect has to be stepped in time. Each is followed on a few sines first,
 are fitted to all records.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from modallab.core.progress import report_progress
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level
 from modallab.gap.model.candidates import of_motion
 from modallab.gap.model.fit import Fit, Problem, cost_of
@@ -16,7 +18,8 @@ from modallab.gap.search.few_blocks import compared_sines
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.rough_fit import explains_sines, robust_fit_on_all
 from modallab.gap.search.rough_starts import FREQUENCIES, robust_cost
-from modallab.gap.search.stepped_starts import first_fits
+from modallab.gap.search.stepped_starts import first_fit
+from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effect_model import Overtones
 from modallab.twin.effects import search_of
 
@@ -34,27 +37,30 @@ def stepped_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     if not listed or bench.data.sines is None:
         return Level(base, ())
     few = compared_sines(bench.data, bench.overtones, FREQUENCIES)
-    found: list[Fit] = []
-    for i, candidate in enumerate(listed):
-        report_progress(0.7 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
-        found += first_fits(bench, base, few, candidate)
-    best, *others = _best_forms(sorted(found, key=_score)) or [base]
-    if best is base or not _explains(bench, best, base):
+    scored = _best_forms(_scored(bench, base, few, listed))
+    if not scored or not _explains(bench, *scored[0], base):
         return Level(base, ())
+    least, best = scored[0]
     report_progress(0.7, f"{best.problem.candidates[-1].effect.replace('_', ' ')}, on all records")
     fits: list[Fit] = []
-    for f in [best, *(f for f in others if _score(f) < _score(best) + CLOSE)][:MOST_ON_ALL_RECORDS]:
+    for near in [fit for score, fit in scored if score < least + CLOSE][:MOST_ON_ALL_RECORDS]:
         # Beside one that leaves nothing but noise there is no rival.
         if not any(fit.gap <= bench.flat for fit in fits):
-            fits.append(fit_on_all_records(bench, f))
+            fits.append(fit_on_all_records(bench, near))
     return Level(base, tuple(sorted(fits, key=cost_of)))
 
 
-def _score(fit: Fit) -> float:
-    return robust_cost(fit.problem, fit.u)
+def _scored(bench: Bench, base: Fit, few: Reduced, listed: Sequence[CandidateEffect]) -> list[tuple[float, Fit]]:
+    """The robust cost and the fit of each effect on a few sines, best first."""
+    found: list[tuple[float, Fit]] = []
+    for i, candidate in enumerate(listed):
+        report_progress(0.7 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
+        fit = first_fit(bench, base, few, candidate)
+        found += [] if fit is None else [(robust_cost(fit.problem, fit.u), fit)]
+    return sorted(found, key=lambda one: one[0])
 
 
-def _explains(bench: Bench, fit: Fit, base: Fit) -> bool:
+def _explains(bench: Bench, score: float, fit: Fit, base: Fit) -> bool:
     """Whether an effect leaves much less of a few sines than a linear beam does.
 
     That may follow each sine, stretched far beyond its tolerances: a law that all records follow needs no more than to
@@ -62,14 +68,14 @@ def _explains(bench: Bench, fit: Fit, base: Fit) -> bool:
     """
     stretched = robust_cost(replace(base.problem, data=fit.problem.data, floor=0.0), base.u)
     smooth = search_of(fit.problem.candidates[-1].effect).law.smooth
-    return (smooth and _score(fit) <= WRONG * stretched) or explains_sines(bench, fit, base, WRONG)
+    return (smooth and score <= WRONG * stretched) or explains_sines(bench, fit, base, WRONG)
 
 
-def _best_forms(fits: list[Fit]) -> list[Fit]:
+def _best_forms(scored: list[tuple[float, Fit]]) -> list[tuple[float, Fit]]:
     """Of each effect the first form of its law, in their order."""
-    first: dict[str, Fit] = {}
-    for fit in fits:
-        first.setdefault(fit.problem.candidates[-1].effect, fit)
+    first: dict[str, tuple[float, Fit]] = {}
+    for score, fit in scored:
+        first.setdefault(fit.problem.candidates[-1].effect, (score, fit))
     return list(first.values())
 
 

@@ -19,20 +19,20 @@ from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import search_of
 
 
-def first_fits(bench: Bench, base: Fit, few: Reduced, candidate: CandidateEffect) -> list[Fit]:
+def first_fit(bench: Bench, base: Fit, few: Reduced, candidate: CandidateEffect) -> Fit | None:
     """The effect where it follows a few sines best, from the likeliest of its starts on.
 
     None where the overtones show that what makes them acts in no such way at any place.
     """
     located = placed_by_overtones(bench, base, candidate)
     if located is None:
-        return []
+        return None
     problem = Problem(few, bench.free, (*base.problem.candidates, located))
     law, names = search_of(candidate.effect).law, [s.name for s in located.slots]
     listed = [dict(zip(names, own, strict=True)) for own in product(*(slot.starts for slot in located.slots))]
     acting = [tuple(own.values()) for own in listed if law.acting(own)]
     begins = [u for values in acting for u in _first_coordinates(bench, base, located, values)]
-    return [evaluated(problem, _best_coordinates(problem, begins, law.rough))]
+    return evaluated(problem, _best_coordinates(problem, begins, law.rough))
 
 
 def _best_coordinates(even: Problem, begins: list[Real], rough: bool) -> Real:
