@@ -94,7 +94,7 @@ export class Workbench {
     const heads = [["Mode", "n"], ["Before [Hz]", "n"], ["After [Hz]", "n"], ["Shift [%]", "n"], ["Damping after [%]", "n"]];
     const rows = found.frequency_hz.map((hz, n) => {
       const before = found.mac[n] < 0.5 ? NaN : found.before_hz[found.like[n] - 1];
-      return [n + 1, Number.isFinite(before) ? number(before, 6) : "new", uncertain(hz, found.frequency_sigma_hz[n]), Number.isFinite(before) ? number(100 * (hz / before - 1), 3) : "–", uncertain(100 * found.damping_ratio[n], 100 * found.damping_sigma[n])];
+      return [n + 1, Number.isFinite(before) ? number(before, 6) : "new", uncertain(hz, found.frequency_sigma_hz[n]), Number.isFinite(before) ? uncertain(100 * (hz / before - 1), (100 * found.frequency_sigma_hz[n]) / before) : "–", uncertain(100 * found.damping_ratio[n], 100 * found.damping_sigma[n])];
     });
     put(this.modes, table("Modes before and after", heads, rows), h("p", { class: "muted" }, found.notes.join(" ")));
     const chosen = this.mode.value || "0";
