@@ -102,5 +102,5 @@ def absorber(known: KnownStructure, arguments: argparse.Namespace) -> None:
     found = best_absorber(known, arguments.mode, arguments.at, arguments.mass)
     show_rows(arguments, absorber_rows(found, arguments.mode))
     if arguments.json is not None:
-        peaks = {k: v for k, v in found._asdict().items() if k != "absorber"}
-        write_json(arguments.json, asdict(found.absorber) | {f"peak_{k}": v for k, v in peaks.items()})
+        peaks = {f"peak_{k}": v for k, v in found._asdict().items() if k not in ("absorber", "mass_ratio")}
+        write_json(arguments.json, asdict(found.absorber) | {"mass_ratio": found.mass_ratio} | peaks)

@@ -26,8 +26,10 @@ class Shown:
 
     def __repr__(self) -> str:
         said = StringIO()
-        table = plain_table(self.headings, self.rows, self.caption)
-        Console(file=said, width=WIDTH, no_color=True, force_jupyter=False).print(table)
+        console = Console(file=said, width=WIDTH, no_color=True, force_jupyter=False)
+        console.print(plain_table(self.headings, self.rows))
+        if self.caption:
+            console.print(self.caption, markup=False, highlight=False)
         return "\n".join(line.rstrip() for line in said.getvalue().splitlines())
 
     def html(self) -> str:

@@ -18,15 +18,14 @@ TRUTH = ("true\n[Hz]", "true\n[%]")
 CONFIDENCE = "confi-\ndence"
 
 
-def plain_table(headings: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> Table:
+def plain_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
     """Any table; a cell wider than its column goes on in the next line, as a number that is cut is another one.
 
     Args:
         headings: of the columns.
         rows: as many cells each.
-        caption: beneath it.
     """
-    table = Table(box=None, caption=escape(caption), caption_justify="left", pad_edge=False, collapse_padding=True)
+    table = Table(box=None, pad_edge=False, collapse_padding=True)
     for heading in headings:
         table.add_column(escape(heading), overflow="fold")
     for row in rows:

@@ -172,6 +172,7 @@ def response_to(service: Service, campaign: str, new: ResponseNew) -> ResponseVi
         octaves_hz=np.array(found.octaves_hz),
         levels=figures[:, 2:],
         levels_sigma=sigma[:, 2:],
+        outside=found.outside,
     )
 
 
