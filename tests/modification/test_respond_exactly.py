@@ -75,10 +75,10 @@ def test_steps_that_cannot_hold_a_sine_are_rejected(force: ForceKind) -> None:
         force_samples(force, DT, N)
 
 
-def test_what_of_a_force_is_beyond_the_band_is_stated() -> None:
+def test_what_of_a_force_is_outside_the_band_is_stated() -> None:
     high, t = KNOWN.model.band_hz[1], DT * np.arange(N)
-    inside, beyond = (np.sin(2 * np.pi * round(hz * N * DT) / (N * DT) * t) for hz in (high / 2, 2 * high))
-    found = MotionOverTime.of(KNOWN, inside + 0.5 * beyond, DT, [1], [3])
+    inside, outside = (np.sin(2 * np.pi * round(hz * N * DT) / (N * DT) * t) for hz in (high / 2, 2 * high))
+    found = MotionOverTime.of(KNOWN, inside + 0.5 * outside, DT, [1], [3])
     assert found.outside == pytest.approx(0.25 / 1.25)
 
 

@@ -62,7 +62,7 @@ def _changes(arguments: argparse.Namespace) -> Iterator[AttachedPart]:
     yield from (RigidLink(*pair) for pair in a.link)
 
 
-def _elements(name: str, sizes: Sequence[float], at: Sequence[int], to: int | None) -> Iterator[Element]:
+def _elements(name: str, sizes: list[float], at: list[int], to: int | None) -> Iterator[Element]:
     """One size hangs at every point; several at a point each."""
     if sizes and not at:
         raise ConfigurationError("the point of the change is missing", remedy="add --at POINT")
