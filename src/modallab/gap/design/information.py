@@ -17,10 +17,10 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import Explanation
+from modallab.gap.inference.evidence import evidence_of_costs, probabilities_of
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import jacobian
-from modallab.gap.search.choose import probabilities_of
-from modallab.gap.search.fitting import excess, temperature_of
+from modallab.gap.search.fitting import excess
 
 DRAWS = 100
 """New records that are drawn for each explanation."""
@@ -58,12 +58,7 @@ class RivalExplanations:
     def excess(self) -> float:
         """What the best explanation leaves above the floor, in squares of noise units over all residuals."""
         best = min(self.listed, key=lambda r: r.fit.cost)
-        return excess(best.fit) * self.count
-
-    @property
-    def count(self) -> float:
-        """Residuals of the records that are there."""
-        return float(np.count_nonzero(self.listed[0].fit.residual))
+        return excess(best.fit) * np.count_nonzero(best.fit.residual)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -114,15 +109,12 @@ def predicted_differences(rivals: RivalExplanations, data: Reduced) -> Real:
     return found[:-1] if known else found
 
 
-def expected_outcome(
-    rivals: RivalExplanations, gram: Real, count: int, nonlinear: Real | None = None
-) -> ExpectedOutcome:
+def expected_outcome(rivals: RivalExplanations, gram: Real, nonlinear: Real | None = None) -> ExpectedOutcome:
     """What an experiment is expected to bring.
 
     Args:
         rivals: the explanations.
         gram: products of the experiment's columns.
-        count: its residuals.
         nonlinear: (true, other) what full fits leave above linear ones, in squares; None for none.
     """
     rng = np.random.default_rng(SEED)
@@ -133,11 +125,11 @@ def expected_outcome(
     for true in range(size):
         noise = rng.standard_normal((DRAWS, len(gram))) @ root.T
         costs = _costs_of_rivals(rivals, gram, true, _draw_numbers(rivals, true, rng), noise)
-        costs += count if nonlinear is None else count + nonlinear[true]
-        after = probabilities_of_rivals(rivals, costs, count)[:, true]
+        costs += 0.0 if nonlinear is None else nonlinear[true]
+        after = probabilities_of_rivals(rivals, costs)[:, true]
         right[true], alone[true] = np.mean(after), np.mean(after >= ALONE)
         ratio[true] = np.mean(costs - costs[:, [true]], axis=0) / 2
-    chances = probabilities_of_rivals(rivals, np.array([r.fit.cost for r in rivals.listed]), 0)
+    chances = probabilities_of_rivals(rivals, np.array([r.fit.cost for r in rivals.listed]))
     return ExpectedOutcome(float(chances @ right), float(chances @ alone), ratio, chances)
 
 
@@ -158,12 +150,11 @@ def apart_by_row(rivals: RivalExplanations, columns: Real) -> Real:
     return off - slopes @ step
 
 
-def probabilities_of_rivals(rivals: RivalExplanations, costs: Real, count: int) -> Real:
+def probabilities_of_rivals(rivals: RivalExplanations, costs: Real) -> Real:
     """(..., explanations) probabilities, as a diagnosis of all records would give them, of squares left of all."""
-    n = rivals.count + count
     effects = np.array([len(r.effects) for r in rivals.listed])
-    # What is above the floor counts for less among more records.
-    return probabilities_of(costs, effects, n, temperature_of(rivals.excess / n))
+    modes = rivals.listed[0].fit.problem.free.modes
+    return probabilities_of(evidence_of_costs(costs, effects, rivals.excess, modes))
 
 
 def _widest_draws(fit: Fit) -> Real:

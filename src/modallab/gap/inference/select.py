@@ -18,9 +18,8 @@ from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, evaluated
-from modallab.gap.model.minimise import near_floor
 from modallab.gap.search.clock import clock_error_visible
-from modallab.gap.search.fitting import Bench, converged, excess, temperature_of, within_tolerances, without_effect
+from modallab.gap.search.fitting import Bench, converged, within_tolerances, without_effect
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import model_of, search_of
 
@@ -95,13 +94,8 @@ class StepwiseSelection:
         self.finished = self.best.gap <= self.bench.flat and self._sound(self.best)
 
     def _gain(self, posterior: Posterior, fit: Fit) -> float:
-        """What an explanation gains, -2 log evidence.
-
-        Near the floor what is left is an error of the model's own, beside which margins count for less; far from it an
-        effect may be missing yet.
-        """
-        ranges = (self._here.evidence - self._here.cost) - (posterior.evidence - posterior.cost)
-        return (self.best.cost - fit.cost) / (temperature_of(excess(fit)) if near_floor(fit) else 1.0) + ranges
+        """What an explanation gains, -2 log evidence under noise alone: another effect may be missing yet."""
+        return _score((self._here, self.best)) - _score((posterior, fit))
 
     def _explained(self, fitted: list[tuple[Posterior, Fit]]) -> bool:
         """Whether one of these leaves nothing but noise: no other can explain more."""

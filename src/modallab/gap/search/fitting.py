@@ -207,8 +207,3 @@ def excess(fit: Fit) -> float:
         own = _tolerance_deviations(fit.problem.free, fit.u)
         strained = max(float(own @ own) - len(own), 0.0) / max(float(np.count_nonzero(fit.residual)), 1.0)
     return max(fit.gap**2 - 1 + strained, 1e-9)
-
-
-def temperature_of(left: float) -> float:
-    """T of `choose.probabilities` where the best explanation leaves so much, in squares above the floor."""
-    return 2.0 + 100.0 * left
