@@ -17,10 +17,9 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import Explanation
-from modallab.gap.inference.evidence import evidence_of_costs, probabilities_of
-from modallab.gap.model.fit import Fit
+from modallab.gap.inference.evidence import RecordsFloor, evidence_of_costs, probabilities_of
+from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.minimise import jacobian
-from modallab.gap.search.fitting import excess
 
 DRAWS = 100
 """New records that are drawn for each explanation."""
@@ -41,24 +40,21 @@ class RivalExplanations:
         listed: the explanations.
         numbers: of each, which columns of `predicted_differences` are its own.
         starts: (numbers, numbers) curvature and (numbers,) slope of each one's squares.
+        floor: what their squares are compared with.
     """
 
     listed: tuple[Explanation, ...]
     numbers: tuple[slice, ...]
     starts: tuple[tuple[Real, Real], ...]
+    floor: RecordsFloor
 
     @classmethod
     def of(cls, listed: Sequence[Explanation]) -> Self:
         """At least two explanations, fitted to the same records."""
         ends = np.cumsum([0, *(r.fit.u.size for r in listed)]).tolist()
         numbers = tuple(slice(a, b) for a, b in pairwise(ends))
-        return cls(tuple(listed), numbers, tuple(_coordinates_of_fit(r.fit) for r in listed))
-
-    @property
-    def excess(self) -> float:
-        """What the best explanation leaves above the floor, in squares of noise units over all residuals."""
-        best = min(self.listed, key=lambda r: r.fit.cost)
-        return excess(best.fit) * np.count_nonzero(best.fit.residual)
+        floor = RecordsFloor.of(min((r.fit for r in listed), key=cost_of))
+        return cls(tuple(listed), numbers, tuple(_coordinates_of_fit(r.fit) for r in listed), floor)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -153,8 +149,7 @@ def apart_by_row(rivals: RivalExplanations, columns: Real) -> Real:
 def probabilities_of_rivals(rivals: RivalExplanations, costs: Real) -> Real:
     """(..., explanations) probabilities, as a diagnosis of all records would give them, of squares left of all."""
     effects = np.array([len(r.effects) for r in rivals.listed])
-    modes = rivals.listed[0].fit.problem.free.modes
-    return probabilities_of(evidence_of_costs(costs, effects, rivals.excess, modes))
+    return probabilities_of(evidence_of_costs(costs, effects, rivals.floor))
 
 
 def _widest_draws(fit: Fit) -> Real:

@@ -2,20 +2,26 @@
 
 The records hold thousands of numbers, but a model is wrong in few ways: in the frequency, the damping and the size of
 each of its modes. So what an explanation leaves above the noise, X squares, counts as that of nu = 3 x modes numbers
-with one unknown variance. Its most probable value given, -2 log of the likelihood is nu ln(1 + X / nu), but for a
-constant (profile likelihood of a variance: Seber and Wild, Nonlinear Regression, 1989; model discrepancy: Kennedy and
-O'Hagan, J. R. Stat. Soc. B 63, 2001, 425). Near the noise that is X itself, as under noise alone; far above it only the
-ratio of two X counts.
+with one variance. Before the records that variance is expected to be s2: a model is off by the smallest discrepancy of
+the settings, and an effect by the share of what it does that its model declares as inexact. That expectation counts as
+one number. Then -2 log of the likelihood is (nu + 1) ln(1 + X / (nu + s2)), but for a constant (a variance with a
+scaled inverse chi-square prior: Gelman et al., Bayesian Data Analysis, 2013, ch. 2; model discrepancy: Kennedy and
+O'Hagan, J. R. Stat. Soc. B 63, 2001, 425). Far above s2 only the ratio of two X counts.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
-from modallab.core.arrays import Real
+from modallab.core.arrays import Complex, Real
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.model.fit import Fit, cost_of
-from modallab.gap.search.fitting import excess
+from modallab.gap.model.fit import Fit, all_rows, cost_of
+from modallab.gap.model.forward import forward
+from modallab.gap.search.fitting import excess, without_effect
+from modallab.twin.effects import search_of
 
 NUMBERS_OF_MODE = 3
 """In which a mode of the model may be wrong: frequency, damping ratio, size."""
@@ -23,24 +29,72 @@ NUMBERS_OF_MODE = 3
 
 def evidence(fits: Sequence[Fit]) -> Real:
     """(fits,) -2 log evidence of explanations fitted to the same records, but for a constant; smaller is better."""
-    best = min(fits, key=cost_of)
-    above = excess(best) * np.count_nonzero(best.residual)
     costs, effects = np.array([[f.cost, len(f.problem.candidates)] for f in fits]).T
-    return evidence_of_costs(costs, effects, above, best.problem.free.modes)
+    return evidence_of_costs(costs, effects, RecordsFloor.of(min(fits, key=cost_of)))
 
 
-def evidence_of_costs(costs: Real, effects: Real, above: float, modes: int) -> Real:
+@dataclass(frozen=True, slots=True)
+class RecordsFloor:
+    """What the squares of explanations are compared with.
+
+    Attributes:
+        above: squares above the noise that the best explanation leaves.
+        expected: squares of a number in which the model may be wrong, noise included.
+        numbers: of these.
+    """
+
+    above: float
+    expected: float
+    numbers: int
+
+    @classmethod
+    def of(cls, best: Fit) -> Self:
+        """By the best explanation."""
+        numbers = NUMBERS_OF_MODE * best.problem.free.modes
+        discrepancy = _squares_of_discrepancy(best) + _squares_of_inexact_effects(best)
+        return cls(excess(best) * np.count_nonzero(best.residual), 1 + discrepancy / numbers, numbers)
+
+
+def evidence_of_costs(costs: Real, effects: Real, floor: RecordsFloor) -> Real:
     """(..., explanations) -2 log evidence.
 
     Args:
         costs: (..., explanations) squares that each leaves.
         effects: (explanations,) how many each has.
-        above: squares above the noise that the best of them leaves.
-        modes: of the model, in the band.
+        floor: what they are compared with.
     """
-    numbers = NUMBERS_OF_MODE * modes
-    squares = above + costs - np.min(costs, axis=-1, keepdims=True)
-    return numbers * np.log1p(squares / numbers) + DEFAULT.effect_price * effects
+    squares = floor.above + costs - np.min(costs, axis=-1, keepdims=True)
+    likelihood = (floor.numbers + 1) * np.log1p(squares / (floor.numbers + floor.expected))
+    return likelihood + DEFAULT.effect_price * effects
+
+
+def _squares_of_discrepancy(fit: Fit) -> float:
+    """Squares that the same bench leaves with frequencies, damping ratios and sizes off by the smallest discrepancy."""
+    share, data = DEFAULT.smallest_scale, fit.problem.data
+    twin = replace(fit.problem.twin(fit.u), element=None)
+    beam, answers = twin.structure, forward(twin, data)
+    stiffer = replace(beam, youngs_modulus_pa=beam.youngs_modulus_pa * (1 + 2 * DEFAULT.frequency_share * share))
+    damped = replace(beam, zeta=beam.zeta * (1 + DEFAULT.damping_share * share))
+    moved = [forward(replace(twin, structure=b), data) for b in (stiffer, damped)]
+    sizes = [(1 + share) * y for y in answers]
+    return sum(_squares(data, m, answers) for m in (*moved, sizes))
+
+
+def _squares(data: Reduced, moved: Sequence[Complex], answers: Sequence[Complex]) -> float:
+    """Of what is between two answers, in noise units."""
+    parts = (rows.whiten(m - y) for rows, m, y in zip(all_rows(data), moved, answers, strict=True))
+    return float(sum(np.sum(np.abs(p) ** 2) for p in parts))
+
+
+def _squares_of_inexact_effects(fit: Fit) -> float:
+    """Squares that remain of what the effects do, by what each declares of its own model."""
+    found = 0.0
+    for which, candidate in enumerate(fit.problem.candidates):
+        inexact = search_of(candidate.effect).inexact
+        if inexact:
+            problem, u = without_effect(fit.problem, fit.u, which)
+            found += inexact**2 * float(np.sum((problem.residual(u) - fit.residual) ** 2))
+    return found
 
 
 def probabilities_of(minus_two_logs: Real) -> Real:
