@@ -59,7 +59,7 @@ class StepwiseSelection:
         self._view, self._coarse = (View.of(bench.points, d, settings) for d in (bench.thin, sparse(bench.thin)))
         problem = Problem(bench.data, bench.free, base.problem.candidates)
         self._here = improved_posterior(self._view, problem, base.u, 12)
-        self.finished = base.gap <= bench.watched and self._sound(base)
+        self.finished = base.gap <= bench.flat and self._sound(base)
 
     def rounds(self, most: int | None = None) -> list[Level]:
         """All levels after at most so many rounds in all, fewer where no further effect is worth its price."""
@@ -99,7 +99,7 @@ class StepwiseSelection:
 
     def _explained(self, fitted: list[tuple[Posterior, Fit]]) -> bool:
         """Whether one of these leaves nothing but noise: no other can explain more."""
-        return any(fit.gap <= self.bench.watched and self._sound(fit) for _, fit in fitted)
+        return any(fit.gap <= self.bench.flat and self._sound(fit) for _, fit in fitted)
 
     def _sound(self, fit: Fit) -> bool:
         """Whether beam and assembly are within tolerance, and the generator's lines show no other clock."""

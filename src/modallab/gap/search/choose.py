@@ -36,11 +36,6 @@ twin's, and what it leaves is stated as discrepancy."""
 AT_FLOOR = 1.15
 """Rms residual that counts as the floor."""
 
-PLAIN = 1000.0
-"""Squares of noise units that a small effect must take away: on sound benches some model takes up to 250."""
-PLAIN_LEAVES = 0.1
-"""Share of a small gap that it may leave."""
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Choice:
@@ -83,7 +78,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
     """
     base = levels[0].base
     plain = base.gap <= bench.flat and (within_tolerances(base) or not bench.free.deviations)
-    if plain and not _small_but_plain(levels) and not _clock_alone(bench, levels):
+    if plain and not _clock_alone(bench, levels):
         return Choice(base, base, (), True, True)
     rivals = sorted((f for level in levels for f in level.fits), key=cost_of)
     listed = [base, *rivals]
@@ -180,14 +175,6 @@ def _that_matters(choice: Choice, held: Reduced, shown: bool) -> Choice:
         base = min(choice.base, fit, key=lambda f: f.cost)
         return Choice(base, base, choice.rivals, True, True, tuple(dismissed))
     return replace(choice, fit=fit, dismissed=tuple(dismissed))
-
-
-def _small_but_plain(levels: list[Level]) -> bool:
-    """Whether one effect takes nearly all of a small gap away, by far more than the model's own error could."""
-    if not levels[0].fits:
-        return False
-    base, best = levels[0].base, levels[0].fits[0]
-    return base.cost - best.cost > PLAIN and excess(best) < PLAIN_LEAVES * excess(base)
 
 
 def _clock_alone(bench: Bench, levels: list[Level]) -> bool:
