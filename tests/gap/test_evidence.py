@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.gap.inference.evidence import RecordsFloor, evidence_of_costs, probabilities_of
+from modallab.gap.inference.evidence import RecordsFloor, likelihood, probabilities_of
 from modallab.gap.inference.settings import DEFAULT
 
 MODES = 7
@@ -11,7 +11,7 @@ NUMBERS = 3 * MODES
 
 
 def difference(costs: tuple[float, float], floor: RecordsFloor) -> float:
-    first, second = evidence_of_costs(np.array(costs), np.zeros(2), floor)
+    first, second = likelihood(np.array(costs), floor)
     return float(second - first)
 
 
@@ -32,8 +32,7 @@ def test_no_effect_is_worth_its_price_that_takes_away_what_a_model_is_expected_t
     assert difference((2e4, 2e4 + 2 * floor.expected), floor) > DEFAULT.effect_price
 
 
-def test_an_effect_more_costs_odds_of_four_hundred():
-    floor = RecordsFloor(above=0.0, expected=1.0, numbers=NUMBERS)
-    one, two = probabilities_of(evidence_of_costs(np.array([5.0, 5.0]), np.array([1.0, 2.0]), floor))
+def test_probabilities_are_those_of_all_explanations_together():
+    one, two = probabilities_of(np.array([5.0, 5.0 + DEFAULT.effect_price]))
     assert one / two == pytest.approx(np.exp(DEFAULT.effect_price / 2))
     assert one + two == pytest.approx(1.0)

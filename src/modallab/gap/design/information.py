@@ -17,7 +17,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import Explanation
-from modallab.gap.inference.evidence import RecordsFloor, evidence_of_costs, probabilities_of
+from modallab.gap.inference.evidence import RecordsFloor, likelihood, prior_of, probabilities_of
 from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.minimise import jacobian
 
@@ -148,8 +148,9 @@ def apart_by_row(rivals: RivalExplanations, columns: Real) -> Real:
 
 def probabilities_of_rivals(rivals: RivalExplanations, costs: Real) -> Real:
     """(..., explanations) probabilities, as a diagnosis of all records would give them, of squares left of all."""
-    effects = np.array([len(r.effects) for r in rivals.listed])
-    return probabilities_of(evidence_of_costs(costs, effects, rivals.floor))
+    fits = [r.fit for r in rivals.listed]
+    squares = costs - np.array([f.problem.priors(f.u)[0] for f in fits])
+    return probabilities_of(np.array([prior_of(f) for f in fits]) + likelihood(squares, rivals.floor))
 
 
 def _widest_draws(fit: Fit) -> Real:

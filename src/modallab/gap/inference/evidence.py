@@ -4,7 +4,7 @@ The records hold thousands of numbers, but a model is wrong in few ways: in the 
 each of its modes. So what an explanation leaves above the noise, X squares, counts as that of nu = 3 x modes numbers
 with one variance. Before the records that variance is expected to be s2: a model is off by the smallest discrepancy of
 the settings, and an effect by the share of what it does that its model declares as inexact. That expectation counts as
-one number. Then -2 log of the likelihood is (nu + 1) ln(1 + X / (nu + s2)), but for a constant (a variance with a
+one number. Then -2 log likelihood is (nu + 1) ln(1 + X / (nu + s2)), but for a constant (a variance with a
 scaled inverse chi-square prior: Gelman et al., Bayesian Data Analysis, 2013, ch. 2; model discrepancy: Kennedy and
 O'Hagan, J. R. Stat. Soc. B 63, 2001, 425). Far above s2 only the ratio of two X counts.
 """
@@ -18,9 +18,9 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.model.fit import Fit, all_rows, cost_of
+from modallab.gap.model.fit import Fit, all_rows
 from modallab.gap.model.forward import forward
-from modallab.gap.search.fitting import excess, without_effect
+from modallab.gap.search.fitting import without_effect
 from modallab.twin.effects import search_of
 
 NUMBERS_OF_MODE = 3
@@ -29,8 +29,14 @@ NUMBERS_OF_MODE = 3
 
 def evidence(fits: Sequence[Fit]) -> Real:
     """(fits,) -2 log evidence of explanations fitted to the same records, but for a constant; smaller is better."""
-    costs, effects = np.array([[f.cost, len(f.problem.candidates)] for f in fits]).T
-    return evidence_of_costs(costs, effects, RecordsFloor.of(min(fits, key=cost_of)))
+    before = np.array([prior_of(f) for f in fits])
+    squares = np.array([f.cost - f.problem.priors(f.u)[0] for f in fits])
+    return before + likelihood(squares, RecordsFloor.of(fits[int(np.argmin(squares))]))
+
+
+def prior_of(fit: Fit) -> float:
+    """-2 log prior of an explanation: of its beam and assembly, and the price of each effect."""
+    return fit.problem.priors(fit.u)[0] + DEFAULT.effect_price * len(fit.problem.candidates)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,20 +58,19 @@ class RecordsFloor:
         """By the best explanation."""
         numbers = NUMBERS_OF_MODE * best.problem.free.modes
         discrepancy = _squares_of_discrepancy(best) + _squares_of_inexact_effects(best)
-        return cls(excess(best) * np.count_nonzero(best.residual), 1 + discrepancy / numbers, numbers)
+        above = max(float(best.residual @ best.residual) - np.count_nonzero(best.residual), 0.0)
+        return cls(above, 1 + discrepancy / numbers, numbers)
 
 
-def evidence_of_costs(costs: Real, effects: Real, floor: RecordsFloor) -> Real:
-    """(..., explanations) -2 log evidence.
+def likelihood(squares: Real, floor: RecordsFloor) -> Real:
+    """(..., explanations) -2 log likelihood of explanations.
 
     Args:
-        costs: (..., explanations) squares that each leaves.
-        effects: (explanations,) how many each has.
+        squares: (..., explanations) of the records' residuals, in noise units.
         floor: what they are compared with.
     """
-    squares = floor.above + costs - np.min(costs, axis=-1, keepdims=True)
-    likelihood = (floor.numbers + 1) * np.log1p(squares / (floor.numbers + floor.expected))
-    return likelihood + DEFAULT.effect_price * effects
+    above = floor.above + squares - np.min(squares, axis=-1, keepdims=True)
+    return (floor.numbers + 1) * np.log1p(above / (floor.numbers + floor.expected))
 
 
 def _squares_of_discrepancy(fit: Fit) -> float:
