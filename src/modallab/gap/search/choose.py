@@ -65,6 +65,11 @@ class Choice:
         """The twin with what is judged present: what does not explain the gap is none of it."""
         return self.fit if self.explained else self.base
 
+    @property
+    def named(self) -> tuple[Fit, ...]:
+        """All explanations by effects of the catalogue, the most probable first."""
+        return (self.fit, *self.rivals) if self.fit.problem.candidates else self.rivals
+
 
 def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unseen: Reduced | None = None) -> Choice:
     """Keep the effects without which the gap comes back, and say whether they explain it.
