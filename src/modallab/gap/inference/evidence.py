@@ -25,18 +25,44 @@ from modallab.twin.effects import search_of
 
 NUMBERS_OF_MODE = 3
 """In which a mode of the model may be wrong: frequency, damping ratio, size."""
+WEIGHTS = np.geomspace(1.0, 1e-6, 13)
+"""Weights of the records' squares that are tried beside those of the tolerances."""
+TINY = 1e-12
+"""Curvature of a number that neither records nor tolerances determine."""
 
 
 def evidence(fits: Sequence[Fit]) -> Real:
     """(fits,) -2 log evidence of explanations fitted to the same records, but for a constant; smaller is better."""
-    before = np.array([prior_of(f) for f in fits])
-    squares = np.array([f.cost - f.problem.priors(f.u)[0] for f in fits])
-    return before + likelihood(squares, RecordsFloor.of(fits[int(np.argmin(squares))]))
+    balanced = [balanced_squares(f) for f in fits]
+    records = np.array([squares for squares, _ in balanced])
+    floor = RecordsFloor.of(fits[int(np.argmin(records[:, 0]))])
+    effects = np.array([len(f.problem.candidates) for f in fits])
+    totals = likelihood(records, floor) + np.array([deviations for _, deviations in balanced])
+    return np.min(totals, axis=1) + DEFAULT.effect_price * effects
 
 
-def prior_of(fit: Fit) -> float:
-    """-2 log prior of an explanation: of its beam and assembly, and the price of each effect."""
-    return fit.problem.priors(fit.u)[0] + DEFAULT.effect_price * len(fit.problem.candidates)
+def balanced_squares(fit: Fit) -> tuple[Real, Real]:
+    """(weights,) squares of the records and of the tolerances' deviations, as the records count for less and less.
+
+    A fit trades one for the other at par. Where the model is wrong the records count for less, and no bench would have
+    to be that far off its tolerances: to first order about the fit.
+    """
+    records, (deviations, pull, stiffness) = fit.cost, fit.problem.priors(fit.u)
+    records -= deviations
+    curvature, n = fit.normal.copy(), len(pull)
+    own = np.arange(n)
+    curvature[own, own] -= stiffness
+    found = []
+    for weight in WEIGHTS:
+        held = weight * curvature
+        held[own, own] += stiffness
+        held[np.diag_indices(len(held))] += TINY
+        force = np.concatenate([-(1 - weight) * pull, np.zeros(len(held) - n)])
+        step = np.linalg.solve(held, force)
+        more = float(step @ curvature @ step) - 2 * float(pull @ step[:n])
+        found.append((records + max(more, 0.0), fit.problem.priors(fit.u + step)[0]))
+    squares, off = np.array(found).T
+    return squares, off
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +70,13 @@ class RecordsFloor:
     """What the squares of explanations are compared with.
 
     Attributes:
-        above: squares above the noise that the best explanation leaves.
+        least: squares that the best explanation leaves.
+        above: of these above the noise.
         expected: squares of a number in which the model may be wrong, noise included.
         numbers: of these.
     """
 
+    least: float
     above: float
     expected: float
     numbers: int
@@ -58,18 +86,14 @@ class RecordsFloor:
         """By the best explanation."""
         numbers = NUMBERS_OF_MODE * best.problem.free.modes
         discrepancy = _squares_of_discrepancy(best) + _squares_of_inexact_effects(best)
-        above = max(float(best.residual @ best.residual) - np.count_nonzero(best.residual), 0.0)
-        return cls(above, 1 + discrepancy / numbers, numbers)
+        least = float(best.residual @ best.residual)
+        above = max(least - np.count_nonzero(best.residual), 0.0)
+        return cls(least, above, 1 + discrepancy / numbers, numbers)
 
 
 def likelihood(squares: Real, floor: RecordsFloor) -> Real:
-    """(..., explanations) -2 log likelihood of explanations.
-
-    Args:
-        squares: (..., explanations) of the records' residuals, in noise units.
-        floor: what they are compared with.
-    """
-    above = floor.above + squares - np.min(squares, axis=-1, keepdims=True)
+    """-2 log likelihood of explanations that leave these squares, in noise units; in any shape."""
+    above = floor.above + squares - floor.least
     return (floor.numbers + 1) * np.log1p(above / (floor.numbers + floor.expected))
 
 
