@@ -111,12 +111,6 @@ def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
     return after < held.rig.tolerance.response and after**2 <= (1 - needed) * before**2
 
 
-def earns_its_price(before: Fit, fit: Fit) -> bool:
-    """Whether a fit is the more probable for what it has more than another."""
-    first, second = evidence([before, fit])
-    return bool(second < first)
-
-
 def _without_law(fit: Fit) -> Fit:
     """The fit without its effect that is stepped in time: a law may be wrong by a share of what it does itself."""
     return refitted_without(fit, next(k for k, c in enumerate(fit.problem.candidates) if not kind_of(c.effect).linear))
