@@ -42,13 +42,13 @@ def evidence(fits: Sequence[Fit]) -> Real:
 
 
 def balanced_squares(fit: Fit) -> tuple[Real, Real]:
-    """(weights,) squares of the records and of the tolerances' deviations, as the records count for less and less.
+    """(weights,) squares of the records, and of tolerances and clock, as the records count for less and less.
 
     A fit trades one for the other at par. Where the model is wrong the records count for less, and no bench would have
     to be that far off its tolerances: to first order about the fit.
     """
-    records, (deviations, pull, stiffness) = fit.cost, fit.problem.priors(fit.u)
-    records -= deviations
+    clock, (deviations, pull, stiffness) = squares_of_clock(fit), fit.problem.priors(fit.u)
+    records = fit.cost - deviations - clock
     curvature, n = fit.normal.copy(), len(pull)
     own = np.arange(n)
     curvature[own, own] -= stiffness
@@ -60,9 +60,14 @@ def balanced_squares(fit: Fit) -> tuple[Real, Real]:
         force = np.concatenate([-(1 - weight) * pull, np.zeros(len(held) - n)])
         step = np.linalg.solve(held, force)
         more = float(step @ curvature @ step) - 2 * float(pull @ step[:n])
-        found.append((records + max(more, 0.0), fit.problem.priors(fit.u + step)[0]))
+        found.append((records + max(more, 0.0), fit.problem.priors(fit.u + step)[0] + clock))
     squares, off = np.array(found).T
     return squares, off
+
+
+def squares_of_clock(fit: Fit) -> float:
+    """What the generator's lines say against the clock of a fit: no error of the beam's model makes them."""
+    return float(fit.residual[-1] ** 2) if fit.problem.data.sines is not None else 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +91,7 @@ class RecordsFloor:
         """By the best explanation."""
         numbers = NUMBERS_OF_MODE * best.problem.free.modes
         discrepancy = _squares_of_discrepancy(best) + _squares_of_inexact_effects(best)
-        least = float(best.residual @ best.residual)
+        least = float(best.residual @ best.residual) - squares_of_clock(best)
         above = max(least - np.count_nonzero(best.residual), 0.0)
         return cls(least, above, 1 + discrepancy / numbers, numbers)
 
