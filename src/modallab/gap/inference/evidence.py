@@ -47,22 +47,22 @@ def balanced_squares(fit: Fit) -> tuple[Real, Real]:
     A fit trades one for the other at par. Where the model is wrong the records count for less, and no bench would have
     to be that far off its tolerances: to first order about the fit.
     """
-    clock, (deviations, pull, stiffness) = squares_of_clock(fit), fit.problem.priors(fit.u)
-    records = fit.cost - deviations - clock
-    curvature, n = fit.normal.copy(), len(pull)
-    own = np.arange(n)
-    curvature[own, own] -= stiffness
-    found = []
-    for weight in WEIGHTS:
-        held = weight * curvature
-        held[own, own] += stiffness
-        held[np.diag_indices(len(held))] += TINY
-        force = np.concatenate([-(1 - weight) * pull, np.zeros(len(held) - n)])
-        step = np.linalg.solve(held, force)
-        more = float(step @ curvature @ step) - 2 * float(pull @ step[:n])
-        found.append((records + max(more, 0.0), fit.problem.priors(fit.u + step)[0] + clock))
-    squares, off = np.array(found).T
-    return squares, off
+    clock, (deviations, pull, _) = squares_of_clock(fit), fit.problem.priors(fit.u)
+    curvature, steps = _steps_back(fit)
+    more = np.einsum("wi,ij,wj->w", steps, curvature, steps) - 2 * steps[:, : len(pull)] @ pull
+    off = np.array([fit.problem.priors(fit.u + step)[0] for step in steps])
+    return fit.cost - deviations - clock + np.maximum(more, 0.0), off + clock
+
+
+def _steps_back(fit: Fit) -> tuple[Real, Real]:
+    """(u, u) curvature of the records' squares, and (weights, u) where a fit goes if they count for less."""
+    _, pull, stiffness = fit.problem.priors(fit.u)
+    rest = np.zeros(len(fit.u) - len(pull))
+    tolerances = np.diag(np.concatenate([stiffness, rest]))
+    curvature = fit.normal - tolerances
+    held = WEIGHTS[:, None, None] * curvature + tolerances + TINY * np.eye(len(fit.u))
+    back = -(1 - WEIGHTS[:, None]) * np.concatenate([pull, rest])
+    return curvature, np.linalg.solve(held, back[..., None])[..., 0]
 
 
 def squares_of_clock(fit: Fit) -> float:
