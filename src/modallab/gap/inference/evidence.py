@@ -41,6 +41,12 @@ def evidence(fits: Sequence[Fit]) -> Real:
     return np.min(totals, axis=1) + DEFAULT.effect_price * effects
 
 
+def more_probable(fit: Fit, than: Fit) -> bool:
+    """Whether an explanation is more probable than another of the same records."""
+    own, other = evidence([fit, than])
+    return bool(own < other)
+
+
 def balanced_squares(fit: Fit) -> tuple[Real, Real]:
     """(weights,) squares of the records, and of tolerances and clock, as the records count for less and less.
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.progress import report_progress
+from modallab.gap.inference.evidence import more_probable
 from modallab.gap.inference.posterior import Key, Posterior, improved_posterior, key_of
 from modallab.gap.inference.score_test import ScoreTest
 from modallab.gap.inference.screen import Screen, ScreenedStart
@@ -62,7 +63,7 @@ class StepwiseSelection:
         self.finished = base.gap <= bench.flat and self._sound(base)
 
     def rounds(self, most: int | None = None) -> list[Level]:
-        """All levels after at most so many rounds in all, fewer where no further effect is worth its price."""
+        """All levels after at most so many rounds in all, fewer where one more makes no explanation more probable."""
         most = self.settings.most_effects if most is None else most
         while not self.finished and len(self.levels) < most:
             self._round()
@@ -86,16 +87,12 @@ class StepwiseSelection:
         if fitted and not self._explained(fitted):
             fitted += self._exchanged(min(fitted, key=_score), {f.key for f, _ in fitted})
         fitted.sort(key=_score)
-        if not fitted or self._gain(*fitted[0]) < self.settings.effect_price:
+        if not fitted or not more_probable(fitted[0][1], self.best):
             self.finished = True
             return
         self.levels.append(Level(self.best, tuple(fit for _, fit in fitted)))
         self._here, self.best = fitted[0]
         self.finished = self.best.gap <= self.bench.flat and self._sound(self.best)
-
-    def _gain(self, posterior: Posterior, fit: Fit) -> float:
-        """What an explanation gains, -2 log evidence under noise alone: another effect may be missing yet."""
-        return _score((self._here, self.best)) - _score((posterior, fit))
 
     def _explained(self, fitted: list[tuple[Posterior, Fit]]) -> bool:
         """Whether one of these leaves nothing but noise: no other can explain more."""
