@@ -12,7 +12,7 @@ from modallab.cli import main
 from modallab.core.units import Quantity
 from modallab.formats.frf_file import bare_rig
 from modallab.formats.rig.rig_file import write_rig
-from modallab.modification.attachments import Element
+from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
 from modallab.modification.coupled import Coupled
 from modallab.modification.known import KnownStructure
 from modallab.modification.participation import modal_participation
@@ -32,6 +32,24 @@ def test_a_mass_moves_modes_as_from_python(models: Path, tmp_path: Path, capsys:
     expected = KnownStructure(BARE.model()).with_changes([Element(3, mass=0.4)]).modes.frequency_hz
     np.testing.assert_allclose(json.loads(answer.read_text())["frequency_hz"], expected)
     assert "mass 0.4 kg at 3" in capsys.readouterr().out
+
+
+def test_several_changes_act_at_once(models: Path, tmp_path: Path) -> None:
+    answer = tmp_path / "answer.json"
+    masses = ["--mass", "0.4", "0.2", "--spring", "900", "--at", "3", "1"]
+    more = ["--absorber", "2", "0.1", "9", "5", "--absorber", "4", "0.05", "20", "5", "--ground", "4"]
+    assert main(["model", "modify", str(models), *masses, *more, "--json", str(answer)]) == 0
+    hung = [Element(3, mass=0.4, spring=900), Element(1, mass=0.2, spring=900)]
+    absorbers = [TunedAbsorber(2, 0.1, 9, 0.05), TunedAbsorber(4, 0.05, 20, 0.05)]
+    expected = KnownStructure(BARE.model()).with_changes([*hung, *absorbers, RigidLink(4)]).modes.frequency_hz
+    np.testing.assert_allclose(json.loads(answer.read_text())["frequency_hz"], expected)
+
+
+def test_sizes_that_are_neither_one_nor_one_for_each_point_are_rejected(
+    models: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["model", "modify", str(models), "--mass", "0.4", "0.2", "--at", "1", "2", "3"]) != 0
+    assert "one for each point" in capsys.readouterr().err
 
 
 def test_a_prediction_stands_beside_what_was_measured(

@@ -256,6 +256,15 @@ def test_a_model_without_a_driving_point_knows_measured_pairs_and_says_how_to_ge
             of_all()
 
 
+@pytest.mark.parametrize(("name", "there"), [("mass", BARE.mass), ("spring", BARE.stiffness)])
+def test_no_more_can_be_taken_away_than_there_is(name: str, there: np.ndarray) -> None:
+    # At a point there is what leaves the matrix positive definite.
+    most, known = 1 / np.linalg.inv(there)[2, 2], KnownStructure(BARE.model())
+    assert known.with_changes([Element(3, **{name: -0.99 * most})]).modes.frequency_hz.size
+    with pytest.raises(DataError, match="more than the structure has there"):
+        known.with_changes([Element(3, **{name: -1.01 * most})])
+
+
 def test_a_point_that_the_model_does_not_know_is_named_with_those_it_knows() -> None:
     with pytest.raises(DataError, match="1, 2, 3, 4"):
         KnownStructure(BARE.model()).with_changes([Element(9, mass=0.1)])
@@ -295,8 +304,9 @@ def test_a_frequency_out_of_reach_has_no_answer_and_says_what_is_in_reach() -> N
 
 def test_the_best_absorber_of_a_structure_of_one_mode_is_den_hartogs() -> None:
     one = KnownStructure(Chain.of([2.0], [1e4, 0.0], damping=1e-9).model())
-    absorber, before, after, *_ = best_absorber(one, 1, 1, 0.1)
+    absorber, found_ratio, before, after, *_ = best_absorber(one, 1, 1, 0.1)
     ratio, own = 0.05, float(np.sqrt(1e4 / 2) / (2 * np.pi))
+    assert found_ratio == pytest.approx(ratio)
     # Of the mobility the best tuning lies between those of receptance and inertance, 1 / (1 + mu) and 1 / sqrt(1 + mu).
     assert 1 / (1 + ratio) < absorber.frequency_hz / own < 1 / np.sqrt(1 + ratio)
     np.testing.assert_allclose(absorber.damping_ratio, np.sqrt(3 * ratio / (8 * (1 + ratio))), rtol=0.05)

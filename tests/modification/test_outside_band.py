@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from chain import BARE, Chain
 from scipy.linalg import eigh
 
+from modallab.modification.attachments import Element
+from modallab.modification.known import KnownStructure
 from modallab.modification.outside_band import SQUARES, complete_residuals, draw_residuals
 
 POINTS, WITHIN = 30, 10
@@ -46,3 +49,28 @@ def test_samples_have_the_expected_mean_and_deviation(sign: float) -> None:
     np.testing.assert_allclose(many.mean(axis=0), np.diag(alone[0]), atol=0.06)
     np.testing.assert_allclose(np.diagonal(many.std(axis=0)), np.abs(alone[0]), rtol=0.03)
     assert np.all(sign * np.linalg.eigvalsh(many[:100])[:, [0, -1]] > -1e-9)
+
+
+def test_a_term_that_makes_no_whole_mode_below_the_band_does_not_act_on_what_is_hung_there() -> None:
+    """A tenth of a mode, as a fit leaves it: below the lowest mode it would be most of the compliance."""
+    held = BARE.model(driven=(1, 3))
+    left = 0.1 * np.mean(held.modal_constants.real, axis=0)
+    found = KnownStructure(held.model_copy(update={"residuals": left[None], "residual_powers": (-2,)}))
+    added = [Element(1, spring=2e4), Element(4, mass=0.3)]
+    expected = KnownStructure(held).with_changes(added).modes.frequency_hz
+    np.testing.assert_allclose(found.with_changes(added).modes.frequency_hz, expected, rtol=1e-12)
+
+
+def test_a_structure_that_hangs_free_keeps_the_term_of_the_modes_below_the_band() -> None:
+    free = Chain.of([1.0, 2.0, 1.5, 1.0], [1e-3, 2e4, 3e4, 2e4, 0.0])
+    whole = free.model(driven=(1, 3))
+    above = {
+        name: getattr(whole, name)[1:]
+        for name in ("frequency_hz", "damping_ratio", "frequency_sigma_hz", "damping_sigma", "modal_constants",
+                     "modal_constant_sigma", "half_power", "half_power_floor")
+    }  # fmt: skip
+    rigid = {"residuals": whole.modal_constants.real[:1], "residual_powers": (-2,)}
+    found = KnownStructure(whole.model_copy(update=above | rigid)).with_changes([Element(3, mass=0.4)])
+    heavier = Chain(free.mass + np.diag([0, 0, 0.4, 0]), free.damping, free.stiffness)
+    expected = np.abs(heavier.poles()[-3:]) / (2 * np.pi)
+    np.testing.assert_allclose(found.modes.frequency_hz[-3:], expected, rtol=1e-6)

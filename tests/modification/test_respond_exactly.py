@@ -5,9 +5,13 @@ import pytest
 from chain import BARE
 from scipy import signal
 
+from modallab.core.documents.forces import ForceKind, SineForce, SweepForce
+from modallab.core.errors import DataError
 from modallab.core.model import ScaleUncertainty
 from modallab.core.units import Quantity
+from modallab.modification.forces import force_samples
 from modallab.modification.known import KnownStructure
+from modallab.modification.motion import MotionOverTime
 
 DT = 1 / 512
 N = 2048
@@ -58,6 +62,24 @@ def test_a_band_limited_force_is_exact_between_the_samples_of_a_coarse_rate() ->
     np.testing.assert_allclose(found, coarse, rtol=0, atol=1e-4 * np.abs(coarse).max())
     straight = KNOWN.response(burst[None, ::fine], DT, [1], [1, 2, 3, 4], between="linear")
     assert np.linalg.norm(straight - coarse) > 50 * np.linalg.norm(found - coarse)
+
+
+@pytest.mark.parametrize(
+    "force",
+    [SineForce(frequency_hz=256, amplitude_n=1), SweepForce(from_hz=300, to_hz=3, amplitude_n=1)],
+    ids=["sine", "sweep"],
+)
+def test_steps_that_cannot_hold_a_sine_are_rejected(force: ForceKind) -> None:
+    """Its samples would be those of a slower one."""
+    with pytest.raises(DataError, match="hold no sine"):
+        force_samples(force, DT, N)
+
+
+def test_what_of_a_force_is_outside_the_band_is_stated() -> None:
+    high, t = KNOWN.model.band_hz[1], DT * np.arange(N)
+    inside, outside = (np.sin(2 * np.pi * round(hz * N * DT) / (N * DT) * t) for hz in (high / 2, 2 * high))
+    found = MotionOverTime.of(KNOWN, inside + 0.5 * outside, DT, [1], [3])
+    assert found.outside == pytest.approx(0.25 / 1.25)
 
 
 def test_with_a_mass_the_response_is_that_of_the_heavier_structure() -> None:

@@ -46,6 +46,20 @@ def test_at_a_natural_frequency_its_mode_makes_the_response() -> None:
     assert parts((hz, hz)).share[1] == pytest.approx(1, abs=0.05)
 
 
+def test_the_deviation_of_averaged_frfs_is_that_of_repeated_tests() -> None:
+    """Five hits with noise on the response, measured again and again."""
+    rng, hits, times = np.random.default_rng(3), 5, 4000
+    answers = 0.3 + 0.4j + 0.1 * rng.standard_normal((times, hits, 2)) @ [1, 1j]
+    mean = answers.mean(axis=1)
+    coherence = np.abs(mean) ** 2 / np.mean(np.abs(answers) ** 2, axis=1)
+    lines = np.arange(1.0, times + 1)
+    frf = Frf(lines, mean[None, None], "mobility", ("a",), (1,), (1,), coherence[None, None], averages=(hits,))
+    found = [operating_deflection(frf, ((1, "z"),), hz, 1).sigma[0] for hz in lines[:200]]
+    assert np.sqrt(np.mean(np.square(found))) == pytest.approx(np.std(mean), rel=0.1)
+    once = Frf(lines, mean[None, None], "mobility", ("a",), (1,), (1,), np.ones((1, 1, times)), averages=(1,))
+    assert np.isnan(operating_deflection(once, ((1, "z"),), 3.0, 1).sigma[0])
+
+
 def test_shares_at_an_instant_after_a_hit_are_those_of_the_free_motion() -> None:
     t, n, model = 0.037, 4, BARE.model()
     omega, zeta = 2 * np.pi * model.frequency_hz, model.damping_ratio

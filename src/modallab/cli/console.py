@@ -43,12 +43,8 @@ def write_json(path: Path, document: object) -> None:
 
 def show_rows(arguments: argparse.Namespace, rows: "TableRows") -> None:
     """Print a table, and beneath it what is to be said."""
-    from rich.markup import escape
-    from rich.table import Table
+    from modallab.reporting.table import plain_table
 
-    table = Table(*map(escape, rows.headings), box=None, pad_edge=False)
-    for row in rows.rows:
-        table.add_row(*map(escape, row))
     console = console_of(arguments)
-    console.print(table)
+    console.print(plain_table(rows.headings, rows.rows))
     console.print(rows.caption, markup=False, highlight=False)

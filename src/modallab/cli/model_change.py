@@ -54,16 +54,24 @@ def _show_changed(known: KnownStructure, changes: Sequence[AttachedPart], argume
 
 def _changes(arguments: argparse.Namespace) -> Iterator[AttachedPart]:
     a = arguments
-    if a.mass or a.spring or a.damper:
-        if a.at is None:
-            raise ConfigurationError("the point of the change is missing", remedy="add --at POINT")
-        yield Element(a.at, a.to, a.mass, a.spring, a.damper)
-    if a.absorber:
-        point, mass, hz, percent = a.absorber
+    for name in ("mass", "spring", "damper"):
+        yield from _elements(name, getattr(a, name), a.at, a.to)
+    for point, mass, hz, percent in a.absorber:
         yield TunedAbsorber(int(point), mass, hz, percent / 100)
-    yield from (RigidLink(point) for point in a.ground or ())
-    if a.link:
-        yield RigidLink(*a.link)
+    yield from (RigidLink(point) for point in a.ground)
+    yield from (RigidLink(*pair) for pair in a.link)
+
+
+def _elements(name: str, sizes: list[float], at: list[int], to: int | None) -> Iterator[Element]:
+    """One size hangs at every point; several at a point each."""
+    if sizes and not at:
+        raise ConfigurationError("the point of the change is missing", remedy="add --at POINT")
+    if len(sizes) > 1 and len(sizes) != len(at):
+        raise ConfigurationError(
+            f"{len(sizes)} sizes of a {name} for {len(at)} points", remedy="give one size, or one for each point"
+        )
+    each = sizes * len(at) if len(sizes) == 1 else sizes
+    yield from (Element(point, to, **{name: size}) for point, size in zip(at, each, strict=False))
 
 
 def tune(known: KnownStructure, arguments: argparse.Namespace) -> None:
@@ -94,5 +102,5 @@ def absorber(known: KnownStructure, arguments: argparse.Namespace) -> None:
     found = best_absorber(known, arguments.mode, arguments.at, arguments.mass)
     show_rows(arguments, absorber_rows(found, arguments.mode))
     if arguments.json is not None:
-        peaks = {k: v for k, v in found._asdict().items() if k != "absorber"}
-        write_json(arguments.json, asdict(found.absorber) | {f"peak_{k}": v for k, v in peaks.items()})
+        peaks = {f"peak_{k}": v for k, v in found._asdict().items() if k not in ("absorber", "mass_ratio")}
+        write_json(arguments.json, asdict(found.absorber) | {"mass_ratio": found.mass_ratio} | peaks)

@@ -47,21 +47,32 @@ def _state_space(actions: Commands) -> Any:
 
 def _modify(actions: Commands) -> Any:
     command = actions.add_parser("modify", help="the modes with masses, springs, dampers, absorbers or links added")
-    command.add_argument("--at", type=int, metavar="POINT", help="of --mass, --spring and --damper")
+    command.add_argument(
+        "--at", type=int, nargs="+", default=[], metavar="POINT", help="of --mass, --spring and --damper, each at all"
+    )
     command.add_argument("--to", type=int, metavar="POINT", help="other end of spring and damper (default: ground)")
-    command.add_argument("--mass", type=float, default=0.0, metavar="KG", help="below 0: taken away")
-    command.add_argument("--spring", type=float, default=0.0, metavar="N/M", help="stiffness")
-    command.add_argument("--damper", type=float, default=0.0, metavar="NS/M", help="viscous damping")
+    for name, unit, said in (
+        ("mass", "KG", "below 0: taken away; several: one for each point"),
+        ("spring", "N/M", "stiffness"),
+        ("damper", "NS/M", "viscous damping"),
+    ):
+        command.add_argument(f"--{name}", type=float, nargs="+", default=[], metavar=unit, help=said)
     command.add_argument(
         "--absorber",
         nargs=4,
         type=float,
+        action="append",
+        default=[],
         metavar=("POINT", "KG", "HZ", "PERCENT"),
-        help="its mass, natural frequency, damping ratio",
+        help="its mass, natural frequency, damping ratio; repeat it for several",
     )
-    command.add_argument("--ground", type=int, nargs="+", metavar="POINT", help="points that no longer move")
+    command.add_argument(
+        "--ground", type=int, nargs="+", default=[], metavar="POINT", help="points that no longer move"
+    )
     _add_check(command)
-    command.add_argument("--link", type=int, nargs=2, metavar="POINT", help="two points that move as one")
+    command.add_argument(
+        "--link", type=int, nargs=2, action="append", default=[], metavar="POINT", help="two points that move as one"
+    )
     return command
 
 

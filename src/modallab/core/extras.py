@@ -24,7 +24,8 @@ EXTRAS = {
 
 def how_to_install(package: str) -> str:
     """How a package that is missing is installed."""
-    return f"pip install 'modallab[{EXTRAS[package]}]'"
+    extra = EXTRAS.get(package)
+    return f"pip install 'modallab[{extra}]'" if extra else f"pip install {package}"
 
 
 def require_package(package: str, purpose: str) -> None:

@@ -251,3 +251,28 @@ def merge_attachments(attachments: Sequence[AttachedPart]) -> tuple[AttachedPart
             sums[a.at, a.to] = before[0] + a.mass, before[1] + a.spring, before[2] + a.damper
     elements = [Element(at, to, *values) for (at, to), values in sums.items() if any(values)]
     return (*elements, *(a for a in attachments if not isinstance(a, Element)))
+
+
+def require_enough_left(structure: Structure, attachments: Sequence[AttachedPart]) -> None:
+    """Reject masses and springs that cannot have been part of the structure.
+
+    Whatever is taken away of a passive structure, its mass and stiffness stay positive definite, in its modes too.
+
+    Raises:
+        DataError: more is taken away than there is.
+    """
+    elements = [a for a in attachments if isinstance(a, Element)]
+    # What else hangs there brings mass and stiffness of its own.
+    if not elements or len(elements) < len(attachments):
+        return
+    phi = np.real(structure.psi * np.sqrt(2j * structure.poles.imag)[:, None])
+    at = np.concatenate([phi @ a.links(structure) for a in elements], axis=1)
+    for name, felt in (("mass", at), ("spring", at / np.abs(structure.poles)[:, None])):
+        sizes = np.array([getattr(a, name) for a in elements])
+        if np.linalg.eigvalsh(np.eye(len(felt)) + (felt * sizes) @ felt.T)[0] <= 0:
+            places = ", ".join(str(a.at) for a, size in zip(elements, sizes, strict=True) if size < 0)
+            raise DataError(
+                f"{sizes[sizes < 0].sum():.4g} at {places} is more than the structure has there",
+                where=name,
+                remedy="take away what was on it when it was measured, and no more",
+            )

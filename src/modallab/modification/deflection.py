@@ -77,7 +77,7 @@ def operating_deflection(frf: Frf, freedoms: tuple[Freedom, ...], hz: float, at:
         DataError: no force acted at the point nor stood a sensor there, or a frequency outside the lines.
     """
     line = _nearest_line(frf, hz)
-    sigma = np.full(frf.values.shape, np.nan) if frf.variance is None else np.sqrt(frf.variance)
+    sigma = _deviation_of_values(frf)
     found: dict[Freedom, tuple[complex, float]] = {}
     if at in frf.input_points:
         column = frf.input_points.index(at)
@@ -95,6 +95,21 @@ def operating_deflection(frf: Frf, freedoms: tuple[Freedom, ...], hz: float, at:
     values, deviations = (np.array(part) for part in zip(*found.values(), strict=True))
     what = f"operating deflection shape, force at point {at}"
     return Deflection(what, float(frf.frequency_hz[line]), tuple(found), values, deviations, UNIT[frf.quantity])
+
+
+def _deviation_of_values(frf: Frf) -> Real:
+    """(outputs, inputs, lines) of the complex number; from coherence, where no variance is stated; else NaN.
+
+    Bendat, Piersol, Random Data, 4th ed. 2010, section 9.2, unbiased: a single block says nothing of its noise.
+    """
+    if frf.variance is not None:
+        return np.sqrt(frf.variance)
+    unknown = np.full(frf.values.shape, np.nan)
+    if frf.coherence is None or not frf.averages:
+        return unknown
+    explained = frf.coherence * (np.array(frf.averages)[:, None] - 1)
+    share = np.divide(1 - frf.coherence, explained, out=unknown, where=explained > 0)
+    return np.asarray(np.abs(frf.values) * np.sqrt(share))
 
 
 def _nearest_line(frf: Frf, hz: float) -> int:

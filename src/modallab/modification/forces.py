@@ -7,11 +7,31 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.documents.forces import ForceKind, ImpulseForce, RandomForce, SineForce, SweepForce
+from modallab.core.errors import DataError
 
 
 def force_samples(force: ForceKind, step_s: float, count: int) -> Real:
-    """(count,) N at every step from 0 on."""
+    """(count,) N at every step from 0 on.
+
+    Raises:
+        DataError: a sine of fewer than two samples a period, which would be another one.
+    """
+    fastest = _fastest_sine(force)
+    if 2 * fastest * step_s >= 1:
+        raise DataError(
+            f"steps of {step_s:g} s hold no sine of {fastest:g} Hz", remedy=f"give a step below {0.5 / fastest:.4g} s"
+        )
     return np.asarray(KINDS[type(force)](force, step_s * np.arange(count, dtype=np.float64)), np.float64)
+
+
+def _fastest_sine(force: ForceKind) -> float:
+    match force:
+        case SineForce():
+            return force.frequency_hz
+        case SweepForce():
+            return max(force.from_hz, force.to_hz)
+        case _:
+            return 0.0
 
 
 def _impulse_samples(force: ImpulseForce, time: Real) -> Real:

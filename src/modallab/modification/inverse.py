@@ -49,9 +49,13 @@ class ChangeAtPoint:
 
 
 class BestAbsorber(NamedTuple):
-    """An absorber, and the largest mobility at its point about the mode: m/(N s), with one standard deviation."""
+    """An absorber, its mass over the modal mass at its point, and the largest mobility there about the mode.
+
+    Peaks are in m/(N s), with one standard deviation.
+    """
 
     absorber: TunedAbsorber
+    mass_ratio: float
     before: float
     after: float
     before_sigma: float
@@ -161,7 +165,7 @@ def best_absorber(known: KnownStructure, mode: int, at: At, mass: float) -> Best
     def peaks(one: KnownStructure) -> Real:
         return np.array([_largest_peak(one, changes, f, at) for changes in ([], [best])])
 
-    return BestAbsorber(best, *peaks(known).tolist(), *known.deviation(peaks).tolist())
+    return BestAbsorber(best, ratio, *peaks(known).tolist(), *known.deviation(peaks).tolist())
 
 
 def _mass_ratio(known: KnownStructure, mode: int, at: At, mass: float) -> tuple[float, float]:

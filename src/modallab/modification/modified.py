@@ -29,7 +29,8 @@ class ModesAfter:
         psi: (modes, freedoms) such that psi psi^T is the residue.
         like: (modes,) the mode before whose shape it resembles most, from 0.
         mac: (modes,) of the two shapes.
-        outside: (modes,) by which share of the frequency what lies outside the band moves it.
+        outside: (modes,) by which share of the larger frequency what lies outside the band moves it; 1 where a mode is
+            of that alone.
         hidden: modes that left the band, which the model cannot tell.
     """
 
@@ -65,24 +66,32 @@ def modified_modes(
     every = poles_of(attached)
     inside = (np.abs(every) <= 2 * np.pi * structure.band_hz[1]) & (every.imag > 0)
     poles = every[inside]
-    modes_only = refine_poles(attached.with_structure(replace(structure, residual=0 * structure.residual)), poles)
     psi = residues_of(attached, poles)
     like, mac = _most_similar_modes((before or structure).psi, psi)
-    hz = np.abs(poles) / (2 * np.pi)
+    size = np.abs(poles)
+    hz = size / (2 * np.pi)
     sigma = np.full((2, poles.size), np.nan)
     if samples is not None:
         sigma = _relative_deviations(attached.sampled(samples), poles)
     return ModesAfter(
         frequency_hz=hz,
-        damping_ratio=-poles.real / np.abs(poles),
+        damping_ratio=-poles.real / size,
         frequency_sigma_hz=sigma[0] * hz,
         damping_sigma=sigma[1],
         psi=psi,
         like=like,
         mac=mac,
-        outside=np.abs(np.abs(modes_only) / np.abs(poles) - 1),
+        outside=_moved_from_outside(attached, poles),
         hidden=max(len(structure.poles) - poles.size, 0),
     )
+
+
+def _moved_from_outside(attached: StructureWithAttachments, poles: Complex) -> Real:
+    """(poles,) share of the larger frequency between those with and without residual terms."""
+    structure = attached.structure
+    modes_only = attached.with_structure(replace(structure, residual=0 * structure.residual))
+    with_all, without = np.abs(poles), np.abs(refine_poles(modes_only, poles))
+    return np.asarray(np.abs(with_all - without) / np.maximum(with_all, without))
 
 
 def _relative_deviations(attached: StructureWithAttachments, nominal: Complex) -> Real:

@@ -29,6 +29,7 @@ class MotionOverTime:
         points: of which.
         quantity: displacement, velocity or acceleration.
         band_hz: of the model.
+        outside: share of the forces' power outside it, where the model says nothing but what its modes still do.
         deviation: of what is computed of such values, over the structures that the model leaves possible.
     """
 
@@ -37,6 +38,7 @@ class MotionOverTime:
     points: tuple[At, ...]
     quantity: Quantity
     band_hz: tuple[float, float]
+    outside: float
     deviation: Callable[[Callable[[Real], Real]], Real]
 
     @classmethod
@@ -77,6 +79,7 @@ class MotionOverTime:
 
         return cls(
             move(known), dt, tuple(asked), quantity, known.model.band_hz,
+            _power_outside(forces, dt, known.model.band_hz),
             lambda figure: known.deviation(lambda one: figure(move(one))),
         )  # fmt: skip
 
@@ -140,3 +143,9 @@ class MotionOverTime:
         inside = (lines >= low_hz) & (lines <= high_hz)
         spectrum = np.abs(np.fft.rfft(values, axis=1)) / values.shape[1]
         return np.asarray(np.sqrt(2 * np.sum(spectrum[:, inside] ** 2, axis=1)), np.float64)
+
+
+def _power_outside(forces: Real, dt: float, band_hz: tuple[float, float]) -> float:
+    power, hz = np.sum(np.abs(np.fft.rfft(forces, axis=1)) ** 2, axis=0), np.fft.rfftfreq(forces.shape[1], dt)
+    inside = float(np.sum(power[(hz >= band_hz[0]) & (hz <= band_hz[1])]))
+    return 1 - inside / float(np.sum(power)) if power.any() else 0.0

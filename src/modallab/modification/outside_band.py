@@ -37,6 +37,29 @@ class OutsideBand(NamedTuple):
     alone: Real
 
 
+def terms_of_structure(
+    terms: Real, powers: Sequence[int], rows: Sequence[int], columns: Sequence[int], moved: Real
+) -> Real:
+    """Residual terms without that in s^-2, where no mode below the band leaves it.
+
+    Each mode below the band moves the driven points about as much as one within it, so that the term says how many
+    there are. Where the nearest whole number is none, it is what the measuring chain and the fit leave: little at the
+    lines, but without bound below the lowest mode.
+
+    Args:
+        terms: (terms, outputs, inputs).
+        powers: (terms,) of s.
+        rows: (outputs,) places among the freedoms.
+        columns: (inputs,) the same.
+        moved: (freedoms,) squared shapes at unit modal mass, the mean of the modes.
+    """
+    below = np.array(powers) == -2
+    own = [(rows.index(i), k, i) for k, i in enumerate(columns) if i in rows]
+    counted, each = (sum(v) for v in ([np.sum(terms[below, o, k]) for o, k, _ in own], [moved[i] for *_, i in own]))
+    none = each > 0 and round(float(counted / each)) < 1
+    return np.where(below[:, None, None] & none, 0.0, terms)
+
+
 def complete_residuals(
     residual: Real, powers: Sequence[int], rows: Sequence[int], columns: Sequence[int], moved: Real, high_hz: float
 ) -> OutsideBand:

@@ -14,7 +14,7 @@ from scipy import linalg
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
-from modallab.modification.attachments import AttachedPart, RigidLink, merge_attachments
+from modallab.modification.attachments import AttachedPart, RigidLink, merge_attachments, require_enough_left
 from modallab.modification.coupled import Coupled
 from modallab.modification.structure import Receptances, Structure
 
@@ -50,9 +50,11 @@ class StructureWithAttachments(Receptances):
         """With the links looked up.
 
         Raises:
-            DataError: the model does not know a point, or rigid links hold one motion twice.
+            DataError: the model does not know a point, rigid links hold one motion twice, or more is taken away than
+                there is.
         """
         kept = merge_attachments(attachments)
+        require_enough_left(structure, kept)
         _require_single([a.links(structure) for a in kept if isinstance(a, RigidLink)])
         b = [a.links(structure) for a in kept] or [np.zeros((len(structure.freedoms), 0))]
         return cls(structure, kept, np.concatenate(b, axis=1))

@@ -126,9 +126,15 @@ def _return_to_start(force: Real) -> Real:
 
 def _free_motion(modes: ModesAtPlaces, state: Complex, n: int, dt: float, order: int) -> Real:
     """(outputs, n) motion of modes left to themselves."""
-    time = dt * np.arange(n)
-    decays = (x * pole**order * np.exp(pole * time) for pole, x in zip(modes.poles, state, strict=True))
+    decays = (x * pole**order * _decay(pole * dt, n) for pole, x in zip(modes.poles, state, strict=True))
     return _sum_over_modes(modes.out, decays, n)
+
+
+def _decay(step: complex, n: int) -> Complex:
+    """(n,) exp(k step), as products of few: an exponential for each sample would take longer than all else."""
+    part = int(np.ceil(np.sqrt(n)))
+    few = np.arange(part)
+    return np.asarray(np.multiply.outer(np.exp(step * part * few), np.exp(step * few)).ravel()[:n])
 
 
 def _response_to_linear_force(modes: ModesAtPlaces, force: Real, dt: float, order: int, start: Complex) -> Real:
@@ -157,9 +163,8 @@ def ramp_states(pole: complex, driven: Complex, dt: float, start: complex = 0.0)
     before, after = ramp_weights(pole, dt)
     grows = np.exp(pole * dt)
     # x[k] = grows x[k-1] + before driven[k-1] + after driven[k]; at the first sample it is the start.
-    fed = signal.lfilter([after, before], [1.0, -grows], driven)
-    first = start - after * driven[0]
-    return np.asarray(fed + first * grows ** np.arange(driven.size), np.complex128)
+    found, _ = signal.lfilter([after, before], [1.0, -grows], driven, zi=[start - after * driven[0]])
+    return np.asarray(found, np.complex128)
 
 
 def ramp_weights(pole: complex, dt: float) -> tuple[complex, complex]:

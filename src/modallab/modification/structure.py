@@ -20,7 +20,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.factors import factor_constants
 from modallab.modification.freedoms import Freedom, freedoms_of
-from modallab.modification.outside_band import complete_residuals
+from modallab.modification.outside_band import complete_residuals, terms_of_structure
 
 At = int | Freedom
 """A point, or a point and an axis where several sensors stand there."""
@@ -180,8 +180,9 @@ def structure_of(model: ModalModel, rig: Rig | None = None) -> Structure:
     known = np.zeros((len(listed), len(listed)), bool)
     known[np.ix_(rows, columns)] = known[np.ix_(columns, rows)] = True
     poles, psi = modes_of(model.frequency_hz, model.damping_ratio, model.modal_constants, rows, columns, len(listed))
-    band, powers = model.band_hz, model.residual_powers
-    outside = complete_residuals(terms_of(model), powers, rows, columns, moved_by(poles, psi), band[1])
+    band, powers, moved = model.band_hz, model.residual_powers, moved_by(poles, psi)
+    terms = terms_of_structure(terms_of(model), powers, rows, columns, moved / max(model.n_modes, 1))
+    outside = complete_residuals(terms, powers, rows, columns, moved, band[1])
     axis, driven, scaled = inputs[0][1], tuple(f[0] for f in inputs), bool(set(rows) & set(columns))
     return Structure(listed, poles, psi, powers, *outside, known, band, axis, driven, scaled)
 

@@ -6,8 +6,8 @@ from io import StringIO
 from typing import Generic, TypeVar
 
 from rich.console import Console
-from rich.markup import escape as escaped
-from rich.table import Table
+
+from modallab.reporting.table import plain_table
 
 WIDTH = 100
 """Characters of a line at a prompt."""
@@ -25,13 +25,11 @@ class Shown:
         self.caption = caption
 
     def __repr__(self) -> str:
-        table = Table(box=None, caption=escaped(self.caption), caption_justify="left", pad_edge=False)
-        for heading in self.headings:
-            table.add_column(escaped(heading))
-        for row in self.rows:
-            table.add_row(*map(escaped, row))
         said = StringIO()
-        Console(file=said, width=WIDTH, no_color=True, force_jupyter=False).print(table)
+        console = Console(file=said, width=WIDTH, no_color=True, force_jupyter=False)
+        console.print(plain_table(self.headings, self.rows))
+        if self.caption:
+            console.print(self.caption, markup=False, highlight=False)
         return "\n".join(line.rstrip() for line in said.getvalue().splitlines())
 
     def html(self) -> str:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from modallab.core.digits import number_with_sigma, to_places_of_sigma
+from modallab.core.digits import list_in_words, number_with_sigma, to_places_of_sigma
 from modallab.core.errors import StorageError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Tolerance
@@ -50,12 +50,12 @@ def _mode_row(before: ModalModel, after: ModesAfter, r: int) -> tuple[str, ...]:
         return (str(r + 1), "new", hz, "", "", damping)
     q = int(after.like[r])
     was, zeta = float(before.frequency_hz[q]), 100 * float(before.damping_ratio[q])
-    shift = 100 * (float(after.frequency_hz[r]) / was - 1)
+    shift = 100 * (float(after.frequency_hz[r]) / was - 1), 100 * float(after.frequency_sigma_hz[r]) / was
     return (
         str(r + 1),
         number_with_sigma(was, float(before.frequency_sigma_hz[q])),
         hz,
-        f"{shift:+.3g}",
+        number_with_sigma(*shift),
         number_with_sigma(zeta, 100 * float(before.damping_sigma[q])),
         damping,
     )
@@ -69,8 +69,9 @@ def notes_of(known: KnownStructure) -> list[str]:
     doubtful = [str(r + 1) for r in np.flatnonzero(after.outside > TRUSTED * np.maximum(shift, 1e-4))]
     if doubtful:
         most, band = 100 * float(after.outside.max()), f"{before.band_hz[0]:.4g} to {before.band_hz[1]:.4g} Hz"
+        which = f"mode{'s' if len(doubtful) > 1 else ''} {list_in_words(doubtful)}"
         sentences.append(
-            f"More than a tenth of the shift of mode {', '.join(doubtful)} comes from modes outside {band}, up to"
+            f"More than a tenth of the shift of {which} comes from modes outside {band}, up to"
             f" {most:.2g} % of the frequency: only a test of a wider band shows it better."
         )
     if after.hidden:

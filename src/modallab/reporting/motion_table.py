@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from modallab.core.digits import number_with_sigma
+from modallab.core.digits import number_with_sigma, part_of
 from modallab.core.units import SI_UNIT
 from modallab.modification.motion import MotionOverTime
 from modallab.reporting.modified_table import TableRows
@@ -25,7 +25,12 @@ def motion_rows(motion: MotionOverTime) -> TableRows:
         for name, own, sigma in figures
     )
     seconds = motion.values.shape[1] * motion.dt
-    caption = f"{motion.quantity} in {unit} over {seconds:.4g} s; beneath a frequency in Hz, the rms of its octave."
+    low, high = motion.band_hz
+    caption = (
+        f"{motion.quantity} in {unit} over {seconds:.4g} s; beneath a frequency in Hz, the rms of its octave."
+        f" {part_of(motion.outside)} of the forces' power is outside {low:.4g} to {high:.4g} Hz, where the model says"
+        " little."
+    )
     return TableRows(("point", "peak", "rms", *(f"{centre:.3g}" for centre in motion.octaves_hz)), rows, caption)
 
 
@@ -34,5 +39,5 @@ def motion_document(motion: MotionOverTime) -> dict[str, object]:
     figures = {"peak": 0, "rms": 1, "levels": slice(2, None)}
     values = {name: motion.figures[:, part].tolist() for name, part in figures.items()}
     sigmas = {f"{name}_sigma": motion.figures_sigma[:, part].tolist() for name, part in figures.items()}
-    about = {"quantity": motion.quantity, "step_s": motion.dt, "points": list(motion.names)}
+    about = {"outside": motion.outside, "quantity": motion.quantity, "step_s": motion.dt, "points": list(motion.names)}
     return about | {"octaves_hz": np.round(motion.octaves_hz, 4).tolist()} | values | sigmas

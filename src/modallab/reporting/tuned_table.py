@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from modallab.core.digits import number_with_sigma
+from modallab.core.digits import number_with_sigma, significant_digits
 from modallab.modification.free_band import FreeBand
 from modallab.modification.inverse import BestAbsorber, By, ChangeAtPoint
 from modallab.modification.structure import At
@@ -61,4 +61,5 @@ def absorber_rows(found: BestAbsorber, mode: int) -> TableRows:
         number_with_sigma(found.after, found.after_sigma),
     )
     names = ("point", "mass [kg]", "frequency [Hz]", "damping [%]", "peak without [m/(N s)]", "peak with [m/(N s)]")
-    return TableRows(names, (row,), f"The absorber of this mass that leaves the least peak about mode {mode}.")
+    share = f"It is {significant_digits(100 * found.mass_ratio, 2)} % of the modal mass there."
+    return TableRows(names, (row,), f"The absorber of this mass that leaves the least peak about mode {mode}. {share}")

@@ -16,6 +16,7 @@ from modallab.core.rig import Rig, Tolerance
 from modallab.formats.rig.rig_file import read_rig
 from modallab.pipelines.known_modes import with_known_modes
 from modallab.service.campaigns.local_session import record_campaign
+from modallab.service.errors import RunEndedError
 from modallab.service.records.event_log import EventLog
 from modallab.storage import Store, campaign_of
 
@@ -59,6 +60,13 @@ def test_a_plan_that_the_rig_cannot_do_ends_the_session_and_what_was_kept_stays(
         (done,) = store.catalogue.runs()
         assert done.state == "done"
         assert len(store.blocks(done.id)) == 1
+
+
+def test_what_to_do_about_a_run_that_failed_reaches_whoever_began_it(link_rig: Rig, tmp_path: Path) -> None:
+    plan = ImpactPlan(points=(10,), hits=1, max_rejections=1)
+    with pytest.raises(RunEndedError, match="hits at point 10 were rejected") as ended:
+        record_campaign("sim://cantilever?seed=1&bad_hits=1", link_rig, [plan], tmp_path, lambda _: None)
+    assert "change the tip, the place or the acceptance" in ended.value.remedy
 
 
 @pytest.mark.thorough("records and identifies a test before another")

@@ -174,6 +174,7 @@ class BestAbsorberView(Frozen):
         mass_kg: of it.
         frequency_hz: of it on a point at rest.
         damping_ratio: of it.
+        mass_ratio: its mass over the modal mass at the point.
         peak_before: of the mobility at the point about the mode, m/(N s).
         peak_before_sigma: one standard deviation.
         peak_after: the same with it.
@@ -185,6 +186,7 @@ class BestAbsorberView(Frozen):
     mass_kg: float
     frequency_hz: float
     damping_ratio: float
+    mass_ratio: float
     peak_before: float
     peak_before_sigma: float
     peak_after: float

@@ -96,6 +96,7 @@ class ResponseView(Frozen):
         octaves_hz: (octaves,) centres of octave bands.
         levels: (points, octaves) effective value in each.
         levels_sigma: (points, octaves) one standard deviation.
+        outside: share of the forces' power outside the band of the model, where it says little.
     """
 
     test: Test | None
@@ -111,6 +112,7 @@ class ResponseView(Frozen):
     octaves_hz: RealArray
     levels: RealArray
     levels_sigma: RealArray
+    outside: float
 
 
 class StateSpaceView(Frozen):

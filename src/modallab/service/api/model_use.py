@@ -39,7 +39,9 @@ OfTest = Annotated[Test | None, Query(description="Whose model; left out: the fi
 At = Annotated[int, Query(ge=1, description="Point of the force.")]
 Hz = Annotated[float | None, Query(gt=0, allow_inf_nan=False, description="Edge of the band; left out: the model's.")]
 Points = Annotated[list[int] | None, Query(max_length=100, description="Points; repeat it for several.")]
-Lines = Annotated[int, Query(ge=2, le=4000, description="Evenly over the band of the model.")]
+Lines = Annotated[
+    int, Query(ge=2, le=4000, description="Evenly over the band of the model; more are added about each mode.")
+]
 Motion = Literal["displacement", "velocity", "acceleration"]
 
 

@@ -16,6 +16,7 @@ from modallab.acquisition.monitor.run_states import IllegalTransitionError
 from modallab.acquisition.process.trip import TrippedError
 from modallab.core.documents.pages import Problem
 from modallab.core.errors import DatabaseLostError, ModallabError
+from modallab.core.field_errors import short_of_wrong_entries
 
 LOG = logging.getLogger(__name__)
 MEDIA_TYPE = "application/problem+json"
@@ -166,8 +167,11 @@ async def _on_known_error(request: Request, error: Exception) -> Response:
 
 async def _not_valid(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
+    details = error.errors()
     found = tuple(
-        {"where": ".".join(str(part) for part in one["loc"]), "what": _detail_of_error(one)} for one in error.errors()
+        {"where": ".".join(str(part) for part in one["loc"]), "what": _detail_of_error(one)}
+        for one in details
+        if not short_of_wrong_entries(one, details)
     )
     remedy = "put right what `errors` names; every request and its fields stand at /docs"
     return problem_response(

@@ -165,14 +165,15 @@ class LocalCampaign:
         self._service.leases.renew(self._rig, self._lease.id)
         seen = self._service.log.last()
         run = begin_run(self._service, self.campaign.id, RunNew(plan=plan), self._lease.id)
-        ended = False
+        ended, remedy = False, ""
         while True:
             events = self._service.log.after(seen, 1000)
             for event in (event for event in events if event.run == run):
+                remedy = event.content["remedy"] if event.kind == "failed" else remedy
                 notify(event)
             seen = events[-1].seq if events else seen
             if ended and not events:
-                return self._require_done(run)
+                return self._require_done(run, remedy)
             ended = ended or self._has_ended()
 
     def command(self, run: str, command: Command) -> None:
@@ -248,10 +249,12 @@ class LocalCampaign:
         if state.state != "idle":
             raise RigUnavailableError.of(f"the bench is {state.state}", state.error, state.bench)
 
-    def _require_done(self, run: str) -> str:
+    def _require_done(self, run: str, remedy: str) -> str:
         record = self._store.catalogue.run(run)
         if record.state != "done":
             raise RunEndedError(
-                f"the run is {record.state}: {record.reason}", where=run, remedy="what it had kept can be read"
+                f"the run is {record.state}: {record.reason}",
+                where=run,
+                remedy=remedy or "what it had kept can be read",
             )
         return run

@@ -122,6 +122,7 @@ def absorber_of(service: Service, campaign: str, new: BestAbsorberNew) -> BestAb
         mass_kg=found.absorber.mass,
         frequency_hz=found.absorber.frequency_hz,
         damping_ratio=found.absorber.damping_ratio,
+        mass_ratio=found.mass_ratio,
         peak_before=found.before,
         peak_before_sigma=found.before_sigma,
         peak_after=found.after,

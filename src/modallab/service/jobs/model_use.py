@@ -63,7 +63,7 @@ def frf_of(
     from modallab.modification.frfs import lines_with_peaks
 
     known = known_of_campaign(service, campaign, test)
-    found = known.frf(lines_with_peaks(known.model.band_hz, lines), outputs, inputs, quantity)
+    found = known.frf(lines_with_peaks(known.model.band_hz, lines, known.poles), outputs, inputs, quantity)
     assert found.variance is not None
     return PredictedFrf(
         test=known.model.test,
@@ -172,6 +172,7 @@ def response_to(service: Service, campaign: str, new: ResponseNew) -> ResponseVi
         octaves_hz=np.array(found.octaves_hz),
         levels=figures[:, 2:],
         levels_sigma=sigma[:, 2:],
+        outside=found.outside,
     )
 
 

@@ -81,20 +81,25 @@ export class Workbench {
   async predict() {
     this.asked = (this.asked ?? 0) + 1;
     const asked = this.asked;
-    if (!this.changes.length) { this.moving.hidden = true; this.after = null; put(this.modes, h("p", { class: "muted" }, "Nothing is added yet.")); this.chart.draw([{ label: "before", ...look(0) }], [[], []]); put(this.said); return; }
+    const { campaign, model: { test }, at: { value: at }, of: { value: of } } = this;
     try {
-      const found = await post(`campaigns/${this.campaign}/model/modifications`, { test: this.model.test, changes: this.changes, frf: { at: Number(this.at.value), of: Number(this.of.value) }, check: this.against.value || null });
+      if (!this.changes.length) {
+        this.moving.hidden = true; this.after = null; put(this.said); put(this.modes, h("p", { class: "muted" }, "Nothing is added yet."));
+        const { frequency_hz: hz, values: { re: [[re]], im: [[im]] } } = await get(`campaigns/${campaign}/model/frf?outputs=${of}&inputs=${at}${test ? `&test=${test}` : ""}`);
+        if (asked === this.asked) this.chart.draw([{ label: "before", ...look(0) }], [hz, size({ re, im })]);
+        return;
+      }
+      const found = await post(`campaigns/${campaign}/model/modifications`, { test, changes: this.changes, frf: { at: Number(at), of: Number(of) }, check: this.against.value || null });
       if (asked === this.asked) this.fill(found);
     } catch (error) { show(error); }
   }
 
   fill(found) {
-    const size = ({ re, im }) => positive(re.map((value, n) => Math.hypot(value, im[n])));
     this.chart.draw([{ label: "before", ...look(0) }, { label: "after", ...look(1) }], [found.frf.frequency_hz, size(found.frf.before), size(found.frf.after)]);
     const heads = [["Mode", "n"], ["Before [Hz]", "n"], ["After [Hz]", "n"], ["Shift [%]", "n"], ["Damping after [%]", "n"]];
     const rows = found.frequency_hz.map((hz, n) => {
       const before = found.mac[n] < 0.5 ? NaN : found.before_hz[found.like[n] - 1];
-      return [n + 1, Number.isFinite(before) ? number(before, 6) : "new", uncertain(hz, found.frequency_sigma_hz[n]), Number.isFinite(before) ? number(100 * (hz / before - 1), 3) : "–", uncertain(100 * found.damping_ratio[n], 100 * found.damping_sigma[n])];
+      return [n + 1, Number.isFinite(before) ? number(before, 6) : "new", uncertain(hz, found.frequency_sigma_hz[n]), Number.isFinite(before) ? uncertain(100 * (hz / before - 1), (100 * found.frequency_sigma_hz[n]) / before) : "–", uncertain(100 * found.damping_ratio[n], 100 * found.damping_sigma[n])];
     });
     put(this.modes, table("Modes before and after", heads, rows), h("p", { class: "muted" }, found.notes.join(" ")));
     const chosen = this.mode.value || "0";
@@ -130,6 +135,8 @@ export class Workbench {
     URL.revokeObjectURL(link.href);
   }
 }
+
+function size({ re, im }) { return positive(re.map((value, n) => Math.hypot(value, im[n]))); }
 
 function words(change) {
   const [kind] = Object.keys(SIZES).filter((one) => one in change);
