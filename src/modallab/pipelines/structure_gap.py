@@ -1,17 +1,19 @@
 """From records of any structure, and its modal model from before, to what has changed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, RigError
 from modallab.core.frf import Frf
+from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.fem.fem_file import FemModel, is_fem, read_fem
 from modallab.frf.estimate import group_by_point
 from modallab.gap.modal.diagnosis import Explained, explained_by_model
+from modallab.gap.modal.halves import share_between_halves
 from modallab.identification.impact import start_frf
 from modallab.identification.options import IdentificationOptions
 from modallab.modification.mesh import Mesh
@@ -19,6 +21,7 @@ from modallab.pipelines.identify import CampaignResult, IdentifiedTest, usable_b
 from modallab.pipelines.model_file import read_models
 from modallab.pipelines.response_only import identify_chosen
 from modallab.reporting.structure_report import StructureGap
+from modallab.signals.signals import Signals
 from modallab.updating.elements import frf_of_elements, mesh_of_elements, model_of_elements
 
 Band = tuple[float, float] | None
@@ -113,8 +116,24 @@ def gap_between(campaign: Campaign, reference: ComparedWith, identified: Campaig
     measured = _frf_of(campaign, bench.model, bench.index)
     frfs = reference.frf(campaign.rig, measured), measured
     explained = explained_by_model(reference.model, bench.model, campaign.rig, reference.mesh, own, frfs)
+    explained = replace(explained, diagnosis=_with_floor(explained.diagnosis, campaign, bench.model))
     records = None if bench.verification is None else bench.verification.measured
     return StructureGap(campaign.rig, explained, reference.named, records, _not_compared(identified, explained, bench))
+
+
+def _with_floor(found: ModalDiagnosis, campaign: Campaign, model: ModalModel) -> ModalDiagnosis:
+    """The diagnosis, first of all with what two measurements of the same thing differ by, where hits say it."""
+    if model.test != "impact":
+        return found
+    floor = share_between_halves(_hits_of(campaign), campaign.rig, model.band_hz)
+    if floor is None:
+        return found
+    note = f"Two measurements like the bench's differ by {100 * floor:.2g} % of the response: halves of its hits do."
+    return found.model_copy(update={"notes": [note, *found.notes]})
+
+
+def _hits_of(campaign: Campaign) -> list[list[Signals]]:
+    return group_by_point(usable_blocks(campaign, campaign.of("impact"))[0])
 
 
 def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf | None:
@@ -122,8 +141,7 @@ def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf
     if campaign is None:
         return None
     if model.test == "impact":
-        groups = group_by_point(usable_blocks(campaign, campaign.of("impact"))[0])
-        return start_frf(groups, campaign.rig, model.band_hz)
+        return start_frf(_hits_of(campaign), campaign.rig, model.band_hz)
     return campaign.frfs[index] if model.test is None and campaign.frfs else None
 
 
