@@ -1,4 +1,4 @@
-"""Columns of a frame that lost stiffness or were braced, on clamps and on rollers, where the lowest mode lies below the band."""
+"""Columns of a frame that lost stiffness or were braced, on clamps and on rollers, with a mode below the band."""
 
 import pytest
 from shear_frame import CLAMPS, ROLLERS, frf, model, rig

@@ -10,10 +10,10 @@ from modallab.core.metrology import Certificate
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.identification.model.modal_mass import driving_points, unit_mass_shapes
+from modallab.identification.model.scale import relative_sigma, with_scale
 from modallab.modification.deflection import shapes_at_freedoms
 from modallab.reporting.figures.shape_data import beam_shape
 from modallab.reporting.figures.wireframe import shapes_of_model
-from modallab.identification.model.scale import relative_sigma, with_scale
 
 POINTS = (1, 2, 3)
 PHI = np.array([[0.4, 0.9, 1.5]])

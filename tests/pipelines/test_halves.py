@@ -43,8 +43,8 @@ def repeated(noise: float) -> list[Signals]:
 def test_halves_of_the_same_hits_differ_by_their_noise_alone() -> None:
     rig = campaign().rig
     assert share_between_halves([[hits()[0]] * 4], rig, BAND) == 0.0
-    quiet, loud = (share_between_halves([repeated(noise)], rig, BAND) or 0.0 for noise in (0.01, 0.02))
-    assert loud == pytest.approx(2 * quiet, rel=0.02)
+    low, high = (share_between_halves([repeated(noise)], rig, BAND) or 0.0 for noise in (0.01, 0.02))
+    assert high == pytest.approx(2 * low, rel=0.02)
 
 
 def test_one_hit_says_nothing_of_the_next() -> None:

@@ -119,7 +119,7 @@ def motion_in_space(rig: Rig, deflection: Deflection) -> NDArray[np.complex128]:
 
 
 def shapes_at_freedoms(model: ModalModel, rig: Rig) -> tuple[tuple[Freedom, ...], Complex, Real] | None:
-    """Shapes wherever a sensor stood, and by reciprocity wherever a force acted; operating shapes if there are no others.
+    """Shapes where sensors stood, and by reciprocity where forces acted; operating shapes if there are no others.
 
     Returns:
         (freedoms,), (modes, freedoms) along them at unit modal mass, and one sigma, NaN where not known; None for none.
