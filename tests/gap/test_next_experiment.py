@@ -102,7 +102,7 @@ def test_plans_agree_with_the_diagnosis_on_what_is_recorded(at_its_point: Campai
     costs = np.array([r.fit.cost for r in planning.rivals.listed])
     own = [r.probability for r in planning.rivals.listed]
     assert {r.effects for r in planning.rivals.listed} >= {("hit_position",), ("position_error",)}
-    assert probabilities_of_rivals(planning.rivals, costs, 0) == pytest.approx(own, abs=0.1)
+    assert probabilities_of_rivals(planning.rivals, costs) == pytest.approx(own, abs=0.1)
 
 
 def test_one_explanation_alone_leaves_nothing_to_separate(at_its_point: Campaign) -> None:

@@ -7,7 +7,7 @@ from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.agreement import agreement_of
 from modallab.gap.inference.baseline import without_effects
-from modallab.gap.inference.select import Level, StepwiseSelection
+from modallab.gap.inference.select import StepwiseSelection
 from modallab.gap.model.fit import Fit, evaluated
 from modallab.gap.report.harmonics import channels_out_of_proportion
 from modallab.gap.report.levels import some_levels_differ
@@ -17,14 +17,8 @@ from modallab.gap.search.clock import clock_error_visible
 from modallab.gap.search.fitting import Bench, converged
 from modallab.gap.search.law_by_hits import law_by_hits
 from modallab.gap.search.stepped import search_stepped
-from modallab.gap.unknown.description import Description, cost_per_number, fit_cost
-from modallab.gap.unknown.rival import (
-    LoneChannel,
-    leaves_noise_only,
-    lone_channel,
-    loses_samples,
-    nameless_explanations,
-)
+from modallab.gap.unknown.description import Description
+from modallab.gap.unknown.rival import leaves_noise_only, lone_channel, loses_samples, nameless_explanations
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -65,41 +59,20 @@ def search_explanation(
         # Where all others agree with a sound bench, the cause stands in this channel.
         bench = replace(bench, row=alone.row)
     selection = StepwiseSelection(bench, base)
-    first = selection.rounds(1)[0]
-    choice = choose(bench, [first], matters)
-    if choice.flat:
-        return SearchOutcome(choice)
-    if choice.explained and leaves_noise_only(bench, choice.fit) and not loses_samples(prepared, choice.fit):
-        # Nothing is left that an element without a name could explain better.
-        return SearchOutcome(choose(bench, selection.rounds(), matters))
-    behaves = () if clock_error_visible(bench) else _without_name(bench, prepared, selection, alone, unseen, held)
-    if behaves:
-        return SearchOutcome(Choice(base, base, first.fits, False, False), behaves)
     choice = choose(bench, selection.rounds(), matters)
+    if choice.flat or _leaves_nothing(bench, prepared, choice):
+        return SearchOutcome(choice)
+    behaves = () if clock_error_visible(bench) else nameless_explanations(bench, prepared, choice, alone, unseen, held)
+    if behaves:
+        return SearchOutcome(Choice(base, base, choice.named, False, False), behaves)
     if choice.explained or alone is not None:
         return SearchOutcome(choice)
     return SearchOutcome(_search_nonlinear(bench, prepared, selection, choice, matters, unseen))
 
 
-def _without_name(
-    bench: Bench,
-    prepared: PreparedCampaign,
-    selection: StepwiseSelection,
-    alone: LoneChannel | None,
-    unseen: Reduced,
-    held: Sequence[str],
-) -> tuple[Description, ...]:
-    """Elements without a name that explain what no single effect does, unless two effects do with as few numbers."""
-    first = selection.levels[0] if selection.levels else Level(selection.best, ())
-    behaves = nameless_explanations(bench, prepared, first, alone, unseen, held)
-    if not behaves or (alone is not None and alone.loses):
-        return behaves
-    pair = selection.rounds(2)[-1].fits
-    return (
-        ()
-        if pair and leaves_noise_only(bench, pair[0]) and fit_cost(pair[0]) <= cost_per_number(behaves[0])
-        else behaves
-    )
+def _leaves_nothing(bench: Bench, prepared: PreparedCampaign, choice: Choice) -> bool:
+    """Whether named effects leave nothing that an element without a name could explain better."""
+    return choice.explained and leaves_noise_only(bench, choice.fit) and not loses_samples(prepared, choice.fit)
 
 
 def _search_nonlinear(

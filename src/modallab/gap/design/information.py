@@ -17,10 +17,10 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import Explanation
-from modallab.gap.model.fit import Fit
+from modallab.gap.inference.evidence import RecordsFloor, likelihood, probabilities_of, squares_of_clock
+from modallab.gap.inference.settings import DEFAULT
+from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.minimise import jacobian
-from modallab.gap.search.choose import probabilities_of
-from modallab.gap.search.fitting import excess, temperature_of
 
 DRAWS = 100
 """New records that are drawn for each explanation."""
@@ -41,29 +41,21 @@ class RivalExplanations:
         listed: the explanations.
         numbers: of each, which columns of `predicted_differences` are its own.
         starts: (numbers, numbers) curvature and (numbers,) slope of each one's squares.
+        floor: what their squares are compared with.
     """
 
     listed: tuple[Explanation, ...]
     numbers: tuple[slice, ...]
     starts: tuple[tuple[Real, Real], ...]
+    floor: RecordsFloor
 
     @classmethod
     def of(cls, listed: Sequence[Explanation]) -> Self:
         """At least two explanations, fitted to the same records."""
         ends = np.cumsum([0, *(r.fit.u.size for r in listed)]).tolist()
         numbers = tuple(slice(a, b) for a, b in pairwise(ends))
-        return cls(tuple(listed), numbers, tuple(_coordinates_of_fit(r.fit) for r in listed))
-
-    @property
-    def excess(self) -> float:
-        """What the best explanation leaves above the floor, in squares of noise units over all residuals."""
-        best = min(self.listed, key=lambda r: r.fit.cost)
-        return excess(best.fit) * self.count
-
-    @property
-    def count(self) -> float:
-        """Residuals of the records that are there."""
-        return float(np.count_nonzero(self.listed[0].fit.residual))
+        floor = RecordsFloor.of(min((r.fit for r in listed), key=cost_of))
+        return cls(tuple(listed), numbers, tuple(_coordinates_of_fit(r.fit) for r in listed), floor)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -114,15 +106,12 @@ def predicted_differences(rivals: RivalExplanations, data: Reduced) -> Real:
     return found[:-1] if known else found
 
 
-def expected_outcome(
-    rivals: RivalExplanations, gram: Real, count: int, nonlinear: Real | None = None
-) -> ExpectedOutcome:
+def expected_outcome(rivals: RivalExplanations, gram: Real, nonlinear: Real | None = None) -> ExpectedOutcome:
     """What an experiment is expected to bring.
 
     Args:
         rivals: the explanations.
         gram: products of the experiment's columns.
-        count: its residuals.
         nonlinear: (true, other) what full fits leave above linear ones, in squares; None for none.
     """
     rng = np.random.default_rng(SEED)
@@ -133,11 +122,11 @@ def expected_outcome(
     for true in range(size):
         noise = rng.standard_normal((DRAWS, len(gram))) @ root.T
         costs = _costs_of_rivals(rivals, gram, true, _draw_numbers(rivals, true, rng), noise)
-        costs += count if nonlinear is None else count + nonlinear[true]
-        after = probabilities_of_rivals(rivals, costs, count)[:, true]
+        costs += 0.0 if nonlinear is None else nonlinear[true]
+        after = probabilities_of_rivals(rivals, costs)[:, true]
         right[true], alone[true] = np.mean(after), np.mean(after >= ALONE)
         ratio[true] = np.mean(costs - costs[:, [true]], axis=0) / 2
-    chances = probabilities_of_rivals(rivals, np.array([r.fit.cost for r in rivals.listed]), 0)
+    chances = probabilities_of_rivals(rivals, np.array([r.fit.cost for r in rivals.listed]))
     return ExpectedOutcome(float(chances @ right), float(chances @ alone), ratio, chances)
 
 
@@ -158,12 +147,14 @@ def apart_by_row(rivals: RivalExplanations, columns: Real) -> Real:
     return off - slopes @ step
 
 
-def probabilities_of_rivals(rivals: RivalExplanations, costs: Real, count: int) -> Real:
+def probabilities_of_rivals(rivals: RivalExplanations, costs: Real) -> Real:
     """(..., explanations) probabilities, as a diagnosis of all records would give them, of squares left of all."""
-    n = rivals.count + count
-    effects = np.array([len(r.effects) for r in rivals.listed])
-    # What is above the floor counts for less among more records.
-    return probabilities_of(costs, effects, n, temperature_of(rivals.excess / n))
+    fits = [r.fit for r in rivals.listed]
+    deviations = np.array([f.problem.priors(f.u)[0] + squares_of_clock(f) for f in fits])
+    effects = np.array([len(f.problem.candidates) for f in fits])
+    squares = costs - deviations
+    squares += rivals.floor.least - np.min(squares, axis=-1, keepdims=True)
+    return probabilities_of(likelihood(squares, rivals.floor) + deviations + DEFAULT.effect_price * effects)
 
 
 def _widest_draws(fit: Fit) -> Real:

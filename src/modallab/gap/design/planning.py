@@ -63,7 +63,6 @@ class RankedExperiment:
         option: what would be done.
         layout: the records that a fit would see.
         gram: products of the explanations' slopes and answers on them.
-        count: residuals.
         outlook: what they are expected to bring.
         looked: whether full fits say so; else slopes.
     """
@@ -71,7 +70,6 @@ class RankedExperiment:
     option: PossibleExperiment
     layout: PlannedRecords
     gram: Real
-    count: int
     outlook: ExpectedOutcome
     looked: bool = False
 
@@ -120,7 +118,7 @@ class ExperimentPlanner:
             for k, other in enumerate(listed):
                 problem, (squares, end) = replace(other.fit.problem, data=joint), straight[k]
                 nonlinear[true, k] = _least_squares_left(problem, other.fit, end, rival.fit) - squares
-        expected = expected_outcome(self.rivals, prospect.gram, prospect.count, nonlinear)
+        expected = expected_outcome(self.rivals, prospect.gram, nonlinear)
         return replace(prospect, outlook=expected, looked=True)
 
     def _prospect(self, option: PossibleExperiment) -> RankedExperiment:
@@ -128,7 +126,7 @@ class ExperimentPlanner:
         layout = join_planned([self._laid_out(self._fitted(plan)) for plan in option.plans])
         columns = self._columns(layout)
         gram = columns.T @ columns
-        return RankedExperiment(option, layout, gram, len(columns), expected_outcome(self.rivals, gram, len(columns)))
+        return RankedExperiment(option, layout, gram, expected_outcome(self.rivals, gram))
 
     def _laid_out(self, plan: Plan) -> PlannedRecords:
         data = self.there.data

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.progress import report_progress
+from modallab.gap.inference.evidence import more_probable
 from modallab.gap.inference.posterior import Key, Posterior, improved_posterior, key_of
 from modallab.gap.inference.score_test import ScoreTest
 from modallab.gap.inference.screen import Screen, ScreenedStart
@@ -18,9 +19,8 @@ from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, evaluated
-from modallab.gap.model.minimise import near_floor
 from modallab.gap.search.clock import clock_error_visible
-from modallab.gap.search.fitting import Bench, converged, excess, temperature_of, within_tolerances, without_effect
+from modallab.gap.search.fitting import Bench, converged, within_tolerances, without_effect
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import model_of, search_of
 
@@ -60,10 +60,10 @@ class StepwiseSelection:
         self._view, self._coarse = (View.of(bench.points, d, settings) for d in (bench.thin, sparse(bench.thin)))
         problem = Problem(bench.data, bench.free, base.problem.candidates)
         self._here = improved_posterior(self._view, problem, base.u, 12)
-        self.finished = base.gap <= bench.watched and self._sound(base)
+        self.finished = base.gap <= bench.flat and self._sound(base)
 
     def rounds(self, most: int | None = None) -> list[Level]:
-        """All levels after at most so many rounds in all, fewer where no further effect is worth its price."""
+        """All levels after at most so many rounds in all, fewer where one more makes no explanation more probable."""
         most = self.settings.most_effects if most is None else most
         while not self.finished and len(self.levels) < most:
             self._round()
@@ -87,25 +87,16 @@ class StepwiseSelection:
         if fitted and not self._explained(fitted):
             fitted += self._exchanged(min(fitted, key=_score), {f.key for f, _ in fitted})
         fitted.sort(key=_score)
-        if not fitted or self._gain(*fitted[0]) < self.settings.effect_price:
+        if not fitted or not more_probable(fitted[0][1], self.best):
             self.finished = True
             return
         self.levels.append(Level(self.best, tuple(fit for _, fit in fitted)))
         self._here, self.best = fitted[0]
         self.finished = self.best.gap <= self.bench.flat and self._sound(self.best)
 
-    def _gain(self, posterior: Posterior, fit: Fit) -> float:
-        """What an explanation gains, -2 log evidence.
-
-        Near the floor what is left is an error of the model's own, beside which margins count for less; far from it an
-        effect may be missing yet.
-        """
-        ranges = (self._here.evidence - self._here.cost) - (posterior.evidence - posterior.cost)
-        return (self.best.cost - fit.cost) / (temperature_of(excess(fit)) if near_floor(fit) else 1.0) + ranges
-
     def _explained(self, fitted: list[tuple[Posterior, Fit]]) -> bool:
         """Whether one of these leaves nothing but noise: no other can explain more."""
-        return any(fit.gap <= self.bench.watched and self._sound(fit) for _, fit in fitted)
+        return any(fit.gap <= self.bench.flat and self._sound(fit) for _, fit in fitted)
 
     def _sound(self, fit: Fit) -> bool:
         """Whether beam and assembly are within tolerance, and the generator's lines show no other clock."""

@@ -21,7 +21,7 @@ from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.inspected import inspect_effects, known_already
 from modallab.gap.report.measure import SquaredResiduals, squared_residuals
-from modallab.gap.search.fitting import FLOOR_MARGIN, NOTICED_MARGIN, Bench
+from modallab.gap.search.fitting import FLOOR_MARGIN, Bench
 from modallab.twin.bench import Twin
 
 TOP_HZ = 650.0
@@ -95,11 +95,10 @@ def bench_of(
     """What a search works on: the records that may be fitted, and what is free."""
     data = reduce_blocks(prepared.campaign, fitted, weights_of(prepared))
     flat = _has_flat_tops(prepared)
-    watched = NOTICED_MARGIN if flat == FLOOR_MARGIN else flat
     found = tuple(harmonics_of_sines(fitted, prepared.campaign.rig, sine_clock(data)))
     thin = thin_lines(data, prepared.poles)
     points = identified(data, fitted, reliable_accelerometers(prepared), DEFAULT.top_hz, prepared.driven.poles)
-    return Bench(data, thin, free, prepared.poles, allowed, flat, watched, found, points=points)
+    return Bench(data, thin, free, prepared.poles, allowed, flat, found, points=points)
 
 
 def reliable_accelerometers(prepared: PreparedCampaign) -> list[int]:

@@ -19,7 +19,6 @@ from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
-from modallab.gap.search.choose import earns_beside_law
 from modallab.gap.search.fitting import Bench, evaluated_on_all, without_effect
 from modallab.gap.search.nonlinear import fit_on_all_records
 from modallab.twin.bench import Twin
@@ -37,7 +36,7 @@ def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
     without = linear_part(bench, fit)
     with part_of_progress(0.0, 0.6):
         level = StepwiseSelection(without, evaluated_on_all(without, linear_fit(without, fit))).rounds(1)[0]
-    if not level.fits or not earns_beside_law(level.base, level.fits[0]):
+    if not level.fits:
         return None
     linear, root = _coordinates(level.fits[0]), None
     if fit.problem.candidates[-1].effect in SOFT:

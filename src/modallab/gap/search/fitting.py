@@ -26,8 +26,6 @@ COARSEST_ERROR = 0.3
 """Largest relative model error that is forgiven while a fit finds its way."""
 FLOOR_MARGIN = 1.1
 """Rms residual below which nothing is left to explain."""
-NOTICED_MARGIN = 1.02
-"""Rms residual above which an effect that takes nearly all of it away still counts."""
 UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
 NEAR = 3.0
@@ -51,7 +49,6 @@ class Bench:
         poles: of the ring-down.
         allowed: whether an effect of this name may be used.
         flat: rms residual below which nothing has to be explained.
-        watched: rms residual below which nothing is looked for.
         overtones: of the sines that may be fitted.
         known: explanations that an earlier diagnosis had left standing, and where their fits begin.
         points: modes of the hits at each drive point, identified without a model.
@@ -64,7 +61,6 @@ class Bench:
     poles: Complex
     allowed: Callable[[str], bool]
     flat: float = FLOOR_MARGIN
-    watched: float = NOTICED_MARGIN
     overtones: tuple[Harmonic, ...] = ()
     known: tuple[tuple[Problem, Real], ...] = ()
     points: tuple[PointModes, ...] = ()
@@ -207,8 +203,3 @@ def excess(fit: Fit) -> float:
         own = _tolerance_deviations(fit.problem.free, fit.u)
         strained = max(float(own @ own) - len(own), 0.0) / max(float(np.count_nonzero(fit.residual)), 1.0)
     return max(fit.gap**2 - 1 + strained, 1e-9)
-
-
-def temperature_of(left: float) -> float:
-    """T of `choose.probabilities` where the best explanation leaves so much, in squares above the floor."""
-    return 2.0 + 100.0 * left

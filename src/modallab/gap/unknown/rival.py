@@ -1,4 +1,4 @@
-"""Whether an element without a name explains what no single effect does: then no further effects are looked for.
+"""Whether an element without a name explains a gap better than effects that have one.
 
 A beam that is pulled, that carries a mass on a spring or that twists is far from any beam of the catalogue, and effects
 put together approach it as polynomials approach a curve: the more of them, the less is left, and none of them is there.
@@ -11,10 +11,12 @@ from dataclasses import dataclass
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.agreement import Agreement
-from modallab.gap.inference.select import Level
-from modallab.gap.model.fit import Fit, Problem, cost_of, evaluated
+from modallab.gap.inference.evidence import evidence
+from modallab.gap.inference.settings import DEFAULT
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.report.measure import squared_residuals
+from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess, search_origin, within_tolerances
 from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of
 from modallab.gap.unknown.fitted import best_fits, converged_fits, forgiven_error, short_fits
@@ -24,10 +26,8 @@ from modallab.gap.unknown.spare_poles import of_spare_poles
 
 SOLVED = 1.3
 """Times the floor up to which a fit leaves no more than noise."""
-LEAVES = 0.1
-"""Share of what the best effect leaves that an element may leave to be what the gap behaves like."""
 CLOSES = 0.003
-"""The same of the whole gap, where it does not reach the floor."""
+"""Share of the gap that an element may leave to be what the gap behaves like, where it does not reach the floor."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -74,36 +74,31 @@ def lone_channel(
 def nameless_explanations(
     bench: Bench,
     prepared: PreparedCampaign,
-    first: Level,
+    named: Choice,
     alone: LoneChannel | None,
     unseen: Reduced,
     held: Sequence[str],
 ) -> tuple[Description, ...]:
-    """What explains the gap where no single effect does, best first; nothing where nothing does.
+    """What explains the gap and is more probable than effects with a name, best first; nothing where nothing does.
 
     Args:
         bench: what is searched.
         prepared: the campaign.
-        first: the round of single effects, which explains nothing.
+        named: what effects of the catalogue explain.
         alone: the channel that is off alone, if there is one.
         unseen: records that no fit has seen.
         held: their names.
     """
-    base, best = first.base, best_of(first)
+    base, best = named.base, named.fit
     begin = search_origin(bench, base)
     if alone is None:
-        return () if leaves_noise_only(bench, best) else _on_beam(bench, begin, base, best, unseen)
+        return _on_beam(bench, begin, base, best, unseen)
     found = sorted(sample_operators(bench, prepared, alone.fit, held, alone.row), key=cost_per_number)
     if alone.loses and _closes(base, found[0]):
         return tuple(found)
     operators = best_fits(bench, begin, list(linear_operators(bench, alone.row)), 1)
     found = sorted([*found, *(of_fit(base, fit, unseen, (alone.row,)) for fit in operators)], key=cost_per_number)
-    return tuple(found) if _explains(bench, base, best, found[0].fit) else ()
-
-
-def best_of(first: Level) -> Fit:
-    """The best single effect, or the twin without any."""
-    return min(first.fits, key=cost_of, default=first.base)
+    return tuple(found) if _explains(bench, base, best, found[0]) else ()
 
 
 def _differing(bench: Bench, agreement: Agreement) -> list[int]:
@@ -120,7 +115,7 @@ def _on_beam(bench: Bench, begin: Fit, base: Fit, best: Fit, unseen: Reduced) ->
     if not looks or looks[0].cost >= _at_a_look(bench, begin, best):
         return ()
     found = sorted((of_fit(base, fit, unseen) for fit in converged_fits(bench, begin, looks)), key=cost_per_number)
-    return tuple(found) if _explains(bench, base, best, found[0].fit) else ()
+    return tuple(found) if _explains(bench, base, best, found[0]) else ()
 
 
 def _at_a_look(bench: Bench, begin: Fit, best: Fit) -> float:
@@ -146,7 +141,12 @@ def _closes(base: Fit, one: Description) -> bool:
     return excess(one.fit) <= CLOSES * (before**2 - 1)
 
 
-def _explains(bench: Bench, base: Fit, best: Fit, fit: Fit) -> bool:
-    return (leaves_noise_only(bench, fit) or excess(fit) <= CLOSES * excess(base)) and excess(fit) <= LEAVES * excess(
-        best
-    )
+def _explains(bench: Bench, base: Fit, best: Fit, one: Description) -> bool:
+    """Whether a description explains the gap and is more probable than the best explanation that has a name.
+
+    What has no name costs the price of an effect twice: it stands for any of many causes, none of which is known.
+    """
+    closes = leaves_noise_only(bench, one.fit) or excess(one.fit) <= CLOSES * excess(base)
+    named, nameless = evidence([best, one.fit])
+    elements = 2 * len(one.learned) - len(one.fit.problem.candidates)
+    return closes and bool(nameless + DEFAULT.effect_price * elements < named)

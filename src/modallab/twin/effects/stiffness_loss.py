@@ -36,7 +36,7 @@ MODEL = EffectModel(
         rank=50,
         slots=lambda _: (FreeNumber("EI_loss", "share", (0.05, 0.2, 0.45, 0.7, 0.85), high=0.97), along_beam()),
         # How a crack's loss spreads along the beam is a convention.
-        inexact=0.004,
+        inexact=0.03,
     ),
     experiment="Strike on both sides of the place: the shapes bend most at a crack.",
     rivals=(RivalEffect("clamp_rotation", "Strike close to the clamp: the slope there tells a soft root.", rank=30),),
