@@ -1,4 +1,4 @@
-"""Columns of a frame that lost stiffness, on clamps and on rollers, where the lowest mode lies below the band."""
+"""Columns of a frame that lost stiffness or were braced, on clamps and on rollers, with a mode below the band."""
 
 import pytest
 from shear_frame import CLAMPS, ROLLERS, frf, model, rig
@@ -24,6 +24,14 @@ def test_a_column_that_lost_stiffness_is_found_between_its_floors(column: int, k
     assert isinstance(found.place, BetweenPoints)
     assert found.place.points == (column, column + 1)
     assert f"stiffness loss between points {column} and {column + 1}, along x: k = " in with_numbers(found)
+
+
+@pytest.mark.thorough("identifies and compares a frame")
+@pytest.mark.parametrize(("column", "k"), [(1, 45e3), (3, 9e3)])
+def test_a_brace_is_a_spring_between_its_floors(column: int, k: float) -> None:
+    (found,) = diagnosed(ROLLERS, (column, -k)).effects
+    assert (found.effect, found.parameters["k"]) == ("ground_spring", pytest.approx(k, rel=0.03))
+    assert with_numbers(found).startswith(f"spring between points {column} and {column + 1}, along x: k = ")
 
 
 @pytest.mark.thorough("identifies and compares a frame")

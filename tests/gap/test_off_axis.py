@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from other_structures import as_believed, as_built, benches, frf
-from phased_line import PSI, model, rig
+from phased_line import OMEGA, PSI, model, rig
 from structures import Material
 
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
+from modallab.core.model import ModalModel
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.identification.frf_model import identify_frf
@@ -131,13 +132,29 @@ def test_what_a_sensor_reads_of_the_force_is_no_term_outside_the_band() -> None:
     assert (found.verdict, found.effects) == ("unknown", [])
 
 
-def test_hits_that_were_aslant_at_one_of_several_points_have_no_name() -> None:
-    """One sensor and a roving hammer. Where little moves, a spring at a soft place would take a share of it."""
-    of = model(PSI * [1.0, 1.0, 0.05], sensors=(1,), driven=(1, 2, 3))
+def roved(softer: float = 1.0) -> Frf:
+    """One sensor and a hammer at three points, at the third of which little moves; struck there when it was softer."""
+    omega, s = OMEGA * np.array([1.0, softer])[:, None], np.asarray(2j * np.pi * HZ)
+    each = [receptances_of_model(soft_place(w), s) * (s**2)[:, None, None] for w in omega]
+    each[0][:, :, 2] = each[1][:, :, 2]
+    values = np.moveaxis(each[0], 0, -1)
+    return Frf(HZ, values, "inertance", ("a1",), (1,), (1, 2, 3), variance=np.full(values.shape, 1e-10))
+
+
+def soft_place(omega: np.ndarray = OMEGA) -> ModalModel:
     local = {"residuals": np.array([[[2e-6, 0.0, 0.0]]]), "residual_powers": (0,)}
-    of, s = of.model_copy(update=local), np.asarray(2j * np.pi * HZ)
-    values = np.moveaxis(receptances_of_model(of, s) * (s**2)[:, None, None], 0, -1)
-    before = Frf(HZ, values, "inertance", ("a1",), (1,), (1, 2, 3), variance=np.full(values.shape, 1e-10))
-    aslant = values * np.array([1.0, 1.0, 0.55])[:, None]
-    found = diagnose_by_model(of, of, rig(), frfs=(before, replace(before, values=aslant)))
+    return model(PSI * [1.0, 1.0, 0.05], omega, sensors=(1,), driven=(1, 2, 3)).model_copy(update=local)
+
+
+def test_hits_that_were_aslant_at_one_of_several_points_have_no_name() -> None:
+    """Where little moves, a spring at a soft place would take a share of it."""
+    aslant = roved().values * np.array([1.0, 1.0, 0.55])[:, None]
+    found = diagnose_by_model(soft_place(), soft_place(), rig(), frfs=(roved(), replace(roved(), values=aslant)))
     assert (found.verdict, found.effects) == ("unknown", [])
+    assert "Most likely what has no name is this: hits at 3." in found.notes
+
+
+def test_a_point_that_was_struck_when_the_structure_was_warm_gives_no_other_cause_a_name() -> None:
+    found = diagnose_by_model(soft_place(), soft_place(), rig(), frfs=(roved(), roved(softer=0.985)))
+    assert (found.verdict, found.effects) == ("unknown", [])
+    assert "Most likely what has no name is this: hits at 3." in found.notes

@@ -11,6 +11,9 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.identification.model.modal_mass import driving_points, unit_mass_shapes
 from modallab.identification.model.scale import relative_sigma, with_scale
+from modallab.modification.deflection import shapes_at_freedoms
+from modallab.reporting.figures.shape_data import beam_shape
+from modallab.reporting.figures.wireframe import shapes_of_model
 
 POINTS = (1, 2, 3)
 PHI = np.array([[0.4, 0.9, 1.5]])
@@ -104,3 +107,28 @@ def test_a_sensor_across_the_drive_is_none_at_the_driving_point():
     across = along.model_copy(update={"drive_direction": "+x"})
     none = unit_mass_shapes(constants, np.full(constants.shape, 1e-6), points, (DRIVEN,), driving_points(across))
     assert "looks along the drive" in none.unavailable
+
+
+def test_a_hammer_that_roves_past_one_sensor_shows_the_shape_wherever_it_strikes():
+    """A_jk = A_kj: one sensor at one of the driven points gives modal mass and shape at all of them."""
+    one = rig({}).model_copy(update={"channels": rig({}).channels[:3:2]})
+    constants = (PHI[:, [DRIVEN - 1], None] * PHI[:, None, :]).astype(complex)
+    sigma = np.full(constants.shape, 1e-6)
+    shapes = unit_mass_shapes(constants, sigma, (DRIVEN,), POINTS)
+    assert shapes.phi is not None
+    roved = model().model_copy(
+        update={
+            "outputs": ("c2",), "output_points": (DRIVEN,), "input_points": POINTS, "modal_constants": constants,
+            "modal_constant_sigma": sigma, "shapes": shapes.phi, "shape_sigma": shapes.sigma,
+        }
+    )  # fmt: skip
+    found = shapes_at_freedoms(roved, one)
+    assert found is not None
+    freedoms, phi, off = found
+    order = np.argsort([point for point, _ in freedoms])
+    assert np.allclose(np.abs(phi[:, order]), PHI, rtol=1e-9)
+    assert np.all(off > 0)
+    drawn = beam_shape(roved, 0, one)
+    assert drawn is not None
+    assert np.allclose(np.abs(drawn.phi), PHI[0], rtol=1e-9)
+    assert np.count_nonzero(shapes_of_model(roved, one)[0].motion) == len(POINTS)

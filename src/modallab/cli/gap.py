@@ -51,6 +51,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _diagnose(arguments: argparse.Namespace) -> int:
     if arguments.simulation is None:
         only_with("--simulation", diagnosis=arguments.diagnosis)
+    if arguments.reference is None:
+        only_with("--reference", band=arguments.band)
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
     console = console_of(arguments)
     if arguments.simulation is not None:
@@ -83,7 +85,7 @@ def _compare_with_model(console: Console, campaign: Campaign, arguments: argpars
     from modallab.reporting.structure_report import write_structure_report
 
     with waiting_line("identifying", progress=not arguments.hush):
-        gap = gap_against(campaign, arguments.reference)
+        gap = gap_against(campaign, arguments.reference, arguments.band and tuple(arguments.band))
     found = gap.diagnosis
     for line in (sentence_by_model(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modallab.cli.options import JSON_HELP, Commands, add_saying, positive_integer, positive_number
+from modallab.cli.options import JSON_HELP, Commands, add_saying, not_negative, positive_integer, positive_number
 
 
 def add_gap_commands(commands: Commands) -> None:
@@ -50,6 +50,9 @@ def _add_diagnose(actions: Commands) -> None:
         metavar="MODELS.json|CAMPAIGN|MODEL",
         help="of any structure: its modal model stands for the simulation, a campaign from before, or a "
         "finite-element model (.frd, .f06, .pch, .op2, .unv, matrices in .npz or .mat, or a YAML file)",
+    )
+    command.add_argument(
+        "--band", type=not_negative, nargs=2, metavar=("LO", "HI"), help="in Hz, with --reference (default: all)"
     )
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("diagnosis"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import UNIT, Frf
+from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.freedoms import Freedom
 from modallab.modification.structure import Structure
@@ -130,6 +131,38 @@ def turn_to_real(values: Complex) -> NDArray[np.complex128]:
 def motion_in_space(rig: Rig, deflection: Deflection) -> NDArray[np.complex128]:
     """(points, 3) the motion at the points of a rig along x, y, z; a point that is not known stays at rest."""
     return motion_at_points(rig, deflection.freedoms, deflection.values)
+
+
+def shapes_at_freedoms(model: ModalModel, rig: Rig) -> tuple[tuple[Freedom, ...], Complex, Real] | None:
+    """Shapes where sensors stood, and by reciprocity where forces acted; operating shapes if there are no others.
+
+    Returns:
+        (freedoms,), (modes, freedoms) along them at unit modal mass, and one sigma, NaN where not known; None for none.
+    """
+    own = (model.shapes, model.shape_sigma)
+    phi, sigma = own if model.shapes is not None else (model.operating_shapes, model.operating_shape_sigma)
+    if phi is None:
+        return None
+    channels = {c.name: c for c in rig.responses if c.point is not None}
+    rows = [n for n, name in enumerate(model.outputs) if name in channels]
+    known = [channels[model.outputs[n]] for n in rows]
+    freedoms = [(c.point or 0, c.direction[1]) for c in known]
+    moved = np.asarray(phi[:, rows] * [rig.sense_of(c) for c in known])
+    off = np.full(moved.shape, np.nan) if sigma is None else sigma[:, rows]
+    struck = {(p, rig.drive_direction[1]): i for i, p in enumerate(model.input_points) if p is not None}
+    other = [f for f in struck if f not in freedoms] if model.shapes is not None else []
+    driven, driven_off = _shapes_at_inputs(model, [struck[f] for f in other])
+    return (*freedoms, *other), np.hstack([moved, driven]), np.hstack([off, driven_off])
+
+
+def _shapes_at_inputs(model: ModalModel, inputs: list[int]) -> tuple[Complex, Real]:
+    """(modes, inputs) of A_jk = phi_j phi_k by least squares over the outputs j, and one sigma."""
+    phi = np.zeros((model.n_modes, len(model.outputs))) if model.shapes is None else model.shapes
+    sigma = model.modal_constant_sigma[:, :, inputs]
+    weight = 1 / np.where(sigma > 0, sigma, 1.0) ** 2
+    power = np.einsum("moi,mo->mi", weight, np.abs(phi) ** 2)
+    found = np.einsum("moi,mo,moi->mi", weight, phi.conj(), model.modal_constants[:, :, inputs]) / power
+    return found, np.where(np.isfinite(sigma).all(axis=1), power**-0.5, np.nan)
 
 
 def motion_at_points(rig: Rig, freedoms: Sequence[Freedom], values: Complex) -> NDArray[np.complex128]:

@@ -1,17 +1,19 @@
 """From records of any structure, and its modal model from before, to what has changed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, RigError
 from modallab.core.frf import Frf
+from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.fem.fem_file import FemModel, is_fem, read_fem
 from modallab.frf.estimate import group_by_point
 from modallab.gap.modal.diagnosis import Explained, explained_by_model
+from modallab.gap.modal.halves import share_between_halves
 from modallab.identification.impact import start_frf
 from modallab.identification.options import IdentificationOptions
 from modallab.modification.mesh import Mesh
@@ -19,7 +21,11 @@ from modallab.pipelines.identify import CampaignResult, IdentifiedTest, usable_b
 from modallab.pipelines.model_file import read_models
 from modallab.pipelines.response_only import identify_chosen
 from modallab.reporting.structure_report import StructureGap
+from modallab.signals.signals import Signals
 from modallab.updating.elements import frf_of_elements, mesh_of_elements, model_of_elements
+
+Band = tuple[float, float] | None
+"""From and to, Hz."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,7 +54,11 @@ class ComparedWith:
 
 
 def gap_of(
-    campaign: Campaign, reference: ModalModel, named: str = "a modal model", before: Campaign | None = None
+    campaign: Campaign,
+    reference: ModalModel,
+    named: str = "a modal model",
+    before: Campaign | None = None,
+    band_hz: Band = None,
 ) -> StructureGap:
     """What differs between a modal model and the structure of a campaign, beyond the tolerances of its rig.
 
@@ -57,6 +67,7 @@ def gap_of(
         reference: the modal model.
         named: it in words.
         before: the campaign that it was identified from, if it was.
+        band_hz: in which the campaign is identified; None for the whole band.
 
     Returns:
         the diagnosis, with all that its report shows.
@@ -65,11 +76,16 @@ def gap_of(
         DataError: the two have nothing in common.
         IdentificationError: the campaign holds no mode.
     """
-    return gap_between(campaign, ComparedWith(reference, named, before=before), _identify_bench(campaign))
+    return gap_between(campaign, ComparedWith(reference, named, before=before), _identify_bench(campaign, band_hz))
 
 
-def gap_against(campaign: Campaign, path: Path) -> StructureGap:
+def gap_against(campaign: Campaign, path: Path, band_hz: Band = None) -> StructureGap:
     """The same against the reference in a file: models, a campaign from before, or a finite-element model.
+
+    Args:
+        campaign: of the structure as it is.
+        path: of the reference.
+        band_hz: in which campaigns are identified; None for the whole band.
 
     Returns:
         the diagnosis, with all that its report shows.
@@ -79,8 +95,9 @@ def gap_against(campaign: Campaign, path: Path) -> StructureGap:
         FormatError: the file can be read as none of these.
         IdentificationError: a campaign holds no mode.
     """
-    identified = _identify_bench(campaign)
-    return gap_between(campaign, read_reference(path, campaign.rig, identified.identified[0].model), identified)
+    identified = _identify_bench(campaign, band_hz)
+    reference = read_reference(path, campaign.rig, identified.identified[0].model, band_hz)
+    return gap_between(campaign, reference, identified)
 
 
 def gap_between(campaign: Campaign, reference: ComparedWith, identified: CampaignResult) -> StructureGap:
@@ -99,8 +116,24 @@ def gap_between(campaign: Campaign, reference: ComparedWith, identified: Campaig
     measured = _frf_of(campaign, bench.model, bench.index)
     frfs = reference.frf(campaign.rig, measured), measured
     explained = explained_by_model(reference.model, bench.model, campaign.rig, reference.mesh, own, frfs)
+    explained = replace(explained, diagnosis=_with_floor(explained.diagnosis, campaign, bench.model))
     records = None if bench.verification is None else bench.verification.measured
     return StructureGap(campaign.rig, explained, reference.named, records, _not_compared(identified, explained, bench))
+
+
+def _with_floor(found: ModalDiagnosis, campaign: Campaign, model: ModalModel) -> ModalDiagnosis:
+    """The diagnosis, first of all with what two measurements of the same thing differ by, where hits say it."""
+    if model.test != "impact":
+        return found
+    floor = share_between_halves(_hits_of(campaign), campaign.rig, model.band_hz)
+    if floor is None:
+        return found
+    note = f"Two measurements like the bench's differ by {100 * floor:.2g} % of the response: halves of its hits do."
+    return found.model_copy(update={"notes": [note, *found.notes]})
+
+
+def _hits_of(campaign: Campaign) -> list[list[Signals]]:
+    return group_by_point(usable_blocks(campaign, campaign.of("impact"))[0])
 
 
 def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf | None:
@@ -108,8 +141,7 @@ def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf
     if campaign is None:
         return None
     if model.test == "impact":
-        groups = group_by_point(usable_blocks(campaign, campaign.of("impact"))[0])
-        return start_frf(groups, campaign.rig, model.band_hz)
+        return start_frf(_hits_of(campaign), campaign.rig, model.band_hz)
     return campaign.frfs[index] if model.test is None and campaign.frfs else None
 
 
@@ -133,18 +165,23 @@ def _not_compared(identified: CampaignResult, explained: Explained, bench: Ident
     return tuple(line for there, line in note if there)
 
 
-def model_to_compare(campaign: Campaign) -> ModalModel:
+def model_to_compare(campaign: Campaign, band_hz: Band = None) -> ModalModel:
     """The campaign's first modal model: of hits where there are any, else of the next test.
 
+    Args:
+        campaign: its rig has points.
+        band_hz: in which it is identified; None for the whole band.
+
     Raises:
+        DataError: a sensor or a force has no point.
         IdentificationError: there is no mode.
     """
-    return _identify_bench(campaign).identified[0].model
+    return _identify_bench(campaign, band_hz).identified[0].model
 
 
-def _identify_bench(campaign: Campaign) -> CampaignResult:
+def _identify_bench(campaign: Campaign, band_hz: Band) -> CampaignResult:
     _require_points(campaign)
-    return identify_chosen(campaign, IdentificationOptions())
+    return identify_chosen(campaign, IdentificationOptions(band_hz=band_hz))
 
 
 def _require_points(campaign: Campaign) -> None:
@@ -166,13 +203,14 @@ def _require_points(campaign: Campaign) -> None:
         )
 
 
-def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ComparedWith:
+def read_reference(path: Path, rig: Rig, bench: ModalModel, band_hz: Band = None) -> ComparedWith:
     """The reference of a file of models, of a finite-element model, or of a campaign, which is identified.
 
     Args:
         path: of it.
         rig: whose points and channels it is taken at.
         bench: what is compared with it: in its band, and driven where it was, a finite-element model is taken.
+        band_hz: in which a campaign is identified; None for the whole band.
 
     Raises:
         DataError: it holds no model, or none that fits the rig.
@@ -190,7 +228,7 @@ def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ComparedWith:
         how = (fem, rig, bench.band_hz, _driven_points(bench))
         return ComparedWith(model_of_elements(*how), named, mesh_of_elements(*how), elements=fem)
     before = _on_its_own_rig(path, rig)
-    return ComparedWith(model_to_compare(before), named, before=before)
+    return ComparedWith(model_to_compare(before, band_hz), named, before=before)
 
 
 def _driven_points(model: ModalModel) -> tuple[int, ...]:

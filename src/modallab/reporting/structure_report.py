@@ -12,7 +12,7 @@ from modallab.core.places import NamedChannel
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.modal.diagnosis import Explained
-from modallab.gap.words.effects import numbers_of, place_of_change, position_of_change
+from modallab.gap.words.effects import numbers_of, place_of_change, position_of_change, spoken_change, spoken_effect
 from modallab.gap.words.verdicts import sentence_by_model
 from modallab.reporting.figures.structure_curves import structure_curves
 from modallab.reporting.figures.structure_picture import MarkedPlaces, structure_picture
@@ -20,7 +20,6 @@ from modallab.reporting.gap_page import captioned_picture, page_section, typeset
 from modallab.reporting.markup import Markup, html_element, html_table
 from modallab.reporting.sections.section import captioned_figure
 from modallab.reporting.structure_parts import candidates_section, parts_section
-from modallab.twin.effects import model_of
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -104,7 +103,7 @@ def _place_of_gap(gap: StructureGap) -> Markup | None:
     if found:
         at = position_of_change(found[0])
         place = "" if at is None else f", at ({', '.join(f'{x:.3f}' for x in at)}) m"
-        caption = f"Stage: {found[0].stage}. The {model_of(found[0].effect).spoken} {place_of_change(found[0])}{place}."
+        caption = f"Stage: {found[0].stage}. The {spoken_change(found[0])}{place}."
     elif gap.diagnosis.verdict == "no_gap":
         caption = "Nothing stands out: what is left lies within the tolerances."
     else:
@@ -117,7 +116,7 @@ def _place_of_gap(gap: StructureGap) -> Markup | None:
 
 
 def _marked_picture(gap: StructureGap, change: FoundChange) -> MarkedPlaces | None:
-    at, label = position_of_change(change), model_of(change.effect).spoken
+    at, label = position_of_change(change), spoken_effect(change)
     if at is not None:
         return MarkedPlaces(np.array([at]), label=label)
     places = {p.id: (p.x_m, p.y_m, p.z_m) for p in gap.rig.points}
@@ -138,10 +137,7 @@ def _explanation_list(found: ModalDiagnosis) -> Markup | None:
         return None
     tables = [
         html_table(
-            (
-                f"{model_of(c.effect).spoken.capitalize()} {place_of_change(c)}, probability "
-                f"{probability_text(c.probability)}"
-            ),
+            (f"{spoken_effect(c).capitalize()} {place_of_change(c)}, probability {probability_text(c.probability)}"),
             ["", "value", "95 % interval"],
             numbers_of(c),
             numeric=(1, 2),

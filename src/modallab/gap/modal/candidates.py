@@ -111,7 +111,7 @@ def force_channel(c: Compared) -> Candidate:
 
 
 def hits_at(i: int) -> Candidate:
-    """The force at one of several driven points is another than is read: hits aslant, or a set-up with its own gain."""
+    """The force at one of several driven points is another than is read: hits aslant, or a set-up of its own."""
     spread = np.array([GAIN_SPREAD])
     return Candidate(
         "",

@@ -78,7 +78,7 @@ class Compared:
     weights: Weights
 
     def scaled(self, lines: Real | float, along: Real | float) -> "Compared":
-        """With lines that are off by a factor more, and what goes along whole FRFs, (outputs, 1) or of all."""
+        """With lines that are off by a factor more, and what goes along whole FRFs; as of `weights`."""
         own = weights(self.model, self.bench, self.s, self.measured, self.noise, lines, along)
         return replace(self, weights=own)
 

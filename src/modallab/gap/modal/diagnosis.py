@@ -124,7 +124,7 @@ def _said(free: Free, found: Judged, modes: tuple[int, int], levels: Sequence[st
         modes=modes,
         by_channel=by_channel(free, misses),
         by_mode=by_mode(free, misses),
-        notes=[*found.notes, *_of_the_whole(best), *levels],
+        notes=[*found.notes, *_without_name(found), *_of_the_whole(best), *levels],
     )
 
 
@@ -134,6 +134,13 @@ def _of_levels(bench: ModalModel) -> list[str]:
         return []
     weakest = f"The bench is compared at its weakest level, {bench.backbone.levels[0]}."
     return [*level_notes(bench.backbone, bench), weakest]
+
+
+def _without_name(found: Judged) -> list[str]:
+    """Where what has no name is."""
+    whole = {"structure": "the structure, changed from place to place", "everything": "every channel and point alike"}
+    where = whole.get(found.where, found.where)
+    return [f"Most likely what has no name is this: {where}."] if found.verdict == "unknown" else []
 
 
 def _of_the_whole(best: Fitted) -> list[str]:

@@ -47,7 +47,7 @@ def weights(
         s: (lines,) complex frequencies.
         measured: receptances of the bench there.
         noise: (lines, lines, outputs, inputs) covariance of what both are off by from noise, where it was measured.
-        lines: factor on by how much each line is off by itself, (outputs, 1) or of all.
+        lines: factor on by how much each line is off by itself: (outputs, 1), (1, inputs) or all.
         along: the same of what goes along whole FRFs.
     """
     # What lies outside the band is in measured FRFs, whatever terms either model made of it.

@@ -27,7 +27,7 @@ HANGS = {
     "stiffness_loss": LOSSES,
 }
 """The sizes to begin with, in the order of the numbers of what hangs there."""
-BETWEEN = ("local_damper", "stiffness_loss")
+BETWEEN = ("ground_spring", "local_damper", "stiffness_loss")
 """What may act between two points."""
 BESIDE = 3
 """Points next to one, as far as that reaches."""

@@ -14,7 +14,7 @@ from modallab.core.diagnosis import Verdict
 from modallab.gap.modal.candidates import force_channel, hits_at
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import Fitted, fit
-from modallab.gap.modal.scales import SUSPECTS, Rung, estimated, nameless, settled, usual
+from modallab.gap.modal.scales import SUSPECTS, Rung, estimated, nameless, settled, unusual_at, usual
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import frfs_without_shapes
 
@@ -61,7 +61,7 @@ def judged(search: ModalSearch) -> Judged:
     kinds = search.kinds(nothing)
     # One from smoother lines stands for its kind until it is fitted on those that count.
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
-    force = _of_forces(base, as_usual)
+    force = _of_forces(base, as_usual, nothing.free.wide)
     others = {name: estimated(nothing, rungs) for name, rungs in nameless(base, nothing.free.wide).items()} | force
     found = _weighed(base, nothing, names, others)
     if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
@@ -81,17 +81,18 @@ def judged(search: ModalSearch) -> Judged:
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
 
 
-def _of_forces(base: Fitted, as_usual: list[Rung]) -> dict[str, Fitted]:
+def _of_forces(base: Fitted, as_usual: list[Rung], wide: float) -> dict[str, Fitted]:
     """What the force's channel, or the hits at a point, do otherwise, whatever it is; empty where none was measured."""
     c = base.free.of
     if c.bench.operating_shapes is not None:
         return {}
-    otherwise = {c.rig.force_channel.name: force_channel(c)}
-    missed = np.sqrt(np.mean(base.missed**2, axis=(0, 1)))
-    if missed.size > 1:
-        otherwise |= {f"hits at {c.model.input_points[i]}": hits_at(i) for i in np.argsort(-missed)[:SUSPECTS].tolist()}
-    begun = {name: fit(base.free, one, base.u, one.starts[0]) for name, one in otherwise.items()}
-    return {name: settled(one, as_usual) for name, one in begun.items()}
+    missed = np.mean(base.missed**2, axis=(0, 1))
+    suspects = np.argsort(-missed)[:SUSPECTS].tolist() if missed.size > 1 else []
+    # Hits at one point may be of another size alone, or on another day.
+    each = {i: [*as_usual, *unusual_at(c, np.arange(missed.size)[None] == i, wide)] for i in suspects}
+    points = {f"hits at {c.model.input_points[i]}": (hits_at(i), each[i]) for i in suspects}
+    otherwise = {c.rig.force_channel.name: (force_channel(c), as_usual), **points}
+    return {n: settled(fit(base.free, one, base.u, one.starts[0]), r) for n, (one, r) in otherwise.items()}
 
 
 def _weighed(base: Fitted, nothing: Fitted, names: Sequence[Fitted], others: Mapping[str, Fitted]) -> Judged:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.fitting import Fitted, fit
@@ -43,10 +44,14 @@ def nameless(base: Fitted, wide: float) -> dict[str, list[Rung]]:
     found: dict[str, list[Rung]] = {"structure": [(c, x) for x in UNUSUAL]}
     found["everything"] = [(c.scaled(a, x), x) for x in UNUSUAL for a in (1.0, x)]
     for o in np.argsort(-missed)[:SUSPECTS]:
-        there = np.arange(missed.size)[:, None] == o
-        each = ((np.where(there, a, 1.0), np.where(there, x, 1.0)) for x in UNUSUAL for a in (1.0, x))
-        found[c.model.outputs[int(o)]] = [(c.scaled(*scales), wide) for scales in each]
+        found[c.model.outputs[int(o)]] = unusual_at(c, np.arange(missed.size)[:, None] == o, wide)
     return found
+
+
+def unusual_at(c: Compared, there: NDArray[np.bool_], wide: float) -> list[Rung]:
+    """Rungs on which some FRFs, of a channel (outputs, 1) or a driven point (1, inputs), differ by more than usual."""
+    each = ((np.where(there, a, 1.0), np.where(there, x, 1.0)) for x in UNUSUAL for a in (1.0, x))
+    return [(c.scaled(*scales), wide) for scales in each]
 
 
 def estimated(fitted: Fitted, rungs: Sequence[Rung]) -> Fitted:

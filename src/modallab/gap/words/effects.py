@@ -100,9 +100,15 @@ def _channel_in_words(channel: int | tuple[int, int], channels: Sequence[str]) -
     return f"on channel{'s' * (len(rows) > 1)} {list_in_words([str(row) for row in rows])}"
 
 
+def spoken_effect(change: FoundChange) -> str:
+    """An effect on a measured structure: "added mass"; a spring between two points has no part in the ground."""
+    spoken = model_of(change.effect).spoken
+    return spoken.removeprefix("ground ") if isinstance(change.place, BetweenPoints) else spoken
+
+
 def spoken_change(change: FoundChange) -> str:
-    """An effect on a measured structure, with its place: "added mass near point 12"."""
-    return f"{model_of(change.effect).spoken} {place_of_change(change)}"
+    """The same with its place: "added mass near point 12"."""
+    return f"{spoken_effect(change)} {place_of_change(change)}"
 
 
 def with_numbers(change: FoundChange) -> str:

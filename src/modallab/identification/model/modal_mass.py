@@ -77,8 +77,8 @@ def why_unavailable(
 ) -> str:
     """Why there can be no shapes at unit modal mass, or "" if there can; arguments as of `unit_mass_shapes`."""
     known = [p for p in output_points if p is not None]
-    if len(known) < 2:
-        return "no shapes: fewer than two sensors stand at known points; no modal mass for the same reason"
+    if not known:
+        return "no shapes: no sensor stands at a known point; no modal mass for the same reason"
     along = known if driving is None else driving
     if not any(p is not None and p in along for p in input_points):
         driven = number_ranges(input_points)

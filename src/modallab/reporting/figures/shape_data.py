@@ -10,7 +10,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.modification.deflection import turn_to_real
+from modallab.modification.deflection import shapes_at_freedoms, turn_to_real
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -18,7 +18,7 @@ class BeamShape:
     """One mode shape along the beam.
 
     Attributes:
-        x_m: (n,) places of the sensors, ascending.
+        x_m: (n,) places of sensors and forces, ascending.
         phi: (n,) real part at unit modal mass in kg^-1/2, after a turn of the phase that makes it as real as can be.
         quadrature: (n,) imaginary part after that turn: what moves a quarter of a period late.
         sigma: (n,) standard deviation, NaN where not known.
@@ -34,15 +34,16 @@ class BeamShape:
 
 def beam_shape(model: ModalModel, mode: int, rig: Rig) -> BeamShape | None:
     """One mode's shape, the point with the largest motion positive; None if shapes or places are not known."""
-    if model.shapes is None:
+    shapes = shapes_at_freedoms(model, rig)
+    if model.shapes is None or shapes is None:
         return None
-    x = np.array([distance_from_clamp(rig, name) for name in model.outputs])
-    phi = np.asarray(model.shapes[mode])
+    places = {p.id: p.x_m for p in rig.points}
+    x = np.array([places.get(point, np.nan) for point, _ in shapes[0]])
+    phi, sigma = np.asarray(shapes[1][mode]), shapes[2][mode]
     order = np.argsort(x, kind="stable")
     known = order[np.isfinite(x[order]) & np.isfinite(phi[order])]
     if known.size < 2:
         return None
-    sigma = np.full(phi.shape, np.nan) if model.shape_sigma is None else model.shape_sigma[mode]
     real = turn_to_real(phi[known])
     return BeamShape(x[known], real.real, real.imag, sigma[known], _skew_deg(real))
 

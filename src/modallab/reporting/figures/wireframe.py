@@ -11,7 +11,7 @@ from modallab.core.arrays import Complex128, Real
 from modallab.core.digits import significant_digits, with_hard_blanks
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.modification.deflection import motion_at_points, turn_to_real
+from modallab.modification.deflection import motion_at_points, shapes_at_freedoms, turn_to_real
 from modallab.reporting.markup import Markup, html_element, trusted_markup
 
 _WIDTH, _HEIGHT, _EDGE = 300.0, 200.0, 34.0
@@ -46,19 +46,14 @@ def is_spatial(rig: Rig) -> bool:
 def shapes_of_model(model: ModalModel, rig: Rig) -> list[MovingShape]:
     """A model's shapes, or operating shapes, at the points of its rig; [] if it has none.
 
-    What several sensors at a point say is put together; a point without one stays at rest.
+    What several sensors at a point say is put together; a point that was neither measured nor driven stays at rest.
     """
-    phi = model.shapes if model.shapes is not None else model.operating_shapes
-    if phi is None or not rig.points:
+    found = shapes_at_freedoms(model, rig)
+    if found is None or not rig.points:
         return []
-    channels = {c.name: c for c in rig.responses}
-    rows = [n for n, name in enumerate(model.outputs) if name in channels]
-    known = [channels[model.outputs[n]] for n in rows]
-    freedoms = [(c.point or 0, c.direction[1]) for c in known]
-    moved = phi[:, rows] * [rig.sense_of(c) for c in known]
     return [
-        MovingShape(f"Mode {r + 1}", float(hz), motion_at_points(rig, freedoms, values))
-        for r, (hz, values) in enumerate(zip(model.frequency_hz, moved, strict=True))
+        MovingShape(f"Mode {r + 1}", float(hz), motion_at_points(rig, found[0], values))
+        for r, (hz, values) in enumerate(zip(model.frequency_hz, found[1], strict=True))
     ]
 
 
