@@ -68,7 +68,8 @@ def _steps_back(fit: Fit) -> tuple[Real, Real]:
     curvature = fit.normal - tolerances
     held = WEIGHTS[:, None, None] * curvature + tolerances + TINY * np.eye(len(fit.u))
     back = -(1 - WEIGHTS[:, None]) * np.concatenate([pull, rest])
-    return curvature, np.linalg.solve(held, back[..., None])[..., 0]
+    steps: Real = np.linalg.solve(held, back[..., None])[..., 0].astype(np.float64)
+    return curvature, steps
 
 
 def squares_of_clock(fit: Fit) -> float:
