@@ -2,7 +2,7 @@
 
 The records hold thousands of numbers, but a model is wrong in few ways: in the frequency, the damping and the size of
 each of its modes. So what an explanation leaves above the noise, X squares, counts as that of nu = 3 x modes numbers
-with one variance. Before the records that variance is expected to be s2: a model is off by the smallest discrepancy of
+with one variance. Before the records that variance is expected to be s2: a model is off by the expected error of
 the settings, and an effect by the share of what it does that its model declares as inexact. That expectation counts as
 one number. Then -2 log likelihood is (nu + 1) ln(1 + X / (nu + s2)), but for a constant (a variance with a
 scaled inverse chi-square prior: Gelman et al., Bayesian Data Analysis, 2013, ch. 2; model discrepancy: Kennedy and
@@ -110,8 +110,8 @@ def likelihood(squares: Real, floor: RecordsFloor) -> Real:
 
 
 def _squares_of_discrepancy(fit: Fit) -> float:
-    """Squares that the same bench leaves with frequencies, damping ratios and sizes off by the smallest discrepancy."""
-    share, data = DEFAULT.smallest_scale, fit.problem.data
+    """Squares that the same bench leaves with frequencies, damping ratios and sizes off by the expected error."""
+    share, data = DEFAULT.expected_error, fit.problem.data
     twin = replace(fit.problem.twin(fit.u), element=None)
     beam, answers = twin.structure, forward(twin, data)
     stiffer = replace(beam, youngs_modulus_pa=beam.youngs_modulus_pa * (1 + 2 * DEFAULT.frequency_share * share))

@@ -19,6 +19,8 @@ class Settings:
             84, 1989, 881).
         smallest_scale: smallest standard deviation of the discrepancy, as a share of the response. No model of a real
             bench is more exact than a thousandth; what lies below is left to the records.
+        expected_error: error of the twin that is expected before a campaign, as a share of the response. Virtual benches by
+            others are that near; how much more it is on a real one its records show.
         scales: how many values of a scale are compared, evenly on logarithms up to 1.
         node: a modal constant below this share of its mode's rms over the channels is compared with that share.
         effect_price: what one effect more must gain, in -2 log evidence: prior odds of 1 to 400.
@@ -33,6 +35,7 @@ class Settings:
     damping_share: float = 3.0
     degrees_of_freedom: float = 5.0
     smallest_scale: float = 1e-3
+    expected_error: float = 3e-4
     scales: int = 13
     node: float = 0.3
     effect_price: float = 12.0
