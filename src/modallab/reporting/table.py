@@ -1,10 +1,9 @@
 """The table of modes for the terminal."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import isfinite
 
 from rich import box
-from rich.markup import escape
 from rich.table import Table
 
 from modallab.core.digits import UNKNOWN, number_with_sigma, probability_text, significant_digits, to_places_of_sigma
@@ -16,21 +15,6 @@ from modallab.reporting.content import TrueModes
 VALUES = ("frequency\n[Hz]", "damping\n[%]", "half-power\n[%]")
 TRUTH = ("true\n[Hz]", "true\n[%]")
 CONFIDENCE = "confi-\ndence"
-
-
-def plain_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
-    """Any table; a cell wider than its column goes on in the next line, as a number that is cut is another one.
-
-    Args:
-        headings: of the columns.
-        rows: as many cells each.
-    """
-    table = Table(box=None, pad_edge=False, collapse_padding=True)
-    for heading in headings:
-        table.add_column(escape(heading), overflow="fold")
-    for row in rows:
-        table.add_row(*map(escape, row))
-    return table
 
 
 def modal_table(

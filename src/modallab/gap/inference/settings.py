@@ -19,8 +19,8 @@ class Settings:
             84, 1989, 881).
         smallest_scale: smallest standard deviation of the discrepancy, as a share of the response. No model of a real
             bench is more exact than a thousandth; what lies below is left to the records.
-        expected_error: error of the twin that is expected before a campaign, as a share of the response. Virtual benches by
-            others are that near; how much more it is on a real one its records show.
+        expected_error: error of the twin that is expected before a campaign, as a share of the response. Virtual
+            benches by others are that near; how much more it is on a real one its records show.
         scales: how many values of a scale are compared, evenly on logarithms up to 1.
         node: a modal constant below this share of its mode's rms over the channels is compared with that share.
         effect_price: what one effect more must gain, in -2 log evidence: prior odds of 1 to 400.
