@@ -20,7 +20,7 @@ from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.search.clock import clock_error_visible
-from modallab.gap.search.fitting import Bench, converged, within_tolerances, without_effect
+from modallab.gap.search.fitting import Bench, closes_gap, converged, within_tolerances, without_effect
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import model_of, search_of
 
@@ -87,12 +87,23 @@ class StepwiseSelection:
         if fitted and not self._explained(fitted):
             fitted += self._exchanged(min(fitted, key=_score), {f.key for f, _ in fitted})
         fitted.sort(key=_score)
-        if not fitted or not more_probable(fitted[0][1], self.best):
+        if not fitted or self._ends(*fitted[0]):
             self.finished = True
             return
         self.levels.append(Level(self.best, tuple(fit for _, fit in fitted)))
         self._here, self.best = fitted[0]
         self.finished = self.best.gap <= self.bench.flat and self._sound(self.best)
+
+    def _ends(self, posterior: Posterior, fit: Fit) -> bool:
+        """Whether a round that has come to this ends the search, as nothing more probable is there.
+
+        While the gap is not closed another effect may be missing yet, beside which this one will be more probable: then
+        it has to gain its price under noise alone.
+        """
+        if more_probable(fit, self.best):
+            return False
+        closed = bool(self.levels) and closes_gap(self.levels[0].base, self.best)
+        return closed or _score((posterior, fit)) > _score((self._here, self.best)) - self.settings.effect_price
 
     def _explained(self, fitted: list[tuple[Posterior, Fit]]) -> bool:
         """Whether one of these leaves nothing but noise: no other can explain more."""

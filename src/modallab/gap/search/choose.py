@@ -18,16 +18,15 @@ from modallab.gap.model.share import discrepancies, unexplained
 from modallab.gap.search.clock import clock_error_visible
 from modallab.gap.search.consequence import Dismissed, of_consequence
 from modallab.gap.search.fitting import (
+    CLOSED,
     Bench,
+    closes_gap,
     each_within_tolerance,
-    excess,
     refitted_without,
     within_tolerances,
 )
 from modallab.twin.effects import search_of
 
-CLOSED = 0.998
-"""Share of the excess an explanation must close to count as one, where it does not reach the floor."""
 CLOSED_RESAMPLED = 0.98
 """The same where samples were taken at other times than stated: no bench and no twin resamples without an error."""
 CLOSED_STEPPED = 0.9
@@ -93,7 +92,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
     needed = CLOSED_RESAMPLED if resampled else CLOSED
     explained = bool(fit.problem.candidates) and (
         fit.gap <= AT_FLOOR * bench.flat / 1.1
-        or excess(fit) <= (1 - needed) * excess(base)
+        or closes_gap(base, fit, needed)
         or (held is not None and _closes(base, fit, held, needed))
         or (unseen is not None and has_stepped_law(fit) and _closes_unseen(_without_law(fit), fit, unseen))
     )
