@@ -137,7 +137,7 @@ def _explanation_list(found: ModalDiagnosis) -> Markup | None:
         return None
     tables = [
         html_table(
-            (f"{spoken_effect(c).capitalize()} {place_of_change(c)}, probability {probability_text(c.probability)}"),
+            f"{spoken_effect(c).capitalize()} {place_of_change(c)}, probability {probability_text(c.probability)}",
             ["", "value", "95 % interval"],
             numbers_of(c),
             numeric=(1, 2),

@@ -327,6 +327,7 @@ def test_a_model_is_put_to_use(lab: Lab, campaign: str) -> None:
         looked = client.post(f"{at}/modifications", json=asked).json()
         lines = looked["frf"]["frequency_hz"]
         assert [len(looked["frf"][name]["re"]) for name in ("before", "after")] == [len(lines)] * 2
+        assert max(min(abs(hz / line - 1) for line in lines) for hz in before) < 5e-3
         assert looked["checked"][0]["words"].startswith("Mode 1: predicted ")
         assert not looked["checked"][0]["inside"]
         force = {"at": [10], "forces_n": [[0.0, 10.0, 0.0, 0.0]], "step_s": 5e-4, "of": [3, 8]}

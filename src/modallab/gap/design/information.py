@@ -17,7 +17,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import Explanation
-from modallab.gap.inference.evidence import RecordsFloor, likelihood, probabilities_of, squares_of_clock
+from modallab.gap.inference.evidence import RecordsFloor, likelihood, probabilities_of, squares_beside_records
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.minimise import jacobian
@@ -150,7 +150,7 @@ def apart_by_row(rivals: RivalExplanations, columns: Real) -> Real:
 def probabilities_of_rivals(rivals: RivalExplanations, costs: Real) -> Real:
     """(..., explanations) probabilities, as a diagnosis of all records would give them, of squares left of all."""
     fits = [r.fit for r in rivals.listed]
-    deviations = np.array([f.problem.priors(f.u)[0] + squares_of_clock(f) for f in fits])
+    deviations = np.array([squares_beside_records(f) for f in fits])
     effects = np.array([len(f.problem.candidates) for f in fits])
     squares = costs - deviations
     squares += rivals.floor.least - np.min(squares, axis=-1, keepdims=True)

@@ -15,10 +15,9 @@ from typing import Self
 
 import numpy as np
 
-from modallab.core.arrays import Complex, Real
-from modallab.gap.conditioning.rows import Reduced
+from modallab.core.arrays import Real
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.model.fit import Fit, all_rows
+from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.search.fitting import without_effect
 from modallab.twin.effects import search_of
@@ -53,11 +52,11 @@ def balanced_squares(fit: Fit) -> tuple[Real, Real]:
     A fit trades one for the other at par. Where the model is wrong the records count for less, and no bench would have
     to be that far off its tolerances: to first order about the fit.
     """
-    clock, (deviations, pull, _) = squares_of_clock(fit), fit.problem.priors(fit.u)
+    clock, (_, pull, _) = squares_of_clock(fit), fit.problem.priors(fit.u)
     curvature, steps = _steps_back(fit)
     more = np.einsum("wi,ij,wj->w", steps, curvature, steps) - 2 * steps[:, : len(pull)] @ pull
     off = np.array([fit.problem.priors(fit.u + step)[0] for step in steps])
-    return fit.cost - deviations - clock + np.maximum(more, 0.0), off + clock
+    return fit.cost - squares_beside_records(fit) + np.maximum(more, 0.0), off + clock
 
 
 def _steps_back(fit: Fit) -> tuple[Real, Real]:
@@ -75,6 +74,11 @@ def _steps_back(fit: Fit) -> tuple[Real, Real]:
 def squares_of_clock(fit: Fit) -> float:
     """What the generator's lines say against the clock of a fit: no error of the beam's model makes them."""
     return float(fit.residual[-1] ** 2) if fit.problem.data.sines is not None else 0.0
+
+
+def squares_beside_records(fit: Fit) -> float:
+    """Squares of a fit's cost that are none of the records': of the tolerances' deviations, and of the clock."""
+    return fit.problem.priors(fit.u)[0] + squares_of_clock(fit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,13 +122,8 @@ def _squares_of_discrepancy(fit: Fit) -> float:
     damped = replace(beam, zeta=beam.zeta * (1 + DEFAULT.damping_share * share))
     moved = [forward(replace(twin, structure=b), data) for b in (stiffer, damped)]
     sizes = [(1 + share) * y for y in answers]
-    return sum(_squares(data, m, answers) for m in (*moved, sizes))
-
-
-def _squares(data: Reduced, moved: Sequence[Complex], answers: Sequence[Complex]) -> float:
-    """Of what is between two answers, in noise units."""
-    parts = (rows.whiten(m - y) for rows, m, y in zip(all_rows(data), moved, answers, strict=True))
-    return float(sum(np.sum(np.abs(p) ** 2) for p in parts))
+    here, *there = (fit.problem.residual_of(twin, each) for each in (answers, *moved, sizes))
+    return float(sum(np.sum((r - here) ** 2) for r in there))
 
 
 def _squares_of_inexact_effects(fit: Fit) -> float:

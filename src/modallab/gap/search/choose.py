@@ -71,7 +71,7 @@ class Choice:
 
 
 def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unseen: Reduced | None = None) -> Choice:
-    """Keep the effects without which the gap comes back, and say whether they explain it.
+    """The most probable of all explanations that were fitted, and whether it explains the gap.
 
     Args:
         bench: what was searched.

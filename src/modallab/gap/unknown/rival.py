@@ -146,7 +146,8 @@ def _explains(bench: Bench, base: Fit, best: Fit, one: Description) -> bool:
 
     What has no name costs the price of an effect twice: it stands for any of many causes, none of which is known.
     """
-    closes = leaves_noise_only(bench, one.fit) or excess(one.fit) <= CLOSES * excess(base)
+    if not leaves_noise_only(bench, one.fit) and excess(one.fit) > CLOSES * excess(base):
+        return False
     named, nameless = evidence([best, one.fit])
     elements = 2 * len(one.learned) - len(one.fit.problem.candidates)
-    return closes and bool(nameless + DEFAULT.effect_price * elements < named)
+    return bool(nameless + DEFAULT.effect_price * elements < named)
