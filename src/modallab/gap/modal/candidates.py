@@ -27,7 +27,7 @@ FARTHEST = 3.0
 POWERS = np.arange(4)
 """Of s in the logarithm of what the force channel does otherwise: a gain, a delay, and what is neither."""
 ODD = 0.5
-"""Deviation of that by each power, at the highest mode."""
+"""Deviation of that by each power, at the highest mode; and of a share of a channel in another, over what that reads."""
 NEXT = 8
 """Other places of sensors to begin with."""
 
@@ -108,6 +108,21 @@ def force_channel(c: Compared) -> Candidate:
 
     count = POWERS.size
     return Candidate("", (), None, make, (np.zeros(count),), np.full(count, ODD), np.zeros(count), ())
+
+
+def mixed_channel(c: Compared, output: int) -> Candidate:
+    """A channel reads any sum of what all channels should, the force's too: each share over what itself should read."""
+    as_read = np.abs(c.s**c.power)[:, None, None] * c.sizes
+    each = np.append(np.sqrt(np.mean(as_read**2, axis=(0, 2))), 1.0)
+    # A force that was not measured is in no channel.
+    known = np.append(np.ones(each.size - 1), c.bench.operating_shapes is None)
+
+    def make(v: Real, _: Compared) -> Change:
+        shares = v * known * each[output] / each
+        return Change(mixed=(output, shares[:-1], float(shares[-1])))
+
+    count = each.size
+    return Candidate("", (), output, make, (np.zeros(count),), np.full(count, ODD), np.zeros(count), ())
 
 
 def hits_at(i: int) -> Candidate:

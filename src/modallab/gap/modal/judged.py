@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.diagnosis import Verdict
-from modallab.gap.modal.candidates import force_channel, hits_at
+from modallab.gap.modal.candidates import force_channel, hits_at, mixed_channel
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import Fitted, fit
 from modallab.gap.modal.scales import SUSPECTS, Rung, estimated, nameless, settled, unusual_at, usual
@@ -61,8 +61,8 @@ def judged(search: ModalSearch) -> Judged:
     kinds = search.kinds(nothing)
     # One from smoother lines stands for its kind until it is fitted on those that count.
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
-    force = _of_forces(base, as_usual, nothing.free.wide)
-    others = {name: estimated(nothing, rungs) for name, rungs in nameless(base, nothing.free.wide).items()} | force
+    channels = _of_channels(base, as_usual, nothing.free.wide)
+    others = {name: estimated(nothing, rungs) for name, rungs in nameless(base).items()} | channels
     found = _weighed(base, nothing, names, others)
     if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
         return _decided(found)
@@ -76,23 +76,23 @@ def judged(search: ModalSearch) -> Judged:
 
     afar = [0.0, *(search.afar(one.candidate.effect) for one in names if one.candidate)]
     (_, *names), least = best_first([nothing, *names], afar, to_its_end)
-    others = {name: settled(base, rungs) for name, rungs in nameless(base, least.free.wide).items()} | force
+    others = {name: settled(base, rungs) for name, rungs in nameless(base).items()} | channels
     strains = strain(base), strain(ended[[nothing, *names].index(least)])
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
 
 
-def _of_forces(base: Fitted, as_usual: list[Rung], wide: float) -> dict[str, Fitted]:
-    """What the force's channel, or the hits at a point, do otherwise, whatever it is; empty where none was measured."""
-    c = base.free.of
-    if c.bench.operating_shapes is not None:
-        return {}
-    missed = np.mean(base.missed**2, axis=(0, 1))
-    suspects = np.argsort(-missed)[:SUSPECTS].tolist() if missed.size > 1 else []
-    # Hits at one point may be of another size alone, or on another day.
-    each = {i: [*as_usual, *unusual_at(c, np.arange(missed.size)[None] == i, wide)] for i in suspects}
-    points = {f"hits at {c.model.input_points[i]}": (hits_at(i), each[i]) for i in suspects}
-    otherwise = {c.rig.force_channel.name: (force_channel(c), as_usual), **points}
-    return {n: settled(fit(base.free, one, base.u, one.starts[0]), r) for n, (one, r) in otherwise.items()}
+def _of_channels(base: Fitted, as_usual: list[Rung], wide: float) -> dict[str, Fitted]:
+    """What a channel, that of the force, or the hits at a point do otherwise, whatever it is, now and then or always."""
+    c, missed = base.free.of, np.mean(base.missed**2, axis=0)
+    outputs, inputs = np.eye(len(missed), dtype=bool), np.eye(missed.shape[1], dtype=bool)
+    odd = np.argsort(-missed.mean(axis=1))[:SUSPECTS].tolist()
+    found = {c.model.outputs[o]: (mixed_channel(c, o), unusual_at(c, outputs[:, [o]], wide)) for o in odd}
+    if c.bench.operating_shapes is None:
+        found[c.rig.force_channel.name] = force_channel(c), []
+        points = np.argsort(-missed.mean(axis=0))[:SUSPECTS].tolist() if len(inputs) > 1 else []
+        there = {f"hits at {c.model.input_points[i]}": (hits_at(i), unusual_at(c, inputs[[i]], wide)) for i in points}
+        found |= there
+    return {n: settled(fit(base.free, one, base.u, one.starts[0]), [*as_usual, *r]) for n, (one, r) in found.items()}
 
 
 def _weighed(base: Fitted, nothing: Fitted, names: Sequence[Fitted], others: Mapping[str, Fitted]) -> Judged:
