@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.diagnosis import Verdict
+from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.candidates import force_channel, hits_at, mixed_channel
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import Fitted, fit
@@ -33,7 +34,7 @@ class Judged:
         ranked: the best fit of each kind of change with its probability, the most probable first.
         nothing: probability that nothing was changed.
         unknown: probability that something without a name is the cause.
-        where: what that would be: "structure", "everything", the name of a channel, or the hits at a point.
+        where: what that would be: "structure", "everything", a channel, or the hits at a point, in words.
         strains: of the tolerances without and with the best explanation, at what is usual.
         notes: why.
     """
@@ -82,17 +83,24 @@ def judged(search: ModalSearch) -> Judged:
 
 
 def _of_channels(base: Fitted, as_usual: list[Rung], wide: float) -> dict[str, Fitted]:
-    """What a channel, that of the force, or the hits at a point do otherwise, whatever it is, now and then or always."""
+    """What a channel, that of the force, or the hits at a point do otherwise, whatever it is."""
     c, missed = base.free.of, np.mean(base.missed**2, axis=0)
-    outputs, inputs = np.eye(len(missed), dtype=bool), np.eye(missed.shape[1], dtype=bool)
-    odd = np.argsort(-missed.mean(axis=1))[:SUSPECTS].tolist()
-    found = {c.model.outputs[o]: (mixed_channel(c, o), unusual_at(c, outputs[:, [o]], wide)) for o in odd}
+    rows, columns = np.eye(len(missed), dtype=bool), np.eye(missed.shape[1], dtype=bool)
+    found: dict[str, tuple[Candidate | None, list[Rung]]] = {}
+    for o in np.argsort(-missed.mean(axis=1))[:SUSPECTS]:
+        found[c.model.outputs[o]] = None, unusual_at(c, rows[:, [o]], wide)
+        found[f"{c.model.outputs[o]} reads what other channels should"] = mixed_channel(c, int(o)), as_usual
     if c.bench.operating_shapes is None:
-        found[c.rig.force_channel.name] = force_channel(c), []
-        points = np.argsort(-missed.mean(axis=0))[:SUSPECTS].tolist() if len(inputs) > 1 else []
-        there = {f"hits at {c.model.input_points[i]}": (hits_at(i), unusual_at(c, inputs[[i]], wide)) for i in points}
-        found |= there
-    return {n: settled(fit(base.free, one, base.u, one.starts[0]), [*as_usual, *r]) for n, (one, r) in found.items()}
+        found[c.rig.force_channel.name] = force_channel(c), as_usual
+        # Hits at one point may be of another size alone, or on another day.
+        for i in np.argsort(-missed.mean(axis=0))[:SUSPECTS] if len(columns) > 1 else ():
+            each = [*as_usual, *unusual_at(c, columns[[i]], wide)]
+            found[f"hits at {c.model.input_points[i]}"] = hits_at(int(i)), each
+    return {name: settled(_begun(base, one), rungs) for name, (one, rungs) in found.items()}
+
+
+def _begun(base: Fitted, candidate: Candidate | None) -> Fitted:
+    return base if candidate is None else fit(base.free, candidate, base.u, candidate.starts[0])
 
 
 def _weighed(base: Fitted, nothing: Fitted, names: Sequence[Fitted], others: Mapping[str, Fitted]) -> Judged:
