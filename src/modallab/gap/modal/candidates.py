@@ -110,19 +110,27 @@ def force_channel(c: Compared) -> Candidate:
     return Candidate("", (), None, make, (np.zeros(count),), np.full(count, ODD), np.zeros(count), ())
 
 
-def mixed_channel(c: Compared, output: int) -> Candidate:
-    """A channel reads any sum of what all channels should, the force's too: each share over what itself should read."""
+def mixed_channel(c: Compared, output: int) -> list[Candidate]:
+    """A channel reads any sum of what all channels should, the force's too; and a share of one of them besides its own.
+
+    Each share is over what the channel itself should read.
+    """
     as_read = np.abs(c.s**c.power)[:, None, None] * c.sizes
     each = np.append(np.sqrt(np.mean(as_read**2, axis=(0, 2))), 1.0)
     # A force that was not measured is in no channel.
-    known = np.append(np.ones(each.size - 1), c.bench.operating_shapes is None)
+    every = list(range(each.size - (c.bench.operating_shapes is not None)))
+    over, alone = each[output] / each, [n for n in every if n != output]
 
-    def make(v: Real, _: Compared) -> Change:
-        shares = v * known * each[output] / each
-        return Change(mixed=(output, shares[:-1], float(shares[-1])))
+    def reading(sources: list[int], places: int) -> Candidate:
+        def make(v: Real, _: Compared) -> Change:
+            shares = np.zeros(each.size)
+            shares[sources] = v * over[sources]
+            return Change(mixed=(output, shares[:-1], float(shares[-1])))
 
-    count = each.size
-    return Candidate("", (), output, make, (np.zeros(count),), np.full(count, ODD), np.zeros(count), ())
+        n = len(sources)
+        return Candidate("", (), output, make, (np.zeros(n),), np.full(n, ODD), np.zeros(n), (), places)
+
+    return [reading(every, 1), *(reading([n], len(alone)) for n in alone)]
 
 
 def hits_at(i: int) -> Candidate:

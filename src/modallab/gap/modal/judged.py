@@ -15,6 +15,7 @@ from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.candidates import force_channel, hits_at, mixed_channel
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import Fitted, fit
+from modallab.gap.modal.marginal import Marginal
 from modallab.gap.modal.scales import SUSPECTS, Rung, estimated, nameless, settled, unusual_at, usual
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import frfs_without_shapes
@@ -86,21 +87,29 @@ def _of_channels(base: Fitted, as_usual: list[Rung], wide: float) -> dict[str, F
     """What a channel, that of the force, or the hits at a point do otherwise, whatever it is."""
     c, missed = base.free.of, np.mean(base.missed**2, axis=0)
     rows, columns = np.eye(len(missed), dtype=bool), np.eye(missed.shape[1], dtype=bool)
-    found: dict[str, tuple[Candidate | None, list[Rung]]] = {}
-    for o in np.argsort(-missed.mean(axis=1))[:SUSPECTS]:
-        found[c.model.outputs[o]] = None, unusual_at(c, rows[:, [o]], wide)
-        found[f"{c.model.outputs[o]} reads what other channels should"] = mixed_channel(c, int(o)), as_usual
+    found: dict[str, Fitted] = {}
+    for o in np.argsort(-missed.mean(axis=1))[:SUSPECTS].tolist():
+        found[c.model.outputs[o]] = settled(base, unusual_at(c, rows[:, [o]], wide))
+        found[f"{c.model.outputs[o]} reads what another channel should"] = _mixed(base, o, as_usual)
     if c.bench.operating_shapes is None:
-        found[c.rig.force_channel.name] = force_channel(c), as_usual
+        found[c.rig.force_channel.name] = settled(_begun(base, force_channel(c)), as_usual)
         # Hits at one point may be of another size alone, or on another day.
-        for i in np.argsort(-missed.mean(axis=0))[:SUSPECTS] if len(columns) > 1 else ():
+        for i in np.argsort(-missed.mean(axis=0))[:SUSPECTS].tolist() if len(columns) > 1 else ():
             each = [*as_usual, *unusual_at(c, columns[[i]], wide)]
-            found[f"hits at {c.model.input_points[i]}"] = hits_at(int(i)), each
-    return {name: settled(_begun(base, one), rungs) for name, (one, rungs) in found.items()}
+            found[f"hits at {c.model.input_points[i]}"] = settled(_begun(base, hits_at(i)), each)
+    return found
 
 
-def _begun(base: Fitted, candidate: Candidate | None) -> Fitted:
-    return base if candidate is None else fit(base.free, candidate, base.u, candidate.starts[0])
+def _mixed(base: Fitted, output: int, as_usual: list[Rung]) -> Fitted:
+    """A channel that reads shares of others: of all, or of the one that explains most."""
+    here = Marginal.about(base.free, base.u)
+    every, *single = (here.fit(one, one.starts[0]) for one in mixed_channel(base.free.of, output))
+    best = min(single, key=lambda f: f.evidence, default=every)
+    return min((settled(f, as_usual) for f in (every, best)), key=lambda f: f.evidence)
+
+
+def _begun(base: Fitted, candidate: Candidate) -> Fitted:
+    return fit(base.free, candidate, base.u, candidate.starts[0])
 
 
 def _weighed(base: Fitted, nothing: Fitted, names: Sequence[Fitted], others: Mapping[str, Fitted]) -> Judged:
