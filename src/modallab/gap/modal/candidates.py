@@ -27,7 +27,7 @@ FARTHEST = 3.0
 POWERS = np.arange(4)
 """Of s in the logarithm of what the force channel does otherwise: a gain, a delay, and what is neither."""
 ODD = 0.5
-"""Deviation of that by each power, at the highest mode; and of a share of a channel in another, over what that reads."""
+"""Deviation of that by each power, at the highest mode; and of a channel's share in another, over what that reads."""
 NEXT = 8
 """Other places of sensors to begin with."""
 
