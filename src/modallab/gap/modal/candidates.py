@@ -130,7 +130,9 @@ def mixed_channel(c: Compared, output: int) -> list[Candidate]:
         n = len(sources)
         return Candidate("", (), output, make, (np.zeros(n),), np.full(n, ODD), np.zeros(n), (), places)
 
-    return [reading(every, 1), *(reading([n], len(alone)) for n in alone)]
+    # Any channel might read so.
+    outputs = len(c.out_psi)
+    return [reading(every, outputs), *(reading([n], outputs * len(alone)) for n in alone)]
 
 
 def hits_at(i: int) -> Candidate:
