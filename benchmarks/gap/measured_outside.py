@@ -84,7 +84,7 @@ class Bench:
     def stretched(self, columns: slice | int, by: float) -> Complex:
         """Some inputs' FRFs as if every frequency were `by` times higher."""
         f, values = self.frf.frequency_hz, self.frf.values.copy()
-        # Between lines a straight line across a resonance would be damping: the model tells these, and the rest is even.
+        # Straight from line to line a resonance would be damped more: the model tells it, and the rest is even.
         left = (values - self.modelled(self.model))[:, columns]
         flat = left.reshape(-1, f.size)
         there = [np.interp(f / by, f, row.real) + 1j * np.interp(f / by, f, row.imag) for row in flat]
