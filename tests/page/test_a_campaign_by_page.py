@@ -19,6 +19,8 @@ SAID = """selector => { window.said = []; const seen = () => document.querySelec
     && window.said.push(document.querySelector(selector).textContent);
     new MutationObserver(seen).observe(document.body, {childList: true, subtree: true, characterData: true}); }"""
 HIT = "section[aria-label='The last hit'] .large"
+PAUSED = ".prompt .large:text-is('Paused')"
+UNDONE = f"{HIT}:text-is('Undone')"
 DROP = """([name, content]) => {
     const bytes = Uint8Array.from(atob(content), one => one.charCodeAt(0));
     const files = new DataTransfer();
@@ -49,9 +51,13 @@ def recorded(browser: Browser, served: ServiceProcess) -> Iterator[Watched]:
     ada.page.check("details:has(> summary:has-text('Precision')) > label input")
     ada.picture("plan")
     ada.begin("Impact test", IMPACT)
-    # The bench goes on striking meanwhile: a hit can be undone only before the last one.
     ada.page.wait_for_selector(".togo:not(:has-text('0 of 4'))")
+    # The bench would strike its last hit meanwhile, and then nothing can be undone.
+    ada.page.keyboard.press("p")
+    ada.page.wait_for_selector(PAUSED)
     ada.page.keyboard.press("PageUp")
+    ada.page.wait_for_selector(UNDONE)
+    ada.page.keyboard.press("p")
     ada.picture("impact", whole=False)
     ada.page.wait_for_selector(DONE)
     yield ada
