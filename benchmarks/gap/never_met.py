@@ -242,7 +242,7 @@ def answered(kind: str, seed: int) -> dict[str, object]:
         "probabilities": " ".join(f"{f.probability:.3f}" for f in said.effects),
         "gap_before": round(said.shrink.before, 3),
         "gap_after": round(said.shrink.after, 3),
-        "stage": said.stage,
+        "stage": said.where.stage,
         "seconds": round(time.process_time() - began, 1),
     }
 
