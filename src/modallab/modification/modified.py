@@ -99,7 +99,7 @@ def passive_damping(zeta: Real, sigma: Real) -> tuple[Real, Real]:
         sigma: (modes,) one standard deviation.
 
     Returns:
-        (modes,) mean and (modes,) standard deviation (Johnson, Kotz, Continuous Univariate Distributions (1994), 13.10).
+        (modes,) mean and (modes,) deviation (Johnson, Kotz, Continuous Univariate Distributions (1994), 13.10).
     """
     least = np.maximum(sigma, np.finfo(np.float64).eps)
     from_zero = zeta / least
