@@ -136,7 +136,7 @@ class _UpdatingProblem:
 
     def settled(self) -> tuple[Real, tuple[float, float], list[tuple[float, Real, Real]]]:
         """The best numbers at the most probable scales, and the mixture about them."""
-        u, off = self.found(), FIRST[-1]
+        u, off, parts = self.found(), FIRST[-1], list[tuple[float, Real, Real]]()
         for _ in range(TURNS):
             here = self.about(u)
             fit = here.fit(u, off)
