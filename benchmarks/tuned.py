@@ -2,9 +2,10 @@
 
     python benchmarks/tuned.py 6 benchmarks/results/tuned.csv
 
-Each bench is as built in an ordinary lab, and has five wanted frequencies. The smallest answer of all points is put on
-it, and it is measured again. Where the model has no answer, the bench itself is asked for its limits: its own modes
-with nothing and with a tonne, or a spring of 1 GN/m, at each point. A row is a wanted frequency.
+Each bench is as built in an ordinary lab, and has five wanted frequencies. The smallest answer of all points that
+states the frequency to 0.2 % is put on it, else the smallest, and it is measured again. Where the model has no
+answer, the bench itself is asked for its limits: its own modes with nothing and with a tonne, or a spring of 1 GN/m,
+at each point. A row is a wanted frequency.
 """
 
 import json
@@ -26,7 +27,9 @@ from modallab.modification.known import KnownStructure
 from modallab.service.errors import RunEndedError
 from modified import PLAN, POINTS, effect_of
 
-FIRST_SEED, WANTED, MODES = 7208, 5, 5
+FIRST_SEED, WANTED, MODES = 7216, 5, 5
+WITHIN = 2e-3
+"""Of a wanted frequency: as near as it is to come."""
 STRUCK = (10, 8, 6)
 """As an operator goes on who reads that a sensor is overloaded: at another point."""
 WITHOUT_END: dict[By, float] = {"mass": 1e3, "spring": 1e9}
@@ -73,7 +76,8 @@ def rows_of(seed: int) -> list[list[object]]:
 def row(seed: int, known: KnownStructure, by: By, mode: int, to_hz: float) -> list[object]:
     """The answer, and what is measured with it."""
     start = [seed, by, mode, known.model.frequency_hz[mode - 1], to_hz]
-    best = changes_for_frequency(known, mode, to_hz, by, list(range(1, POINTS + 1)))[0]
+    answers = changes_for_frequency(known, mode, to_hz, by, list(range(1, POINTS + 1)))
+    best = next((a for a in answers if a.feasible and 1.96 * a.hz_sigma <= WITHIN * to_hz), answers[0])
     if not best.feasible:
         return [*start, "", "", "", "", "", *limits(seed, by, mode)]
     effect = effect_of(by, best.size, int(str(best.at)))
@@ -99,7 +103,7 @@ def summary(rows: list[list[object]]) -> str:
     rightly = [not float(r["bench_low_hz"]) < float(r["wanted_hz"]) < float(r["bench_high_hz"]) for r in unanswered]
     return (
         f"{len(rows)} wanted frequencies: {len(met)} answered, off by {100 * np.median(met):.3f} % in the median, "
-        f"{100 * max(met):.3f} % at most, {np.sum(np.array(met) <= 2e-3)} within 0.2 %; {len(unanswered)} said to be "
+        f"{100 * max(met):.3f} % at most, {np.sum(np.array(met) <= WITHIN)} within 0.2 %; {len(unanswered)} said to be "
         f"out of reach, {sum(rightly)} of them of the bench too"
     )
 

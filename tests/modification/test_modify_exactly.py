@@ -13,6 +13,7 @@ from modallab.modification.coupled import Coupled
 from modallab.modification.free_band import kept_free
 from modallab.modification.inverse import By, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
+from modallab.modification.modified import passive_damping
 from modallab.modification.structure import structure_of
 from modallab.reporting.modified_table import modified_rows
 
@@ -291,6 +292,7 @@ def test_the_size_that_brings_a_mode_to_a_frequency_does_so(by: By, to_hz: float
         assert answer.feasible
         after = known.with_changes([Element(answer.at, **{by: answer.size})]).modes
         np.testing.assert_allclose(after.frequency_hz[0], to_hz, rtol=1e-8)
+        assert answer.hz_sigma == pytest.approx(after.frequency_sigma_hz[0])
 
 
 def test_a_frequency_out_of_reach_has_no_answer_and_says_what_is_in_reach() -> None:
@@ -346,3 +348,14 @@ def test_a_band_that_a_mode_cannot_leave_names_the_mode() -> None:
     assert [a.stays for a in none] == [1]
     free = kept_free(known, (float(1.05 * hz[0]), float(1.06 * hz[0])), "mass", [1])[0]
     assert free.size == 0 or free.feasible
+
+
+def test_damping_that_cannot_be_negative_is_the_part_above_zero() -> None:
+    rng = np.random.default_rng(0)
+    zeta, sigma = np.array([-0.002, 0.001, 0.01]), np.array([0.004, 0.003, 1e-4])
+    mean, deviation = passive_damping(zeta, sigma)
+    for z, s, m, d in zip(zeta, sigma, mean, deviation, strict=True):
+        drawn = z + s * rng.standard_normal(400_000)
+        kept = drawn[drawn >= 0]
+        assert m == pytest.approx(kept.mean(), rel=0.01)
+        assert d == pytest.approx(kept.std(), rel=0.01)

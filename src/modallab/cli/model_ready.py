@@ -34,8 +34,9 @@ def prepare_model(
     if path.suffix == ".json":
         return KnownStructure(_choose_model(read_models(path), test), rig or _rig_beside(path)), None
     campaign = read_campaign(path, rig)
-    # The others take as long, and nobody asked for them.
-    only = test if test and campaign.of(test) else None
+    # The others take as long, and nobody asked for them; hits are the first.
+    asked = test or "impact"
+    only = asked if campaign.of(asked) else None
     with waiting_line("identifying", progress=progress):
         result = identify_campaign(campaign, IdentificationOptions(), only)
     model = _choose_model([item.model for item in result.identified], test)

@@ -78,7 +78,7 @@ def operating_deflection(frf: Frf, freedoms: tuple[Freedom, ...], hz: float, at:
         DataError: no force acted at the point nor stood a sensor there, or a frequency outside the lines.
     """
     line = _nearest_line(frf, hz)
-    sigma = _deviation_of_values(frf)
+    sigma = deviation_of_frf(frf)
     found: dict[Freedom, tuple[complex, float]] = {}
     if at in frf.input_points:
         column = frf.input_points.index(at)
@@ -98,10 +98,16 @@ def operating_deflection(frf: Frf, freedoms: tuple[Freedom, ...], hz: float, at:
     return Deflection(what, float(frf.frequency_hz[line]), tuple(found), values, deviations, UNIT[frf.quantity])
 
 
-def _deviation_of_values(frf: Frf) -> Real:
-    """(outputs, inputs, lines) of the complex number; from coherence, where no variance is stated; else NaN.
+def deviation_of_frf(frf: Frf) -> Real:
+    """Standard deviation of each complex number; from coherence, where no variance is stated; else NaN.
 
     Bendat, Piersol, Random Data, 4th ed. 2010, section 9.2, unbiased: a single block says nothing of its noise.
+
+    Args:
+        frf: as measured.
+
+    Returns:
+        (outputs, inputs, lines) in the unit of the FRFs.
     """
     if frf.variance is not None:
         return np.sqrt(frf.variance)

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
-from modallab.modification.inverse import AT_MOST, ONLY_THE_LIGHT, TRIED, By, changed_hz, modal_size, sigma_of_size
+from modallab.modification.inverse import AT_MOST, ONLY_THE_LIGHT, TRIED, By, changed_hz, deviations_of_size, modal_size
 from modallab.modification.known import KnownStructure
 from modallab.modification.structure import At
 
@@ -84,7 +84,7 @@ def _free_band_at_point(known: KnownStructure, band_hz: tuple[float, float], by:
         return FreeBand(at, np.nan, np.nan, np.nan, r + 1, float(hz[-1, r]))
     size = free[0]
     edge = band_hz[0] if by == "mass" else band_hz[1]
-    sigma = sigma_of_size(known, edge, by, at, size) if size else 0.0
+    sigma = deviations_of_size(known, edge, by, at, size)[0] if size else 0.0
     return FreeBand(at, size, sigma, min((begin for begin, _ in spans if begin > size), default=np.inf))
 
 

@@ -32,6 +32,7 @@ class ChangeAtPoint:
         at: the point.
         size: kg or N/m; NaN where there is none.
         sigma: of the size, one standard deviation.
+        hz_sigma: of the frequency that it gives, Hz.
         lowest_hz: of the frequencies that any size reaches there.
         highest_hz: of them.
     """
@@ -39,6 +40,7 @@ class ChangeAtPoint:
     at: At
     size: float
     sigma: float
+    hz_sigma: float
     lowest_hz: float
     highest_hz: float
 
@@ -97,14 +99,14 @@ def _change_at_point(known: KnownStructure, mode: int, to_hz: float, by: By, at:
     between = np.flatnonzero((hz[:-1] - to_hz) * (hz[1:] - to_hz) <= 0)
     first = (start - to_hz) * (hz[0] - to_hz) <= 0
     if not between.size and not first:
-        return ChangeAtPoint(at, np.nan, np.nan, *reached)
+        return ChangeAtPoint(at, np.nan, np.nan, np.nan, *reached)
     low, high = (1e-3 * sizes[0], sizes[0]) if first else sizes[between[0] : between[0] + 2]
 
     def off(log_size: float) -> float:
         return float(changed_hz(known, by, at, float(np.exp(log_size)))[mode]) - to_hz
 
     size = float(np.exp(brentq(off, np.log(low), np.log(high), xtol=1e-9)))
-    return ChangeAtPoint(at, size, sigma_of_size(known, to_hz, by, at, size), *reached)
+    return ChangeAtPoint(at, size, *deviations_of_size(known, to_hz, by, at, size), *reached)
 
 
 def modal_size(whole: Structure, mode: int, by: By, at: At) -> float:
@@ -126,13 +128,13 @@ def mass_or_spring(by: By, at: At, size: float) -> Element:
     return Element(at, mass=size) if by == "mass" else Element(at, spring=size)
 
 
-def sigma_of_size(known: KnownStructure, to_hz: float, by: By, at: At, size: float) -> float:
-    """Of the size: that of the frequency it gives over how the frequency moves with it."""
+def deviations_of_size(known: KnownStructure, to_hz: float, by: By, at: At, size: float) -> tuple[float, float]:
+    """Of a size and of the frequency it gives: the one is the other over how the frequency moves with the size."""
     small = 1e-3 * size
     here, there = (known.with_changes([mass_or_spring(by, at, s)]).modes for s in (size, size + small))
     r = int(np.argmin(np.abs(here.frequency_hz - to_hz)))
     slope = (there.frequency_hz[r] - here.frequency_hz[r]) / small
-    return float(here.frequency_sigma_hz[r] / abs(slope))
+    return float(here.frequency_sigma_hz[r] / abs(slope)), float(here.frequency_sigma_hz[r])
 
 
 def best_absorber(known: KnownStructure, mode: int, at: At, mass: float) -> BestAbsorber:

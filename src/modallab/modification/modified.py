@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import log_ndtr
 
 from modallab.core.arrays import Complex, Real
 from modallab.modification.attachments import AttachedPart
@@ -69,13 +70,15 @@ def modified_modes(
     psi = residues_of(attached, poles)
     like, mac = _most_similar_modes((before or structure).psi, psi)
     size = np.abs(poles)
-    hz = size / (2 * np.pi)
+    hz, zeta = size / (2 * np.pi), -poles.real / size
     sigma = np.full((2, poles.size), np.nan)
     if samples is not None:
         sigma = _relative_deviations(attached.sampled(samples), poles)
+        if all(getattr(change, "damper", 0.0) >= 0 for change in changes):
+            zeta, sigma[1] = passive_damping(zeta, sigma[1])
     return ModesAfter(
         frequency_hz=hz,
-        damping_ratio=-poles.real / size,
+        damping_ratio=zeta,
         frequency_sigma_hz=sigma[0] * hz,
         damping_sigma=sigma[1],
         psi=psi,
@@ -84,6 +87,25 @@ def modified_modes(
         outside=_moved_from_outside(attached, poles),
         hidden=max(len(structure.poles) - poles.size, 0),
     )
+
+
+def passive_damping(zeta: Real, sigma: Real) -> tuple[Real, Real]:
+    """Damping ratios and deviations, of which is known that none is below 0: the normal distribution cut off there.
+
+    After large shifts phases of shapes make a damping ratio less certain than its size.
+
+    Args:
+        zeta: (modes,)
+        sigma: (modes,) one standard deviation.
+
+    Returns:
+        (modes,) mean and (modes,) deviation (Johnson, Kotz, Continuous Univariate Distributions (1994), 13.10).
+    """
+    least = np.maximum(sigma, np.finfo(np.float64).eps)
+    from_zero = zeta / least
+    more = np.exp(-(from_zero**2) / 2 - np.log(2 * np.pi) / 2 - log_ndtr(from_zero))
+    left = np.sqrt(np.maximum(1 - more * (more + from_zero), 0))
+    return np.asarray(zeta + least * more), np.asarray(sigma * left)
 
 
 def _moved_from_outside(attached: StructureWithAttachments, poles: Complex) -> Real:

@@ -75,11 +75,12 @@ class GapFound:
         return DiagnosedTwin(diagnosed_twin(self.diagnosis, self.campaign.rig), self.campaign.rig)
 
     def table(self) -> Shown:
-        """The effects, a row for each of their numbers, with the interval of 95 %."""
+        """The effects, a row for each of their numbers, with the interval of 95 %, and what is said besides."""
         rows: list[tuple[str, str, str, str, str]] = []
         for effect, place, numbers, likely in self._found():
             rows += [(effect, place, f"{name} = {value}", within, likely) for name, value, within in numbers]
-        return Shown(("effect", "place", "number", "95 %", "probability"), rows, self.sentence)
+        said = " ".join([self.sentence, *self.diagnosis.notes])
+        return Shown(("effect", "place", "number", "95 %", "probability"), rows, said)
 
     def _found(self) -> Iterator[tuple[str, str, list[tuple[str, str, str]], str]]:
         """Name, place, numbers and probability of each effect."""

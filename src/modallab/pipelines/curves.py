@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
 from modallab.core.documents.models import CurvesView, DiagramView, TestCurves
+from modallab.modification.deflection import deviation_of_frf
 from modallab.pipelines.diagram import diagram_of
 from modallab.pipelines.identify import CampaignResult, IdentifiedTest
 
@@ -28,6 +29,7 @@ def _curves_of_item(campaign: Campaign, item: IdentifiedTest) -> TestCurves:
         input_points=model.input_points,
         frequency_hz=np.zeros(0) if verification is None else verification.measured.frequency_hz,
         measured=None if verification is None else _complex_as_lists(verification.measured.values),
+        sigma=None if verification is None else _rounded_values(deviation_of_frf(verification.measured)),
         regenerated=None if verification is None else _complex_as_lists(verification.regenerated.values),
         diagram=None
         if drawn is None

@@ -22,6 +22,7 @@ def tuned_rows(answers: Sequence[ChangeAtPoint], by: By, mode: int, to_hz: float
         (
             point_of(a.at),
             number_with_sigma(a.size, a.sigma) if a.feasible else "none",
+            number_with_sigma(to_hz, a.hz_sigma) if a.feasible else "",
             f"{a.lowest_hz:.5g} to {a.highest_hz:.5g}",
         )
         for a in answers
@@ -29,7 +30,7 @@ def tuned_rows(answers: Sequence[ChangeAtPoint], by: By, mode: int, to_hz: float
     feasible = sum(a.feasible for a in answers)
     how = "No point has" if not feasible else f"{feasible} of {len(answers)} points have"
     sentences = f"{how} a {by} that brings mode {mode} to {to_hz:g} Hz; beside each, where any {by} can bring it."
-    return TableRows(("point", f"{by} [{UNITS[by]}]", "in reach [Hz]"), rows, sentences)
+    return TableRows(("point", f"{by} [{UNITS[by]}]", "gives [Hz]", "in reach [Hz]"), rows, sentences)
 
 
 def free_rows(answers: Sequence[FreeBand], by: By, band_hz: tuple[float, float]) -> TableRows:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
+from modallab.core.rig import Tolerance
 from modallab.modification.known import KnownStructure
 from modallab.modification.samples import samples_of
 
@@ -22,12 +23,14 @@ class ModeData:
         frequency_sigma_hz: (modes,).
         shapes: (modes, freedoms) real, at unit modal mass, kg^-1/2.
         covariance: (numbers, numbers) of logarithms of frequencies and of shapes over `size`.
+        uneven: by how much frequencies of an even model are off, relative: no structure is even, as its rig states.
     """
 
     frequency_hz: Real
     frequency_sigma_hz: Real
     shapes: Real
     covariance: Real
+    uneven: float = 0.0
 
     @property
     def size(self) -> Real:
@@ -69,7 +72,11 @@ def measured_modes(known: KnownStructure) -> ModeData:
     off = np.concatenate([np.log(sampled_hz / hz), ((sign * sampled - shapes) / size).reshape(count, -1)], axis=1)
     # A covariance of few samples has an inverse that is too large (Hartlap, Simon and Schneider, A&A 464, 2007, 399).
     covariance = off.T @ off / (count - off.shape[1] - 2)
-    return ModeData(hz[0], hz[0] * np.sqrt(np.diag(covariance))[: hz.size], shapes[0], covariance)
+    sigma = hz[0] * np.sqrt(np.diag(covariance))[: hz.size]
+    tolerance = Tolerance() if known.rig is None else known.rig.tolerance
+    # A frequency goes with the square root of stiffness over mass.
+    uneven = np.hypot(tolerance.stiffness_field, tolerance.mass_field) / 2
+    return ModeData(hz[0], sigma, shapes[0], covariance, float(uneven))
 
 
 def _real_modes(poles: Complex, psi: Complex) -> tuple[Real, Real]:

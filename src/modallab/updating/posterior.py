@@ -1,12 +1,13 @@
 """Parameters of a model estimated from measured modes: the most probable ones, and what stays possible.
 
-Frequencies and shapes of a model are never exact. By how much, relative and for each of the two, is inferred beside
-the parameters: a ladder of both is weighed by its evidence (Laplace) about the best fit, and the posterior is the
-mixture over it (Kennedy and O'Hagan, "Bayesian calibration of computer models", J. R. Stat. Soc. B 63, 2001, 425).
+No model is exact. By how much its stiffness and mass are off, and its shapes besides, is inferred beside the
+parameters: a ladder of both is weighed by its evidence (Laplace) about the best fit, and the posterior is the mixture
+over it (Kennedy and O'Hagan, "Bayesian calibration of computer models", J. R. Stat. Soc. B 63, 2001, 425). What a rig
+states of uneven stiffness and mass acts in any case: it moves the lowest modes most, and higher ones do not show it.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +18,15 @@ from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.identification.selection.criteria import mac
 from modallab.updating.mode_data import ModeData
+from modallab.updating.model_error import model_error_covariance
 from modallab.updating.predictor import Predictor, checked_predictor
 from modallab.updating.prior import Prior
 from modallab.updating.result import ModeCheck, UpdatedParameters
 
 OFF_HZ = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2)
-"""By how much a model's frequencies may be off, relative. No structure is as even as its model to less."""
+"""By how much a model's stiffness and mass may move its frequencies, relative."""
 OFF_SHAPE = (1e-2, 3e-2, 0.1, 0.3)
-"""The same of its shapes, over their root mean square."""
+"""By how much its shapes may be off besides, over their root mean square."""
 FIRST = ((0.1, 1.0), (3e-2, 0.3), (1e-2, 0.1))
 """Where the search begins: narrow valleys are not followed from afar."""
 TRIED, STARTS = 64, 4
@@ -58,11 +60,28 @@ class _LinearisedFit:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _UpdatingProblem:
-    """Measured modes, a model and what is believed of its parameters."""
+    """Measured modes, a model and what is believed of its parameters.
+
+    Attributes:
+        predict: the model.
+        priors: what is believed.
+        data: measured modes.
+        error: (numbers, numbers) covariance of what moves the model's frequencies by their value.
+    """
 
     predict: Predictor
     priors: Mapping[str, Prior]
     data: ModeData
+    error: Real
+
+    def about(self, u: Real) -> "_UpdatingProblem":
+        """The same with the errors that the model has near some numbers."""
+        hz, shapes = self.predict(self.numbers(u))
+        places, signs = pair_modes(self.data, hz, shapes)
+        turned = shapes.copy()
+        turned[places] *= signs[:, None]
+        size = np.concatenate([np.ones(self.data.modes), np.repeat(self.data.size[:, 0], shapes.shape[1])])
+        return replace(self, error=model_error_covariance(hz, turned, places) / np.outer(size, size))
 
     def numbers(self, u: Real) -> dict[str, float]:
         return {name: float(prior.at(x)) for (name, prior), x in zip(self.priors.items(), u, strict=True)}
@@ -81,8 +100,8 @@ class _UpdatingProblem:
         return np.stack([(self.misfit(u + h) - here) / STEP for h in STEP * np.eye(u.size)], axis=1)
 
     def covariance(self, off: tuple[float, float]) -> Real:
-        own = np.repeat(np.square(off), (self.data.modes, self.data.shapes.size))
-        return self.data.covariance + np.diag(own)
+        own = np.repeat((0.0, off[1] ** 2), (self.data.modes, self.data.shapes.size))
+        return self.data.covariance + (off[0] ** 2 + self.data.uneven**2) * self.error + np.diag(own)
 
     def starts(self) -> list[Real]:
         """The numbers that are believed, and those of many draws that are most like the test."""
@@ -117,12 +136,12 @@ class _UpdatingProblem:
 
     def settled(self) -> tuple[Real, tuple[float, float], list[tuple[float, Real, Real]]]:
         """The best numbers at the most probable scales, and the mixture about them."""
-        fit = self.fit(self.found(), FIRST[-1])
-        off, parts = self.mixture(fit)
-        for _ in range(TURNS - 1):
-            fit = self.fit(fit.u, off)
-            off, parts = self.mixture(fit)
-        return fit.u, off, parts
+        u, off, parts = self.found(), FIRST[-1], list[tuple[float, Real, Real]]()
+        for _ in range(TURNS):
+            here = self.about(u)
+            fit = here.fit(u, off)
+            u, (off, parts) = fit.u, here.mixture(fit)
+        return u, off, parts
 
     def weighed(self, fit: _LinearisedFit, off: tuple[float, float]) -> tuple[float, Real, Real]:
         """-2 ln of the evidence there, the mean and the covariance of u."""
@@ -162,7 +181,8 @@ def update_parameters(
         raise DataError("there is no parameter to estimate", remedy="give priors")
     predict = checked_predictor(predict, data.shapes.shape[1])
     before = _check_problem(predict, {name: prior.value for name, prior in priors.items()}, data)
-    problem = _UpdatingProblem(predict, priors, data.only(_modes_to_fit(data.modes, held_out)))
+    kept = data.only(_modes_to_fit(data.modes, held_out))
+    problem = _UpdatingProblem(predict, priors, kept, np.zeros(0)).about(np.zeros(len(priors)))
     u, off, parts = problem.settled()
     drawn = _draw_from_mixture(parts)
     return UpdatedParameters(
@@ -174,7 +194,7 @@ def update_parameters(
         },
         narrowed=np.std(drawn, axis=0),
         correlation=np.atleast_2d(np.corrcoef(drawn.T)),
-        off=off,
+        off=(float(np.hypot(off[0], kept.uneven)), off[1]),
         measured_hz=data.frequency_hz,
         measured_sigma_hz=data.frequency_sigma_hz,
         before=before,

@@ -13,6 +13,7 @@ from furnished import furnish
 from lab import RIG, Lab
 from scipy import io
 
+import modallab as ml
 from modallab.core.documents.models import ComparisonView, ModelsView
 from modallab.core.rig import Rig
 from modallab.formats.importer import import_sources
@@ -305,7 +306,8 @@ def test_a_model_is_put_to_use(lab: Lab, campaign: str) -> None:
         assert sum(shares["share"]) + shares["outside"] == pytest.approx(1)
         assert any("point 10" in said for said in client.get(f"{at}/nodes").json()["advice"])
         shape = client.get(f"{at}/deflection", params={"hz": 30, "at": 10}).json()
-        assert len(shape["points"]) == len(shape["values"]["re"])
+        assert len(shape["points"]) == len(shape["values"]["re"]) == len(shape["sigma"])
+        assert all(0 < off < np.hypot(*v) for off, *v in zip(shape["sigma"], *shape["values"].values(), strict=True))
         frf = client.get(f"{at}/frf", params={"outputs": [3, 8], "inputs": 6, "lines": 50}).json()
         assert np.shape(frf["values"]["re"]) == (2, 1, len(frf["frequency_hz"]))
         mass = {"kind": "element", "at": 10, "mass_kg": 0.05}
@@ -334,6 +336,24 @@ def test_a_model_is_put_to_use(lab: Lab, campaign: str) -> None:
         moved = client.post(f"{at}/responses", json=force).json()
         assert np.shape(moved["values"]) == (2, 4)
         assert moved["peak"] == pytest.approx(np.abs(moved["values"]).max(axis=1))
+
+
+def test_frfs_of_a_model_come_as_files_of_other_programs(lab: Lab, campaign: str, tmp_path: Path) -> None:
+    at = f"{API}/campaigns/{campaign}/model/frf"
+    asked = {"outputs": [3, 8], "inputs": [6], "lines": 50, "quantity": "receptance"}
+    with lab.client() as client:
+        plain = client.get(at, params=asked).json()
+        files = {to: client.get(f"{at}/export", params=asked | {"to": to}) for to in ("uff", "mat", "hdf5")}
+        assert client.get(f"{at}/export", params={"to": "xls"}).status_code == 422
+    values = np.array(plain["values"]["re"]) + 1j * np.array(plain["values"]["im"])
+    matlab = io.loadmat(BytesIO(files["mat"].content))
+    np.testing.assert_allclose(matlab["H"], values)
+    np.testing.assert_allclose(matlab["sigma"], plain["sigma"])
+    for to in ("uff", "hdf5"):
+        name = files[to].headers["content-disposition"].split('"')[1]
+        (tmp_path / name).write_bytes(files[to].content)
+        read = ml.load(tmp_path / name).campaign.frfs[0]
+        np.testing.assert_allclose(read.values, values, rtol=1e-5)
 
 
 def test_a_force_by_kind_moves_a_model_over_rest(lab: Lab, campaign: str) -> None:

@@ -76,6 +76,7 @@ class ChangeForFrequencyView(Frozen):
         at: the point.
         size: kg or N/m; null where none does.
         sigma: of it, one standard deviation.
+        hz_sigma: of the frequency it gives; null where none does.
         lowest_hz: of the frequencies that any size reaches there.
         highest_hz: of them.
     """
@@ -83,6 +84,7 @@ class ChangeForFrequencyView(Frozen):
     at: int
     size: float | None
     sigma: float | None
+    hz_sigma: float | None
     lowest_hz: float
     highest_hz: float
 

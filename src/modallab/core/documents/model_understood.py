@@ -106,6 +106,7 @@ class DeflectionView(Frozen):
         points: (points,) that move.
         axes: (points,) of motion at each.
         values: (points,) mobility, complex.
+        sigma: (points,) one standard deviation of each, None where it is not known.
     """
 
     test: Test | None
@@ -114,3 +115,4 @@ class DeflectionView(Frozen):
     points: tuple[int, ...]
     axes: tuple[str, ...]
     values: ComplexArray
+    sigma: RealArray

@@ -192,6 +192,7 @@ class TestCurves(Frozen):
         input_points: points that were driven.
         frequency_hz: (lines,).
         measured: from the blocks; None where there is no comparison.
+        sigma: one standard deviation of each measured complex number; None where not known.
         regenerated: the model's response to the measured force, cut and treated as the blocks were.
         diagram: stabilisation diagram; None where there is none.
         without_diagram: why there is none, else "".
@@ -205,6 +206,7 @@ class TestCurves(Frozen):
     input_points: tuple[int | None, ...]
     frequency_hz: RealArray
     measured: ComplexArray | None
+    sigma: RealArray | None = None
     regenerated: ComplexArray | None
     diagram: DiagramView | None
     without_diagram: str = ""

@@ -5,13 +5,12 @@ from typing import Annotated
 from fastapi import Body, Query, Response
 from fastapi.openapi.models import Example
 from fastapi.responses import FileResponse
-from starlette.background import BackgroundTask
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
 from modallab.core.documents.pages import Page
+from modallab.service.api.files import BINARY, FILE, file_response
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import (
-    NOTES,
     CallerOf,
     Cursor,
     IfMatch,
@@ -42,8 +41,6 @@ NewCampaign = Annotated[
 Archived = Annotated[bool, Query(description="Whether to list what is archived too.")]
 Deleted = Annotated[bool, Query(description="Whether to list what is deleted too.")]
 Search = Annotated[str, Query(max_length=120, pattern=r"^[^\x00-\x1f\x7f]*$")]
-FILE = "application/octet-stream"
-BINARY = {"type": "string", "format": "binary"}
 
 
 @router.get("/campaigns")
@@ -124,7 +121,4 @@ def export(
 
     `Modallab-Notes` says what had no place in the format.
     """
-    exported = export_campaign(service, campaign, to)
-    headers = {NOTES: "; ".join(exported.notes)} if exported.notes else None
-    name, removed = exported.path.name, BackgroundTask(exported.remove)
-    return FileResponse(exported.path, media_type=FILE, filename=name, headers=headers, background=removed)
+    return file_response(export_campaign(service, campaign, to))

@@ -2,7 +2,8 @@
 
 from typing import Annotated, Literal
 
-from fastapi import Body, Query
+from fastapi import Body, Query, Response
+from fastapi.responses import FileResponse
 
 from modallab.core.documents.model_change import ModificationNew, ModifiedView
 from modallab.core.documents.model_other import (
@@ -25,14 +26,16 @@ from modallab.core.documents.model_use import (
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Test
+from modallab.service.api.files import BINARY, FILE, file_response
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.roles import role_needed
 from modallab.service.api.router import make_router
+from modallab.service.jobs.model_frfs import export_predicted_frf, frf_of
 from modallab.service.jobs.model_other import absorber_of, correlation_of, free_bands_of, tunings_of
 from modallab.service.jobs.model_understood import deflection_of, nodes_of, participation_of, shapes_of
 from modallab.service.jobs.model_update import updated_parameters
-from modallab.service.jobs.model_use import frf_of, modified_modes_view, response_to, state_space_of_model
+from modallab.service.jobs.model_use import modified_modes_view, response_to, state_space_of_model
 
 router = make_router("model-use")
 OfTest = Annotated[Test | None, Query(description="Whose model; left out: the first.")]
@@ -99,6 +102,26 @@ def get_model_frf(
 ) -> PredictedFrf:
     """FRFs of the model between points, measured pairs or not, with their deviation."""
     return frf_of(service, campaign, test, outputs, inputs, quantity, lines)
+
+
+@router.get(
+    "/campaigns/{campaign}/model/frf/export",
+    response_class=Response,
+    responses={200: {"content": {FILE: {"schema": BINARY}}}} | documented_responses(404, 507),
+)
+def export_model_frf(
+    campaign: str,
+    service: ServiceOf,
+    to: Annotated[Literal["uff", "mat", "hdf5"], Query(description="UFF 58, MATLAB's, or a campaign file.")] = "uff",
+    test: OfTest = None,
+    outputs: Points = None,
+    inputs: Points = None,
+    quantity: Annotated[FrfQuantity, Query(description="Of the FRFs.")] = "mobility",
+    lines: Lines = 1000,
+) -> FileResponse:
+    """The same FRFs as a file that other programs read; `mat` holds their deviation."""
+    ending = {"uff": ".uff", "mat": ".mat", "hdf5": ".h5"}[to]
+    return file_response(export_predicted_frf(service, campaign, test, outputs, inputs, quantity, lines, ending))
 
 
 @router.post(

@@ -2,6 +2,7 @@
 
 import shutil
 import tempfile
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,11 +47,25 @@ def export_campaign(service: Service, campaign: str, format_: str) -> ExportedFi
     runs = tuple(run for run in service.repository.campaign(campaign).runs if _counts(service, run))
     if not runs:
         raise ConflictError("there is no ended, valid run with good blocks", where=campaign, remedy="record one first")
+    whole, name = campaign_of(service.store, runs), f"{campaign}{used.endings[0]}"
+    return written_apart(service, name, lambda path: write_export(whole, path, format_))
+
+
+def written_apart(service: Service, name: str, write: Callable[[Path], Sequence[str] | None]) -> ExportedFile:
+    """A file in a folder of its own; a folder as a zip.
+
+    Args:
+        service: whose disk it is on.
+        name: of the file.
+        write: it, and says what had no place in it.
+
+    Raises:
+        StorageError, DiskFullError: it cannot be written.
+    """
     folder = Path(tempfile.mkdtemp(prefix="modallab-export-", dir=service.folder))
-    written = folder / f"{campaign}{used.endings[0]}"
     try:
-        notes = write_export(campaign_of(service.store, runs), written, format_)
-        return ExportedFile(_one_file(written), notes)
+        notes = write(folder / name)
+        return ExportedFile(_one_file(folder / name), tuple(notes or ()))
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise

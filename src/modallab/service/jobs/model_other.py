@@ -73,6 +73,7 @@ def tunings_of(service: Service, campaign: str, new: ChangeForFrequencyNew) -> C
                 at=a.at[0] if isinstance(a.at, tuple) else a.at,
                 size=a.size if a.feasible else None,
                 sigma=a.sigma if a.feasible else None,
+                hz_sigma=a.hz_sigma if a.feasible else None,
                 lowest_hz=a.lowest_hz,
                 highest_hz=a.highest_hz,
             )

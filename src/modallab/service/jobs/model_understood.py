@@ -117,9 +117,9 @@ def deflection_of(service: Service, campaign: str, test: Test | None, hz: float,
     curves = next(c for c in curves_of_campaign(service, campaign).tests if c.test == known.model.test)
     if curves.measured is None or known.rig is None:
         raise NotFoundError(f"campaign {campaign} has no measured FRF of this test", remedy="name another test")
-    frf = Frf(
-        curves.frequency_hz, curves.measured, "mobility", curves.outputs, curves.output_points, curves.input_points
-    )
+    points = curves.outputs, curves.output_points, curves.input_points
+    variance = None if curves.sigma is None else curves.sigma**2
+    frf = Frf(curves.frequency_hz, curves.measured, "mobility", *points, variance=variance)
     found = operating_deflection(frf, freedoms_of(known.model, known.rig)[0], hz, at)
     return DeflectionView(
         test=known.model.test,
@@ -128,4 +128,5 @@ def deflection_of(service: Service, campaign: str, test: Test | None, hz: float,
         points=tuple(point for point, _ in found.freedoms),
         axes=tuple(axis for _, axis in found.freedoms),
         values=found.values.astype(np.complex128),
+        sigma=found.sigma,
     )

@@ -17,7 +17,6 @@ from modallab.core.documents.model_change import (
     PairNew,
 )
 from modallab.core.documents.model_use import (
-    PredictedFrf,
     ResponseNew,
     ResponseView,
     StartNew,
@@ -25,7 +24,6 @@ from modallab.core.documents.model_use import (
 )
 from modallab.core.documents.models import TestModel
 from modallab.core.errors import DataError
-from modallab.core.frf import FrfQuantity
 from modallab.core.units import Quantity, Test
 from modallab.service.context import Service
 from modallab.service.errors import NotFoundError
@@ -43,37 +41,6 @@ KEPT = 8
 _READY: dict[tuple[str, Test | None, tuple[str, ...]], "KnownStructure"] = {}
 MOST_SAMPLES = 100_000
 """Of a force by kind: more are computed beside the service, from its model."""
-
-
-def frf_of(
-    service: Service,
-    campaign: str,
-    test: Test | None,
-    outputs: list[int] | None,
-    inputs: list[int] | None,
-    quantity: FrfQuantity,
-    lines: int,
-) -> PredictedFrf:
-    """FRFs between points, measured pairs or not.
-
-    Raises:
-        NotFoundError: no such campaign, or no model of this test.
-        DataError: a point that the model does not know, or no driving point.
-    """
-    from modallab.modification.frfs import lines_with_peaks
-
-    known = known_of_campaign(service, campaign, test)
-    found = known.frf(lines_with_peaks(known.model.band_hz, lines, known.poles), outputs, inputs, quantity)
-    assert found.variance is not None
-    return PredictedFrf(
-        test=known.model.test,
-        quantity=quantity,
-        frequency_hz=found.frequency_hz,
-        outputs=tuple(p or 0 for p in found.output_points),
-        inputs=tuple(p or 0 for p in found.input_points),
-        values=found.values,
-        sigma=np.sqrt(found.variance),
-    )
 
 
 def modified_modes_view(service: Service, campaign: str, new: ModificationNew) -> ModifiedView:
