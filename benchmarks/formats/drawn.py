@@ -117,7 +117,8 @@ def misfit(model: dict, drawn: Drawn, scaled: bool = True, channels: tuple[int, 
             a.shape != right.shape or (abs(a - right) > np.maximum(0.03 * abs(right).max(), 5 * sigma)).any()
         ):
             return f"{f0} Hz: constants {a.tolist()}, not {right.tolist()}"
-    more = [float(f) for k, f in enumerate(found) if k not in matched and model["confidence"][k] > 0.5]
+    sure = model.get("confidence") or [1.0] * len(found)
+    more = [float(f) for k, f in enumerate(found) if k not in matched and sure[k] > 0.5]
     return f"more modes: {more}" if more else ""
 
 
