@@ -190,8 +190,22 @@ def test_a_spoilt_record_is_left_out_by_name_and_none_left_is_an_error() -> None
     good, bad = record("hit", 1), record("hit", 2)
     bad[0] = np.minimum(bad[0], 0.6 * bad[0].max())
     campaign = Campaign(RIG, (block(good, "good"), block(bad, "bad")), source="a.h5")
-    kept, notes = undamaged_records(campaign, campaign.blocks, "force")
+    kept, _, notes = undamaged_records(campaign, campaign.blocks, "force")
     assert [b.name for b in kept] == ["good"]
     assert "faults in their samples: bad, channel force: flat tops at" in notes[0]
     with pytest.raises(DataError, match="every record has a fault in its samples: bad, channel force: flat tops"):
         undamaged_records(campaign, campaign.blocks[1:], "force")
+
+
+def test_a_response_at_fault_in_most_records_is_left_out_of_all_and_no_record_for_its_sake() -> None:
+    rows = [record("hit", seed) for seed in range(1, 6)]
+    for one in rows[:3]:
+        one[1] = 0.25
+    rows[4][2] = np.minimum(rows[4][2], 0.5 * rows[4][2].max())
+    campaign = Campaign(RIG, tuple(block(one, f"h{k}") for k, one in enumerate(rows)), source="a.h5")
+    kept, rig, notes = undamaged_records(campaign, campaign.blocks, "force")
+    assert [b.name for b in kept] == ["h0", "h1", "h2", "h3"]
+    assert [c.name for c in rig.channels] == ["force", "a2"]
+    assert all(b.channels == ("force", "a2") and len(b.samples) == 2 for b in kept)
+    assert notes[0] == "Left out, channel a1, at fault in 3 of 5 records: h0, dead, all values are 0.25."
+    assert "h4, channel a2: flat tops" in notes[1]
