@@ -93,7 +93,8 @@ def identified(folder: Path, *more: str) -> tuple[int, str, dict]:
             code = main(["identify", str(folder / "out.h5"), "--json", str(out), *more])
         except SystemExit as left:
             code = left.code
-    model = json.loads(out.read_text())["models"][0] if out.exists() else {}
+    found = json.loads(out.read_text()) if out.exists() else {}
+    model = found["models"][0] | {"confidence": found["assessments"][0]["confidence"]} if found else {}
     return int(code or 0), " ".join(said.getvalue().split()), model
 
 
@@ -117,8 +118,7 @@ def misfit(model: dict, drawn: Drawn, scaled: bool = True, channels: tuple[int, 
             a.shape != right.shape or (abs(a - right) > np.maximum(0.03 * abs(right).max(), 5 * sigma)).any()
         ):
             return f"{f0} Hz: constants {a.tolist()}, not {right.tolist()}"
-    sure = model.get("confidence") or [1.0] * len(found)
-    more = [float(f) for k, f in enumerate(found) if k not in matched and sure[k] > 0.5]
+    more = [float(f) for k, f in enumerate(found) if k not in matched and model["confidence"][k] > 0.5]
     return f"more modes: {more}" if more else ""
 
 

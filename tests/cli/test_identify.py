@@ -124,7 +124,7 @@ def test_a_channel_that_is_dead_in_all_records_is_left_out_by_name_and_the_rest_
     model = json.loads((tmp_path / "m.json").read_text())["models"][0]
     assert model["outputs"] == ["a02"]
     np.testing.assert_allclose(model["frequency_hz"], OMEGA / 2 / np.pi, rtol=1e-3)
-    said = "Left out, channel a01, at fault in 4 of 4 records: hit_0, dead, all values are 3."
+    said = "Left out, channel a01, at fault in 4 of 4 records: hit_0, dead, all values are 3, 2048 samples from 0 s on."
     assert said in model["notes"]
     assert said in " ".join(capsys.readouterr().out.split())
     assert said in (tmp_path / "r.html").read_text()

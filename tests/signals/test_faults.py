@@ -207,5 +207,6 @@ def test_a_response_at_fault_in_most_records_is_left_out_of_all_and_no_record_fo
     assert [b.name for b in kept] == ["h0", "h1", "h2", "h3"]
     assert [c.name for c in rig.channels] == ["force", "a2"]
     assert all(b.channels == ("force", "a2") and len(b.samples) == 2 for b in kept)
-    assert notes[0] == "Left out, channel a1, at fault in 3 of 5 records: h0, dead, all values are 0.25."
+    said = "h0, dead, all values are 0.25, 4096 samples from 0 s on"
+    assert notes[0] == f"Left out, channel a1, at fault in 3 of 5 records: {said}."
     assert "h4, channel a2: flat tops" in notes[1]

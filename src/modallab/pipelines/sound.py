@@ -74,7 +74,7 @@ def _spoilt_channels(faults: Mapping[str, tuple[Fault, ...]], records: int, rig:
         of = [(name, f) for name, each in faults.items() for f in each if f.channel == channel.name]
         count = len({name for name, _ in of})
         if 2 * count > records:
-            found[channel.name] = count, f"{of[0][0]}, {of[0][1].what}"
+            found[channel.name] = count, f"{of[0][0]}, {of[0][1].in_words}"
     return found if len(found) < len(rig.responses) else {}
 
 
