@@ -164,6 +164,20 @@ def test_it_is_named_with_its_time() -> None:
     assert (found.channel, found.first_s, found.samples) == ("a2", 0.75, 1)
 
 
+def test_a_fast_ringing_cut_off_for_a_sample_or_two_at_a_time_is_named_and_equal_tops_are_none() -> None:
+    t = np.arange(N) / RATE_HZ
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        ringing = rng.uniform(90, 110) * np.exp(-6 * t) * np.sin(2 * np.pi * rng.uniform(300, 380) * t)
+        rows = record("hit", seed, 1e-4)
+        rows[1] = np.clip(ringing + 0.01 * rng.normal(size=N), -1e9, rng.uniform(30, 60))
+        assert [f.channel for f in faults_of(block(rows), RIG) if "flat tops" in f.what] == ["a1"]
+        tone = 20 * np.sin(2 * np.pi * rng.uniform(5, 400) * t + rng.uniform(0, 6))
+        for sound in (tone, np.round(tone, 2), np.round(tone * 3), np.tile(np.round(ringing[:512], 3), 8)):
+            rows[1] = sound
+            assert not [f for f in faults_of(block(rows), RIG) if "flat" in f.what]
+
+
 @pytest.mark.parametrize("kind", ["hit", "random"])
 def test_a_buffer_that_was_written_twice_is_named(kind: str) -> None:
     rows = record(kind, 1, 1e-4)
