@@ -1,15 +1,19 @@
 """The simulated NI device server as a process of its own, with an operator who types."""
 
 import json
-import subprocess
-import sys
+import os
+import select
+import signal
 import tempfile
 from pathlib import Path
 from typing import Any, Self
 
+from warm_process import warm
+
 from modallab.core.rig import Rig
 
-START_S = 30
+PROGRAM = "modallab_simulators.ni_daqmx_server.__main__"
+END_S = 10
 
 
 class NiServer:
@@ -19,10 +23,12 @@ class NiServer:
         self._folder = tempfile.TemporaryDirectory()
         file = Path(self._folder.name) / "rig.json"
         file.write_text(rig.model_dump_json(), encoding="utf-8")
-        command = [sys.executable, "-m", "modallab_simulators.ni_daqmx_server", "--rig", str(file), "--system", system]
-        self.process = subprocess.Popen(
-            [*command, *options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
-        )
+        its_input, ours = os.pipe()
+        output, its_output = os.pipe()
+        self._pid = warm(PROGRAM).start(["--rig", str(file), "--system", system, *options], its_input, its_output)
+        os.close(its_input)
+        os.close(its_output)
+        self._stdin, self._stdout = os.fdopen(ours, "w", buffering=1), os.fdopen(output)
         reported = self._answer()
         self.port: int = reported["port"]
         self.generator: str = reported.get("generator", "")
@@ -33,24 +39,19 @@ class NiServer:
 
     def say(self, line: str) -> dict[str, Any]:
         """What the operator types, and what comes back."""
-        assert self.process.stdin is not None
-        self.process.stdin.write(f"{line}\n")
-        self.process.stdin.flush()
+        self._stdin.write(f"{line}\n")
+        self._stdin.flush()
         answer = self._answer()
         assert "error" not in answer, answer
         return answer
 
     def close(self) -> None:
         """End the process."""
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
-        self.process.stdin.close()
-        try:
-            self.process.wait(10)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
-            self.process.wait()
-        self.process.stdout.close()
+        self._stdin.close()
+        ended, _, _ = select.select([self._stdout], [], [], END_S)
+        if not ended:
+            os.kill(self._pid, signal.SIGKILL)
+        self._stdout.close()
         self._folder.cleanup()
 
     def __enter__(self) -> Self:
@@ -60,7 +61,6 @@ class NiServer:
         self.close()
 
     def _answer(self) -> dict[str, Any]:
-        assert self.process.stdout is not None
-        line = self.process.stdout.readline()
-        assert line, f"the server ended with {self.process.wait()}"
+        line = self._stdout.readline()
+        assert line, "the server has ended"
         return json.loads(line)

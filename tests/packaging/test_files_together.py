@@ -7,10 +7,12 @@ from collections import defaultdict
 from pathlib import Path
 
 import files_together
+import pytest
 
 TESTS = "import pytest\n\n\n@pytest.mark.parametrize('n', range(12))\ndef test_it(n):\n    pass\n"
 
 
+@pytest.mark.thorough("starts pytest with workers of its own")
 def test_all_tests_of_a_file_are_run_by_one_process(tmp_path: Path) -> None:
     helpers = str(Path(files_together.__file__).parent)
     (tmp_path / "conftest.py").write_text("from files_together import pytest_xdist_make_scheduler\n")

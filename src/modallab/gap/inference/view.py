@@ -72,8 +72,7 @@ class View:
     def matched(self, twin: Twin) -> Match:
         """Which mode of a twin each identified pole is."""
         modes = solve_modes(twin.structure)
-        hung = with_shaker(twin, modes, self.data)
-        return tuple(_matched(q.poles, self._predicted(twin, modes, hung, q)[0]) for q in self.points)
+        return tuple(_matched(q.poles, self._predicted(twin, modes, q)[0]) for q in self.points)
 
     def predict(self, twin: Twin, match: Match | None = None) -> Array:
         """(rows,) what a twin says; the poles are matched to its modes where that is not given."""
@@ -119,18 +118,18 @@ class View:
         return J
 
     def _modal(self, twin: Twin, modes: TwinModes, match: Match | None) -> Array:
-        parts, hung = [np.zeros(0)], with_shaker(twin, modes, self.data)
+        parts = [np.zeros(0)]
         for k, q in enumerate(self.points):
-            poles, constants = self._predicted(twin, modes, hung, q)
+            poles, constants = self._predicted(twin, modes, q)
             own = _matched(q.poles, poles) if match is None else match[k]
             poles, used = poles[own], q.where_used(constants[:, own])
             damping = np.maximum(-poles.real / np.abs(poles), 1e-6)
             parts += [np.log(np.abs(poles)), np.log(damping), *_parts(used)]
         return np.concatenate(parts)
 
-    def _predicted(self, twin: Twin, modes: TwinModes, hung: TwinModes, q: PointModes) -> tuple[Complex, Complex]:
+    def _predicted(self, twin: Twin, modes: TwinModes, q: PointModes) -> tuple[Complex, Complex]:
         """(modes,) poles and (channels, modes) modal constants as they would be identified from the hits at a point."""
-        own = hung if q.data.piece.by_shaker else modes
+        own = with_shaker(twin, modes, self.data) if q.data.piece.by_shaker else modes
         poles, constants = impact_residue(twin, own, q.data, self.data)
         constants = constants * chain_transfer(twin.chain, self.data.channels, poles)
         if twin.clock:

@@ -66,8 +66,8 @@ function parts(place, signal, id) {
   const common = runButtons(id);
   let state = null;
   const acts = {
-    accept: () => order(id, "accept", { n: lastBlock(state, false) }),
-    undo: () => order(id, "drop", { n: lastBlock(state, true), reason: "undone by the operator" }),
+    accept: () => order(id, "accept", { n: meantBlock(state, false) }),
+    undo: () => order(id, "drop", { n: meantBlock(state, true), reason: "undone by the operator" }),
     pause: () => common.pause(),
   };
   const accept = button("Accept it all the same (A)", acts.accept, { "aria-keyshortcuts": "a" });
@@ -106,8 +106,8 @@ function parts(place, signal, id) {
     count();
     accept.hidden = state.ended;
     undo.hidden = state.ended;
-    accept.disabled = lastBlock(state, false) === undefined || !["rejected", "decide", "ready", "waiting"].includes(state.phase);
-    undo.disabled = lastBlock(state, true) === undefined;
+    accept.disabled = meantBlock(state, false) === undefined || !["rejected", "decide", "ready", "waiting"].includes(state.phase);
+    undo.disabled = meantBlock(state, true) === undefined;
     common.draw(state);
     if (event && SOUNDS[state.phase] && ["hit_requested", "block", "hit_rejected", "hit_too_early"].includes(event.kind)) play(SOUNDS[state.phase]);
     const n = Math.max(-1, ...state.blocks.keys());
@@ -115,6 +115,9 @@ function parts(place, signal, id) {
     modes.look(state);
   };
 }
+
+/** Number of the block that the operator is asked about; where nothing is asked, of the newest that the key can change. */
+const meantBlock = (state, accepted) => (state?.phase === "decide" ? state.asked : lastBlock(state, accepted));
 
 /** Number of the newest block that counts, or that does not; a hit further back is not what the key means. */
 function lastBlock(state, accepted) {
