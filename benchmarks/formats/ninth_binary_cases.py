@@ -1,4 +1,4 @@
-"""A ninth draw, binary files and universal files: starts within a sample, precise times, and arrays of other programs."""
+"""A ninth draw, binary and universal files: starts within a sample, precise times, and arrays of other programs."""
 
 import json
 import struct
@@ -15,7 +15,7 @@ from seventh_cases import NAMES, UNITS, functions, waved
 from tdms_cases import A1, A2, FORCE, thing
 from tdms_cases import save as save_tdms
 from tdms_cases import segment as tdms_segment
-from uff_written import EDGE, Function, header_151, nodes_2411, shapes_55, text_58
+from uff_written import Function, header_151, nodes_2411, shapes_55, text_58
 from uff_written import save as save_uff
 
 from modallab.formats import read_campaign
@@ -75,7 +75,9 @@ def uff_half_a_sample(folder: Path) -> Known:
     """The abscissa's minimum of the last record is half a step."""
     d, rows, right = between("uff_half_a_sample")
     first, second, third = functions(Record(*rows, d.rate), double=True)
-    late = Function(third.values, third.step, 0.5 / d.rate, response=third.response, ordinate=third.ordinate, double=True)
+    late = Function(
+        third.values, third.step, 0.5 / d.rate, response=third.response, ordinate=third.ordinate, double=True
+    )
     return Known(save_uff(folder, text_58([first, second, late])), check=both(aligned(right), modes(d)))
 
 

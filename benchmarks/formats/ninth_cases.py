@@ -20,7 +20,10 @@ def campbell_toa5(folder: Path) -> Known:
     r = d.hit()
     head = ['"TOA5","bridge","CR6","1234","CR6.Std.10","CPU:a.CR6","57111","fast"']
     head += ['"TIMESTAMP","RECORD","force","a1","a2"', '"TS","RN","N","m/s^2","m/s^2"', '"","","Smp","Smp","Smp"']
-    times = (lambda i: f'"{at(i, d.rate, "2026-11-28T10:00:00"):%Y-%m-%d %H:%M:%S.%f}",{i}')  # fmt: skip
+
+    def times(i: int) -> str:
+        return f'"{at(i, d.rate, "2026-11-28T10:00:00"):%Y-%m-%d %H:%M:%S.%f}",{i}'
+
     return Known(save(folder, [*head, *rows_of(r, times)], ending="\r\n", name="case.dat"), (r,), check=modes(d))
 
 
@@ -61,7 +64,7 @@ def hioki(folder: Path) -> Known:
     """A memory recorder: quoted facts with a date 'YY-MM-DD, then "Time","force[kN]","a1[G]","a2[G]" and exponents."""
     d = drawn("hioki")
     r = d.hit()
-    head = ['"HIOKI 8847 V4.00"', '"COMMENT",""', "\"TRIGGER TIME\",\"'26-11-28\",\"10:00:00\""]
+    head = ['"HIOKI 8847 V4.00"', '"COMMENT",""', '"TRIGGER TIME","\'26-11-28","10:00:00"']
     head += [f'"NUMBER",{d.n}', '"INTERVAL",' + f"{1 / d.rate:.5E}", '"Time","force[kN]","a1[G]","a2[G]"']
     rows = rows_of(r, lambda i: f"{i / d.rate:.8E}", factors=(1e-3, 1 / G, 1 / G), digits=10)
     return Known(save(folder, [*head, *rows], ending="\r\n"), (r,), check=modes(d))
@@ -69,7 +72,7 @@ def hioki(folder: Path) -> Known:
 
 @case("ninth")
 def dasylab(folder: Path) -> Known:
-    """Facts with `Delta: x sec.`, Date;Measurement time[hh:mm:ss], units in brackets, decimal commas, `;` at the end."""
+    """Facts with `Delta: x sec.`, Date;Measurement time[hh:mm:ss], units in brackets, decimal commas, `;` at ends."""
     d = slow("dasylab")
     r = d.hit()
     head = ["DASYLab - V 13.00.00", "Worksheet name: a case", "Recording date: 11/28/2026,  10:00:00 AM"]
@@ -96,7 +99,10 @@ def new_year_of_two_digits(folder: Path) -> Known:
     """31.12.26 23:59:59,9 to 01.01.27 00:00:00,0: years of two digits."""
     d = slow("new_year_of_two_digits")
     r = d.hit()
-    times = (lambda i: f"{at(i, d.rate, '2026-12-31T23:59:59.9'):%d.%m.%y %H:%M:%S.%f}".replace(":59.", ":59,"))  # fmt: skip
+
+    def times(i: int) -> str:
+        return f"{at(i, d.rate, '2026-12-31T23:59:59.9'):%d.%m.%y %H:%M:%S.%f}".replace(":59.", ":59,")
+
     rows = [row.replace(".", ",") for row in rows_of(r, lambda i: "", ";")]
     whole = [times(i)[:-7] + "," + times(i)[-6:] + row for i, row in enumerate(rows)]
     files = save(folder, ["Zeit;force [N];a1 [m/s²];a2 [m/s²]", *whole])
@@ -151,7 +157,8 @@ def auto_and_cross_spectra(folder: Path) -> Known:
     """Gff, and real and imaginary parts of Gfa1 and Gfa2 in spectra's units: no FRFs."""
     d = drawn("auto_and_cross_spectra")
     a, b = d.frf().values
-    head = "Frequency (Hz),Gff (N²/Hz),Gfa1 real (N m/s²/Hz),Gfa1 imag (N m/s²/Hz),Gfa2 real (N m/s²/Hz),Gfa2 imag (N m/s²/Hz)"
+    parts = ("Gfa1 real", "Gfa1 imag", "Gfa2 real", "Gfa2 imag")
+    head = "Frequency (Hz),Gff (N²/Hz)," + ",".join(f"{part} (N m/s²/Hz)" for part in parts)
     rows = cells(",", d.lines, 0.1 + 0 * d.lines, 0.1 * a.real, 0.1 * a.imag, 0.1 * b.real, 0.1 * b.imag)
     return Known(save(folder, [head, *rows]), rejected="(?i)G[fa]{2}|N.?m/s|/Hz|spectr")
 

@@ -4,8 +4,8 @@
 
 FOLDER holds hammer_5hits (five hits, one accelerometer) and uff/MPSTD*.uff (four accelerations), as pyFRF and pyuff
 publish them. Each draw spoils one channel of one record, of most or of all, as the chain of a bench does, from a random
-time on. Named: what the import or the sound part of the records says holds the channel and the time. Modes, of the first
-draws of hits: those of the sound records, and none beside.
+time on. Named: what the import or the sound part of the records says holds channel and time. Modes, of the first draws
+of hits: those of the sound records, and none beside.
 """
 
 import argparse
@@ -56,7 +56,7 @@ def dead(row: Real, first: int, rng: np.random.Generator) -> Real:
 
 
 def saturated(row: Real, first: int, rng: np.random.Generator) -> Real:
-    """At one rail from some time on."""
+    """At full scale from some time on."""
     out = row.copy()
     out[first:] = rng.choice([-1, 1]) * 1.1 * np.abs(row).max()
     return out
@@ -177,7 +177,20 @@ def main() -> None:
           sum(r[8] for r in rows), "; others", sum(r[10] for r in rows))  # fmt: skip
     if a.csv:
         with a.csv.open("w", newline="") as file:
-            head = "number set kind channel records first_record first_s named modes kept others said".split()
+            head = [
+                "number",
+                "set",
+                "kind",
+                "channel",
+                "records",
+                "first_record",
+                "first_s",
+                "named",
+                "modes",
+                "kept",
+                "others",
+                "said",
+            ]
             csv.writer(file, lineterminator="\n").writerows([head, *rows])
 
 

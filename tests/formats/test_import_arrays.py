@@ -123,9 +123,7 @@ def test_the_unit_beside_times_and_frequencies_is_used(tmp_path: Path) -> None:
 
 def test_times_in_single_precision_are_as_even_as_their_digits(tmp_path: Path) -> None:
     rows = hit(4)
-    path = save_5(
-        tmp_path / "hit.mat", time=(100 + times()).astype("f4"), **dict(zip(NAMES, rows, strict=True))
-    )
+    path = save_5(tmp_path / "hit.mat", time=(100 + times()).astype("f4"), **dict(zip(NAMES, rows, strict=True)))
     assert import_sources([path], RIG).blocks[0].rate_hz == pytest.approx(RATE_HZ, rel=1e-6)
 
 

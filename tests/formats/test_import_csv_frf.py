@@ -60,7 +60,7 @@ WAYS = {
         two,
     ),
     "functions in words": table(
-        "f [Hz],Re(H a01),Im(H a01),\u03b3\u00b2(a01),Re(H a02),Im(H a02),\u03b3\u00b2(a02),Re(H a03),Im(H a03),\u03b3\u00b2(a03)",
+        "f [Hz]," + ",".join(f"Re(H {n}),Im(H {n}),\u03b3\u00b2({n})" for n in NAMES),
         lambda v: [*two(v), "0.99"],
     ),
     "in kilograms": table("Frequency in Hz," + ",".join(f"Re {n} in 1/kg,Im {n} in 1/kg" for n in NAMES), two),

@@ -126,7 +126,12 @@ def test_everything_that_is_wrong_in_any_file_stands_in_one_message(tmp_path: Pa
         import_sources([good, short, tmp_path / "cut.npy", tmp_path / "dead.npy", tmp_path / "no.npy"], RIG)
     message = str(caught.value)
     assert message.startswith("4 problems:")
-    for words in ("short.npy: has 3 rows", "cut.npy: is no whole NPY", "channel force is dead", "no.npy: cannot be read"):
+    for words in (
+        "short.npy: has 3 rows",
+        "cut.npy: is no whole NPY",
+        "channel force is dead",
+        "no.npy: cannot be read",
+    ):
         assert words in message
     assert "good.npy" not in message
 

@@ -59,7 +59,7 @@ def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: ArrayLike = 
 
 def _stored_digit(numbers: NDArray[Any]) -> float:
     """Half of the last digit of numbers in single precision or less; 0 for others."""
-    if numbers.dtype.kind != "f" or numbers.dtype.itemsize > 4 or not np.isfinite(numbers).all():  # noqa: PLR2004
+    if numbers.dtype.kind != "f" or numbers.dtype.itemsize > 4 or not np.isfinite(numbers).all():
         return 0.0
     return float(np.spacing(np.abs(numbers).max(initial=0))) / 2
 

@@ -168,9 +168,7 @@ def _identify_impact(campaign: Campaign, blocks: tuple[Block, ...], options: Ide
 
     def level(name: str, parts: list[list[Signals]]) -> DriveLevel:
         hits = [hit for group in parts for hit in group]
-        whole, *each = (
-            impact_frf(one, rig, band, damping_shift=shift) for one in (parts, *([[hit]] for hit in hits))
-        )
+        whole, *each = (impact_frf(one, rig, band, damping_shift=shift) for one in (parts, *([[hit]] for hit in hits)))
         return DriveLevel(name, whole, hits, each)
 
     levels = [level(name, parts) for name, parts in group_by_strength(groups)]
@@ -234,9 +232,7 @@ def _identify_broadband(campaign: Campaign, test: Broadband, options: Identifica
     if pooled is not None and is_linear(pooled):
         return pooled
     parts = group_by_level(every)
-    levels = (
-        [DriveLevel(n, frf_of_drive(s, rig, band, options.frf), s) for n, s in parts] if len(parts) > 1 else []
-    )
+    levels = [DriveLevel(n, frf_of_drive(s, rig, band, options.frf), s) for n, s in parts] if len(parts) > 1 else []
     found = model_of_weakest_level(
         pooled, levels, lambda o: _model_of_drive(test, parts[0][1], levels[0].frf, notes, rig, o), options
     )

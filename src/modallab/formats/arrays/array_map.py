@@ -159,7 +159,7 @@ def in_order(
 
 def without_single(values: NDArray[Any]) -> NDArray[Any]:
     """An array without axes of one element; those of complex FRFs stay: they say which axis counts what."""
-    return values if values.ndim > 2 and np.iscomplexobj(values) else np.squeeze(values)  # noqa: PLR2004
+    return values if values.ndim > 2 and np.iscomplexobj(values) else np.squeeze(values)
 
 
 def listed(arrays: Mapping[str, NDArray[Any]]) -> str:

@@ -79,9 +79,7 @@ def _mapped_outputs(arrays: Arrays, array_map: ArrayMap, path: Path) -> int:
     return values.shape[array_map.axes.index("outputs")] if values.ndim == len(array_map.axes) else 1
 
 
-def _outputs(
-    frf: NDArray[Any], frequency: NDArray[Any], arrays: Arrays, path: Path, drive_point: int | None
-) -> int:
+def _outputs(frf: NDArray[Any], frequency: NDArray[Any], arrays: Arrays, path: Path, drive_point: int | None) -> int:
     rest = [n for n in np.squeeze(frf).shape if n != frequency.size]
     if frequency.size not in frf.shape or len(rest) > 1 or frf.shape.count(frequency.size) > 1:
         raise _unclear("holds FRFs whose axes are not known", arrays, path)

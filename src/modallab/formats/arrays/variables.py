@@ -4,12 +4,12 @@ from pathlib import Path
 
 from modallab.core.block import Campaign
 from modallab.core.rig import Rig
-from modallab.formats.axis_units import is_of_frequency, is_of_time, to_hertz, to_seconds
 from modallab.formats.arrays.arrays_draft import draft_arrays
 from modallab.formats.arrays.implied import implied
 from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.arrays.named import FREQUENCY, TIME, Arrays, Texts, campaign_of_arrays, unit_beside, usual_name
 from modallab.formats.arrays.scaled import in_their_unit
+from modallab.formats.axis_units import is_of_frequency, is_of_time, to_hertz, to_seconds
 from modallab.formats.options import ImportOptions
 
 

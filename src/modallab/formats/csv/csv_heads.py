@@ -196,7 +196,7 @@ def _is_unit(unit: str) -> bool:
 
 
 def _split(heading: str) -> tuple[str, str]:
-    """Name and unit of a heading: `force [N]`, `force (N)`, `force in N`, or a quantity over its unit, as ISO 80000 has it."""
+    """Name and unit of a heading: `force [N]`, `force (N)`, `force in N`, or `force/N` as ISO 80000 has it."""
     place = _last_bracket(heading.strip())
     if place is not None and not is_number(heading.strip()[place + 1 : -1]):
         return heading.strip()[:place].rstrip("/ "), normal_unit(heading.strip()[place + 1 : -1])

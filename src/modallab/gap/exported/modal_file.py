@@ -112,6 +112,7 @@ def _exported_frf(structure: TwinStructure, rig: Rig, channels: Sequence[Channel
 
 
 def _exported_system(shapes: ModeShapes, rig: Rig) -> StateSpace:
+    by_name = {c.name: c for c in rig.channels}
     omega, zeta = 2 * np.pi * shapes.frequency_hz, shapes.damping_ratio
     poles = -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)
     mass = np.where(np.isfinite(shapes.modal_mass_kg), shapes.modal_mass_kg, 1.0)

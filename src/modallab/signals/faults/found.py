@@ -20,7 +20,7 @@ LEAST_SAMPLES = 64
 
 
 def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
-    """Faults of the chain in a block's samples: dead channels, flat tops, held values, drop-outs, drift and values that stand alone.
+    """Faults of the chain in a block's samples: dead channels, flat tops, held values, drop-outs, drift, lone values.
 
     Each needs what no sound channel does, whatever its noise and resolution; limits are given with each kind.
 
