@@ -46,7 +46,7 @@ def undamaged_records(
         raise DataError(
             f"every record has a fault in its samples: {_faults_in_words(left)}",
             where=campaign.source,
-            remedy="record again with less drive, another range or cable; or leave the channel out of rig and recording",
+            remedy="record again with less drive, another range or cable; or leave the channel out of rig and record",
         )
     notes = [
         f"Left out, channel {name}, at fault in {count} of {len(blocks)} records: {first}."
