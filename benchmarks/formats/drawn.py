@@ -93,7 +93,8 @@ def identified(folder: Path, *more: str) -> tuple[int, str, dict]:
             code = main(["identify", str(folder / "out.h5"), "--json", str(out), *more])
         except SystemExit as left:
             code = left.code
-    model = json.loads(out.read_text())["models"][0] if out.exists() else {}
+    found = json.loads(out.read_text()) if out.exists() else {}
+    model = found["models"][0] | {"confidence": found["assessments"][0]["confidence"]} if found else {}
     return int(code or 0), " ".join(said.getvalue().split()), model
 
 

@@ -25,6 +25,8 @@ import fifth_cases  # noqa: F401
 import fourth_cases  # noqa: F401
 import frf_cases  # noqa: F401
 import lvm_cases  # noqa: F401
+import ninth_binary_cases  # noqa: F401
+import ninth_cases  # noqa: F401
 import numpy as np
 import second_binary_cases  # noqa: F401
 import second_text_cases  # noqa: F401

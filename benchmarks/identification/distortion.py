@@ -110,7 +110,7 @@ def main() -> None:
     for seed in a.seeds:
         for volts in a.volts:
             campaign = recorded(a.out, seed, a.k3, volts, a.waves, a.settle_s)
-            signals, _ = usable_blocks(campaign, campaign.of("pseudo-random"))
+            signals, _, _ = usable_blocks(campaign, campaign.of("pseudo-random"))
             found = distortions_of(signals, identify_campaign(campaign, IdentificationOptions()).identified[0].model)
             assert isinstance(found, UndrivenDistortions)
             try:

@@ -99,10 +99,10 @@ def test_the_peak_method_reads_the_blocks_resolution(folder):
     ("spoiler", "says"),
     [
         (lambda s: np.where(np.arange(N) == 900, np.nan, s), "a01.*NaN|NaN"),
-        (lambda s: np.vstack([s[0], np.full(N, 3.0), s[2]]), "a01.*dead"),
+        (lambda s: np.vstack([np.full(N, 3.0), s[1:]]), "force.*dead"),
         (lambda s: 0 * s, "nothing was recorded"),
     ],
-    ids=["nan", "dead channel", "all zeros"],
+    ids=["nan", "dead force", "all zeros"],
 )
 def test_damaged_records_are_rejected_by_name(campaign, tmp_path, capsys, spoiler, says):
     bad = [replace(b, samples=spoiler(b.samples)) for b in campaign.blocks]
@@ -114,6 +114,21 @@ def test_damaged_records_are_rejected_by_name(campaign, tmp_path, capsys, spoile
     assert "hit_0" in reported
     assert "what to do" in reported
     assert not (tmp_path / "m.json").exists()
+
+
+def test_a_channel_that_is_dead_in_all_records_is_left_out_by_name_and_the_rest_identified(campaign, tmp_path, capsys):
+    bad = [replace(b, samples=np.vstack([b.samples[0], np.full(N, 3.0), b.samples[2]])) for b in campaign.blocks]
+    write_campaign(Campaign(campaign.rig, tuple(bad)), tmp_path / "campaign.h5")
+    assert main(["identify", str(tmp_path / "campaign.h5"), "--json", str(tmp_path / "m.json"), "--report",
+                 str(tmp_path / "r.html")]) == 0  # fmt: skip
+    model = json.loads((tmp_path / "m.json").read_text())["models"][0]
+    assert model["outputs"] == ["a02"]
+    np.testing.assert_allclose(model["frequency_hz"], OMEGA / 2 / np.pi, rtol=1e-3)
+    said = "Left out, channel a01, at fault in 4 of 4 records: hit_0, dead, all values are 3, 2048 samples from 0 s on."
+    assert said in model["notes"]
+    assert said in " ".join(capsys.readouterr().out.split())
+    # Numbers and their units are kept on one line there.
+    assert said.partition(", 2048")[0] in (tmp_path / "r.html").read_text()
 
 
 def test_a_file_cut_off_in_the_middle_is_rejected(folder, capsys):

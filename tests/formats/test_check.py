@@ -13,9 +13,9 @@ from modallab.core.array_checks import (
     check_signals,
     check_time,
     identical_channels,
-    moving_channels,
 )
 from modallab.core.errors import DataError
+from modallab.signals.faults.dead import constant
 
 NAMES = ("force", "a01", "a02", "a03")
 PLACE = "hit.npy"
@@ -53,19 +53,14 @@ def test_a_number_no_bench_can_hold_is_named(samples: NDArray[np.float64]) -> No
     assert "channel a02: 1 of 256 samples are beyond 1e+30, the first is sample 5" in message
 
 
-def test_a_dead_channel_is_named_with_its_value(samples: NDArray[np.float64]) -> None:
+def test_a_dead_response_is_a_fault_with_its_value_and_no_reason_to_reject_the_record(
+    samples: NDArray[np.float64],
+) -> None:
     samples[2] = 0.25
-    assert "channel a02 is dead: all 256 samples are 0.25" in rejected(check_signals, samples, NAMES, PLACE)
-
-
-def test_a_record_too_weak_for_a_channel_that_moves_in_others_says_so(samples: NDArray[np.float64]) -> None:
-    weak = samples.copy()
-    weak[2] = 0.25
-    moving = moving_channels([(NAMES, samples), (NAMES, weak)])
-    assert moving == set(NAMES)
-    message = rejected(check_signals, weak, NAMES, PLACE, moving=moving)
-    assert "channel a02 moves in other records" in message
-    assert "dead" not in message
+    check_signals(samples, NAMES, PLACE, force="force")
+    assert [str(f) for f in constant(samples, NAMES)] == [
+        "channel a02: dead, all values are 0.25, 256 samples from 0 s on"
+    ]
 
 
 def test_zeros_everywhere_are_reported_as_such() -> None:
@@ -77,10 +72,10 @@ def test_a_light_sensor_below_one_count_in_a_record_of_little_motion_is_not_dead
     counts = np.random.default_rng(2).integers(-1, 2, size=(4, 256)).astype(np.int16)
     counts[0] = 500 * np.sin(np.arange(256))
     counts[1] = 0
-    check_signals(counts, NAMES, PLACE, force="force")
+    assert constant(counts.astype(np.float64), NAMES) == ()
     counts[2:] *= 20
     counts[2:] += np.random.default_rng(3).integers(-9, 9, size=(2, 256)).astype(np.int16)
-    assert "channel a01 is dead" in rejected(check_signals, counts, NAMES, PLACE, force="force")
+    assert [f.channel for f in constant(counts.astype(np.float64), NAMES)] == ["a01"]
 
 
 def test_a_dead_force_is_an_error_in_any_record() -> None:

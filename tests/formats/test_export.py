@@ -232,8 +232,13 @@ def test_shapes_follow_the_sense_of_the_channels_and_must_stand_where_the_rig_do
             "channels": tuple(c.model_copy(update={"direction": "-z"}) if c.name == "a02" else c for c in RIG.channels)
         }
     )
+    # Readings of a sensor mounted against the drive have been turned, and so are the shapes.
     (found,) = read_uff_shapes(out, turned)
-    np.testing.assert_allclose(found.shapes, model().shapes * [1, -1, 1], rtol=1e-5)
+    np.testing.assert_allclose(found.shapes, model().shapes, rtol=1e-5)
+    (tmp_path / "turned").mkdir()
+    of_turned = written(replace(session(), rig=turned), "uff", tmp_path / "turned", model())
+    r3 = [[one["r3"] for one in pyuff.UFF(str(path)).read_sets() if one["type"] == 55] for path in (out, of_turned)]
+    np.testing.assert_allclose(*r3, rtol=1e-5)
     moved = RIG.model_copy(
         update={"points": tuple(p.model_copy(update={"x_m": p.x_m + 0.01 * (p.id == 3)}) for p in RIG.points)}
     )

@@ -15,6 +15,7 @@ from scipy.io import wavfile
 from modallab.cli import main
 from modallab.core.errors import DataError, FormatError
 from modallab.formats import import_sources
+from modallab.formats.arrays.mat import draft_mat
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import write_rig
@@ -95,6 +96,54 @@ def test_complex_frfs_come_with_their_lines_and_coherence(tmp_path: Path, save: 
     assert (frf.quantity, frf.input_points, frf.damping_shift) == ("inertance", (2,), 2.0)
     assert frf.coherence is not None
     assert np.all(frf.coherence == 0.9)
+
+
+@pytest.mark.parametrize("save", [save_5, save_7_3])
+def test_an_axis_of_one_element_is_not_lost(tmp_path: Path, save: Any) -> None:
+    values = mobilities()
+    path = save(tmp_path / "frf.mat", H=values.transpose(1, 0, 2), f=LINES)
+    with pytest.raises(DataError, match=r"FRFs of shape \(1, 3, 40\) are 3 outputs of one input, or one output of 3"):
+        draft_mat(path, ImportOptions())
+    assert len(draft_mat(path, ImportOptions(drive_point=2)).responses) == 3
+    (frf,) = import_sources([path], RIG, ImportOptions(drive_point=2)).frfs
+    np.testing.assert_array_equal(frf.values, values)
+    one = RIG.of_outputs(["a01"])
+    (frf,) = import_sources([path], one, ImportOptions()).frfs
+    np.testing.assert_array_equal(frf.values, values.transpose(1, 0, 2))
+
+
+def test_the_unit_beside_times_and_frequencies_is_used(tmp_path: Path) -> None:
+    rows, values = hit(4), mobilities()
+    channels = {name: {"data": row} for name, row in zip(NAMES, rows, strict=True)}
+    path = save_5(tmp_path / "hit.mat", time=times() * 1e3, time_unit="ms", **channels)
+    assert import_sources([path], RIG).blocks[0].rate_hz == pytest.approx(RATE_HZ)
+    path = save_5(tmp_path / "frf.mat", H=values, frequency=LINES / 1e3, frequency_unit="kHz")
+    np.testing.assert_allclose(import_sources([path], RIG).frfs[0].frequency_hz, LINES)
+
+
+def test_times_in_single_precision_are_as_even_as_their_digits(tmp_path: Path) -> None:
+    rows = hit(4)
+    path = save_5(tmp_path / "hit.mat", time=(100 + times()).astype("f4"), **dict(zip(NAMES, rows, strict=True)))
+    assert import_sources([path], RIG).blocks[0].rate_hz == pytest.approx(RATE_HZ, rel=1e-6)
+
+
+def test_fields_of_a_compound_dataset_are_channels(tmp_path: Path) -> None:
+    rows = hit(4)
+    table = np.zeros(rows.shape[1], [(name, "f8") for name in ("time", *NAMES)])
+    for name, row in zip(("time", *NAMES), (times(), *rows), strict=True):
+        table[name] = row
+    with h5py.File(tmp_path / "hit.h5", "w") as file:
+        file["records/table"] = table
+    np.testing.assert_array_equal(import_sources([tmp_path / "hit.h5"], RIG).blocks[0].samples, rows)
+
+
+def test_a_sound_file_in_a_telephone_code_is_named_as_such(tmp_path: Path) -> None:
+    wavfile.write(tmp_path / "hit.wav", int(RATE_HZ), (hit(4) * 10).astype(np.int16).T)
+    data = bytearray((tmp_path / "hit.wav").read_bytes())
+    data[20:22] = (6).to_bytes(2, "little")
+    (tmp_path / "hit.wav").write_bytes(data)
+    with pytest.raises(DataError, match="holds samples in a code that is not linear: ALAW"):
+        import_sources([tmp_path / "hit.wav"], RIG)
 
 
 @pytest.mark.parametrize(("kind", "full_scale"), [(np.float32, 1.0), (np.int16, 2.0**15), (np.int32, 2.0**31)])

@@ -133,7 +133,7 @@ CASES: list[tuple[str, type[ModallabError], str, str]] = [
     ("no header, too few", DataError, rows(GOOD[:, :3]), "has 3 columns and no header; the rig has 4 channels"),
     ("coarse times", DataError, HEADER + "\n" + rows(np.round(GOOD, 3), "%.3f"), "written too coarsely"),
     ("transposed", FormatError, rows(GOOD.T), "5 rows of 256 cells and no names above them: it looks transposed"),
-    ("dead", DataError, HEADER + "\n" + rows(GOOD * [1, 1, 0, 1, 1]), "channel a01 is dead: all 256 samples are 0"),
+    ("dead force", DataError, HEADER + "\n" + rows(GOOD * [1, 0, 1, 1, 1]), "channel force is dead"),
 ]
 
 

@@ -52,6 +52,18 @@ def polar(v: complex, turn: float = 180 / np.pi) -> list[str]:
 
 
 WAYS = {
+    "names above bare parts": table(
+        "Signal,a01,,a02,,a03,\nFrequency (Hz),Real,Imaginary,Real,Imaginary,Real,Imaginary", two
+    ),
+    "functions above bare parts": table(
+        '"","H1,2(f)","H1,2(f)","H2,2(f)","H2,2(f)","H3,2(f)","H3,2(f)"\nHz,Real,Imaginary,Real,Imaginary,Real,Imaginary',
+        two,
+    ),
+    "functions in words": table(
+        "f [Hz]," + ",".join(f"Re(H {n}),Im(H {n}),\u03b3\u00b2({n})" for n in NAMES),
+        lambda v: [*two(v), "0.99"],
+    ),
+    "in kilograms": table("Frequency in Hz," + ",".join(f"Re {n} in 1/kg,Im {n} in 1/kg" for n in NAMES), two),
     "i": table("Frequency [Hz],a01,a02,a03", lambda v: [f"{v.real:.12g}{v.imag:+.12g}i"]),
     "spaced j": table("f;a01;a02;a03", lambda v: [f"{v.real:.12g} {'+-'[int(v.imag < 0)]} {abs(v.imag):.12g}j"], ";"),
     "j first": table("f,a01,a02,a03", lambda v: [f"{v.real:.12g}{'+-'[int(v.imag < 0)]}j*{abs(v.imag):.12g}"]),

@@ -120,13 +120,18 @@ def test_everything_that_is_wrong_in_any_file_stands_in_one_message(tmp_path: Pa
     short = save_hit(tmp_path, "short.npy", channels=2)
     (tmp_path / "cut.npy").write_bytes(good.read_bytes()[:500])
     dead = np.load(good)
-    dead[2] = 0
+    dead[1] = 0
     np.save(tmp_path / "dead.npy", dead)
     with pytest.raises(ModallabError) as caught:
         import_sources([good, short, tmp_path / "cut.npy", tmp_path / "dead.npy", tmp_path / "no.npy"], RIG)
     message = str(caught.value)
     assert message.startswith("4 problems:")
-    for words in ("short.npy: has 3 rows", "cut.npy: is no whole NPY", "channel a01 is dead", "no.npy: cannot be read"):
+    for words in (
+        "short.npy: has 3 rows",
+        "cut.npy: is no whole NPY",
+        "channel force is dead",
+        "no.npy: cannot be read",
+    ):
         assert words in message
     assert "good.npy" not in message
 

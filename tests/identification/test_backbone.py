@@ -81,7 +81,7 @@ def levels_of(signals: list[Signals]) -> list[DriveLevel]:
 
 
 def test_frequency_follows_the_square_of_the_amplitude_with_one_sensor() -> None:
-    signals, _ = usable_blocks(campaign(CUBIC), campaign(CUBIC).of("impact"))
+    signals, _, _ = usable_blocks(campaign(CUBIC), campaign(CUBIC).of("impact"))
     weak = replace(campaign(CUBIC), blocks=campaign(CUBIC).blocks[:2])
     model = identify_campaign(weak, IdentificationOptions(band_hz=(10.0, 100.0))).identified[0].model
     found = backbone_of(model, levels_of(signals)).backbone

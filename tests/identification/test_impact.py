@@ -146,7 +146,7 @@ def with_responses(signals, change):
     [
         (lambda s: [], "no block"),
         (lambda s: with_responses(s, lambda y: np.where(np.arange(y.shape[1]) == 9, np.nan, y)), "NaN"),
-        (lambda s: with_responses(s, lambda y: y * np.array([1, 0, 1, 1, 1])[:, None]), "a02 is dead"),
+        (lambda s: with_responses(s, lambda y: y * np.array([1, 0, 1, 1, 1])[:, None]), "a02: dead"),
         (lambda s: with_responses(s, lambda y: y.T), "do not belong"),
         (lambda s: [s[0], replace(s[1], rate_hz=1000.0)], "differ"),
         (lambda s: [replace(i, rate_hz=float("nan")) for i in s[:1]], "rate"),

@@ -39,7 +39,7 @@ def test_the_error_says_what_the_force_looks_like_and_what_to_do():
 def test_one_record_of_another_kind_among_many_is_left_out_with_a_note():
     good = drives.campaign("impact", "impact", 2)
     odd = replace(drives.campaign("chirp", "impact", 2).blocks[1], name="odd")
-    kept, (note,) = usable_blocks(good, (*good.blocks[:3], odd))
+    kept, _, (note,) = usable_blocks(good, (*good.blocks[:3], odd))
     assert len(kept) == 3
     assert odd.name in note
 
@@ -54,7 +54,7 @@ def test_a_double_hit_is_a_hit(apart):
 @pytest.mark.parametrize("kind", ["multisine", "schroeder", "stepped-sine", "chirp"])
 def test_whatever_every_block_repeats_is_a_periodic_drive_and_a_sweep_is_said_to_be_one(kind):
     periodic = drives.campaign(kind, "pseudo-random", 3)
-    kept, notes = usable_blocks(periodic, periodic.blocks)
+    kept, _, notes = usable_blocks(periodic, periodic.blocks)
     assert len(kept) == drives.BLOCKS
     assert any("chirp" in note for note in notes) == (kind in ("chirp", "schroeder"))
 

@@ -164,6 +164,20 @@ def test_it_is_named_with_its_time() -> None:
     assert (found.channel, found.first_s, found.samples) == ("a2", 0.75, 1)
 
 
+def test_a_fast_ringing_cut_off_for_a_sample_or_two_at_a_time_is_named_and_equal_tops_are_none() -> None:
+    t = np.arange(N) / RATE_HZ
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        ringing = rng.uniform(90, 110) * np.exp(-6 * t) * np.sin(2 * np.pi * rng.uniform(300, 380) * t)
+        rows = record("hit", seed, 1e-4)
+        rows[1] = np.clip(ringing + 0.01 * rng.normal(size=N), -1e9, rng.uniform(30, 60))
+        assert [f.channel for f in faults_of(block(rows), RIG) if "flat tops" in f.what] == ["a1"]
+        tone = 20 * np.sin(2 * np.pi * rng.uniform(5, 400) * t + rng.uniform(0, 6))
+        for sound in (tone, np.round(tone, 2), np.round(tone * 3), np.tile(np.round(ringing[:512], 3), 8)):
+            rows[1] = sound
+            assert not [f for f in faults_of(block(rows), RIG) if "flat" in f.what]
+
+
 @pytest.mark.parametrize("kind", ["hit", "random"])
 def test_a_buffer_that_was_written_twice_is_named(kind: str) -> None:
     rows = record(kind, 1, 1e-4)
@@ -190,8 +204,23 @@ def test_a_spoilt_record_is_left_out_by_name_and_none_left_is_an_error() -> None
     good, bad = record("hit", 1), record("hit", 2)
     bad[0] = np.minimum(bad[0], 0.6 * bad[0].max())
     campaign = Campaign(RIG, (block(good, "good"), block(bad, "bad")), source="a.h5")
-    kept, notes = undamaged_records(campaign, campaign.blocks, "force")
+    kept, _, notes = undamaged_records(campaign, campaign.blocks, "force")
     assert [b.name for b in kept] == ["good"]
     assert "faults in their samples: bad, channel force: flat tops at" in notes[0]
     with pytest.raises(DataError, match="every record has a fault in its samples: bad, channel force: flat tops"):
         undamaged_records(campaign, campaign.blocks[1:], "force")
+
+
+def test_a_response_at_fault_in_most_records_is_left_out_of_all_and_no_record_for_its_sake() -> None:
+    rows = [record("hit", seed) for seed in range(1, 6)]
+    for one in rows[:3]:
+        one[1] = 0.25
+    rows[4][2] = np.minimum(rows[4][2], 0.5 * rows[4][2].max())
+    campaign = Campaign(RIG, tuple(block(one, f"h{k}") for k, one in enumerate(rows)), source="a.h5")
+    kept, rig, notes = undamaged_records(campaign, campaign.blocks, "force")
+    assert [b.name for b in kept] == ["h0", "h1", "h2", "h3"]
+    assert [c.name for c in rig.channels] == ["force", "a2"]
+    assert all(b.channels == ("force", "a2") and len(b.samples) == 2 for b in kept)
+    said = "h0, dead, all values are 0.25, 4096 samples from 0 s on"
+    assert notes[0] == f"Left out, channel a1, at fault in 3 of 5 records: {said}."
+    assert "h4, channel a2: flat tops" in notes[1]

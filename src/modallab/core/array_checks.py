@@ -4,7 +4,7 @@ Each check raises one `DataError` that lists everything it found. They are meant
 public functions that take arrays.
 """
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,9 +24,6 @@ __all__ = [
     "identical_channels",
 ]
 
-_FEW_LEVELS = 4
-"""A living channel that takes no more values than this is at the converter's last count."""
-
 LARGEST = 1e30
 """No quantity on a bench is as large, in any unit: such a number comes from a damaged file."""
 
@@ -39,7 +36,6 @@ class _Finding(NamedTuple):
 _TRANSPOSE = "transpose it: one row per channel, one column per sample"
 _RECORD_AGAIN = "look at the recording there; leave this record out, or record it again"
 _MEND = "check sensor, cable and input, and record again; or leave the channel out of both rig and recording"
-_TOO_WEAK = "leave this record out; or record it again, harder or with a smaller range of the channel"
 _PHASE = "export the FRF as complex numbers (real and imaginary part)"
 
 
@@ -49,28 +45,24 @@ def check_signals(
     where: str = "",
     *,
     force: str | None = None,
-    moving: Collection[str] = (),
 ) -> None:
-    """Reject what no recording of a living bench holds.
+    """Reject what no recording holds, and a record of which nothing can be made.
 
-    A channel is dead if it holds one value over the whole record. Not so, unless it is the force, in a record of so
-    little motion that another channel moves by a few counts only: there a light sensor may well stand below one count.
-    Noise, clipping, a turned or swapped channel are no errors: they are what a diagnosis is for.
+    Noise, clipping, a turned, swapped or dead response are no errors: they are what a diagnosis is for.
 
     Args:
         samples: (channels, n), counts or real numbers.
         channels: (channels,) names.
         where: file and record, for the message.
         force: name of the channel without which there is no FRF.
-        moving: channels that move in other records of the same test, and so are not dead.
 
     Raises:
-        DataError: wrong shape or type, transposed, NaN or infinity, dead channels, nothing but zeros.
+        DataError: wrong shape or type, transposed, NaN or infinity, a dead force, nothing but constants.
     """
     _check_shape(samples, channels, where)
     findings = _not_finite(samples, channels)
     if not findings:
-        findings = _dead_channels(samples, channels, force, moving)
+        findings = _nothing_recorded(samples, channels, force)
     _reject_findings(findings, where)
 
 
@@ -176,34 +168,14 @@ def _not_finite(samples: NDArray[Any], channels: Sequence[str]) -> list[_Finding
     return findings
 
 
-def _dead_channels(
-    samples: NDArray[Any], channels: Sequence[str], force: str | None, moving: Collection[str]
-) -> list[_Finding]:
+def _nothing_recorded(samples: NDArray[Any], channels: Sequence[str], force: str | None) -> list[_Finding]:
     constant = (samples == samples[:, :1]).all(axis=1)
-    if not constant.any():
-        return []
     if constant.all():
         value = "zero" if not samples.any() else "constant"
         found = f"every channel is {value} ({', '.join(channels)}): nothing was recorded"
         return [_Finding(found, "check that the inputs are connected and switched on, and record again")]
-    still = min(len(np.unique(row)) for row in samples[~constant]) <= _FEW_LEVELS
-    findings: list[_Finding] = []
-    for i in map(int, np.flatnonzero(constant)):
-        value = f"all {samples.shape[1]} samples are {samples[i, 0] + 0:g}"
-        if channels[i] in moving and (not still or channels[i] == force):
-            found = f"channel {channels[i]} moves in other records, but here {value}: too weak for its resolution"
-            findings.append(_Finding(found, _TOO_WEAK))
-        elif not still or channels[i] == force:
-            findings.append(_Finding(f"channel {channels[i]} is dead: {value}", _MEND))
-    return findings
-
-
-def moving_channels(records: Iterable[tuple[Sequence[str], NDArray[Any]]]) -> frozenset[str]:
-    """Names of the channels that do not hold one value in every record (names, samples)."""
-    checked = [(names, s) for names, s in records if s.ndim == 2 and s.size and len(names) == len(s)]
-    return frozenset(
-        name for names, s in checked for name, moves in zip(names, (s != s[:, :1]).any(axis=1), strict=True) if moves
-    )
+    dead = [row for name, row, still in zip(channels, samples, constant, strict=True) if still and name == force]
+    return [_Finding(f"channel {force} is dead: all {row.size} samples are {row[0] + 0:g}", _MEND) for row in dead]
 
 
 def _reject_findings(findings: Sequence[_Finding], where: str) -> None:

@@ -1,5 +1,7 @@
 """Checks on rates and on the axes of time and frequency."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -31,7 +33,8 @@ def check_rate(rate_hz: float, where: str = "") -> float:
 def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: ArrayLike = 0.0) -> float:
     """The rate in Hz of evenly spaced times.
 
-    Where a whole number of Hz agrees with the times to within their resolution, it is that number.
+    Where a whole number of Hz agrees with the times to within their resolution, it is that number. Numbers in single
+    precision have a resolution of their own.
 
     Args:
         time_s: (n,) times in s.
@@ -42,7 +45,7 @@ def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: ArrayLike = 
         DataError: times that do not ascend, or are spaced unevenly, or written too coarsely to show it.
     """
     times = np.asarray(time_s, dtype=np.float64)
-    resolution = np.broadcast_to(np.asarray(resolution_s, np.float64), times.shape)
+    resolution = np.broadcast_to(np.maximum(resolution_s, _stored_digit(np.asarray(time_s))), times.shape)
     _check_ascending(times, "time", "s", where, resolution)
     _check_even(times, "time", "s", where, resolution)
     n, places = len(times), np.arange(len(times)) - (len(times) - 1) / 2
@@ -52,6 +55,13 @@ def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: ArrayLike = 
     rate = 1.0 / step if step > 0 else 0.0
     slack = _SIGMAS * rate * rate * step_sigma
     return check_rate(whole_rate(float(rate), float(slack)), where)
+
+
+def _stored_digit(numbers: NDArray[Any]) -> float:
+    """Half of the last digit of numbers in single precision or less; 0 for others."""
+    if numbers.dtype.kind != "f" or numbers.dtype.itemsize > 4 or not np.isfinite(numbers).all():
+        return 0.0
+    return float(np.spacing(np.abs(numbers).max(initial=0))) / 2
 
 
 def whole_rate(rate_hz: float, slack_hz: float) -> float:

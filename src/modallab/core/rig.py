@@ -1,6 +1,6 @@
 """What stands on the bench: beam, points, channels, converter, limits, tolerances."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Annotated, Literal, Self, cast
 
 from pydantic import Field, PositiveInt, model_validator
@@ -150,6 +150,16 @@ class Rig(Frozen):
     def responses(self) -> tuple[Channel, ...]:
         """All channels but the force, in rig order."""
         return tuple(c for c in self.channels if c.quantity != "force")
+
+    def without(self, names: Collection[str]) -> "Rig":
+        """The rig without these channels."""
+        kept = [c for c in self.channels if c.name not in names]
+        numbered = tuple(c.model_copy(update={"index": n}) for n, c in enumerate(kept))
+        return self.model_copy(update={"channels": numbered}) if len(kept) < len(self.channels) else self
+
+    def of_outputs(self, outputs: Collection[str]) -> "Rig":
+        """The rig with its forces and these responses only."""
+        return self.without({c.name for c in self.responses if c.name not in outputs})
 
     @property
     def known_effects(self) -> tuple[Effect, ...]:

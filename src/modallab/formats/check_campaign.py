@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.array_checks import check_frf, check_rate, check_signals, moving_channels
+from modallab.core.array_checks import check_frf, check_rate, check_signals
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
@@ -40,12 +40,12 @@ def check_recordings(campaign: Campaign) -> None:
     Raises:
         DataError: one message with everything found in any record.
     """
-    errors, moving = Collected(), moving_channels((b.channels, b.samples) for b in campaign.blocks)
+    errors = Collected()
     force = campaign.rig.force.name if campaign.rig.force else None
     for block in campaign.blocks:
         where = f"{campaign.source}, record {block.name}"
         with errors:
-            check_signals(block.samples, block.channels, where, force=force, moving=moving)
+            check_signals(block.samples, block.channels, where, force=force)
     for frf in campaign.frfs:
         with errors:
             check_frf(frf.frequency_hz, frf.values, frf.outputs, campaign.source, even=False)

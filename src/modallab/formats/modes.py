@@ -17,7 +17,7 @@ class ModeShapes:
         outputs: (outputs,) channels of the rig that the shapes are at.
         output_points: (outputs,) their points.
         modal_mass_kg: (modes,) that belongs to the shapes as they are scaled here; NaN where the file does not say.
-        shapes: (modes, outputs) complex, scaled as in the file, positive in the directions of the channels.
+        shapes: (modes, outputs) complex, scaled as in the file, positive along the drive, as readings are.
     """
 
     title: str

@@ -51,6 +51,8 @@ _WHOLE_FRF: dict[str, FrfQuantity] = {
     "m/Ns": "mobility",
     "m/Ns^2": "inertance",
     "1/kg": "inertance",
+    "s/kg": "mobility",
+    "s^2/kg": "receptance",
     "kg^-1": "inertance",
 }
 _FRF_OF: dict[Quantity, FrfQuantity] = {

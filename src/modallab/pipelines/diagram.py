@@ -38,11 +38,11 @@ def _diagram_of_item(
     if frf is not None:
         return frf, None, None
     if item.source == "impact":
-        signals, _ = usable_blocks(campaign, campaign.of("impact"))
-        return start_frf(group_by_point(signals), campaign.rig, item.model.band_hz), None, None
+        signals, rig, _ = usable_blocks(campaign, campaign.of("impact"))
+        return start_frf(group_by_point(signals), rig, item.model.band_hz), None, None
     if item.source in BROADBAND:
-        signals, _ = usable_blocks(campaign, campaign.of(item.source))
-        return broadband_frf(blocks_of_one_level(signals), campaign.rig, item.model.band_hz), None, None
-    signals, _ = usable_blocks(campaign, campaign.of("sine"))
-    seen = stepped_start(signals, campaign.rig, item.model.band_hz)
+        signals, rig, _ = usable_blocks(campaign, campaign.of(item.source))
+        return broadband_frf(blocks_of_one_level(signals), rig, item.model.band_hz), None, None
+    signals, rig, _ = usable_blocks(campaign, campaign.of("sine"))
+    seen = stepped_start(signals, rig, item.model.band_hz)
     return seen, highest_order(seen), START

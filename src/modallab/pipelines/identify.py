@@ -120,17 +120,17 @@ def _tests_to_identify(
     return runs
 
 
-def usable_blocks(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:
-    """The blocks in SI units without those at full scale or with faults in their samples, and a note on these.
+def usable_blocks(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], Rig, tuple[str, ...]]:
+    """The sound part of the blocks in SI units, the rig with its channels only, and notes on what was left out.
 
-    Those whose force is not that of the test they are labelled as are left out as well.
+    Records whose force is not that of the test they are labelled as are left out as well.
 
     Raises:
         DataError: damaged samples, no block is left, or most are of another kind of test.
     """
-    clean, notes = undamaged_records(campaign, blocks, campaign.rig.force_channel.name)
-    kept, remarks = check_kind(to_signals_of(clean, campaign.rig))
-    return kept, (*notes, *remarks)
+    clean, rig, notes = undamaged_records(campaign, blocks, campaign.rig.force_channel.name)
+    kept, remarks = check_kind(to_signals_of(clean, rig))
+    return kept, rig, (*notes, *remarks)
 
 
 def _with_scale(found: IdentifiedTest, rig: Rig) -> IdentifiedTest:
@@ -151,16 +151,16 @@ def _with_doubts(
 
 
 def _identify_impact(campaign: Campaign, blocks: tuple[Block, ...], options: IdentificationOptions) -> IdentifiedTest:
-    signals, notes = usable_blocks(campaign, blocks)
+    signals, rig, notes = usable_blocks(campaign, blocks)
     groups = group_by_point(signals)
     own_model = options.own_model
     if own_model is not None:
-        frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups), estimator=options.frf)
+        frf = impact_frf(groups, rig, options.band_hz or default_band(groups), estimator=options.frf)
         return IdentifiedTest("impact", _with_notes(own_model(frf, "impact"), notes), None)
     if options.frf != "H1":
-        model, fit, frf = identify_averaged_hits(groups, campaign.rig, options)
+        model, fit, frf = identify_averaged_hits(groups, rig, options)
         return _with_doubts("impact", _with_notes(model, notes), verify_frf(model, frf), assess_frf(model, fit, frf))
-    pooled, error = _try_identify(lambda: _model_of_hits(signals, notes, campaign.rig, options))
+    pooled, error = _try_identify(lambda: _model_of_hits(signals, notes, rig, options))
     if pooled is not None and is_linear(pooled):
         return pooled
     band = options.band_hz or default_band(groups)
@@ -168,14 +168,12 @@ def _identify_impact(campaign: Campaign, blocks: tuple[Block, ...], options: Ide
 
     def level(name: str, parts: list[list[Signals]]) -> DriveLevel:
         hits = [hit for group in parts for hit in group]
-        whole, *each = (
-            impact_frf(one, campaign.rig, band, damping_shift=shift) for one in (parts, *([[hit]] for hit in hits))
-        )
+        whole, *each = (impact_frf(one, rig, band, damping_shift=shift) for one in (parts, *([[hit]] for hit in hits)))
         return DriveLevel(name, whole, hits, each)
 
     levels = [level(name, parts) for name, parts in group_by_strength(groups)]
     found = model_of_weakest_level(
-        pooled, levels, lambda o: _model_of_hits(softest_hits(groups), notes, campaign.rig, o), options
+        pooled, levels, lambda o: _model_of_hits(softest_hits(groups), notes, rig, o), options
     )
     return _require_model(found, error)
 
@@ -208,37 +206,35 @@ def _model_of_hits(
 
 def _identify_sine(campaign: Campaign, blocks: tuple[Block, ...], options: IdentificationOptions) -> IdentifiedTest:
     _require_averaged(options, "a sine's FRF is the ratio of two fitted amplitudes")
-    signals, notes = usable_blocks(campaign, blocks)
+    signals, rig, notes = usable_blocks(campaign, blocks)
     own_model = options.own_model
     if own_model is not None:
         low, high = options.band_hz or (0.0, float("inf"))
-        frf = stepped_frf([s for s in signals if low <= s.tone.frequency_hz <= high], campaign.rig)
+        frf = stepped_frf([s for s in signals if low <= s.tone.frequency_hz <= high], rig)
         return IdentifiedTest("sine", _with_notes(own_model(frf, "sine"), notes), None)
     with part_of_progress(0.05, 0.9):
-        model, fit = identify_sine(signals, campaign.rig, options)
+        model, fit = identify_sine(signals, rig, options)
     report_progress(0.9, "assessment")
-    assessment = assess_sine(model, fit, signals, campaign.rig)
-    verification = verify_sine(model, fit, signals, campaign.rig)
+    assessment = assess_sine(model, fit, signals, rig)
+    verification = verify_sine(model, fit, signals, rig)
     return _with_doubts("sine", _with_notes(model, notes), verification, assessment)
 
 
 def _identify_broadband(campaign: Campaign, test: Broadband, options: IdentificationOptions) -> IdentifiedTest:
-    every, notes = usable_blocks(campaign, campaign.of(test))
+    every, rig, notes = usable_blocks(campaign, campaign.of(test))
     every = cut_to_own_clock(every, options.band_hz or driven_band(every))
     band = options.band_hz or driven_band(every)
-    frf = frf_of_drive(every, campaign.rig, band, options.frf)
+    frf = frf_of_drive(every, rig, band, options.frf)
     own_model = options.own_model
     if own_model is not None:
         return IdentifiedTest(test, _with_notes(own_model(frf, test), notes), None)
-    pooled, error = _try_identify(lambda: _model_of_drive(test, every, frf, notes, campaign.rig, options))
+    pooled, error = _try_identify(lambda: _model_of_drive(test, every, frf, notes, rig, options))
     if pooled is not None and is_linear(pooled):
         return pooled
     parts = group_by_level(every)
-    levels = (
-        [DriveLevel(n, frf_of_drive(s, campaign.rig, band, options.frf), s) for n, s in parts] if len(parts) > 1 else []
-    )
+    levels = [DriveLevel(n, frf_of_drive(s, rig, band, options.frf), s) for n, s in parts] if len(parts) > 1 else []
     found = model_of_weakest_level(
-        pooled, levels, lambda o: _model_of_drive(test, parts[0][1], levels[0].frf, notes, campaign.rig, o), options
+        pooled, levels, lambda o: _model_of_drive(test, parts[0][1], levels[0].frf, notes, rig, o), options
     )
     return _require_model(found, error)
 

@@ -118,9 +118,9 @@ def _band_filtered(signals: Signals) -> NDArray[np.float64] | None:
 def _measured_signals(campaign: Campaign, item: IdentifiedTest) -> Frf | None:
     if item.source != "impact":
         return None if item.verification is None else item.verification.measured
-    signals, _ = usable_blocks(campaign, campaign.of("impact"))
+    signals, rig, _ = usable_blocks(campaign, campaign.of("impact"))
     groups = group_by_point(signals)
-    return convert_frf(impact_frf(groups, campaign.rig, item.model.band_hz), "mobility")
+    return convert_frf(impact_frf(groups, rig, item.model.band_hz), "mobility")
 
 
 def _hits_for_report(campaign: Campaign, rejected: Sequence[tuple[Block, str]]) -> tuple[ReportedHit, ...]:

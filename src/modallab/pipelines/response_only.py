@@ -8,6 +8,7 @@ from modallab.core.arrays import Real
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.frf.joined import contiguous_blocks
 from modallab.identification.options import USUAL_RESPONSE, IdentificationOptions, ResponseMethod
@@ -81,16 +82,17 @@ def identify_responses(
         DataError: no records, records of several tests, too short or damaged ones.
         IdentificationError: no mode.
     """
-    records, rate, name, left_out = response_records(campaign, test)
+    records, rate, name, rig, left_out = response_records(campaign, test)
     seconds = sum(r.shape[1] for r in records) / rate
     band, found = _find_response_modes(records, rate, band_hz, seconds, method)
     periodic = (lines_in_words(found.harmonics_hz),) if found.harmonics_hz.size else ()
-    model = _response_model(found, campaign, name, band, (NO_FORCE, *periodic, *left_out), method)
+    model = _response_model(found, rig, name, band, (NO_FORCE, *periodic, *left_out), method)
     return CampaignResult((IdentifiedTest(name, model, None, assess_model(model, (), (), found.confidence)),), ())
 
 
-def response_records(campaign: Campaign, test: Test | None) -> tuple[list[Real], float, Test, tuple[str, ...]]:
-    """Responses (outputs, samples) in SI, each as long as blocks follow each other, their rate, the test, and notes.
+def response_records(campaign: Campaign, test: Test | None) -> tuple[list[Real], float, Test, Rig, tuple[str, ...]]:
+    """Responses (outputs, samples) in SI, each as long as blocks follow each other, their rate, the test, the rig
+    with their channels only, and notes.
 
     Raises:
         DataError: no records, records of several tests, or damaged ones.
@@ -103,10 +105,10 @@ def response_records(campaign: Campaign, test: Test | None) -> tuple[list[Real],
             where=campaign.source,
             remedy="name the one whose responses are to be identified with --test",
         )
-    clean, left_out = undamaged_records(campaign, blocks, None)
-    signals = to_signals_of(clean, campaign.rig)
+    clean, rig, left_out = undamaged_records(campaign, blocks, None)
+    signals = to_signals_of(clean, rig)
     records = [np.concatenate([s.responses for s in run], axis=1) for run in contiguous_blocks(signals)]
-    return records, signals[0].rate_hz, blocks[0].test, left_out
+    return records, signals[0].rate_hz, blocks[0].test, rig, left_out
 
 
 def _find_response_modes(
@@ -132,13 +134,13 @@ def _find_response_modes(
 
 def _response_model(
     found: ResponseModes,
-    campaign: Campaign,
+    rig: Rig,
     test: Test,
     band_hz: tuple[float, float],
     notes: tuple[str, ...],
     method: ResponseMethod,
 ) -> ModalModel:
-    n, outputs = found.frequency_hz.size, campaign.rig.responses
+    n, outputs = found.frequency_hz.size, rig.responses
     nothing = np.zeros((n, len(outputs), 0))
     unread = np.full(n, np.nan)
     return ModalModel(

@@ -72,17 +72,18 @@ def identify_response_setups(
     names = setup_names(campaigns)
     found = [identify_responses(campaign, test, options.band_hz, method).identified[0] for campaign in campaigns]
     models = tuple(item.model for item in found)
-    setups = [_setup_of_model(n, m, c.rig) for n, m, c in zip(names, models, campaigns, strict=True)]
+    rigs = [c.rig.of_outputs(m.outputs) for c, m in zip(campaigns, models, strict=True)]
+    setups = [_setup_of_model(*one) for one in zip(names, models, rigs, strict=True)]
 
     def look(n: int, frequency_hz: Real, damping_ratio: Real) -> tuple[Complex128, Real]:
         records, rate, *_ = response_records(campaigns[n], test)
-        rows, sense = _outputs_by_freedom(campaigns[n].rig)
+        rows, sense = _outputs_by_freedom(rigs[n])
         values, sigma = shapes_at(records, rate, models[n].band_hz, frequency_hz, damping_ratio)
         return (values * sense)[:, rows], sigma[:, rows]
 
     joined = join_responses(setups, look)
     read = _setup_readings(setups, joined)
-    rig = _joined_rig([c.rig for c in campaigns], joined.freedoms)
+    rig = _joined_rig(rigs, joined.freedoms)
     model = _joined_model(models, read, joined, rig)
     campaign = Campaign(rig, (), (), common_provenance(campaigns), campaigns[0].source)
     each = [of_modes(item.assessment.confidence if item.assessment else np.full(item.model.n_modes, np.nan), at)

@@ -112,7 +112,7 @@ def setup_names(campaigns: Sequence[Campaign]) -> tuple[str, ...]:
 
 def _identify_setup(campaign: Campaign, name: str, options: IdentificationOptions) -> SetUpModel:
     (item,) = identify_campaign(campaign, options, None if _is_frfs_alone(campaign) else "impact").identified
-    return SetUpModel(name, item.model, tuple(c.mass_kg for c in campaign.rig.responses))
+    return SetUpModel(name, item.model, tuple(c.mass_kg for c in campaign.rig.of_outputs(item.model.outputs).responses))
 
 
 def common_provenance(campaigns: Sequence[Campaign]) -> dict[str, str]:
@@ -127,7 +127,7 @@ def _measured_frfs(campaigns: Sequence[Campaign], model: ModalModel) -> Frf:
     frfs = [_frf_of_campaign(campaign, model.band_hz) for campaign in campaigns]
     _require_same_lines(campaigns, frfs)
     for campaign, frf in zip(campaigns, frfs, strict=True):
-        for channel, values in zip(campaign.rig.responses, frf.values, strict=True):
+        for channel, values in zip(campaign.rig.of_outputs(frf.outputs).responses, frf.values, strict=True):
             rows.setdefault(joined_name(channel.name, channel.point), values)
     return Frf(
         frequency_hz=frfs[0].frequency_hz,
@@ -153,8 +153,8 @@ def _require_same_lines(campaigns: Sequence[Campaign], frfs: Sequence[Frf]) -> N
 def _frf_of_campaign(campaign: Campaign, band_hz: tuple[float, float]) -> Frf:
     if _is_frfs_alone(campaign):
         return frf_in_band(campaign.frfs[0], band_hz)
-    signals, _ = usable_blocks(campaign, campaign.of("impact"))
-    return impact_frf(group_by_point(signals), campaign.rig, band_hz)
+    signals, rig, _ = usable_blocks(campaign, campaign.of("impact"))
+    return impact_frf(group_by_point(signals), rig, band_hz)
 
 
 def _joined_rig(campaigns: Sequence[Campaign]) -> Rig:

@@ -1,10 +1,14 @@
 """Which records of a campaign can be identified: what a converter or a cable spoilt is left out by name."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
-from modallab.core.array_checks import check_signals, moving_channels
+import numpy as np
+
+from modallab.core.array_checks import check_signals
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
+from modallab.core.rig import Rig
 from modallab.formats.error_list import Collected
 from modallab.signals.checks import overloaded_channels
 from modallab.signals.faults.found import faults_of
@@ -16,8 +20,10 @@ _NAMED = 3
 
 def undamaged_records(
     campaign: Campaign, blocks: Sequence[Block], force: str | None
-) -> tuple[tuple[Block, ...], tuple[str, ...]]:
-    """The records without those at full scale or with faults in their samples, and a note on these.
+) -> tuple[tuple[Block, ...], Rig, tuple[str, ...]]:
+    """The sound part of the records, the rig with its channels only, and notes on what was left out.
+
+    A response at fault in most records is left out of all; other records at full scale or with faults go as a whole.
 
     Args:
         campaign: of the records.
@@ -27,33 +33,67 @@ def undamaged_records(
     Raises:
         DataError: damaged samples, or no record is left.
     """
-    errors, moving = Collected(), moving_channels((b.channels, b.samples) for b in blocks)
+    errors = Collected()
     for block in blocks:
-        where = f"{campaign.source}, record {block.name}"
         with errors:
-            check_signals(block.samples, block.channels, where, force=force, moving=moving)
+            check_signals(block.samples, block.channels, f"{campaign.source}, record {block.name}", force=force)
     errors.done()
-    over = [b.name for b in blocks if overloaded_channels(b, campaign.rig)]
-    faults = {b.name: found for b in blocks if b.name not in over and (found := faults_of(b, campaign.rig))}
-    clean = tuple(b for b in blocks if b.name not in over and b.name not in faults)
-    if not clean and not faults:
+    faults = {b.name: found for b in blocks if (found := _all_faults(b, campaign.rig))}
+    spoilt = _spoilt_channels(faults, len(blocks), campaign.rig)
+    left = {n: rest for n, found in faults.items() if (rest := tuple(f for f in found if f.channel not in spoilt))}
+    sound = tuple(_without(b, spoilt) for b in blocks if b.name not in left)
+    if not sound:
         raise DataError(
-            f"all {len(blocks)} records run into the converter's full scale",
+            f"every record has a fault in its samples: {_faults_in_words(left)}",
             where=campaign.source,
-            remedy="lower the drive or the preamplifiers' gain and record again",
+            remedy="record again with less drive, another range or cable; or leave the channel out of rig and record",
         )
-    if not clean:
-        raise DataError(
-            f"every record has a fault in its samples: {_faults_in_words(faults.items())}",
-            where=campaign.source,
-            remedy="record again with another range or cable; or leave the channel out of both rig and recording",
-        )
-    notes = [f"Left out, because they ran into the converter's full scale: {', '.join(over)}."] if over else []
-    notes += [f"Left out, because of faults in their samples: {_faults_in_words(faults.items())}."] if faults else []
-    return clean, tuple(notes)
+    notes = [
+        f"Left out, channel {name}, at fault in {count} of {len(blocks)} records: {first}."
+        for name, (count, first) in spoilt.items()
+    ]
+    notes += [f"Left out, because of faults in their samples: {_faults_in_words(left)}."] if left else []
+    return sound, campaign.rig.without(spoilt), tuple(notes)
 
 
-def _faults_in_words(faults: Iterable[tuple[str, tuple[Fault, ...]]]) -> str:
-    each = [f"{name}, {fault}" for name, found in faults for fault in found]
+def _all_faults(block: Block, rig: Rig) -> tuple[Fault, ...]:
+    over = overloaded_channels(block, rig)
+    return tuple(_overload(block, name) for name in over) or faults_of(block, rig)
+
+
+def _overload(block: Block, channel: str) -> Fault:
+    row = np.abs(block.samples[block.channels.index(channel)].astype(np.float64))
+    there = np.flatnonzero(row == row.max())
+    return Fault(channel, "reaches the converter's full scale", float(there[0] / block.rate_hz), there.size)
+
+
+def _spoilt_channels(faults: Mapping[str, tuple[Fault, ...]], records: int, rig: Rig) -> dict[str, tuple[int, str]]:
+    """Responses at fault in more than half of the records, with in how many and the first fault; not all of them."""
+    found: dict[str, tuple[int, str]] = {}
+    for channel in rig.responses:
+        of = [(name, f) for name, each in faults.items() for f in each if f.channel == channel.name]
+        count = len({name for name, _ in of})
+        if 2 * count > records:
+            found[channel.name] = count, f"{of[0][0]}, {of[0][1].in_words}"
+    return found if len(found) < len(rig.responses) else {}
+
+
+def _without(block: Block, channels: Collection[str]) -> Block:
+    """The block without these channels."""
+    if not channels:
+        return block
+    kept = [k for k, name in enumerate(block.channels) if name not in channels]
+    return replace(
+        block,
+        samples=block.samples[kept],
+        scale=block.scale[kept],
+        units=tuple(block.units[k] for k in kept),
+        channels=tuple(block.channels[k] for k in kept),
+        overload=None if block.overload is None else tuple(block.overload[k] for k in kept),
+    )
+
+
+def _faults_in_words(faults: Mapping[str, tuple[Fault, ...]]) -> str:
+    each = [f"{name}, {fault}" for name, found in faults.items() for fault in found]
     more = f"; and {len(each) - _NAMED} more" if len(each) > _NAMED else ""
     return "; ".join(each[:_NAMED]) + more

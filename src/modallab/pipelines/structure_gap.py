@@ -113,27 +113,28 @@ def gap_between(campaign: Campaign, reference: ComparedWith, identified: Campaig
     """
     bench = identified.identified[0]
     own = None if reference.before is None else reference.before.rig
-    measured = _frf_of(campaign, bench.model, bench.index)
-    frfs = reference.frf(campaign.rig, measured), measured
-    explained = explained_by_model(reference.model, bench.model, campaign.rig, reference.mesh, own, frfs)
+    measured, rig = _frf_of(campaign, bench.model, bench.index), campaign.rig.of_outputs(bench.model.outputs)
+    frfs = reference.frf(rig, measured), measured
+    explained = explained_by_model(reference.model, bench.model, rig, reference.mesh, own, frfs)
     explained = replace(explained, diagnosis=_with_floor(explained.diagnosis, campaign, bench.model))
     records = None if bench.verification is None else bench.verification.measured
-    return StructureGap(campaign.rig, explained, reference.named, records, _not_compared(identified, explained, bench))
+    return StructureGap(rig, explained, reference.named, records, _not_compared(identified, explained, bench))
 
 
 def _with_floor(found: ModalDiagnosis, campaign: Campaign, model: ModalModel) -> ModalDiagnosis:
     """The diagnosis, first of all with what two measurements of the same thing differ by, where hits say it."""
     if model.test != "impact":
         return found
-    floor = share_between_halves(_hits_of(campaign), campaign.rig, model.band_hz)
+    floor = share_between_halves(*_hits_of(campaign), model.band_hz)
     if floor is None:
         return found
     note = f"Two measurements like the bench's differ by {100 * floor:.2g} % of the response: halves of its hits do."
     return found.model_copy(update={"notes": [note, *found.notes]})
 
 
-def _hits_of(campaign: Campaign) -> list[list[Signals]]:
-    return group_by_point(usable_blocks(campaign, campaign.of("impact"))[0])
+def _hits_of(campaign: Campaign) -> tuple[list[list[Signals]], Rig]:
+    signals, rig, _ = usable_blocks(campaign, campaign.of("impact"))
+    return group_by_point(signals), rig
 
 
 def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf | None:
@@ -141,7 +142,7 @@ def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf
     if campaign is None:
         return None
     if model.test == "impact":
-        return start_frf(_hits_of(campaign), campaign.rig, model.band_hz)
+        return start_frf(*_hits_of(campaign), model.band_hz)
     return campaign.frfs[index] if model.test is None and campaign.frfs else None
 
 

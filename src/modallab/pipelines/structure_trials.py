@@ -48,8 +48,9 @@ def measured_frf(campaign: Campaign) -> Frf:
             remedy="name a campaign with a force channel",
         )
     if campaign.of("impact"):
-        groups = group_by_point(usable_blocks(campaign, campaign.of("impact"))[0])
-        return impact_frf(groups, campaign.rig, default_band(groups))
+        signals, rig, _ = usable_blocks(campaign, campaign.of("impact"))
+        groups = group_by_point(signals)
+        return impact_frf(groups, rig, default_band(groups))
     verified = identify_campaign(campaign, IdentificationOptions()).identified[0].verification
     if verified is None:
         raise DataError("gives no FRFs", where=campaign.source, remedy="name a campaign of hits, sines or a drive")

@@ -7,6 +7,7 @@ import numpy as np
 from modallab.core.array_checks import check_signals
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
+from modallab.signals.faults.dead import constant
 from modallab.signals.signals import Signals
 
 
@@ -42,6 +43,8 @@ def check_test(signals: Sequence[Signals]) -> None:
         rows = np.vstack([s.forces, s.responses])
         for force in (names := _named_forces(s)):
             check_signals(rows, (*names, *s.outputs), where, force=force)
+        if dead := constant(rows, (*names, *s.outputs)):
+            raise DataError("; ".join(map(str, dead)), where=where, remedy="leave the channel out of rig and record")
     driven = {s.block.driven_points for s in signals if len(s.forces) > 1}
     if len(driven) > 1 or (driven and min(len(s.forces) for s in signals) == 1):
         raise DataError(

@@ -16,7 +16,9 @@ from modallab.formats.draft import FORCE_NAMES, MEASURED, DraftChannel, rig_of
 from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 
 
-def draft_arrays(arrays: Arrays, texts: Texts, array_map: ArrayMap | None, path: Path) -> Rig:
+def draft_arrays(
+    arrays: Arrays, texts: Texts, array_map: ArrayMap | None, path: Path, drive_point: int | None = None
+) -> Rig:
     """The rig that the arrays of a file were made on.
 
     Args:
@@ -24,6 +26,7 @@ def draft_arrays(arrays: Arrays, texts: Texts, array_map: ArrayMap | None, path:
         texts: of the file, which may hold the units of channels.
         array_map: what they are; None if nobody says it.
         path: of the file.
+        drive_point: of the only input; None if nobody says it.
 
     Raises:
         DataError: what an array is cannot be known; the message lists all of them.
@@ -33,7 +36,7 @@ def draft_arrays(arrays: Arrays, texts: Texts, array_map: ArrayMap | None, path:
     found = {key: find_usual(arrays, key) for key in (FREQUENCY, FRF, TIME, RATE)}
     frf, frequency = found[FRF], found[FREQUENCY]
     if frf is not None and frequency is not None:
-        names = [f"y{k}" for k in range(1, _outputs(frf, frequency, arrays, path) + 1)]
+        names = [f"y{k}" for k in range(1, _outputs(frf, frequency, arrays, path, drive_point) + 1)]
         return rig_of([DraftChannel("force", "force", "N"), *(DraftChannel(name) for name in names)], path)
     own = {key: owner_of(key) for key, a in arrays.items() if owner_of(key) != key and a.size > 1}
     if own and all(channel_times(arrays, key, arrays[key].size, str(path)).rate_hz for key in own):
@@ -76,10 +79,16 @@ def _mapped_outputs(arrays: Arrays, array_map: ArrayMap, path: Path) -> int:
     return values.shape[array_map.axes.index("outputs")] if values.ndim == len(array_map.axes) else 1
 
 
-def _outputs(frf: NDArray[Any], frequency: NDArray[Any], arrays: Arrays, path: Path) -> int:
+def _outputs(frf: NDArray[Any], frequency: NDArray[Any], arrays: Arrays, path: Path, drive_point: int | None) -> int:
     rest = [n for n in np.squeeze(frf).shape if n != frequency.size]
     if frequency.size not in frf.shape or len(rest) > 1 or frf.shape.count(frequency.size) > 1:
         raise _unclear("holds FRFs whose axes are not known", arrays, path)
+    if rest and drive_point is None and [n for n in frf.shape if n != frequency.size] == [1, *rest]:
+        raise DataError(
+            f"FRFs of shape {frf.shape} are {rest[0]} outputs of one input, or one output of {rest[0]} inputs",
+            where=str(path),
+            remedy="give the point of the one input by --drive-point, or say --map with axes: [outputs, inputs, lines]",
+        )
     return rest[0] if rest else 1
 
 

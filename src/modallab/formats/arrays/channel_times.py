@@ -48,7 +48,7 @@ def channel_times(arrays: Arrays, key: str, n: int, where: str) -> ChannelTimes:
     place = f"{where}, {key}"
     own = _beside(arrays, key, TIME_NAMES)
     if own is not None and own.size > 1:
-        times = np.ravel(own).astype(np.float64)
+        times = np.ravel(own)
         if times.size != n:
             raise DataError(f"has {times.size} times and {n} samples", where=place, remedy="export both together")
         return ChannelTimes(check_time(times, f"{place}, times"), start_of(float(times[0]), timed=True))

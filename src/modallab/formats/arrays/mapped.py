@@ -63,10 +63,11 @@ def _frf(arrays: Arrays, array_map: ArrayMap, rig: Rig, options: ImportOptions, 
     )
     outputs = channels_of(array_map, rig, where)
     sizes = {"lines": lines.size, "outputs": len(outputs), "inputs": len(array_map.inputs) or 1}
+    held = array_named(arrays, array_map.frf, where)
     if not array_map.inputs and "inputs" in array_map.axes:
-        sizes.pop("inputs")
-    axes = array_map.axes or _guessed(array_named(arrays, array_map.frf, where), sizes, _FRF, where)
-    values = in_order(array_named(arrays, array_map.frf, where), axes, _FRF, sizes, f"{where}, {array_map.frf}")
+        sizes["inputs"] = held.shape[array_map.axes.index("inputs")] if held.ndim == len(array_map.axes) else 1
+    axes = array_map.axes or _guessed(held, sizes, _FRF, where)
+    values = in_order(held, axes, _FRF, sizes, f"{where}, {array_map.frf}")
     quantity, factors = _units(array_map, outputs, rig, where)
     names = tuple(c.name for c in outputs)
     coherence = None
@@ -208,7 +209,7 @@ def _by_outputs(values: NDArray[Any], outputs: int) -> tuple[Axis, ...]:
 
 def _rate(arrays: Arrays, array_map: ArrayMap, options: ImportOptions, n: int, where: str) -> float:
     if array_map.time:
-        times = np.ravel(array_named(arrays, array_map.time, where)).astype(np.float64)
+        times = np.ravel(array_named(arrays, array_map.time, where))
         if times.size != n:
             raise DataError(
                 f"has {times.size} times and {n} samples", where=where, remedy="name the record's own times"

@@ -12,6 +12,7 @@ from scipy import io
 from modallab.core.block import Campaign
 from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
+from modallab.formats.arrays.array_map import without_single
 from modallab.formats.arrays.named import Arrays, Texts
 from modallab.formats.arrays.variables import campaign_of_variables, rig_of_variables
 from modallab.formats.options import ImportOptions
@@ -48,11 +49,20 @@ def _variables(path: Path) -> tuple[Arrays, Texts]:
     with path.open("rb") as source:
         newer = source.read(len(MARKS[1])) == MARKS[1]
     try:
-        held = dict(_of_hdf5(path) if newer else _flat("", io.loadmat(str(path), simplify_cells=True)))
+        held = dict(_of_hdf5(path) if newer else _of_scipy(path))
     except Exception as error:  # On damaged files SciPy and HDF5 raise nearly every type there is.
         raise FormatError(f"is no whole MATLAB file: {error}", where=str(path), remedy=_AGAIN) from error
     texts = {name: value for name, value in held.items() if isinstance(value, tuple)}
     return {name: value for name, value in held.items() if not isinstance(value, tuple)}, texts
+
+
+def _of_scipy(path: Path) -> Iterator[tuple[str, Variable]]:
+    """SciPy drops axes of one element, which say whose FRFs there are; they are put back."""
+    shapes = {name: shape for name, shape, _ in io.whosmat(str(path))}
+    for name, value in _flat("", io.loadmat(str(path), simplify_cells=True)):
+        if not isinstance(value, tuple) and value.size == np.prod(shapes.get(name, (0,))):
+            value = without_single(value.reshape(shapes[name]))
+        yield name, value
 
 
 def _flat(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Variable]]:
@@ -105,7 +115,7 @@ def _of_dataset(name: str, item: h5py.Dataset) -> Iterator[tuple[str, Variable]]
         values = values["real"] + 1j * values["imag"]
     if values.dtype.kind in "fiuc" and _class_of(item) not in (b"char", b"cell"):
         # MATLAB stores columns first, HDF5 rows.
-        yield name, np.squeeze(values.T)
+        yield name, without_single(values.T)
 
 
 def _class_of(item: h5py.Dataset) -> bytes:

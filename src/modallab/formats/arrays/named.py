@@ -213,7 +213,7 @@ def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: i
     if rate is None and step is not None and step.size == 1 and step.dtype.kind in "fiu":
         rate = 1 / np.where(step > 0, step, np.inf)
     if times is not None and times.size == n:
-        own = check_time(np.ravel(times).astype(np.float64), f"{where}, times")
+        own = check_time(np.ravel(times), f"{where}, times")
         _require_one(own, rate, options, where)
     elif rate is not None and rate.size == 1:
         own = check_rate(float(np.ravel(rate)[0]), where)

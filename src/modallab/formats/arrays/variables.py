@@ -7,8 +7,9 @@ from modallab.core.rig import Rig
 from modallab.formats.arrays.arrays_draft import draft_arrays
 from modallab.formats.arrays.implied import implied
 from modallab.formats.arrays.mapped import campaign_of_map
-from modallab.formats.arrays.named import Arrays, Texts, campaign_of_arrays
+from modallab.formats.arrays.named import FREQUENCY, TIME, Arrays, Texts, campaign_of_arrays, unit_beside, usual_name
 from modallab.formats.arrays.scaled import in_their_unit
+from modallab.formats.axis_units import is_of_frequency, is_of_time, to_hertz, to_seconds
 from modallab.formats.options import ImportOptions
 
 
@@ -18,12 +19,23 @@ def campaign_of_variables(arrays: Arrays, texts: Texts, path: Path, rig: Rig, op
     Raises:
         DataError: variables that are missing or do not fit.
     """
-    found, arrays = options.array_map, in_their_unit(arrays, str(path))
+    found, arrays = options.array_map, _abscissae(in_their_unit(arrays, str(path)), texts, options)
     if found is None and not options.variables:
         arrays, texts, found = implied(arrays, texts, rig, str(path))
     if found is not None:
         return campaign_of_map(arrays, found, path.stem, rig, options, str(path))
     return campaign_of_arrays(arrays, path.stem, rig, options, str(path), texts)
+
+
+def _abscissae(arrays: Arrays, texts: Texts, options: ImportOptions) -> Arrays:
+    """The arrays, those of times in s and of frequencies in Hz where the file gives them another unit."""
+    found, said = dict(arrays), dict(options.variables)
+    for key, values in arrays.items():
+        unit = unit_beside(texts, key).partition(" since ")[0]
+        for what, is_of, factor in ((TIME, is_of_time, to_seconds), (FREQUENCY, is_of_frequency, to_hertz)):
+            if is_of(unit) and factor(unit) != 1 and (said.get(what) == key or usual_name({key: values}, what)):
+                found[key] = values * factor(unit)
+    return found
 
 
 def rig_of_variables(arrays: Arrays, texts: Texts, path: Path, options: ImportOptions) -> Rig:
@@ -35,4 +47,4 @@ def rig_of_variables(arrays: Arrays, texts: Texts, path: Path, options: ImportOp
     found = options.array_map
     if found is None:
         arrays, texts, found = implied(arrays, texts, None, str(path))
-    return draft_arrays(arrays, texts, found, path)
+    return draft_arrays(arrays, texts, found, path, options.drive_point)

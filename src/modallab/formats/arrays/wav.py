@@ -31,7 +31,14 @@ def read_wav(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
             warnings.filterwarnings("ignore", message="Chunk")
             warnings.filterwarnings("error", message="Reached EOF")
             rate, samples = wavfile.read(_with_length(path) or path)
-    except (ValueError, OSError, EOFError, wavfile.WavFileWarning) as error:
+    except ValueError as error:
+        if "Unknown wave file format" not in str(error):
+            raise FormatError(
+                f"is no whole WAV file: {error}", where=str(path), remedy="copy the file again"
+            ) from error
+        coded = f"holds samples in a code that is not linear: {str(error).partition(':')[2].strip()}"
+        raise DataError(coded, where=str(path), remedy="convert it to PCM or to floating-point numbers") from error
+    except (OSError, EOFError, wavfile.WavFileWarning) as error:
         raise FormatError(f"is no whole WAV file: {error}", where=str(path), remedy="copy the file again") from error
     note = ""
     if samples.dtype.kind in "iu":

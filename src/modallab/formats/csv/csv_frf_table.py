@@ -121,9 +121,9 @@ def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> 
         part: Part = "complex" if column.imaginary is not None else column.heading.part
         if part in parts:
             raise DataError(
-                f"columns {parts[part].heading.text!r} and {column.heading.text!r} are of one FRF",
+                f"columns {parts[part].heading.text!r} and {column.heading.text!r} are of one FRF, by their names",
                 where=where,
-                remedy="name the point of the force too, as in Re a1/p10",
+                remedy="name response and point of the force, as in Re a1/p10, in the file or with --columns",
             )
         parts[part] = column
     outputs = tuple(name for name in channels if any(output == name for output, _ in groups))

@@ -14,6 +14,8 @@ _UNIT_FACT = re.compile(r"^\W*(?P<axis>[xy])\W*(?:axis)?\W*(?:unit|einheit)s?\W+
 """A line that gives the unit of the abscissa or of all else."""
 _LETTER = re.compile(r"[^\W_]")
 """What a line of dashes has none of."""
+_IN_UNIT = re.compile(r"^(?P<name>.*?)(?:^|\s)in\s+(?P<unit>\S+)$")
+"""A unit as it is spoken, `force in N`."""
 _WORD = r"(?<![^\W_])(?:{})(?![^\W_])"
 _TIME_WORD = re.compile(
     _WORD.format("t|time|timestamp|datetime|zeit|zeitstempel|temps|tiempo|tempo|seconds|sec"), re.IGNORECASE
@@ -55,11 +57,22 @@ def headings(above: Sequence[str], commented: Sequence[str], delimiter: str, col
 
 def _with_abscissa(rows: Sequence[Sequence[str]], place: int) -> Sequence[str]:
     """The line of the names; with what a line above it says, where only that one names the abscissa."""
-    row = rows[place]
+    row = _distinct(rows, place)
     above = next((one for one in reversed(rows[:place]) if _are_words(one) and _names_abscissa(one[:1])), None)
     if row[0] or above is None:
         return row
     return [f"{over} {cell}".strip() for over, cell in zip(above, row, strict=True)]
+
+
+def _distinct(rows: Sequence[Sequence[str]], place: int) -> Sequence[str]:
+    """The line of the names; where they repeat, each behind the cell above it, which may be merged over several."""
+    row = rows[place]
+    for above in reversed(rows[:place] if not _are_names(row) else ()):
+        over = [next(filter(None, reversed(above[: k + 1])), "") for k in range(len(row))]
+        joined = [row[0], *(f"{said} {cell}".strip() for said, cell in zip(over[1:], row[1:], strict=True))]
+        if _are_names(joined) and not any(map(is_number, above)):
+            return joined
+    return row
 
 
 def _fitting(lines: Sequence[str], delimiter: str, columns: int, filled: int) -> list[list[str]]:
@@ -183,13 +196,15 @@ def _is_unit(unit: str) -> bool:
 
 
 def _split(heading: str) -> tuple[str, str]:
-    """Name and unit of a heading: `force [N]`, `force (N)`, or a quantity over its unit, as ISO 80000 has it."""
+    """Name and unit of a heading: `force [N]`, `force (N)`, `force in N`, or `force/N` as ISO 80000 has it."""
     place = _last_bracket(heading.strip())
     if place is not None and not is_number(heading.strip()[place + 1 : -1]):
         return heading.strip()[:place].rstrip("/ "), normal_unit(heading.strip()[place + 1 : -1])
     name, _, unit = (part.strip() for part in heading.partition("/"))
     if name and _is_unit(normal_unit(unit)) and not _is_unit(name.split()[-1]):
         return name, normal_unit(unit)
+    if (spoken := _IN_UNIT.match(heading.strip())) and _is_unit(normal_unit(spoken["unit"])):
+        return spoken["name"] or heading.strip(), normal_unit(spoken["unit"])
     return heading.strip(), ""
 
 

@@ -17,7 +17,7 @@ _WORDS: dict[Part, str] = {
     "im": r"im|imag|imaginary|imagin(?:ä|ae)r|imagin(?:ä|ae)rteil|imaginaire|immaginaria",
     "magnitude": r"mag|magn|magnitude|gain|amp|ampl|amplitude|abs|module|modulus|módulo|modulo|betrag",
     "phase": r"ph|phi|phase|arg|angle|ang|winkel|fase",
-    "coherence": r"coh|coherence|koh(?:ä|ae)renz",
+    "coherence": r"coh|coherence|koh(?:ä|ae)renz|(?:γ|gamma)\s?(?:²|\^?2)?",
 }
 _ANY = "|".join(_WORDS.values())
 _FIRST = re.compile(
@@ -32,8 +32,10 @@ _NUMBERED = re.compile(
     re.I,
 )
 _LEVEL = re.compile(r"^dB\b(?:\s*\(?(?:re|ref|rel)\b[.:]?)?\s*(?:1(?:\.0*)?\s+)?(?P<of>.*)$", re.I)
-_FUNCTION = re.compile(r"^(?:H[12v]?|FRF|TF|G)\s*\((?P<of>[^()]*)\)?$", re.I)
-"""An FRF as a function of its response and its force, as H1(a01,force)."""
+_FUNCTION = re.compile(r"^(?:H[12v]?|FRF|TF|G)(?:\s*\((?P<of>[^()]*)\)?|[\s_]+(?P<name>\D.*))$", re.I)
+"""An FRF as a function of its response and its force, as H1(a01,force) or H a01."""
+_ARGUMENT = re.compile(r"(?<=\d)\s*\(j?[fωws]\)?$", re.I)
+"""What an FRF is a function of, as in H2,1(f)."""
 _TO = re.compile(r"^(?P<output>.+?)\s*[/:,]\s*(?:p(?P<input>\d+)|(?P<force>[^/:,]+))$", re.I)
 
 
@@ -93,8 +95,9 @@ def frf_heading(name: str, unit: str) -> FrfHeading:
 
 def pair_of(of: str) -> Pair:
     """Response and force from a text such as "a01", "a01/p10", "H3,10", "3z" or ""."""
+    of = _ARGUMENT.sub("", of)
     if function := _FUNCTION.match(of):
-        of = function["of"].strip()
+        of = (function["of"] or function["name"] or "").strip()
     if numbered := _NUMBERED.match(of):
         axis = (numbered["axis"] or "").lower()
         into = None if numbered["input"] is None else int(numbered["input"])

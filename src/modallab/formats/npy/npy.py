@@ -11,6 +11,7 @@ from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
+from modallab.formats.arrays.array_map import without_single
 from modallab.formats.arrays.named import campaign_of_arrays
 from modallab.formats.arrays.variables import campaign_of_variables
 from modallab.formats.options import ImportOptions
@@ -59,7 +60,7 @@ def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 def _load_several(path: Path) -> dict[str, NDArray[Any]]:
     try:
         with path.open("rb") as source, np.load(source, allow_pickle=False) as held:
-            return {name: np.squeeze(held[name]) for name in held.files}
+            return {name: without_single(held[name]) for name in held.files}
     except Exception as error:  # On damaged files NumPy raises nearly every type there is.
         raise FormatError(
             f"is no whole archive of NPY files: {error}",
@@ -129,6 +130,5 @@ def _split(array: NDArray[Any], rig: Rig, options: ImportOptions, where: str) ->
     if len(array) == len(rig.channels):
         return check_rate(options.rate_hz or 0.0, where), array
     times = array[0]
-    resolution = float(np.spacing(np.abs(times).max())) / 2 if np.isfinite(times).all() else 0.0
-    rate = check_time(times, f"{where}, row 0 (times)", resolution_s=resolution)
+    rate = check_time(times, f"{where}, row 0 (times)")
     return options.agreed(rate, where), np.ascontiguousarray(array[1:])

@@ -127,7 +127,7 @@ def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, wh
     elif times := [
         c.samples for c in group.channels.values() if is_time(c) and len(c.samples) == len(parts[0].samples)
     ]:
-        rate = check_time(times[0].astype(np.float64), f"{where}, channel of times")
+        rate = check_time(times[0], f"{where}, channel of times")
     elif options.rate_hz is not None:
         return check_rate(options.rate_hz, where)
     else:

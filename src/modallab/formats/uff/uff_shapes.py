@@ -13,6 +13,7 @@ from modallab.core.rig import Channel, Rig
 from modallab.formats.modes import ModeShapes
 from modallab.formats.uff.uff_functions import read_datasets
 from modallab.formats.uff.uff_match import sense
+from modallab.signals.conversion import sign_of
 
 NODES_SET, SHAPE_SET, UNITS_SET = 15, 55, 164
 NORMAL, COMPLEX = 2, 3
@@ -32,7 +33,7 @@ class _Mode:
 def read_uff_shapes(path: Path, rig: Rig) -> tuple[ModeShapes, ...]:
     """The modes of a universal file, those with the same first identification line together; () if there are none.
 
-    A shape is taken at the rig's response channels that stand at one of its nodes, in the channel's direction.
+    A shape is taken at the rig's response channels that stand at one of its nodes, positive along the drive.
 
     Raises:
         FormatError: no universal file, cut off or damaged.
@@ -90,16 +91,15 @@ def _model(title: str, modes: Sequence[_Mode], rig: Rig, where: str) -> ModeShap
         outputs=tuple(channel.name for channel in channels),
         output_points=tuple(channel.point for channel in channels),
         modal_mass_kg=np.array([mode.mass_kg for mode in modes]),
-        shapes=np.array([[_along(mode, channel, where) for channel in channels] for mode in modes]),
+        shapes=np.array([[_along(mode, channel, rig, where) for channel in channels] for mode in modes]),
     )
 
 
-def _along(mode: _Mode, channel: Channel, where: str) -> complex:
+def _along(mode: _Mode, channel: Channel, rig: Rig, where: str) -> complex:
     axis = "xyz".index(channel.direction[1])
     assert channel.point is not None
-    return complex(mode.at[channel.point][axis]) * sense(
-        axis + 1, channel.direction, where, f"the direction of channel {channel.name}"
-    )
+    along = sense(axis + 1, channel.direction, where, f"the direction of channel {channel.name}")
+    return complex(mode.at[channel.point][axis]) * along * sign_of(rig, channel)
 
 
 def _check_nodes(content: Mapping[str, Any], rig: Rig, where: str) -> None:

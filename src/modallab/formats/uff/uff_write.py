@@ -131,7 +131,7 @@ def _shapes(model: ModalModel, rig: Rig) -> Iterator[bytes]:
         raise DataError(
             f"the model of the {model.test or 'FRF'} has no shapes: {model.shapes_unavailable}", remedy="leave it out"
         )
-    directions = {channel.name: axis_of(channel.direction) for channel in rig.channels}
+    channels = {channel.name: channel for channel in rig.channels}
     for r in range(model.n_modes):
         omega, zeta = 2 * np.pi * model.frequency_hz[r], model.damping_ratio[r]
         if not (np.isfinite(zeta) and 0 <= zeta < 1):
@@ -142,8 +142,8 @@ def _shapes(model: ModalModel, rig: Rig) -> Iterator[bytes]:
         shape: dict[int, np.ndarray] = {}
         for name, point, value in zip(model.outputs, model.output_points, shapes[r], strict=True):
             if point is not None:
-                direction = directions[name]
+                direction = axis_of(channels[name].direction)
                 at = shape.setdefault(point, np.zeros(3, dtype=np.complex128))
-                at[abs(direction) - 1] = value * np.sign(direction)
+                at[abs(direction) - 1] = value * np.sign(direction) * sign_of(rig, channels[name])
         # A modal mass of 0 is none, as a shape without a scale has.
         yield shape_55(ids, r + 1, pole, float(model.shapes is not None), shape)

@@ -16,7 +16,6 @@ from modallab.formats.uff.uff_shapes import read_uff_shapes
 from modallab.formats.uff.uff_write import write_uff
 from modallab.gap.exported.mjcf_laws import require_proportion
 from modallab.gap.exported.state_space import StateSpace, modal_state_space
-from modallab.signals.conversion import sign_of
 from modallab.twin.bench import Twin
 from modallab.twin.modes import solve_modes
 from modallab.twin.structure import TwinStructure
@@ -68,8 +67,8 @@ def _exported_model(structure: TwinStructure, rig: Rig, channels: Sequence[Chann
     modes = solve_modes(structure)
     points = tuple(c.point for c in channels)
     x = np.array([rig.x_of(c.point or 0) for c in channels])
-    # At unit modal mass; positive in the direction of each channel.
-    scaled = (modes.at(x) * np.sqrt(2j * np.abs(modes.poles.imag))).T * [sign_of(rig, c) for c in channels]
+    # At unit modal mass.
+    scaled = (modes.at(x) * np.sqrt(2j * np.abs(modes.poles.imag))).T
     shapes = np.asarray(scaled if structure.dampers else scaled.real, dtype=np.complex128)
     unknown = np.full(len(modes.poles), np.nan)
     driving = shapes[:, :, None] * shapes[:, None, :]
@@ -101,11 +100,10 @@ def _exported_frf(structure: TwinStructure, rig: Rig, channels: Sequence[Channel
     s = 2j * np.pi * hz
     both = ((out, modes.poles), (out.conj(), modes.poles.conj()))
     values = sum(np.einsum("ap,bp,pk->abk", psi, psi, s**2 / (s - poles[:, None])) for psi, poles in both)
-    turned = np.array([sign_of(rig, c) for c in channels])
     points = tuple(c.point for c in channels)
     return Frf(
         np.asarray(hz, dtype=np.float64),
-        np.asarray(values) * turned[:, None, None],
+        np.asarray(values),
         "inertance",
         tuple(c.name for c in channels),
         points,
@@ -115,11 +113,10 @@ def _exported_frf(structure: TwinStructure, rig: Rig, channels: Sequence[Channel
 
 def _exported_system(shapes: ModeShapes, rig: Rig) -> StateSpace:
     by_name = {c.name: c for c in rig.channels}
-    turned = np.array([sign_of(rig, by_name[name]) for name in shapes.outputs])
     omega, zeta = 2 * np.pi * shapes.frequency_hz, shapes.damping_ratio
     poles = -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)
     mass = np.where(np.isfinite(shapes.modal_mass_kg), shapes.modal_mass_kg, 1.0)
-    columns = (shapes.shapes * turned).T / np.sqrt(2j * poles.imag * mass)
+    columns = shapes.shapes.T / np.sqrt(2j * poles.imag * mass)
     at_point = dict(zip(shapes.output_points, columns, strict=True))
     missing = np.full(len(poles), np.nan, dtype=np.complex128)
     into = np.array([at_point.get(p.id, missing) for p in rig.points])

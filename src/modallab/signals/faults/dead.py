@@ -1,4 +1,6 @@
-"""A channel on which there is nothing but the last step of its converter."""
+"""A channel on which there is one value, or nothing but the last step of its converter."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -7,12 +9,28 @@ from modallab.signals.faults.runs import Fault
 
 MOST_STEPS = 4
 """Between the smallest and the largest value: the noise of a converter without a signal."""
+LIVING_LEVELS = 4
+"""A living channel that takes no more values than this is at the converter's last count."""
+
+
+def constant(rows: Real, channels: Sequence[str]) -> tuple[Fault, ...]:
+    """Channels of one value, of rows (channels, n).
+
+    None in a record of so little motion that another channel moves by a few counts: a light sensor may stand there.
+    """
+    still = np.ptp(rows, axis=1) == 0
+    if not still.any() or still.all() or min(np.unique(row).size for row in rows[~still]) <= LIVING_LEVELS:
+        return ()
+    return tuple(
+        Fault(channels[i], f"dead, all values are {rows[i, 0] + 0:g}", 0.0, rows.shape[1])
+        for i in map(int, np.flatnonzero(still))
+    )
 
 
 def dead(row: Real, channel: str, steps: Real) -> tuple[Fault, ...]:
     """Whether a channel (n,) stays within a few steps of its converter; `steps` (n,) as of `steps_of`."""
     span, step = float(np.ptp(row)), float(steps.max())
     # A little more, as sums of steps are rounded.
-    if span > (MOST_STEPS + 0.01) * step:
+    if not span or span > (MOST_STEPS + 0.01) * step:
         return ()
     return (Fault(channel, f"moves by no more than {span / step:.0f} steps of its converter", 0.0, row.size),)

@@ -1,7 +1,9 @@
 """Flat tops: a channel that ran into the end of a range that nobody has stated.
 
 The top of a smooth signal is a parabola: over L samples that differ by a step at most, the next one lies no more than
-(1 + 2 / L)^2 steps below. A signal that is cut off arrives at its top with the slope it had.
+(1 + 2 / L)^2 steps below. A signal that is cut off arrives at its top with the slope it had. Where tops last a sample
+or two only, their number tells: within a step of the largest top there are no more samples than in the three steps
+below, even if all tops are as high.
 """
 
 import numpy as np
@@ -12,7 +14,7 @@ from modallab.signals.faults.runs import Fault, SampleRuns, runs_where
 LEAST_RUN = 3
 """Equal samples in a row: two may stand astride any top."""
 SHARP = 3.0
-"""How many times further than a parabola's the next sample lies below."""
+"""How many times further than a parabola's the next sample lies below, or how many times as many stand at the top."""
 NOISY_LEAST, NOISY_SHARP = 5, 6.0
 """Samples in all, and the same, of tops that are flat within the noise behind the stage that cut them off. Two modes
 can make a top without curvature: it leaves a band of three samples by 16 times its width, which is less."""
@@ -45,6 +47,8 @@ def _cut_off(row: Real, top: float, step: float, height: float) -> SampleRuns:
     found = _is_sharp(row, top, step, runs_where(row == top).longer(LEAST_RUN), SHARP)
     if found.first.size:
         return found
+    if _is_crowded(row, top, step):
+        return runs_where(row >= top - step / 2)
     # How much noise there is behind the stage is not known: a flat top is flat in one of these bands.
     widest = NOISY_TOPS * height + step
     band = max(step, widest / WIDTHS)
@@ -52,6 +56,14 @@ def _cut_off(row: Real, top: float, step: float, height: float) -> SampleRuns:
         found = _is_sharp(row, top, band, runs_where(row >= top - band).longer(LEAST_RUN), NOISY_SHARP)
         band *= 2
     return found if found.length.sum() >= NOISY_LEAST else SampleRuns(found.first[:0], found.stop[:0])
+
+
+def _is_crowded(row: Real, top: float, step: float) -> bool:
+    """Whether more samples stand at the top than at tops that are as high; what repeats with its neighbours is one."""
+    at = np.flatnonzero(row[1:-1] >= top - step / 2) + 1
+    beside = np.unique(np.stack([row[at - 1], row[at + 1]]), axis=1).shape[1]
+    below = np.count_nonzero((row < top - step / 2) & (row > top - 3.5 * step))
+    return beside >= NOISY_LEAST and beside > SHARP * (below + 1)
 
 
 def _is_sharp(row: Real, top: float, step: float, runs: SampleRuns, times: float) -> SampleRuns:

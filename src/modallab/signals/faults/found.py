@@ -7,7 +7,7 @@ from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.signals.faults.copies import copies
-from modallab.signals.faults.dead import dead
+from modallab.signals.faults.dead import constant, dead
 from modallab.signals.faults.drift import drift
 from modallab.signals.faults.drop_outs import drop_outs
 from modallab.signals.faults.flat_tops import flat_tops
@@ -20,7 +20,7 @@ LEAST_SAMPLES = 64
 
 
 def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
-    """Faults of the chain in a block's samples: flat tops, held values, drop-outs, drift and values that stand alone.
+    """Faults of the chain in a block's samples: dead channels, flat tops, held values, drop-outs, drift, lone values.
 
     Each needs what no sound channel does, whatever its noise and resolution; limits are given with each kind.
 
@@ -33,7 +33,7 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
     rows = block.samples.astype(np.float64)
     steps = np.stack([steps_of(row) for row in rows])
     quantities = {channel.name: channel.quantity for channel in rig.channels}
-    found: list[Fault] = []
+    found = list(constant(rows, block.channels))
     for row, name, step in zip(rows, block.channels, steps, strict=True):
         found += _faults_of_row(row, name, step, block.rate_hz, quantities.get(name))
     return (

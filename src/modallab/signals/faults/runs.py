@@ -88,5 +88,10 @@ class Fault:
     first_s: float
     samples: int
 
+    @property
+    def in_words(self) -> str:
+        """What, how long and when."""
+        return f"{self.what}, {self.samples} samples from {self.first_s:.6g} s on"
+
     def __str__(self) -> str:
-        return f"channel {self.channel}: {self.what}, {self.samples} samples from {self.first_s:.6g} s on"
+        return f"channel {self.channel}: {self.in_words}"
