@@ -18,7 +18,13 @@ from modallab.gap.search.fitting import Bench, converged
 from modallab.gap.search.law_by_hits import law_by_hits
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description
-from modallab.gap.unknown.rival import answers_by_itself, leaves_noise_only, lone_channel, loses_samples, nameless_explanations
+from modallab.gap.unknown.rival import (
+    answers_by_itself,
+    leaves_noise_only,
+    lone_channel,
+    loses_samples,
+    nameless_explanations,
+)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
