@@ -31,12 +31,9 @@ TINY = 1e-12
 
 
 def evidence(fits: Sequence[Fit]) -> Real:
-    """(fits,) -2 log evidence of explanations fitted to the same records, but for a constant; smaller is better.
-
-    Of rows that a fit leaves out it says nothing: they count as explained to the noise.
-    """
+    """(fits,) -2 log evidence of explanations fitted to the same records, but for a constant; smaller is better."""
     balanced = [balanced_squares(f) for f in fits]
-    records = np.array([squares - np.count_nonzero(f.residual) for f, (squares, _) in zip(fits, balanced, strict=True)])
+    records = np.array([squares for squares, _ in balanced])
     floor = RecordsFloor.of(fits[int(np.argmin(records[:, 0]))])
     effects = np.array([len(f.problem.candidates) for f in fits])
     totals = likelihood(records, floor) + np.array([deviations for _, deviations in balanced])
@@ -89,12 +86,14 @@ class RecordsFloor:
     """What the squares of explanations are compared with.
 
     Attributes:
-        least: squares above the noise that the best explanation leaves; below 0 where chance was kind.
+        least: squares that the best explanation leaves.
+        above: of these above the noise.
         expected: squares of a number in which the model may be wrong, noise included.
         numbers: of these.
     """
 
     least: float
+    above: float
     expected: float
     numbers: int
 
@@ -103,13 +102,14 @@ class RecordsFloor:
         """By the best explanation."""
         numbers = NUMBERS_OF_MODE * best.problem.free.modes
         discrepancy = _squares_of_discrepancy(best) + _squares_of_inexact_effects(best)
-        least = float(best.residual @ best.residual) - squares_of_clock(best) - np.count_nonzero(best.residual)
-        return cls(least, 1 + discrepancy / numbers, numbers)
+        least = float(best.residual @ best.residual) - squares_of_clock(best)
+        above = max(least - np.count_nonzero(best.residual), 0.0)
+        return cls(least, above, 1 + discrepancy / numbers, numbers)
 
 
 def likelihood(squares: Real, floor: RecordsFloor) -> Real:
-    """-2 log likelihood of explanations that leave these squares above the noise, in noise units; in any shape."""
-    above = squares - min(floor.least, 0.0)
+    """-2 log likelihood of explanations that leave these squares, in noise units; in any shape."""
+    above = floor.above + squares - floor.least
     return (floor.numbers + 1) * np.log1p(above / (floor.numbers + floor.expected))
 
 

@@ -104,9 +104,9 @@ def nameless_explanations(
 def answers_by_itself(best: Fit, alone: LoneChannel) -> bool:
     """Whether it is more probable that a channel answers each mode in a way of its own than that an effect explains it.
 
-    Each mode costs the price of an effect.
+    Each mode costs the price of an effect. What each of the two leaves is compared with what it is expected to leave.
     """
-    named, by_itself = evidence([best, alone.fit])
+    (named,), (by_itself,) = evidence([best]), evidence([alone.fit])
     return bool(by_itself + DEFAULT.effect_price * alone.fit.problem.free.modes < named)
 
 
