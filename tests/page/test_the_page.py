@@ -57,6 +57,7 @@ def test_a_sine_test_and_the_stop(operator: Open, served: ServiceProcess) -> Non
     ada.page.wait_for_selector(".alarm", state="detached")
 
 
+@pytest.mark.thorough("a third whole test on the page")
 def test_a_chirp_is_planned_and_recorded(operator: Open) -> None:
     ada = operator()
     ada.view("Broadband test")

@@ -186,10 +186,10 @@ class CommonPoleFit:
     def _slopes(self, x: Real) -> Real:
         poles = _poles_of_numbers(x)
         q, found = self._solved(poles)
-        columns = self.errors.whitened(self._moves(poles, found, x))
+        columns = self.errors.whitened(self._moves(poles, found))
         return np.asarray(-(columns - q @ (q.T @ columns)))
 
-    def _moves(self, poles: Complex, found: Real, x: Real) -> Complex:
+    def _moves(self, poles: Complex, found: Real) -> Complex:
         """(numbers, points, freedoms) of the values with log frequency, then with damping, of each pole."""
         n = len(poles)
         residues = (found[:, :n] + 1j * found[:, n : 2 * n]).T
@@ -203,7 +203,7 @@ class CommonPoleFit:
         """The structure of these poles, with samples of it."""
         q, found = self._solved(poles)
         x = _numbers_of_poles(poles)
-        slopes = self.errors.whitened(self._moves(poles, found, x))
+        slopes = self.errors.whitened(self._moves(poles, found))
         whole = np.column_stack([self._columns(pole_basis(self.s, poles, DEFAULT.powers)), slopes])
         left = self.right - q @ (q.T @ self.right)
         misfit = float(left @ left) / max(1, len(left) - whole.shape[1])

@@ -1,7 +1,7 @@
 """What can be fed back: an element's place on the beam as rows of modal numbers, and its law as numbers."""
 
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
@@ -19,20 +19,6 @@ _NODES = 400
 
 FITTED = 2
 """Numbers of the line that is fitted to the moment over a crack."""
-
-
-class Element(Protocol):
-    """One local nonlinearity: channels of force, each with the motion it works on."""
-
-    @property
-    def law(self) -> Law:
-        """How force follows motion."""
-        ...
-
-    @property
-    def numbers(self) -> tuple[float, ...]:
-        """The law's numbers."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

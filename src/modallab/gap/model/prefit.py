@@ -88,7 +88,7 @@ def start(candidates: tuple[CandidateEffect, ...], effect_u: Real, free: Nuisanc
     model = solve_modes(twin.structure).poles / (1 + twin.clock) * np.sqrt(1 + 0.15 * twin.ei_drift)
     scale, cost, pairs = _match(np.abs(poles), np.abs(model), free)
     u[0] = scale
-    u[3 : 3 + free.modes] = _damping(poles, model, pairs, free, bool(twin.structure.dampers))
+    u[3 : 3 + free.modes] = _damping(poles, pairs, free, bool(twin.structure.dampers))
     return Start(u, cost)
 
 
@@ -114,7 +114,7 @@ def _match(seen: Real, model: Real, free: Nuisances) -> tuple[float, float, list
     return float(np.clip(2 * shift / max(tolerance.youngs_modulus, 1e-4), -4, 4)), least, kept
 
 
-def _damping(poles: Complex, model: Complex, pairs: list[tuple[int, int]], free: Nuisances, coupled: bool) -> Real:
+def _damping(poles: Complex, pairs: list[tuple[int, int]], free: Nuisances, coupled: bool) -> Real:
     u = np.zeros(free.modes)
     if coupled:
         return u

@@ -52,7 +52,7 @@ def budget_of_gap(fit: Fit, data: Reduced, resonances_hz: Sequence[float], usual
         return Budget(rows=[], calibrate=[])
     split = _SharesOfGap.of(weighed, resonances_hz, seen)
     beam = _residual_at(bare, own[:n])
-    rows = _rows_of_numbers(fit, bare, own[:n], seen - beam, split)
+    rows = _rows_of_numbers(bare, own[:n], seen - beam, split)
     before = beam
     for i in range(len(fit.problem.candidates)):
         after = _residual_at(_first_effects(fit, bare, i + 1), own[: _slots_before(fit, i + 1)])
@@ -118,7 +118,7 @@ def _slots_before(fit: Fit, count: int) -> int:
     return fit.problem.free.size + sum(len(c.slots) for c in fit.problem.candidates[:count])
 
 
-def _rows_of_numbers(fit: Fit, problem: Problem, u: Real, explained: Real, split: _SharesOfGap) -> list[BudgetRow]:
+def _rows_of_numbers(problem: Problem, u: Real, explained: Real, split: _SharesOfGap) -> list[BudgetRow]:
     """A row for each free number; together they are what the beam and the chain explain without any effect."""
     nodes, weights = gauss_legendre(NODES)
     parts = np.zeros((len(u), len(split.seen)))
