@@ -59,10 +59,10 @@ class Bench:
     def within(self, low: float, high: float) -> float:
         return float(np.exp(self.rng.uniform(np.log(low), np.log(high))))
 
-    def modelled(self, model: ModalModel) -> Complex:
-        """(outputs, inputs, lines) what is measured of a model, in the quantity of the FRFs."""
-        found = np.moveaxis(receptances_of_model(model, self.s), 0, -1)
-        return np.asarray(found * self.s ** DERIVATIVES[self.frf.quantity])
+    def modelled(self, model: ModalModel, by: float = 1.0) -> Complex:
+        """(outputs, inputs, lines) what is measured of a model, in the quantity of the FRFs; by times as fast."""
+        s = self.s / by
+        return np.asarray(np.moveaxis(receptances_of_model(model, s), 0, -1) * s ** DERIVATIVES[self.frf.quantity])
 
     def of_model(self, changed: ModalModel) -> Complex:
         """What was measured with the model's modes as they were changed."""
@@ -84,9 +84,11 @@ class Bench:
     def stretched(self, columns: slice | int, by: float) -> Complex:
         """Some inputs' FRFs as if every frequency were `by` times higher."""
         f, values = self.frf.frequency_hz, self.frf.values.copy()
-        flat = values[:, columns].reshape(-1, f.size)
+        # Straight from line to line a resonance would be damped more: the model tells it, and the rest is even.
+        left = (values - self.modelled(self.model))[:, columns]
+        flat = left.reshape(-1, f.size)
         there = [np.interp(f / by, f, row.real) + 1j * np.interp(f / by, f, row.imag) for row in flat]
-        values[:, columns] = np.reshape(there, values[:, columns].shape)
+        values[:, columns] = np.reshape(there, left.shape) + self.modelled(self.model, by)[:, columns]
         return values
 
 

@@ -86,6 +86,7 @@ def test_parameters_are_checked_before_a_job_is_ordered() -> None:
         ("dance", {}),
         ("diagnose", {"hold_out": "all"}),
         ("diagnose", {"reference": "run-1"}),
+        ("diagnose", {"band_hz": [3, 110]}),
         ("identify", {"order": 3}),
         ("identify", {"band_hz": [float("nan"), 3]}),
     ):

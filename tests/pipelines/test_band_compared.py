@@ -5,12 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from modallab.blind.measured.draw import MeasuredRequest
 from modallab.cli import main
 from modallab.core.block import Campaign
+from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.pipelines.structure_gap import gap_against
+from modallab.pipelines.structure_trials import trials_on
 
 LINES = np.arange(10, 95, 0.125)
 FORCE = Channel(index=0, name="force", quantity="force", unit="N", point=1)
@@ -33,6 +36,14 @@ def test_what_changed_beyond_the_band_is_no_gap_in_it(tmp_path: Path) -> None:
     below = gap_against(after, before, (10.0, 45.0)).diagnosis
     assert (below.verdict, below.modes) == ("no_gap", (1, 1))
     assert gap_against(after, before).diagnosis.verdict != "no_gap"
+
+
+def test_trials_are_made_of_the_lines_in_their_band(tmp_path: Path) -> None:
+    empty = MeasuredRequest(trials=0, none=1, band_hz=(20.0, 20.5))
+    with pytest.raises(IdentificationError, match="5 lines"):
+        trials_on(campaign(80.0), tmp_path / "empty", empty)
+    found = trials_on(campaign(80.0), tmp_path / "below", MeasuredRequest(trials=0, none=1, band_hz=(10.0, 45.0)))
+    assert [t.said for t in found.trials] == ["no_gap"]
 
 
 def test_a_band_without_a_reference_is_rejected(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Make, seal, answer and open trials, or answer the campaigns of a folder."""
     if arguments.on is not None:
         return _run_on_frfs(arguments)
-    only_with("--on", rig=arguments.rig)
+    only_with("--on", rig=arguments.rig, band=arguments.band)
     console, out, folder = Console(), cast("Path", arguments.out), cast("Path | None", arguments.folder)
     if folder is None:
         only_with("--folder", truth=arguments.truth)
@@ -68,9 +68,7 @@ def _run_on_frfs(arguments: argparse.Namespace) -> int:
         console.status("blind trials") as status,
         report_progress_to(lambda share, words: status.update(f"{share:.0%} {words}")),
     ):
-        found = trials_on(
-            read_campaign(arguments.on, rig), out, _measured_request(arguments.trials, none, arguments.seed)
-        )
+        found = trials_on(read_campaign(arguments.on, rig), out, _measured_request(arguments, none))
     write_text(out / "blind.json", found.model_dump_json(indent=1) + "\n")
     for table in tables_of(found):
         console.print(table)
@@ -78,9 +76,10 @@ def _run_on_frfs(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _measured_request(trials: int, none: int, seed: int) -> MeasuredRequest:
+def _measured_request(arguments: argparse.Namespace, none: int) -> MeasuredRequest:
+    band_hz = None if arguments.band is None else tuple(arguments.band)
     try:
-        return MeasuredRequest(trials=trials, none=none, seed=seed)
+        return MeasuredRequest(trials=arguments.trials, none=none, seed=arguments.seed, band_hz=band_hz)
     except ValidationError as error:
         raise PlanError(
             "; ".join(error_sentences(error)), remedy="correct the options of modallab gap blind"

@@ -108,6 +108,9 @@ def _add_blind(actions: Commands) -> None:
         "--on", type=Path, metavar="CAMPAIGN", help="put known effects into these measured FRFs, of any structure"
     )
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file of --on, if not in or beside it")
+    command.add_argument(
+        "--band", type=not_negative, nargs=2, metavar=("LO", "HI"), help="in Hz, of --on (default: all its lines)"
+    )
     command.add_argument("--folder", type=Path, metavar="CAMPAIGNS", help="diagnose these instead of making trials")
     command.add_argument(
         "--truth", type=Path, metavar="TRUTHS", help="true effects of --folder, read after all diagnoses are written"

@@ -19,14 +19,14 @@ from modallab.gap.inference.agreement import agreement as compare_with_simulatio
 from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.words.effects import numbers_of, parameter_in_words, place_of, place_of_change
 from modallab.gap.words.verdicts import sentence_by_model, verdict_sentence
-from modallab.notebook.arguments import path_for
+from modallab.notebook.arguments import band_of, path_for
 from modallab.notebook.identify import campaign_in
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.model import Model
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
 from modallab.notebook.twin import DiagnosedTwin
-from modallab.pipelines.structure_gap import gap_against, gap_of, model_to_compare
+from modallab.pipelines.structure_gap import Band, gap_against, gap_of, model_to_compare
 from modallab.reporting.structure_report import StructureGap, write_structure_report
 from modallab.reporting.waiting import waiting_line
 
@@ -122,6 +122,7 @@ def diagnose(
     hold_out: str = "mixed",
     *,
     reference: Reference | None = None,
+    band: tuple[float, float] | None = None,
     keep: str | Path | None = None,
     progress: bool = True,
 ) -> GapFound:
@@ -132,6 +133,7 @@ def diagnose(
         hold_out: records no fit may see: mixed, spread, point:N, level:NAME, test:impact, test:sine or last:SHARE.
         reference: what any structure is compared with, beyond the rig's tolerances: its modal model, what was measured
             before, or the file of a finite-element model. None: the beam of the rig file.
+        band: (low, high) in Hz, in which both are identified, with a reference; None for the whole band.
         keep: where to keep the diagnosis as JSON; if the file is there, it is read, which takes no time.
         progress: show how far it is, where somebody looks.
 
@@ -144,7 +146,14 @@ def diagnose(
     """
     campaign = campaign_in(measured)
     if reference is not None:
-        return _compare_reference(campaign, reference, hold_out, keep, progress)
+        if hold_out != "mixed" or keep is not None:
+            raise DataError(
+                "a comparison with a reference holds nothing out and keeps no file",
+                remedy="leave `hold_out` and `keep` out; `.save(path)` writes what was found",
+            )
+        return _compare_reference(campaign, reference, band_of(band), progress)
+    if band is not None:
+        raise DataError("a band has no effect without a reference", remedy="give `reference`, or leave `band` out")
     if keep is not None and path_for(keep, (".json",)).exists():
         return GapFound(campaign, _keep_diagnosis(Path(keep), campaign))
     with waiting_line("reading the records", progress=progress):
@@ -155,16 +164,9 @@ def diagnose(
 
 
 @one_thread()
-def _compare_reference(
-    campaign: Campaign, reference: Reference, hold_out: str, keep: str | Path | None, progress: bool
-) -> GapFound:
-    if hold_out != "mixed" or keep is not None:
-        raise DataError(
-            "a comparison with a reference holds nothing out and keeps no file",
-            remedy="leave `hold_out` and `keep` out; `.save(path)` writes what was found",
-        )
+def _compare_reference(campaign: Campaign, reference: Reference, band_hz: Band, progress: bool) -> GapFound:
     with waiting_line("identifying", progress=progress):
-        gap = _campaign_against(campaign, reference)
+        gap = _campaign_against(campaign, reference, band_hz)
     return GapFound(campaign, gap.diagnosis, gap)
 
 
@@ -181,13 +183,13 @@ def agreement(measured: Recording) -> Agreement:
     return compare_with_simulation(campaign_in(measured))
 
 
-def _campaign_against(campaign: Campaign, reference: Reference) -> StructureGap:
+def _campaign_against(campaign: Campaign, reference: Reference, band_hz: Band) -> StructureGap:
     if isinstance(reference, str | Path):
-        return gap_against(campaign, Path(reference))
+        return gap_against(campaign, Path(reference), band_hz)
     if isinstance(reference, Model):
-        return gap_of(campaign, reference.modal)
+        return gap_of(campaign, reference.modal, band_hz=band_hz)
     before = campaign_in(reference)
-    return gap_of(campaign, model_to_compare(before), "what was measured before", before)
+    return gap_of(campaign, model_to_compare(before, band_hz), "what was measured before", before, band_hz)
 
 
 def _keep_diagnosis(path: Path, campaign: Campaign) -> Diagnosis:

@@ -101,7 +101,10 @@ def frf(
         raise DataError("the frequencies do not ascend from 0 on", where="f", remedy="sort f and H by frequency")
     if not np.isfinite(values).all():
         found = int(np.count_nonzero(~np.isfinite(values)))
-        raise DataError(f"H holds {found} values that are not finite", remedy="leave these lines out of f and H")
+        raise DataError(
+            f"H holds {found} values that are not finite",
+            remedy="leave these lines out of f and H; of H a channel that holds nothing else",
+        )
     to = _points_of(outputs, values.shape[0], "outputs") or tuple(range(1, values.shape[0] + 1))
     of = _points_of([inputs] if isinstance(inputs, int) else inputs, values.shape[1], "inputs")
     names = tuple(f"y{point}" for point in to)
@@ -157,6 +160,6 @@ def _points_of(given: Sequence[int] | None, count: int, which: str) -> tuple[int
     if len(points) != count or min(points) < 1 or (which == "outputs" and len(set(points)) != count):
         raise DataError(
             f"{which}={list(points)} for {count} {which} of H",
-            remedy=f"give {count} numbers of points from 1 on, one for each, in the order of H",
+            remedy=f"give {count} different numbers of points from 1 on, in the order of H",
         )
     return points

@@ -167,21 +167,23 @@ def _diagnose(payload: Compared, notify: Notify) -> Computed:
 
     campaign, parameters, before = payload
     if before is not None:
-        return _diagnose_by_model(campaign, before, notify)
+        return _diagnose_by_model(campaign, before, parameters.band_hz, notify)
     with report_progress_to(notify), part_of_progress(0.0, 0.95):
         diagnosis = diagnose(campaign, HoldOut.parse(parameters.hold_out))
     notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render(diagnosis, campaign).encode()})
 
 
-def _diagnose_by_model(campaign: Campaign, before: Campaign, notify: Notify) -> Computed:
+def _diagnose_by_model(
+    campaign: Campaign, before: Campaign, band_hz: tuple[float, float] | None, notify: Notify
+) -> Computed:
     from modallab.pipelines.structure_gap import gap_of, model_to_compare
     from modallab.reporting.structure_report import render
 
     with report_progress_to(notify), part_of_progress(0.0, 0.4):
-        reference = model_to_compare(before)
+        reference = model_to_compare(before, band_hz)
     with report_progress_to(notify), part_of_progress(0.4, 0.95):
-        gap = gap_of(campaign, reference, f"a campaign from before, {before.source}")
+        gap = gap_of(campaign, reference, f"a campaign from before, {before.source}", band_hz=band_hz)
     notify(0.95, "figures")
     return Computed(json.loads(gap.diagnosis.model_dump_json()), {"gap.html": render(gap).encode()})
 

@@ -128,10 +128,18 @@ class DiagnoseParameters(Frozen):
         hold_out: records no fit may see; of a beam.
         reference: of the job's runs those from before. The modal model that they give stands for the simulation, of
             any structure.
+        band_hz: (low, high) in which both are identified, with a reference; None for the whole band.
     """
 
     hold_out: Annotated[str, AfterValidator(_check_hold_out)] = "mixed"
     reference: tuple[str, ...] = Field(default=(), exclude_if=is_unstated)
+    band_hz: tuple[Hertz, Hertz] | None = Field(default=None, exclude_if=is_unstated)
+
+    @model_validator(mode="after")
+    def _check_band(self) -> Self:
+        if self.band_hz is not None and not self.reference:
+            raise PydanticCustomError("band_hz", "band_hz has no effect without reference")
+        return self
 
     def parted(self, inputs: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """The runs that are diagnosed, and those from before.

@@ -9,6 +9,7 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.frf.estimate import group_by_point, impact_frf
+from modallab.identification.frf_model import frf_in_band
 from modallab.identification.impact import default_band
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign, usable_blocks
@@ -24,9 +25,12 @@ def trials_on(campaign: Campaign, folder: Path, request: MeasuredRequest) -> Mea
 
     Raises:
         DataError: it gives no FRFs, or no force was measured.
-        IdentificationError: the FRFs hold no mode.
+        IdentificationError: the FRFs hold no mode, or fewer than eight lines in the band.
     """
-    return blind_on(measured_frf(campaign), campaign.rig, folder, request, Path(campaign.source).name)
+    frf = measured_frf(campaign)
+    if request.band_hz is not None:
+        frf = frf_in_band(frf, request.band_hz)
+    return blind_on(frf, campaign.rig, folder, request, Path(campaign.source).name)
 
 
 def measured_frf(campaign: Campaign) -> Frf:

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from modallab.blind.measured.put import AppliedEffect
 from modallab.core.arrays import Real
-from modallab.core.frozen import Frozen
+from modallab.core.frozen import Frozen, is_unstated
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.freedoms import freedoms_of
@@ -34,11 +34,13 @@ class MeasuredRequest(Frozen):
         trials: with one effect.
         none: without.
         seed: draws everything.
+        band_hz: (low, high) of the lines that are used; None for all.
     """
 
     trials: Annotated[int, Field(ge=0, le=10_000)] = 20
     none: Annotated[int, Field(ge=0, le=10_000)] = 5
     seed: Annotated[int, Field(ge=0, lt=2**32)] = 0
+    band_hz: tuple[float, float] | None = Field(default=None, exclude_if=is_unstated)
 
     @model_validator(mode="after")
     def _check(self) -> Self:

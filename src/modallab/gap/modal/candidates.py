@@ -27,7 +27,7 @@ FARTHEST = 3.0
 POWERS = np.arange(4)
 """Of s in the logarithm of what the force channel does otherwise: a gain, a delay, and what is neither."""
 ODD = 0.5
-"""Deviation of that by each power, at the highest mode."""
+"""Deviation of that by each power, at the highest mode; and of a channel's share in another, over what that reads."""
 NEXT = 8
 """Other places of sensors to begin with."""
 
@@ -108,6 +108,31 @@ def force_channel(c: Compared) -> Candidate:
 
     count = POWERS.size
     return Candidate("", (), None, make, (np.zeros(count),), np.full(count, ODD), np.zeros(count), ())
+
+
+def mixed_channel(c: Compared, output: int) -> list[Candidate]:
+    """A channel reads any sum of what all channels should, the force's too; and a share of one of them besides its own.
+
+    Each share is over what the channel itself should read.
+    """
+    as_read = np.abs(c.s**c.power)[:, None, None] * c.sizes
+    each = np.append(np.sqrt(np.mean(as_read**2, axis=(0, 2))), 1.0)
+    # A force that was not measured is in no channel.
+    every = list(range(each.size - (c.bench.operating_shapes is not None)))
+    over, alone = each[output] / each, [n for n in every if n != output]
+
+    def reading(sources: list[int], places: int) -> Candidate:
+        def make(v: Real, _: Compared) -> Change:
+            shares = np.zeros(each.size)
+            shares[sources] = v * over[sources]
+            return Change(mixed=(output, shares[:-1], float(shares[-1])))
+
+        n = len(sources)
+        return Candidate("", (), output, make, (np.zeros(n),), np.full(n, ODD), np.zeros(n), (), places)
+
+    # Any channel might read so.
+    outputs = len(c.out_psi)
+    return [reading(every, outputs), *(reading([n], outputs * len(alone)) for n in alone)]
 
 
 def hits_at(i: int) -> Candidate:

@@ -13,6 +13,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.core.units import DERIVATIVE
 from modallab.gap.modal.errors import sizes, weights
 from modallab.gap.modal.matching import Side, in_common
 from modallab.gap.modal.narrower import in_band
@@ -133,6 +134,12 @@ class Compared:
             if freedoms.index(f) == o:
                 found[o] = share.get(f, 0.0)
         return found
+
+    @property
+    def power(self) -> int:
+        """Times the outputs differentiate the displacement."""
+        quantities = {channel.name: channel.quantity for channel in self.rig.channels}
+        return DERIVATIVE.get(quantities[self.model.outputs[0].split("@")[0]], 0)
 
     @property
     def sizes(self) -> Real:

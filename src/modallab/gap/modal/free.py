@@ -30,6 +30,7 @@ class Change:
         hit_gains: input -> factor on the force that acts there.
         shifts: output -> metres along the two tangents, and by how many deviations the shapes there are off (modes,).
         filters: (outputs, powers) as of `State`; None where nothing is filtered.
+        mixed: an output, its shares of what each of them reads (outputs,), and of the force, in its quantity over N.
     """
 
     hung: Hung | None = None
@@ -38,6 +39,7 @@ class Change:
     hit_gains: tuple[tuple[int, float], ...] = ()
     shifts: tuple[tuple[int, Real, Real], ...] = ()
     filters: Real | None = None
+    mixed: tuple[int, Real, float] | None = None
 
     @property
     def between_lines(self) -> "Change":
@@ -137,6 +139,12 @@ class Free:
         for o, along_m, off in change.shifts:
             moved[o] += c.shifted(o, along_m, off)
             mixed[o] += c.rows_of(o, along_m)
+        direct = np.zeros((c.s.size, len(gain)), np.complex128)
+        if change.mixed is not None:
+            o, shares, of_force = change.mixed
+            moved[o] += shares @ moved
+            mixed[o] += shares
+            direct[:, o] = of_force / c.s**c.power
         filters = np.zeros((len(gain), 1)) if change.filters is None else change.filters
         if c.noise is None:
             # Of a model alone: what an identification makes of a delay is a shape that is turned mode by mode.
@@ -155,6 +163,7 @@ class Free:
             gain=gain,
             filters=filters,
             mixed=mixed,
+            direct=direct,
             applied=applied,
             hung=change.hung,
         )

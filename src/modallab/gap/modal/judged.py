@@ -11,9 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.diagnosis import Verdict
-from modallab.gap.modal.candidates import force_channel, hits_at
+from modallab.gap.modal.candidate import Candidate
+from modallab.gap.modal.candidates import force_channel, hits_at, mixed_channel
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import Fitted, fit
+from modallab.gap.modal.marginal import Marginal
 from modallab.gap.modal.scales import SUSPECTS, Rung, estimated, nameless, settled, unusual_at, usual
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import frfs_without_shapes
@@ -33,7 +35,7 @@ class Judged:
         ranked: the best fit of each kind of change with its probability, the most probable first.
         nothing: probability that nothing was changed.
         unknown: probability that something without a name is the cause.
-        where: what that would be: "structure", "everything", the name of a channel, or the hits at a point.
+        where: what that would be: "structure", "everything", a channel, or the hits at a point, in words.
         strains: of the tolerances without and with the best explanation, at what is usual.
         notes: why.
     """
@@ -61,8 +63,8 @@ def judged(search: ModalSearch) -> Judged:
     kinds = search.kinds(nothing)
     # One from smoother lines stands for its kind until it is fitted on those that count.
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
-    force = _of_forces(base, as_usual, nothing.free.wide)
-    others = {name: estimated(nothing, rungs) for name, rungs in nameless(base, nothing.free.wide).items()} | force
+    channels = _of_channels(base, as_usual, nothing.free.wide)
+    others = {name: estimated(nothing, rungs) for name, rungs in nameless(base).items()} | channels
     found = _weighed(base, nothing, names, others)
     if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
         return _decided(found)
@@ -76,23 +78,38 @@ def judged(search: ModalSearch) -> Judged:
 
     afar = [0.0, *(search.afar(one.candidate.effect) for one in names if one.candidate)]
     (_, *names), least = best_first([nothing, *names], afar, to_its_end)
-    others = {name: settled(base, rungs) for name, rungs in nameless(base, least.free.wide).items()} | force
+    others = {name: settled(base, rungs) for name, rungs in nameless(base).items()} | channels
     strains = strain(base), strain(ended[[nothing, *names].index(least)])
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
 
 
-def _of_forces(base: Fitted, as_usual: list[Rung], wide: float) -> dict[str, Fitted]:
-    """What the force's channel, or the hits at a point, do otherwise, whatever it is; empty where none was measured."""
-    c = base.free.of
-    if c.bench.operating_shapes is not None:
-        return {}
-    missed = np.mean(base.missed**2, axis=(0, 1))
-    suspects = np.argsort(-missed)[:SUSPECTS].tolist() if missed.size > 1 else []
-    # Hits at one point may be of another size alone, or on another day.
-    each = {i: [*as_usual, *unusual_at(c, np.arange(missed.size)[None] == i, wide)] for i in suspects}
-    points = {f"hits at {c.model.input_points[i]}": (hits_at(i), each[i]) for i in suspects}
-    otherwise = {c.rig.force_channel.name: (force_channel(c), as_usual), **points}
-    return {n: settled(fit(base.free, one, base.u, one.starts[0]), r) for n, (one, r) in otherwise.items()}
+def _of_channels(base: Fitted, as_usual: list[Rung], wide: float) -> dict[str, Fitted]:
+    """What a channel, that of the force, or the hits at a point do otherwise, whatever it is."""
+    c, missed = base.free.of, np.mean(base.missed**2, axis=0)
+    rows, columns = np.eye(len(missed), dtype=bool), np.eye(missed.shape[1], dtype=bool)
+    found: dict[str, Fitted] = {}
+    for o in np.argsort(-missed.mean(axis=1))[:SUSPECTS].tolist():
+        found[c.model.outputs[o]] = settled(base, unusual_at(c, rows[:, [o]], wide))
+        found[f"{c.model.outputs[o]} reads what another channel should"] = _mixed(base, o, as_usual)
+    if c.bench.operating_shapes is None:
+        found[c.rig.force_channel.name] = settled(_begun(base, force_channel(c)), as_usual)
+        # Hits at one point may be of another size alone, or on another day.
+        for i in np.argsort(-missed.mean(axis=0))[:SUSPECTS].tolist() if len(columns) > 1 else ():
+            each = [*as_usual, *unusual_at(c, columns[[i]], wide)]
+            found[f"hits at {c.model.input_points[i]}"] = settled(_begun(base, hits_at(i)), each)
+    return found
+
+
+def _mixed(base: Fitted, output: int, as_usual: list[Rung]) -> Fitted:
+    """A channel that reads shares of others: of all, or of the one that explains most."""
+    here = Marginal.about(base.free, base.u)
+    every, *single = (here.fit(one, one.starts[0]) for one in mixed_channel(base.free.of, output))
+    best = min(single, key=lambda f: f.evidence, default=every)
+    return min((settled(f, as_usual) for f in (every, best)), key=lambda f: f.evidence)
+
+
+def _begun(base: Fitted, candidate: Candidate) -> Fitted:
+    return fit(base.free, candidate, base.u, candidate.starts[0])
 
 
 def _weighed(base: Fitted, nothing: Fitted, names: Sequence[Fitted], others: Mapping[str, Fitted]) -> Judged:

@@ -33,19 +33,11 @@ def usual(c: Compared) -> list[Rung]:
     return [(c, x) for x in USUAL]
 
 
-def nameless(base: Fitted, wide: float) -> dict[str, list[Rung]]:
-    """Where the structure, everything, or a channel differs by more than is usual.
-
-    Args:
-        base: fitted without a change.
-        wide: scale of the structure where a channel differs.
-    """
-    c, missed = base.free.of, np.sqrt(np.mean(base.missed**2, axis=(0, 2)))
-    found: dict[str, list[Rung]] = {"structure": [(c, x) for x in UNUSUAL]}
-    found["everything"] = [(c.scaled(a, x), x) for x in UNUSUAL for a in (1.0, x)]
-    for o in np.argsort(-missed)[:SUSPECTS]:
-        found[c.model.outputs[int(o)]] = unusual_at(c, np.arange(missed.size)[:, None] == o, wide)
-    return found
+def nameless(base: Fitted) -> dict[str, list[Rung]]:
+    """Where the structure, or everything, differs by more than is usual; of a fit without a change."""
+    c = base.free.of
+    everything = [(c.scaled(a, x), x) for x in UNUSUAL for a in (1.0, x)]
+    return {"structure": [(c, x) for x in UNUSUAL], "everything": everything}
 
 
 def unusual_at(c: Compared, there: NDArray[np.bool_], wide: float) -> list[Rung]:

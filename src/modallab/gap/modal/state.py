@@ -146,6 +146,7 @@ class State:
         gain: (outputs,) factors on what the outputs read.
         filters: (outputs, powers) coefficients of the logarithm of what they read over that, by s, s^2 and so on.
         mixed: (outputs, outputs) of what lies beside the shapes: a sensor that moved shows that of its new place.
+        direct: (lines, outputs) of the force itself that an output shows, m/N.
         applied: (inputs,) force that acts over the force that is read.
         hung: the change that is looked for.
     """
@@ -157,6 +158,7 @@ class State:
     gain: Real
     filters: Real
     mixed: Real
+    direct: Complex
     applied: Real
     hung: Hung | None = None
 
@@ -168,7 +170,7 @@ class State:
         """
         flexibility = self.flexibility
         x, y = self.out @ flexibility, flexibility @ self.into.T
-        outside = np.asarray(self.mixed @ outside)
+        outside = np.asarray(self.mixed @ outside + self.direct[:, :, None])
         whole = x @ self.into.T + outside
         if self.hung is None:
             return x, y, whole
