@@ -18,7 +18,13 @@ from modallab.gap.search.fitting import Bench, converged
 from modallab.gap.search.law_by_hits import law_by_hits
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description
-from modallab.gap.unknown.rival import leaves_noise_only, lone_channel, loses_samples, nameless_explanations
+from modallab.gap.unknown.rival import (
+    answers_by_itself,
+    leaves_noise_only,
+    lone_channel,
+    loses_samples,
+    nameless_explanations,
+)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -65,6 +71,8 @@ def search_explanation(
     behaves = () if clock_error_visible(bench) else nameless_explanations(bench, prepared, choice, alone, unseen, held)
     if behaves:
         return SearchOutcome(Choice(base, base, choice.named, False, False), behaves)
+    if choice.explained and alone is not None and answers_by_itself(choice.fit, alone):
+        return SearchOutcome(Choice(base, base, choice.named, False, False))
     if choice.explained or alone is not None:
         return SearchOutcome(choice)
     return SearchOutcome(_search_nonlinear(bench, prepared, selection, choice, matters, unseen))

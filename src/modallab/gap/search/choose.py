@@ -28,7 +28,7 @@ from modallab.gap.search.fitting import (
 from modallab.twin.effects import search_of
 
 CLOSED_RESAMPLED = 0.98
-"""The same where samples were taken at other times than stated: no bench and no twin resamples without an error."""
+"""The same of a wrong clock: no bench and no twin resamples without an error."""
 CLOSED_STEPPED = 0.9
 """The same of an effect that depends on the size of the motion, on records no fit has seen: no bench's law is quite the
 twin's, and what it leaves is stated as discrepancy."""
@@ -88,8 +88,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
     listed = [base, *rivals]
     fit = listed[int(np.argmin(evidence(listed)))]
     others = tuple(f for f in rivals if effect_names(f) != effect_names(fit))
-    resampled = any(kind_of(c.effect).stage == "acquisition" for c in fit.problem.candidates)
-    needed = CLOSED_RESAMPLED if resampled else CLOSED
+    needed = CLOSED_RESAMPLED if _has_clock(fit) else CLOSED
     explained = bool(fit.problem.candidates) and (
         fit.gap <= AT_FLOOR * bench.flat / 1.1
         or closes_gap(base, fit, needed)
@@ -156,11 +155,7 @@ def _that_matters(choice: Choice, held: Reduced, shown: bool) -> Choice:
     """The same without what is within tolerance or of no consequence; `shown` says whether lines show a wrong clock."""
     left = unexplained(held, forward(twin_of(choice.base, held), held))
     unnamed = not choice.explained and each_within_tolerance(choice.base)
-    clocked = (
-        shown
-        and choice.explained
-        and any(search_of(c.effect).tolerance.is_clock for c in choice.fit.problem.candidates)
-    )
+    clocked = shown and choice.explained and _has_clock(choice.fit)
     if left < held.rig.tolerance.response and (within_tolerances(choice.base) or unnamed) and not clocked:
         # Nothing has a name, no number alone is beyond its tolerance, and nothing that matters is left to name.
         tolerated = None if choice.explained else left
@@ -177,8 +172,12 @@ def _that_matters(choice: Choice, held: Reduced, shown: bool) -> Choice:
 
 def _clock_alone(bench: Bench, levels: list[Level]) -> bool:
     """Whether the lines show a wrong clock that begins the rounds: a beam within its tolerances follows it unseen."""
-    first = levels[0].fits[0].problem.candidates if levels[0].fits else ()
-    return clock_error_visible(bench) and any(search_of(c.effect).tolerance.is_clock for c in first)
+    return clock_error_visible(bench) and any(_has_clock(fit) for fit in levels[0].fits[:1])
+
+
+def _has_clock(fit: Fit) -> bool:
+    """Whether a wrong clock is one of the effects of a fit."""
+    return any(search_of(c.effect).tolerance.is_clock for c in fit.problem.candidates)
 
 
 def effect_names(fit: Fit) -> tuple[str, ...]:

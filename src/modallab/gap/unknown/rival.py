@@ -101,6 +101,15 @@ def nameless_explanations(
     return tuple(found) if _explains(bench, base, best, found[0]) else ()
 
 
+def answers_by_itself(best: Fit, alone: LoneChannel) -> bool:
+    """Whether it is more probable that a channel answers each mode in a way of its own than that an effect explains it.
+
+    Each mode costs the price of an effect. What each of the two leaves is compared with what it is expected to leave.
+    """
+    (named,), (by_itself,) = evidence([best]), evidence([alone.fit])
+    return bool(by_itself + DEFAULT.effect_price * alone.fit.problem.free.modes < named)
+
+
 def _differing(bench: Bench, agreement: Agreement) -> list[int]:
     """The channel that differs, if the modes and all other channels agree."""
     if len(agreement.differing) != 1 or agreement.modes_differ:
