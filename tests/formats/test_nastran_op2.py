@@ -31,6 +31,7 @@ def test_modes_are_those_that_were_printed_at_unit_modal_mass() -> None:
     assert set(found.places_m) == set(found.at)
 
 
+@pytest.mark.thorough("starts Python anew with a large library")
 def test_numbers_are_printed_afterwards_as_before() -> None:
     script = (
         "import sys, numpy as np; from pathlib import Path; from modallab.formats.fem.fem_file import read_fem;"

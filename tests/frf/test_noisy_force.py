@@ -44,6 +44,7 @@ def gain(estimator: str, on_force: float, on_response: float, least: float = 0.0
     return float(np.median((np.abs(found[:, 0]) / np.abs(true))[strong]))
 
 
+@pytest.mark.thorough("estimates FRFs of many noisy records")
 def test_noise_on_the_force_lowers_h1_by_its_power_and_hv_by_half_of_it() -> None:
     power = 1 + NOISE**2
     assert gain("H1", NOISE, 0.0) == pytest.approx(1 / power, abs=0.01)

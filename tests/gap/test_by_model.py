@@ -88,6 +88,7 @@ def test_a_gain_is_that_of_its_channel() -> None:
     assert effect.parameters["gain"] == pytest.approx(0.8, rel=0.02)
 
 
+@pytest.mark.thorough("diagnoses a plate of ten points")
 def test_what_the_tolerances_explain_is_no_gap() -> None:
     bench = model(1.005 * OMEGA, shapes(X, Y), (1.01, 0.99, 1.0))
     found = diagnose_by_model(REFERENCE, bench, rig())
@@ -107,7 +108,7 @@ def test_shapes_poles_and_damping_each_off_by_their_own_share_are_no_gap(seed: i
     assert diagnose_by_model(REFERENCE, other, rig()).verdict == "no_gap"
 
 
-@pytest.mark.parametrize("gain", [1.0, 1.1])
+@pytest.mark.parametrize("gain", [1.0, pytest.param(1.1, marks=pytest.mark.thorough("diagnoses a plate once more"))])
 def test_a_mode_just_above_the_band_of_one_side_is_no_gap(gain: float) -> None:
     """What an identification makes of it in a few terms is not what a model makes of it that holds the mode."""
     hz = np.arange(5.0, 0.95 * OMEGA[-1] / (2 * np.pi), 0.05)

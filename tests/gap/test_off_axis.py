@@ -62,6 +62,7 @@ def test_each_point_s_own_resonance_is_met_where_a_roving_sensor_moved_it() -> N
     np.testing.assert_allclose(measured.means_at(s).receptances, expected, rtol=1e-4)
 
 
+@pytest.mark.thorough("draws noise many times")
 def test_the_covariance_is_that_of_the_noise() -> None:
     s = 2 * np.pi * np.array([35.0, 50.0, 50.3]) * (0.01 + 1j)
     measured = MeasuredFrfs.of(frfs(noise=1e-3), model())
@@ -122,6 +123,7 @@ def test_a_filter_in_the_force_s_channel_has_no_name_and_a_delay_has_one() -> No
     assert verdicts == [("unknown", []), ("known", ["trigger_delay"])]
 
 
+@pytest.mark.thorough("diagnoses a structure once more")
 def test_what_a_sensor_reads_of_the_force_is_no_term_outside_the_band() -> None:
     """An identification calls it a body's mass, which the reference has not. Its FRFs say that it was not there."""
     there, read = frfs(noise=1e-5, seed=2), np.zeros((1, 3, 1))

@@ -74,7 +74,10 @@ def law(cracked: tuple[Bench, PreparedCampaign]) -> Fit:
     return evaluated(fit.problem, np.concatenate([robust_fit(sines, fit.u, 2)[:-OWN], fit.u[-OWN:]]))
 
 
-@pytest.mark.parametrize(("share", "named"), [(1.0, True), (0.3, False)])
+@pytest.mark.parametrize(
+    ("share", "named"),
+    [pytest.param(1.0, True, marks=pytest.mark.thorough("fits a law to a whole campaign")), (0.3, False)],
+)
 def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
     cracked: tuple[Bench, PreparedCampaign], law: Fit, share: float, named: bool
 ) -> None:

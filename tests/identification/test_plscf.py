@@ -100,7 +100,9 @@ def test_too_few_lines_for_the_order_are_rejected():
         plscf(frf(FREQUENCY, ZETA, PHI, [0], LINES[:40]), 60)
 
 
-@pytest.mark.parametrize("n_inputs", [1, 3, 10])
+@pytest.mark.parametrize(
+    "n_inputs", [1, 3, pytest.param(10, marks=pytest.mark.thorough("an estimator with ten inputs"))]
+)
 def test_a_mode_far_below_the_highest_line_is_found_from_any_number_of_inputs(n_inputs):
     """A beam's modes, the lowest at a hundredth of the band: every input sees them all."""
     order = np.arange(1, 8)

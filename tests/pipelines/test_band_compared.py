@@ -30,6 +30,7 @@ def campaign(upper_hz: float) -> Campaign:
     return Campaign(RIG, (), (frf,), source="one.h5")
 
 
+@pytest.mark.thorough("identifies and compares two campaigns")
 def test_what_changed_beyond_the_band_is_no_gap_in_it(tmp_path: Path) -> None:
     before, after = tmp_path / "before.h5", campaign(90.0)
     write_campaign(campaign(80.0), before)

@@ -51,6 +51,7 @@ def test_one_hit_says_nothing_of_the_next() -> None:
     assert share_between_halves([hits(), hits()[:1]], campaign().rig, BAND) is None
 
 
+@pytest.mark.thorough("identifies halves of a campaign and compares them")
 def test_a_comparison_first_says_by_how_much_its_halves_differ() -> None:
     real = campaign()
     found = gap_of(real, model_to_compare(real, BAND), before=real, band_hz=BAND).diagnosis

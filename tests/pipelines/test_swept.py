@@ -34,6 +34,7 @@ def identified(sweeps: int, drift: float = 0.0):
     return system, identify_campaign(campaign, BAND, None).identified[0].model
 
 
+@pytest.mark.thorough("records and identifies sweeps")
 def test_sweeps_give_the_modes() -> None:
     system, model = identified(4)
     np.testing.assert_allclose(model.frequency_hz, system.frequency_hz[:2], rtol=1e-5)

@@ -333,6 +333,7 @@ def test_long_facts_are_folded_away_whole(slim):
     assert "0.123, " * 100 in parsed.text
 
 
+@pytest.mark.thorough("renders a whole report twice")
 def test_the_page_is_small_quick_and_the_same_again(page, content):
     assert len(page.encode()) < 1.5e6
     start = time.process_time()
