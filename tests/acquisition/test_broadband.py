@@ -160,11 +160,8 @@ def test_where_a_wave_may_not_hold_all_blocks_another_one_follows(store: Store, 
     assert starts.max() > 2048
 
 
-AGAIN = pytest.mark.thorough("records and identifies with every signal")
-BY_SIGNAL = [s if s == "pseudo-random" else pytest.param(s, marks=AGAIN) for s in BROADBAND]
-
-
-@pytest.mark.parametrize("signal", BY_SIGNAL)
+@pytest.mark.thorough("records and identifies with every signal")
+@pytest.mark.parametrize("signal", BROADBAND)
 def test_each_signal_gives_the_model_the_bench_was_built_with(store: Store, link_rig: Rig, signal: Broadband) -> None:
     blocks, _, _ = blocks_of(store, link_rig, plan_of(signal))
     result = identify_campaign(Campaign(link_rig, blocks), IdentificationOptions())

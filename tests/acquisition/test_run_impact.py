@@ -58,6 +58,7 @@ def test_the_trigger_is_exact_to_the_sample(store: Store) -> None:
         assert row.note.first_sample == prompt + delay + 1 - 100
 
 
+@pytest.mark.thorough("records the same test many times")
 @given(st.floats(0.0006, 3.0), st.lists(st.integers(101, 3000), min_size=4, max_size=4))
 @settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_blocks_do_not_depend_on_how_much_is_read_at_once(store: Store, chunk_s: float, delays: list[int]) -> None:

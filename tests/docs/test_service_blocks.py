@@ -92,6 +92,7 @@ def reader(lab: Lab, tmp_path: Path, link_rig: Rig, monkeypatch: pytest.MonkeyPa
             left.close()
 
 
+@pytest.mark.thorough("runs all blocks of the pages that ask a service")
 @pytest.mark.parametrize("page", ASKING, ids=name)
 def test_every_block_that_asks_a_service_is_answered(page: Path, reader: Reader) -> None:
     BEFORE.get(name(page), Reader.record)(reader)

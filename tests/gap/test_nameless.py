@@ -19,6 +19,7 @@ def test_a_mode_that_no_change_makes_is_unknown() -> None:
     assert len(found.by_mode) > 0
 
 
+@pytest.mark.thorough("diagnoses a structure once more")
 def test_a_channel_that_turns_each_mode_by_itself_is_no_change_of_the_structure() -> None:
     reference, turn = model(), np.exp(0.09j * np.random.default_rng(1).standard_normal((OMEGA.size, 1)))
     constants = reference.modal_constants.copy()
@@ -39,6 +40,7 @@ def test_a_share_of_another_channel_is_no_moved_sensor(reading: int, read: int) 
     assert any(f"a{reading + 1} reads what another channel should" in note for note in found.notes)
 
 
+@pytest.mark.thorough("diagnoses a structure once more")
 def test_a_gain_that_a_share_of_others_may_be_keeps_its_name() -> None:
     reference = model()
     constants = reference.modal_constants.copy()

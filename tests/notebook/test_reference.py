@@ -50,6 +50,7 @@ def test_a_structure_is_no_beam_and_holds_nothing_out(heavier):
         ml.diagnose(measured(), "last:0.3", reference=measured(), progress=False)
 
 
+@pytest.mark.thorough("identifies and compares two campaigns once more")
 def test_both_are_identified_in_a_band_that_only_a_comparison_has():
     found = ml.diagnose(measured(kg=0.05), reference=measured(), band=(5, 100), progress=False).diagnosis
     assert (found.modes, [e.effect for e in found.effects]) == ((2, 2), ["added_mass"])

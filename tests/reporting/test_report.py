@@ -97,6 +97,7 @@ def test_tests_that_disagree_are_said_to(slim):
     assert "agree within their uncertainty" not in text
 
 
+@pytest.mark.thorough("renders a whole report once more")
 def test_a_model_that_misses_its_measurement_is_said_to_at_the_top(content, slim):
     impact = slim.outcomes[0]
     check = content.outcomes[0].verification
@@ -141,6 +142,7 @@ def test_the_half_power_reading_is_called_the_resolution_of_the_block(parsed):
     assert "is the resolution of the block and says nothing about the beam" in text
 
 
+@pytest.mark.thorough("renders a whole report once more")
 def test_the_papers_values_stand_on_the_papers_bench_only(slim):
     beam = slim.rig.beam.model_copy(update={"thickness_m": 0.006})
     other = slim.rig.model_copy(update={"beam": beam})
@@ -202,6 +204,7 @@ def test_names_from_files_are_text_and_nothing_else(slim):
     assert parsed.text.count(EVIL) == 2 + 1 + 11 + 1 + 2 + 1 + 1 + 3
 
 
+@pytest.mark.thorough("renders a whole report once more")
 def test_channel_names_from_files_are_text_in_figures_too(content):
     check = content.outcomes[0].verification
     evil = {"outputs": ("<b>$x$", *check.measured.outputs[1:]), "output_points": (None,) * 10}

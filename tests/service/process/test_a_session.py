@@ -1,6 +1,7 @@
 """A session at the bench through the real service: campaign, run, blocks, FRF, model."""
 
 import numpy as np
+import pytest
 from service_process import ServiceProcess
 
 from modallab.core.plan import ImpactPlan
@@ -9,6 +10,7 @@ from modallab.storage import Store
 TRUE_HZ = (4.754972, 30.594413, 87.1533545)
 
 
+@pytest.mark.thorough("records and identifies through a service of its own")
 def test_an_impact_run_ends_with_a_model_of_the_true_modes(service: ServiceProcess) -> None:
     lab = service.client
     campaign = lab.create_campaign("a session", service.rig)
