@@ -15,7 +15,6 @@ SEEN = {"Model": "canvas.diagram", "Gap": ".verdict"}
 SERIOUS = ("serious", "critical")
 IMPACT = {"impact-points": "10, 6", "impact-hits": "2", "impact-rate_hz": "1000"}
 DONE = ".prompt .large:text-is('Done')"
-ASKED = ".prompt .large:text-is('Does it count?')"
 SAID = """selector => { window.said = []; const seen = () => document.querySelector(selector)
     && window.said.push(document.querySelector(selector).textContent);
     new MutationObserver(seen).observe(document.body, {childList: true, subtree: true, characterData: true}); }"""
@@ -39,21 +38,18 @@ POLE = """async ([campaign, mode]) => {
         y: scale * (canvas.height - 34 - (d.order[n] - least) / (most - least) * (canvas.height - 56))}; }"""
 
 
-def decide(ada: Watched, served: ServiceProcess) -> None:
+def decide(ada: Watched) -> None:
     """Say of each hit whether it counts: the rejected ones do not, nor does the first good one."""
-    undone, answered = False, 0
+    page, undone, asked = ada.page, False, ""
     while True:
-        ada.page.wait_for_selector(f"{DONE}, {ASKED}")
-        if ada.page.query_selector(DONE):
+        page.wait_for_selector(f"{DONE}, .prompt[data-asked]:not([data-asked='']):not([data-asked='{asked}'])")
+        if page.query_selector(DONE):
             return
-        blocks = served.client.blocks(served.client.campaigns()[0].runs[-1])
-        if len(blocks) == answered:
-            ada.page.wait_for_timeout(50)
-            continue
-        answered, good = len(blocks), blocks[-1].accepted
+        asked = page.get_attribute(".prompt[data-asked]", "data-asked")
+        good = page.inner_text(HIT) == "Good"
         if good and not undone:
             ada.picture("impact", whole=False)
-        ada.page.keyboard.press("PageDown" if good and undone else "PageUp")
+        page.keyboard.press("PageDown" if good and undone else "PageUp")
         undone |= good
 
 
@@ -69,7 +65,7 @@ def recorded(browser: Browser, served: ServiceProcess) -> Iterator[Watched]:
     ada.page.select_option("#f-impact-operator_decides", "every")
     ada.picture("plan")
     ada.begin("Impact test", IMPACT)
-    decide(ada, served)
+    decide(ada)
     ada.page.wait_for_selector(DONE)
     yield ada
     ada.close()
@@ -97,6 +93,7 @@ def corrected(recorded: Watched, campaign: str, served: ServiceProcess) -> Watch
     page.wait_for_selector("form.plan p.good")
     assert page.input_value("#f-impact-points") == "10, 6"
     page.fill("#f-impact-points", "10")
+    page.select_option("#f-impact-operator_decides", "never", force=True)
     page.click("form.plan button.main:enabled")
     page.wait_for_selector(DONE)
     return recorded

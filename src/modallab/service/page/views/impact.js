@@ -96,6 +96,7 @@ function parts(place, signal, id) {
     state = next;
     const [large, words, mood] = prompt(state);
     prompting.dataset.mood = mood;
+    prompting.dataset.asked = state.phase === "decide" ? state.asked : "";
     say(now, large);
     say(small, words);
     const [said, reason, color] = verdict(state);
