@@ -66,7 +66,6 @@ def recorded(browser: Browser, served: ServiceProcess) -> Iterator[Watched]:
     ada.picture("plan")
     ada.begin("Impact test", IMPACT)
     decide(ada)
-    ada.page.wait_for_selector(DONE)
     yield ada
     ada.close()
     assert ada.wrong == []

@@ -1,7 +1,7 @@
 """What a device delivered, block by block, and a campaign of such blocks."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -88,6 +88,18 @@ class Block:
     def duration_s(self) -> float:
         """Length of the block in s: n / rate."""
         return self.n_samples / self.rate_hz
+
+    def of_rows(self, rows: Sequence[int]) -> "Block":
+        """The block with these channels only, in this order."""
+        kept = list(rows)
+        return replace(
+            self,
+            samples=self.samples[kept],
+            scale=self.scale[kept],
+            units=tuple(self.units[row] for row in kept),
+            channels=tuple(self.channels[row] for row in kept),
+            overload=None if self.overload is None else tuple(self.overload[row] for row in kept),
+        )
 
 
 @dataclass(frozen=True, eq=False, slots=True)

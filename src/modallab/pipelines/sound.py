@@ -1,7 +1,6 @@
 """Which records of a campaign can be identified: what a converter or a cable spoilt is left out by name."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -82,15 +81,7 @@ def _without(block: Block, channels: Collection[str]) -> Block:
     """The block without these channels."""
     if not channels:
         return block
-    kept = [k for k, name in enumerate(block.channels) if name not in channels]
-    return replace(
-        block,
-        samples=block.samples[kept],
-        scale=block.scale[kept],
-        units=tuple(block.units[k] for k in kept),
-        channels=tuple(block.channels[k] for k in kept),
-        overload=None if block.overload is None else tuple(block.overload[k] for k in kept),
-    )
+    return block.of_rows([k for k, name in enumerate(block.channels) if name not in channels])
 
 
 def _faults_in_words(faults: Mapping[str, tuple[Fault, ...]]) -> str:

@@ -1,6 +1,6 @@
 """Some outputs of a rig and of its blocks: what is looked at live is seldom all of a large rig."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 from modallab.core.block import Block
@@ -38,12 +38,4 @@ class ChosenOutputs:
 
     def block(self, block: Block) -> Block:
         """These channels of a block of the whole rig."""
-        rows = list(self.rows)
-        return replace(
-            block,
-            samples=block.samples[rows],
-            scale=block.scale[rows],
-            units=tuple(block.units[row] for row in rows),
-            channels=tuple(block.channels[row] for row in rows),
-            overload=None if block.overload is None else tuple(block.overload[row] for row in rows),
-        )
+        return block.of_rows(self.rows)
