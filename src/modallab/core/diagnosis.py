@@ -260,6 +260,7 @@ class Diagnosis(Frozen):
         budget: how far the calibration moved, against the tolerances; None in older documents.
         described: what a gap without a name behaves like; None where a name explains it, where nothing describes it
             on records held out, and in older documents.
+        unknown: probability that something without a name is the cause; None in older documents.
     """
 
     format_version: Literal[1, 2] = DIAGNOSIS
@@ -275,3 +276,4 @@ class Diagnosis(Frozen):
     notes: list[str]
     budget: Budget | None = None
     described: Described | None = None
+    unknown: float | None = None

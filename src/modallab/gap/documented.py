@@ -97,7 +97,7 @@ def document_diagnosis(
     """What was found, as a document."""
     prepared, everything = ready.prepared, ready.everything
     nonlinear = location is not None and location.nonlinear
-    ranked = probabilities(choice)
+    ranked, nameless = probabilities(choice)
     found = [*_found_effects(choice, ranked), *effects.seen]
     verdict = _diagnosis_verdict(choice, effects.seen, effects.withheld)
     return Diagnosis(
@@ -112,6 +112,7 @@ def document_diagnosis(
         twin=calibrated_twin(choice.accepted_fit, everything),
         budget=budget_of_gap(choice.accepted_fit, everything, _resonances_hz(prepared), usual=not ready.stated),
         notes=_diagnosis_notes(ready, choice, effects.named, nonlinear),
+        unknown=nameless,
     )
 
 
@@ -176,7 +177,7 @@ def _candidates_document(
     ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choice, data: Reduced
 ) -> list[CandidateSet]:
     more = [f.effect for f in seen]
-    listed = [
+    return [
         CandidateSet(
             effects=[*(c.effect for c in f.problem.candidates), *more],
             probability=float(p),
@@ -188,9 +189,6 @@ def _candidates_document(
         # What leaves more than no effect does explains nothing.
         if (f.problem.candidates and f.gap < choice.base.gap) or (more and not f.problem.candidates)
     ]
-    if not choice.explained:
-        listed = [c.model_copy(update={"probability": c.probability * 0.3}) for c in listed]
-    return listed
 
 
 def _gap_document(prepared: PreparedCampaign, choice: Choice, data: Reduced) -> Gap:

@@ -19,10 +19,10 @@ from modallab.gap.search.law_by_hits import law_by_hits
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description
 from modallab.gap.unknown.rival import (
-    answers_by_itself,
     leaves_noise_only,
     lone_channel,
     loses_samples,
+    nameless_evidence,
     nameless_explanations,
 )
 
@@ -70,9 +70,8 @@ def search_explanation(
         return SearchOutcome(choice)
     behaves = () if clock_error_visible(bench) else nameless_explanations(bench, prepared, choice, alone, unseen, held)
     if behaves:
-        return SearchOutcome(Choice(base, base, choice.named, False, False), behaves)
-    if choice.explained and alone is not None and answers_by_itself(choice.fit, alone):
-        return SearchOutcome(Choice(base, base, choice.named, False, False))
+        nameless = nameless_evidence(behaves[0])
+        return SearchOutcome(Choice(base, base, choice.named, False, False, nameless=nameless), behaves)
     if choice.explained or alone is not None:
         return SearchOutcome(choice)
     return SearchOutcome(_search_nonlinear(bench, prepared, selection, choice, matters, unseen))

@@ -40,6 +40,20 @@ def evidence(fits: Sequence[Fit]) -> Real:
     return np.min(totals, axis=1) + DEFAULT.effect_price * effects
 
 
+def evidence_without_name(best: Fit) -> float:
+    """-2 log evidence that the cause has no name: it changes each mode in its own way, at the price of an effect.
+
+    Args:
+        best: an explanation of the same records.
+    """
+    return DEFAULT.effect_price * best.problem.free.modes
+
+
+def explains(fit: Fit) -> bool:
+    """Whether the effects of a fit are more probable than a cause without a name."""
+    return bool(fit.problem.candidates) and bool(evidence([fit])[0] < evidence_without_name(fit))
+
+
 def more_probable(fit: Fit, than: Fit) -> bool:
     """Whether an explanation is more probable than another of the same records."""
     own, other = evidence([fit, than])

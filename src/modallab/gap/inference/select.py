@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.progress import report_progress
-from modallab.gap.inference.evidence import more_probable
+from modallab.gap.inference.evidence import explains, more_probable
 from modallab.gap.inference.posterior import Key, Posterior, improved_posterior, key_of
 from modallab.gap.inference.score_test import ScoreTest
 from modallab.gap.inference.screen import Screen, ScreenedStart
@@ -20,7 +20,7 @@ from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.search.clock import clock_error_visible
-from modallab.gap.search.fitting import Bench, closes_gap, converged, within_tolerances, without_effect
+from modallab.gap.search.fitting import Bench, converged, within_tolerances, without_effect
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import model_of, search_of
 
@@ -97,13 +97,15 @@ class StepwiseSelection:
     def _ends(self, posterior: Posterior, fit: Fit) -> bool:
         """Whether a round that has come to this ends the search, as nothing more probable is there.
 
-        While the gap is not closed another effect may be missing yet, beside which this one will be more probable: then
-        it has to gain its price under noise alone.
+        While the gap is not explained another effect may be missing yet, beside which this one will be more probable:
+        then it has to gain its price under noise alone.
         """
         if more_probable(fit, self.best):
             return False
-        closed = bool(self.levels) and closes_gap(self.levels[0].base, self.best)
-        return closed or _score((posterior, fit)) > _score((self._here, self.best)) - self.settings.effect_price
+        return (
+            explains(self.best)
+            or _score((posterior, fit)) > _score((self._here, self.best)) - self.settings.effect_price
+        )
 
     def _explained(self, fitted: list[tuple[Posterior, Fit]]) -> bool:
         """Whether one of these leaves nothing but noise: no other can explain more."""

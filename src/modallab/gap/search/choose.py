@@ -9,31 +9,20 @@ import numpy as np
 
 from modallab.core.effects import kind_of
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.inference.evidence import evidence, probabilities_of
+from modallab.gap.inference.evidence import evidence, evidence_without_name, explains, probabilities_of
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import discrepancies, unexplained
+from modallab.gap.model.share import unexplained
 from modallab.gap.search.clock import clock_error_visible
 from modallab.gap.search.consequence import Dismissed, of_consequence
 from modallab.gap.search.fitting import (
-    CLOSED,
     Bench,
-    closes_gap,
     each_within_tolerance,
-    refitted_without,
     within_tolerances,
 )
 from modallab.twin.effects import search_of
-
-CLOSED_RESAMPLED = 0.98
-"""The same of a wrong clock: no bench and no twin resamples without an error."""
-CLOSED_STEPPED = 0.9
-"""The same of an effect that depends on the size of the motion, on records no fit has seen: no bench's law is quite the
-twin's, and what it leaves is stated as discrepancy."""
-AT_FLOOR = 1.15
-"""Rms residual that counts as the floor."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -49,6 +38,7 @@ class Choice:
         dismissed: effects that explain something, but are within tolerance or of no consequence.
         tolerated: share of the response that no effect explains and that the rig file tolerates; None where all of the
             gap is explained, or where it exceeds the tolerance.
+        nameless: -2 log evidence of the element without a name that explains the gap, where one does.
     """
 
     base: Fit
@@ -58,6 +48,7 @@ class Choice:
     flat: bool
     dismissed: tuple[Dismissed, ...] = ()
     tolerated: float | None = None
+    nameless: float | None = None
 
     @property
     def accepted_fit(self) -> Fit:
@@ -70,7 +61,7 @@ class Choice:
         return (self.fit, *self.rivals) if self.fit.problem.candidates else self.rivals
 
 
-def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unseen: Reduced | None = None) -> Choice:
+def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Choice:
     """The most probable of all explanations that were fitted, and whether it explains the gap.
 
     Args:
@@ -78,7 +69,6 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
         levels: the rounds.
         held: records that no fit has seen, where what does not matter there is no gap: on a rig that states how well it
             is put together.
-        unseen: records that no fit has seen, where effects that depend on the size of the motion were looked for.
     """
     base = levels[0].base
     plain = base.gap <= bench.flat and (within_tolerances(base) or not bench.free.deviations)
@@ -88,62 +78,8 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
     listed = [base, *rivals]
     fit = listed[int(np.argmin(evidence(listed)))]
     others = tuple(f for f in rivals if effect_names(f) != effect_names(fit))
-    needed = CLOSED_RESAMPLED if _has_clock(fit) else CLOSED
-    explained = bool(fit.problem.candidates) and (
-        fit.gap <= AT_FLOOR * bench.flat / 1.1
-        or closes_gap(base, fit, needed)
-        or (held is not None and _closes(base, fit, held, needed))
-        or (unseen is not None and has_stepped_law(fit) and _closes_unseen(_without_law(fit), fit, unseen))
-    )
-    choice = Choice(base, fit, others, explained, False)
+    choice = Choice(base, fit, others, explains(fit), False)
     return choice if held is None else _that_matters(choice, held, clock_error_visible(bench))
-
-
-def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
-    """Whether a fit leaves nothing that matters of the response, and closes as much of that as must be of the gap.
-
-    In noise units what is left is mostly that of the resonances with the best signal; where samples were interpolated
-    it is a few images of them, thousands of times below the response and far above the noise.
-    """
-    before, after = (unexplained(held, forward(twin_of(f, held), held)) for f in (base, fit))
-    return after < held.rig.tolerance.response and after**2 <= (1 - needed) * before**2
-
-
-def _without_law(fit: Fit) -> Fit:
-    """The fit without its effect that is stepped in time: a law may be wrong by a share of what it does itself."""
-    return refitted_without(fit, next(k for k, c in enumerate(fit.problem.candidates) if not kind_of(c.effect).linear))
-
-
-def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:
-    """Whether a fit closes enough of records it has not seen, in noise units or with each record counted alike.
-
-    In noise units a hit through every state of a law outweighs all sines, and no law that is a little off follows it:
-    of records that count alike only the sines are compared.
-    """
-    if _share_closed(base, fit, unseen) >= CLOSED_STEPPED:
-        return True
-    if unseen.sines is not None:
-        unseen = replace(unseen, impacts=())
-    before, after = (_mean_square(f, unseen) for f in (base, fit))
-    return after <= (1 - CLOSED_STEPPED) * before
-
-
-def _mean_square(fit: Fit, data: Reduced) -> float:
-    """Mean over records of what a fit leaves besides noise, as a share of the response's squares, at most all of it."""
-    found = discrepancies(data, forward(twin_of(fit, data), data))
-    return float(np.mean([min(v**2, 1.0) for v in found.values()])) if found else 1.0
-
-
-def _share_closed(base: Fit, fit: Fit, unseen: Reduced) -> float:
-    """Share of the gap above the floor that a fit closes on records no fit has seen."""
-    before, after = (_rms_on(f, unseen) for f in (base, fit))
-    return 1 - (after**2 - 1) / max(before**2 - 1, 1e-9)
-
-
-def _rms_on(fit: Fit, data: Reduced) -> float:
-    twin = twin_of(fit, data)
-    r = replace(fit.problem, data=data).residual_of(twin, forward(twin, data))
-    return float(np.sqrt(np.mean(r[r != 0] ** 2)))
 
 
 def has_stepped_law(fit: Fit) -> bool:
@@ -185,11 +121,12 @@ def effect_names(fit: Fit) -> tuple[str, ...]:
     return tuple(sorted(c.effect for c in fit.problem.candidates))
 
 
-def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
-    """The explanations, each with its probability, best first; see `inference.evidence`."""
+def probabilities(choice: Choice) -> tuple[list[tuple[Fit, float]], float]:
+    """The explanations, each with its probability, best first, and the probability that the cause has no name."""
     fits: dict[tuple[str, ...], Fit] = {effect_names(choice.fit): choice.fit}
     for fit in choice.rivals:
         fits.setdefault(effect_names(fit), fit)
     ordered = list(fits.values())
-    shares = probabilities_of(evidence(ordered)).tolist()
-    return sorted(zip(ordered, shares, strict=True), key=lambda pair: -pair[1])
+    nameless = evidence_without_name(choice.fit) if choice.nameless is None else choice.nameless
+    *shares, unknown = probabilities_of(np.append(evidence(ordered), nameless)).tolist()
+    return sorted(zip(ordered, shares, strict=True), key=lambda pair: -pair[1]), unknown

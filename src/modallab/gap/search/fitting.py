@@ -26,8 +26,6 @@ COARSEST_ERROR = 0.3
 """Largest relative model error that is forgiven while a fit finds its way."""
 FLOOR_MARGIN = 1.1
 """Rms residual below which nothing is left to explain."""
-CLOSED = 0.998
-"""Share of the excess an explanation must close to count as one, where it does not reach the floor."""
 UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
 NEAR = 3.0
@@ -205,8 +203,3 @@ def excess(fit: Fit) -> float:
         own = _tolerance_deviations(fit.problem.free, fit.u)
         strained = max(float(own @ own) - len(own), 0.0) / max(float(np.count_nonzero(fit.residual)), 1.0)
     return max(fit.gap**2 - 1 + strained, 1e-9)
-
-
-def closes_gap(base: Fit, fit: Fit, share: float = CLOSED) -> bool:
-    """Whether a fit closes so much of the gap of another."""
-    return excess(fit) <= (1 - share) * excess(base)

@@ -6,6 +6,8 @@ makes them on records it has not seen is named, though what it does at the sines
 
 from dataclasses import replace
 
+import numpy as np
+
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level
@@ -45,7 +47,8 @@ def named_by_overtones(
         return choice
     others = tuple(f for f in (*levels[-1].fits[1:], *choice.rivals) if effect_names(f) != effect_names(fit))
     best = min(fit, beam_of_hits(bench, fit), key=lambda f: f.cost)
-    return Choice(levels[0].base, best, others, True, False)
+    # The evidence of the lines does not count the overtones, which nothing but such a law makes.
+    return Choice(levels[0].base, best, others, True, False, nameless=np.inf)
 
 
 def _matters(fit: Fit, unseen: Reduced) -> bool:

@@ -48,7 +48,7 @@ class _Request:
 
     def judged(self, levels: list[Level]) -> Choice:
         """What these rounds say, explained only if the law makes the overtones that were measured."""
-        choice = _by_overtones(choose(self.bench, levels, self.matters, self.unseen), self.prepared, self.unseen)
+        choice = _by_overtones(choose(self.bench, levels, self.matters), self.prepared, self.unseen)
         return named_by_overtones(self.bench, choice, levels, self.prepared, self.unseen)
 
 

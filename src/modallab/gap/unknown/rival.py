@@ -11,13 +11,11 @@ from dataclasses import dataclass
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.agreement import Agreement
-from modallab.gap.inference.evidence import evidence
+from modallab.gap.inference.evidence import evidence, evidence_without_name
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.fit import Fit, Problem, evaluated
-from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.report.measure import squared_residuals
 from modallab.gap.search.choose import Choice
-from modallab.gap.search.fitting import Bench, excess, search_origin, within_tolerances
+from modallab.gap.search.fitting import Bench, search_origin, within_tolerances
 from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of
 from modallab.gap.unknown.fitted import best_fits, converged_fits, forgiven_error, short_fits
 from modallab.gap.unknown.on_beam import forces_along_beam, operators_on_all_channels
@@ -26,8 +24,6 @@ from modallab.gap.unknown.spare_poles import of_spare_poles
 
 SOLVED = 1.3
 """Times the floor up to which a fit leaves no more than noise."""
-CLOSES = 0.003
-"""Share of the gap that an element may leave to be what the gap behaves like, where it does not reach the floor."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -94,20 +90,12 @@ def nameless_explanations(
     if alone is None:
         return _on_beam(bench, begin, base, best, unseen)
     found = sorted(sample_operators(bench, prepared, alone.fit, held, alone.row), key=cost_per_number)
-    if alone.loses and _closes(base, found[0]):
+    if alone.loses and nameless_evidence(found[0]) < evidence_without_name(base):
+        # Lost samples are visible in the record itself: no effect explains them.
         return tuple(found)
     operators = best_fits(bench, begin, list(linear_operators(bench, alone.row)), 1)
     found = sorted([*found, *(of_fit(base, fit, unseen, (alone.row,)) for fit in operators)], key=cost_per_number)
-    return tuple(found) if _explains(bench, base, best, found[0]) else ()
-
-
-def answers_by_itself(best: Fit, alone: LoneChannel) -> bool:
-    """Whether it is more probable that a channel answers each mode in a way of its own than that an effect explains it.
-
-    Each mode costs the price of an effect. What each of the two leaves is compared with what it is expected to leave.
-    """
-    (named,), (by_itself,) = evidence([best]), evidence([alone.fit])
-    return bool(by_itself + DEFAULT.effect_price * alone.fit.problem.free.modes < named)
+    return tuple(found) if _explains(found[0], best) else ()
 
 
 def _differing(bench: Bench, agreement: Agreement) -> list[int]:
@@ -124,7 +112,7 @@ def _on_beam(bench: Bench, begin: Fit, base: Fit, best: Fit, unseen: Reduced) ->
     if not looks or looks[0].cost >= _at_a_look(bench, begin, best):
         return ()
     found = sorted((of_fit(base, fit, unseen) for fit in converged_fits(bench, begin, looks)), key=cost_per_number)
-    return tuple(found) if _explains(bench, base, best, found[0]) else ()
+    return tuple(found) if _explains(found[0], best) else ()
 
 
 def _at_a_look(bench: Bench, begin: Fit, best: Fit) -> float:
@@ -140,23 +128,12 @@ def leaves_noise_only(bench: Bench, fit: Fit) -> bool:
     return fit.gap <= SOLVED * bench.flat and within_tolerances(fit)
 
 
-def _closes(base: Fit, one: Description) -> bool:
-    """Whether a description closes the gap of records it has not seen, weighed as it weighs them.
-
-    Lost samples are visible in the record itself. An effect does not explain them, even if it leaves little where they
-    are counted as noise.
-    """
-    before = squared_residuals(twin_of(base, one.raw), one.raw).gap
-    return excess(one.fit) <= CLOSES * (before**2 - 1)
-
-
-def _explains(bench: Bench, base: Fit, best: Fit, one: Description) -> bool:
-    """Whether a description explains the gap and is more probable than the best explanation that has a name.
-
-    What has no name costs the price of an effect twice: it stands for any of many causes, none of which is known.
-    """
-    if not leaves_noise_only(bench, one.fit) and excess(one.fit) > CLOSES * excess(base):
-        return False
-    named, nameless = evidence([best, one.fit])
+def nameless_evidence(one: Description) -> float:
+    """-2 log evidence of a description: it stands for any of many causes, and costs the price of an effect twice."""
     elements = 2 * len(one.learned) - len(one.fit.problem.candidates)
-    return bool(nameless + DEFAULT.effect_price * elements < named)
+    return float(evidence([one.fit])[0] + DEFAULT.effect_price * elements)
+
+
+def _explains(one: Description, best: Fit) -> bool:
+    """Whether a description explains the gap and is more probable than the best explanation that has a name."""
+    return nameless_evidence(one) < min(float(evidence([best])[0]), evidence_without_name(one.fit))

@@ -33,8 +33,7 @@ def verdict_sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
         at = f" on {', '.join(where.channels)}" if 0 < len(where.channels) < 4 else ""
         return (
             f"A gap of {three_digits(gap.before)} noise units lies in the {where.stage}{at}, and none of the "
-            "known effects "
-            f"explains it.{_behaviour_sentence(diagnosis)}"
+            f"known effects explains it{_probability_in_words(diagnosis.unknown)}.{_behaviour_sentence(diagnosis)}"
         )
     parts = " and ".join(effect_in_words(f, channels) for f in diagnosis.effects)
     return (
