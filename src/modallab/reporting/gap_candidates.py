@@ -27,6 +27,8 @@ def candidates_section(diagnosis: Diagnosis) -> Markup | None:
     caption = (
         "The gap that each explanation leaves once it is fitted, beside the gap without any effect. 1 is noise alone."
     )
+    if diagnosis.unknown is not None:
+        caption += f" A cause without a name has a probability of {probability_text(diagnosis.unknown)}."
     figure = log_bars(rows, ("gap",), (style.MEASURED,), above=True)
     return page_section("The candidates", captioned_figure(figure, "candidates", caption, caption, columns=1))
 

@@ -129,11 +129,17 @@ def leaves_noise_only(bench: Bench, fit: Fit) -> bool:
 
 
 def nameless_evidence(one: Description) -> float:
-    """-2 log evidence of a description: it stands for any of many causes, and costs the price of an effect twice."""
-    elements = 2 * len(one.learned) - len(one.fit.problem.candidates)
-    return float(evidence([one.fit])[0] + DEFAULT.effect_price * elements)
+    """-2 log evidence of a description."""
+    return float(evidence([one.fit])[0]) + _price_beside_fitted(one)
+
+
+def _price_beside_fitted(one: Description) -> float:
+    """What its fit does not count: an element stands for any of many causes, and costs two effects."""
+    return DEFAULT.effect_price * (2 * len(one.learned) - len(one.fit.problem.candidates))
 
 
 def _explains(one: Description, best: Fit) -> bool:
     """Whether a description explains the gap and is more probable than the best explanation that has a name."""
-    return nameless_evidence(one) < min(float(evidence([best])[0]), evidence_without_name(one.fit))
+    named, nameless = evidence([best, one.fit])
+    more_probable = bool(nameless + _price_beside_fitted(one) < named)
+    return more_probable and nameless_evidence(one) < evidence_without_name(one.fit)

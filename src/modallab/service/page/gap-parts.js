@@ -52,8 +52,12 @@ function bar(share) {
     svg("rect", { class: "all", width: BAR_WIDTH, height: BAR_HEIGHT, rx: 3 }), svg("rect", { class: "part", width: size * BAR_WIDTH, height: BAR_HEIGHT, rx: 3 })), ` ${text}`);
 }
 
-/** Explanations, the likeliest first. */
-export const candidates = (found) => panel("Candidates", found.length ? table("Candidates with their probability", ["Explanation", "Probability", ["Gap it leaves", "n"]], found.slice(0, 8).map((one) => [spaced(one.effects.join(" and ")) || "none", bar(one.probability), `${number(one.gap, 3)}`])) : h("p", { class: "muted" }, "There are none."));
+/** Explanations, the likeliest first, and how probable a cause without a name is. */
+export function candidates(found, unknown) {
+  const rows = found.slice(0, 8).map((one) => [spaced(one.effects.join(" and ")) || "none", bar(one.probability), `${number(one.gap, 3)}`]);
+  if (unknown !== null && found.length) rows.push(["a cause without a name", bar(unknown), "–"]);
+  return panel("Candidates", found.length ? table("Candidates with their probability", ["Explanation", "Probability", ["Gap it leaves", "n"]], rows) : h("p", { class: "muted" }, "There are none."));
+}
 
 /** By channel, on a logarithmic scale that begins at noise alone. */
 export function residuals({ by_channel: before, after_by_channel: after }) {
