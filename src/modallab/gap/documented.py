@@ -157,7 +157,7 @@ def _found_effects(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Foun
         return []
     length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
     found: list[Found] = []
-    for effect, believed in zip(fit.effects, intervals(choice), strict=True):
+    for effect, believed in zip(fit.effects, intervals(fit), strict=True):
         share = sum(p for f, p in ranked if any(c.effect == effect.effect for c in f.problem.candidates))
         found.append(
             Found(

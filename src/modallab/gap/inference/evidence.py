@@ -16,11 +16,13 @@ from typing import Self
 import numpy as np
 
 from modallab.core.arrays import Real
+from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.model.fit import Fit
+from modallab.gap.model.fit import Fit, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.search.fitting import without_effect
-from modallab.twin.effects import search_of
+from modallab.twin.candidate import CandidateEffect
+from modallab.twin.effects import model_of, search_of
 
 NUMBERS_OF_MODE = 3
 """In which a mode of the model may be wrong: frequency, damping ratio, size."""
@@ -120,6 +122,11 @@ class RecordsFloor:
         above = max(least - np.count_nonzero(best.residual), 0.0)
         return cls(least, above, 1 + discrepancy / numbers, numbers)
 
+    @property
+    def variance(self) -> float:
+        """Variance of each number in which the model may be wrong, in units of the noise's variance."""
+        return (self.numbers + self.expected + self.above) / (self.numbers + 1)
+
 
 def likelihood(squares: Real, floor: RecordsFloor) -> Real:
     """-2 log likelihood of explanations that leave these squares, in noise units; in any shape."""
@@ -144,11 +151,22 @@ def _squares_of_inexact_effects(fit: Fit) -> float:
     """Squares that remain of what the effects do, by what each declares of its own model."""
     found = 0.0
     for which, candidate in enumerate(fit.problem.candidates):
-        inexact = search_of(candidate.effect).inexact
-        if inexact:
+        share = _inexact_share(candidate, fit.problem.data)
+        if np.any(share):
             problem, u = without_effect(fit.problem, fit.u, which)
-            found += inexact**2 * float(np.sum((problem.residual(u) - fit.residual) ** 2))
+            change = problem.residual(u) - fit.residual
+            found += float(np.sum((share * change[: share.size]) ** 2))
     return found
+
+
+def _inexact_share(candidate: CandidateEffect, data: Reduced) -> Real:
+    """(records' residuals,) relative deviation of what an effect does."""
+    search, linear = search_of(candidate.effect), model_of(candidate.effect).kind.linear
+    in_hits = search.inexact if linear else search.law.inexact_in_hits
+    hits = sum(d.rows.y.size for d in data.impacts)
+    sines = sum(rows.y.size for rows in all_rows(data)) - hits
+    share = np.repeat([in_hits, search.inexact], [hits, sines])
+    return np.concatenate([share, share])
 
 
 def probabilities_of(minus_two_logs: Real) -> Real:

@@ -90,7 +90,7 @@ def _tried(
         report_progress(0.0, f"what {bench.data.rig.channels[row].name} behaves like")
         for fit in best_fits(bench, base, list(linear_operators(bench, row)), 1):
             least = min(least, excess(fit))
-            yield of_fit(base, fit, unseen, (row,))
+            yield of_fit(fit, unseen, (row,))
         if least < SOLVED * excess(base):
             return
         for one in sample_operators(bench, prepared, fit_without_channel(bench, prepared, seen, row), held, row):
@@ -103,7 +103,7 @@ def _tried(
     loudest = bench.data.channels[int(np.argmax(channel_share(base)))]
     alone = [] if rows else list(linear_operators(bench, loudest))
     for fit in best_fits(bench, base, [*trials_on_beam(bench, base), *operators_on_all_channels(bench), *alone]):
-        yield of_fit(base, fit, unseen, rows_of(fit))
+        yield of_fit(fit, unseen, rows_of(fit))
 
 
 def _shrink(choice: Choice, best: Description, held: Sequence[str]) -> Shrink:

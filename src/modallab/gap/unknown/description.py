@@ -8,7 +8,6 @@ from modallab.core.described import Learned
 from modallab.core.places import OneChannel, place_in_metres
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, cost_with_price
-from modallab.gap.search.choose import Choice
 from modallab.gap.search.intervals import intervals
 from modallab.twin.learned import learned_element_models
 
@@ -32,11 +31,11 @@ class Description:
     rows: tuple[int, ...] = ()
 
 
-def of_fit(base: Fit, fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> Description:
+def of_fit(fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> Description:
     """The description that a fit of elements is."""
     length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
     found: list[Learned] = []
-    for effect, believed in zip(fit.effects, intervals(Choice(base, fit, (), True, False)), strict=True):
+    for effect, believed in zip(fit.effects, intervals(fit), strict=True):
         found.append(
             Learned(
                 element=effect.effect,

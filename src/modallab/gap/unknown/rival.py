@@ -88,13 +88,13 @@ def nameless_explanations(
     base, best = named.base, named.fit
     begin = search_origin(bench, base)
     if alone is None:
-        return _on_beam(bench, begin, base, best, unseen)
+        return _on_beam(bench, begin, best, unseen)
     found = sorted(sample_operators(bench, prepared, alone.fit, held, alone.row), key=cost_per_number)
     if alone.loses and nameless_evidence(found[0]) < evidence_without_name(base):
         # Lost samples are visible in the record itself: no effect explains them.
         return tuple(found)
     operators = best_fits(bench, begin, list(linear_operators(bench, alone.row)), 1)
-    found = sorted([*found, *(of_fit(base, fit, unseen, (alone.row,)) for fit in operators)], key=cost_per_number)
+    found = sorted([*found, *(of_fit(fit, unseen, (alone.row,)) for fit in operators)], key=cost_per_number)
     return tuple(found) if _explains(found[0], best) else ()
 
 
@@ -105,13 +105,13 @@ def _differing(bench: Bench, agreement: Agreement) -> list[int]:
     return [row for row in bench.data.channels if bench.data.rig.channels[row].name in agreement.differing]
 
 
-def _on_beam(bench: Bench, begin: Fit, base: Fit, best: Fit, unseen: Reduced) -> tuple[Description, ...]:
+def _on_beam(bench: Bench, begin: Fit, best: Fit, unseen: Reduced) -> tuple[Description, ...]:
     """Elements in the structure or on all channels."""
     trials = [*of_spare_poles(bench, begin), *forces_along_beam(bench), *operators_on_all_channels(bench)]
     looks = short_fits(bench, begin, trials)
     if not looks or looks[0].cost >= _at_a_look(bench, begin, best):
         return ()
-    found = sorted((of_fit(base, fit, unseen) for fit in converged_fits(bench, begin, looks)), key=cost_per_number)
+    found = sorted((of_fit(fit, unseen) for fit in converged_fits(bench, begin, looks)), key=cost_per_number)
     return tuple(found) if _explains(found[0], best) else ()
 
 

@@ -40,7 +40,11 @@ MODEL = EffectModel(
     once=True,
     # How a drag spreads along the beam is a convention: evenly, or lumped at a few stations as simulators do.
     search=EffectSearch(
-        rank=100, slots=_slots, forms=((), (("stations", STATIONS),)), inexact=0.05, law=SteppedLaw(smooth=True)
+        rank=100,
+        slots=_slots,
+        forms=((), (("stations", STATIONS),)),
+        inexact=0.05,
+        law=SteppedLaw(smooth=True, inexact_in_hits=0.05),
     ),
     experiment="Repeat the sines at a third level: drag damps in proportion to the amplitude, the frequencies stay.",
 )

@@ -52,6 +52,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=EffectSearch(rank=20, slots=_slots, inexact=0.03),
+    search=EffectSearch(rank=20, slots=_slots, inexact=0.01),
     experiment="Look for what pulls or presses the beam along its axis, or lies along it, and repeat the hits.",
 )

@@ -58,6 +58,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=False,
-    search=EffectSearch(rank=10, slots=_slots, inexact=0.03),
+    search=EffectSearch(rank=10, slots=_slots, inexact=0.01),
     experiment="Look at the place, fasten or take off what touches the beam there, and repeat the hits.",
 )

@@ -59,6 +59,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=False,
-    search=EffectSearch(rank=30, slots=_slots, inexact=0.03),
+    search=EffectSearch(rank=30, slots=_slots, inexact=0.01),
     experiment="Exchange the sensor, then its cable, then the input it is plugged into, and repeat the hits.",
 )

@@ -64,7 +64,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=False,
-    search=EffectSearch(rank=25, slots=_slots, inexact=0.03),
+    search=EffectSearch(rank=25, slots=_slots, inexact=0.01),
     experiment="Hit the beam's left and right edge in turn: modes of twisting change their sign, those of bending do "
     "not; then turn a sensor and the hammer across the drive.",
 )
