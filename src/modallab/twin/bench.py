@@ -146,18 +146,15 @@ def chain_transfer(chain: MeasurementChain, channels: tuple[int, ...], s: Comple
 
     At s = 0 a high-pass and an integral have no answer; there it is 0.
     """
-    total: Complex = np.ones((len(channels), *s.shape), dtype=np.complex128)
-    total /= chain.force_gain
+    along = (len(channels), *(1,) * s.ndim)
+    gains = np.array([chain.gain.get(channel, 1.0) for channel in channels]) / chain.force_gain
+    total: Complex = np.asarray(gains.reshape(along) * np.ones(s.shape), dtype=np.complex128)
     if chain.corner_hz:
         total *= s / (s + 2 * np.pi * chain.corner_hz)
-    if chain.delay_s:
-        total *= np.exp(-s * chain.delay_s)
+    late = np.array([chain.lag_s.get(c, 0.0) - c * chain.skew_s for c in channels]) + chain.delay_s
+    if late.any():
+        total *= np.exp(-s * late.reshape(along))
     for i, channel in enumerate(channels):
-        total[i] *= chain.gain.get(channel, 1.0)
-        if chain.skew_s:
-            total[i] *= np.exp(s * channel * chain.skew_s)
-        if channel in chain.lag_s:
-            total[i] *= np.exp(-s * chain.lag_s[channel])
         if channel in chain.own_corner_hz:
             total[i] *= s / (s + 2 * np.pi * chain.own_corner_hz[channel])
         if channel in chain.integrals:
