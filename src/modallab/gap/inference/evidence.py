@@ -16,12 +16,9 @@ from typing import Self
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.fit import Fit, all_rows
 from modallab.gap.model.forward import forward
-from modallab.gap.search.fitting import without_effect
-from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import model_of, search_of
 
 NUMBERS_OF_MODE = 3
@@ -148,25 +145,23 @@ def _squares_of_discrepancy(fit: Fit) -> float:
 
 
 def _squares_of_inexact_effects(fit: Fit) -> float:
-    """Squares that remain of what the effects do, by what each declares of its own model."""
-    found = 0.0
-    for which, candidate in enumerate(fit.problem.candidates):
-        share = _inexact_share(candidate, fit.problem.data)
-        if np.any(share):
-            problem, u = without_effect(fit.problem, fit.u, which)
-            change = problem.residual(u) - fit.residual
-            found += float(np.sum((share * change[: share.size]) ** 2))
-    return found
-
-
-def _inexact_share(candidate: CandidateEffect, data: Reduced) -> Real:
-    """(records' residuals,) relative deviation of what an effect does."""
-    search, linear = search_of(candidate.effect), model_of(candidate.effect).kind.linear
-    in_hits = search.inexact if linear else search.law.inexact_in_hits
+    """Squares that the same explanation leaves with each effect smaller by what it declares of its own model."""
+    data = fit.problem.data
     hits = sum(d.rows.y.size for d in data.impacts)
-    sines = sum(rows.y.size for rows in all_rows(data)) - hits
-    share = np.repeat([in_hits, search.inexact], [hits, sines])
-    return np.concatenate([share, share])
+    every = np.arange(sum(rows.y.size for rows in all_rows(data)))
+    first, found = fit.problem.free.size, 0.0
+    for candidate in fit.problem.candidates:
+        own = np.s_[first : first + len(candidate.slots)]
+        search, linear = search_of(candidate.effect), model_of(candidate.effect).kind.linear
+        in_hits = search.inexact if linear else search.law.inexact_in_hits
+        for inexact, rows in ((in_hits, every < hits), (search.inexact, every >= hits)):
+            if inexact and np.any(rows):
+                u = fit.u.copy()
+                u[own] = candidate.with_signature(u[own], 1 - inexact)
+                change = (fit.problem.residual(u) - fit.residual)[: 2 * every.size]
+                found += float(np.sum(change.reshape(2, -1)[:, rows] ** 2))
+        first = own.stop
+    return found
 
 
 def probabilities_of(minus_two_logs: Real) -> Real:

@@ -31,6 +31,8 @@ MODEL = EffectModel(
         slots=lambda _: (
             FreeNumber("seconds_per_channel", "plain", spread_logarithmically(1e-7, 2e-4, 7), 1e-5, low=0.0, high=3e-4),
         ),
+        # Between samples a bench or a simulation interpolates, none of them exactly.
+        inexact=0.02,
     ),
     experiment="Exchange the first and the last row of the converter and repeat: a skew goes with the row.",
     rivals=(RivalEffect("trigger_delay", "Exchange the first and the last row of the converter and repeat.", rank=80),),
