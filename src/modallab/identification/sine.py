@@ -212,6 +212,8 @@ def clock_notes(signals: Sequence[Signals]) -> tuple[str, ...]:
     clock = 1e6 * float(np.median(offsets))
     if not abs(clock) > CLOCK_PPM:
         return ()
+    way = "slower" if clock < 0 else "faster"
     return (
-        f"The generator's clock runs {clock:+.0f} ppm against the converter's; the measured frequencies were used.",
+        f"The generator's clock runs {abs(clock):.0f} ppm {way} than the converter's; the measured frequencies "
+        "were used.",
     )
