@@ -39,7 +39,7 @@ SEED = 20240501
 USUAL = "The rig file states no tolerances: a lab's usual ones stand for them; the budget lists them."
 TOLERATED = "No effect explains the remaining {} of the response on held-out records; the rig file tolerates them."
 LOOSE_ASSEMBLY = (
-    "Together, the parameters of the assembly deviate more than the tolerances of the rig; none does alone."
+    "Together, the deviations of the parameters are improbable under the rig's tolerances; no single one is."
 )
 
 

@@ -114,7 +114,7 @@ def _effect_table(found: Found, rig: Rig) -> Markup:
     place, interval = place_of(found, _channel_names(rig))
     tail = FROM_CLAMP
     rows = [["place" + tail * place.endswith(tail), place.removesuffix(tail), interval]] if place else []
-    rows += [[p.name, *parameter_in_words(found, p)] for p in kind_of(found.effect).parameters]
+    rows += [[p.in_words, *map(typeset_sentence, parameter_in_words(found, p))] for p in kind_of(found.effect).parameters]
     caption = f"{model_of(found.effect).spoken}, probability {probability_text(found.probability)}"
     return html_table(caption[0].upper() + caption[1:], ["", "value", "95 % interval"], rows, numeric=(1, 2))
 

@@ -35,7 +35,7 @@ from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.checks import overloaded_channels
 from modallab.signals.conversion import Conversion
 
-ONE_LEVEL = "Only one level: whether the bench answers in proportion cannot be examined."
+ONE_LEVEL = "Only one level: whether the bench is linear cannot be examined."
 NOISY = 1.3
 """A row this far above the others is noisy."""
 NOISY_AS_BUILT = 2.5

@@ -18,7 +18,7 @@ def next_experiment(
         nonlinear: whether these records show already that the bench does not answer in proportion.
     """
     if verdict == "no_gap":
-        return "None: the twin and the bench agree to within the noise."
+        return "Nothing: the simulation and the bench agree to within the noise."
     if verdict == "unknown":
         # What was fitted and explains nothing is no ground for advice.
         return _step_for_unknown(campaign, nonlinear)
@@ -31,7 +31,7 @@ def next_experiment(
         if separating:
             return min(separating, key=lambda r: r.rank).experiment
         return f"Separate {' from '.join(sorted(differ))}: strike at a point where only one of them moves."
-    return "Put the effect into the simulated bench, or correct it on the real one, and repeat the campaign."
+    return "Put the effect into the simulation (modallab gap apply) or remove it from the bench, and repeat the campaign."
 
 
 def _step_for_unknown(campaign: Campaign, nonlinear: bool) -> str:

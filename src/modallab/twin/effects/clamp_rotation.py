@@ -38,7 +38,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "clamp_rotation",
         "structure",
-        (Parameter("k_rot", "N m/rad", 2.0, 2e5, "EI/L"),),
+        (Parameter("k_rot", "N m/rad", 2.0, 2e5, "EI/L", spoken="rotational stiffness"),),
         "root",
         "the root turns against a spring k_rot",
     ),

@@ -24,7 +24,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "clock_error",
         "acquisition",
-        (Parameter("relative", "", 1e-6, 0.1, signed=True),),
+        (Parameter("relative", "", 1e-6, 0.1, signed=True, spoken="relative error of the rate"),),
         "all",
         "the converter's true rate is (1 + relative) times the stated one",
     ),

@@ -26,7 +26,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "hit_position",
         "excitation",
-        (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True),),
+        (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True, spoken="offset"),),
         "hit",
         "every hit lands dx farther from the clamp than said",
         tests=("impact",),

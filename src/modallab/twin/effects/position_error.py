@@ -27,7 +27,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "position_error",
         "sensor",
-        (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True),),
+        (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True, spoken="offset"),),
         "channel",
         "one accelerometer sits dx farther from the clamp than the rig file says",
     ),

@@ -21,7 +21,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "thermal_drift",
         "structure",
-        (Parameter("EI_drift", "", 1e-5, 0.3, signed=True),),
+        (Parameter("EI_drift", "", 1e-5, 0.3, signed=True, spoken="change of bending stiffness"),),
         "none",
         "EI has changed by the share EI_drift at the last record, about evenly over the order of time",
     ),
