@@ -29,7 +29,7 @@ export function described(found) {
   const numbers = elements.flatMap(({ parameters, interval }) => Object.entries(parameters).map(([name, value]) => [spaced(name), number(value), range(interval[name])]));
   if (x !== null) numbers.unshift(["place, m from the clamp", number(x), range(between)]);
   return panel("What it behaves like", h("p", {}, `The gap behaves like ${says.replace(/,+$/, "")}.`),
-    shrunk.closed !== null && h("p", {}, h("strong", {}, `That closes ${closed(shrunk.closed)} of it`), ` on ${shrunk.held_out.length} records that no fit has seen: from ${number(shrunk.before, 3)} to ${number(shrunk.after, 3)} noise units. It is no cause: something else may behave alike.`),
+    shrunk.closed !== null && h("p", {}, h("strong", {}, `That closes ${closed(shrunk.closed)} of it`), ` on ${shrunk.held_out.length} records that no fit has seen: from ${number(shrunk.before, 3)} to ${number(shrunk.after, 3)} noise units. It need not be the cause: another change may behave alike.`),
     table("Its numbers, in SI units", ["Number", ["Value", "n"], ["95 % interval", "n"]], numbers),
     alternatives.length > 0 && h("ul", { class: "plainlist" }, alternatives.map((other) => h("li", {}, `${sentence(other.says)} It leaves ${number(other.gap, 3)} noise units.`))));
 }
@@ -53,7 +53,7 @@ function bar(share) {
 }
 
 /** Explanations, the likeliest first. */
-export const candidates = (found) => panel("Candidates", found.length ? table("Candidates with their probability", ["Explanation", "Probability", ["Gap it leaves", "n"]], found.slice(0, 8).map((one) => [spaced(one.effects.join(" and ")) || "none", bar(one.probability), `${number(one.gap, 3)}`])) : h("p", { class: "muted" }, "There are none."));
+export const candidates = (found) => panel("Candidates", found.length ? table("Candidates with their probability", ["Explanation", "Probability", ["Gap it leaves [noise units]", "n"]], found.slice(0, 8).map((one) => [spaced(one.effects.join(" and ")) || "none", bar(Math.min(one.probability, 0.99)), `${number(one.gap, 3)}`])) : h("p", { class: "muted" }, "There are none."));
 
 /** By channel, on a logarithmic scale that begins at noise alone. */
 export function residuals({ by_channel: before, after_by_channel: after }) {
@@ -66,5 +66,5 @@ export function residuals({ by_channel: before, after_by_channel: after }) {
 }
 
 /** What the gap is made of. */
-export const budget = (found) => panel("Budget", found ? [table("Parts of the gap", ["Part", "Share", ["Sigmas", "n"]], found.rows.slice(0, 12).map((row) => [`${spaced(row.name).replaceAll("+", " and ")}${row.place ? `, ${row.place}` : ""}`, bar(row.share), row.sigmas === null ? "–" : row.sigmas.toFixed(1)])),
-  h("p", { class: "muted" }, "Numbers whose shares cancel stand together, with what stays."), h("ul", { class: "plainlist" }, found.calibrate.map((one) => h("li", {}, sentence(one))))] : h("p", { class: "muted" }, "This diagnosis has none."));
+export const budget = (found) => panel("Budget of the gap", found ? [table("Parts of the gap", ["Part", "Share", ["Deviation [σ]", "n"]], found.rows.slice(0, 12).map((row) => [row.said, bar(row.share), row.sigmas === null ? "–" : number(row.sigmas, 2)])),
+  h("p", { class: "muted" }, "Deviations whose shares cancel are summed in one row."), h("ul", { class: "plainlist" }, found.calibrate.map((one) => h("li", {}, sentence(one))))] : h("p", { class: "muted" }, "This diagnosis has none."));
