@@ -13,7 +13,7 @@ from modallab.core.units import Quantity
 from modallab.formats.frf_file import bare_rig
 from modallab.formats.rig.rig_file import write_rig
 from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
-from modallab.modification.coupled import Coupled
+from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.known import KnownStructure
 from modallab.modification.participation import modal_participation
 from modallab.modification.structure import At
@@ -185,7 +185,7 @@ def test_what_is_coupled_and_taken_away_again_are_the_modes_of_python(models: Pa
     other.write_text(json.dumps({"models": [OTHER.model().model_dump(mode="json")]}))
     given = ["--other", str(other), "--pair", "4", "1", "--joint", "30000", "--json", str(answer)]
     assert main(["model", "couple", str(models), *given]) == 0
-    held = Coupled(KnownStructure(OTHER.model()).structure, [(4, 1)], 3e4)
+    held = CouplingToStructure(KnownStructure(OTHER.model()).structure, [(4, 1)], 3e4)
     expected = KnownStructure(BARE.model()).with_changes([held]).modes.frequency_hz
     np.testing.assert_allclose(json.loads(answer.read_text())["frequency_hz"], expected)
 

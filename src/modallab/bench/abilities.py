@@ -125,7 +125,7 @@ class SyncState:
 
 
 @runtime_checkable
-class Synchronised(Protocol):
+class SynchronisedBench(Protocol):
     """A bench of several devices that sample as one."""
 
     def synchronisation(self) -> SyncState:

@@ -26,7 +26,7 @@ class OutcomeFigure(Frozen):
     misses: tuple[str, ...] = ()
 
 
-class OfEffect(Frozen):
+class EffectOutcome(Frozen):
     """How trials with one true effect went.
 
     Attributes:
@@ -77,7 +77,7 @@ class BlindOutcome(Frozen):
     answers: str
     trials: int
     figures: list[OutcomeFigure]
-    effects: list[OfEffect]
+    effects: list[EffectOutcome]
     calibration_error: float
     reliability: list[OutcomeFigure]
     shrinkage: list[ShrinkageOutcome]
@@ -122,10 +122,10 @@ def _outcome_figure(figure: Figure) -> OutcomeFigure:
     return OutcomeFigure(name=figure.name, value=value, count=figure.count, misses=figure.misses)
 
 
-def _outcome_of_effect(name: str, trials: Sequence[Trial]) -> OfEffect:
+def _outcome_of_effect(name: str, trials: Sequence[Trial]) -> EffectOutcome:
     right = [t for t in trials if t.right]
     stages = sum(t.diagnosis.where.stage in {e["family"] for e in t.truth} for t in trials)
-    return OfEffect(
+    return EffectOutcome(
         effect=name,
         trials=len(trials),
         right=len(right),

@@ -19,7 +19,7 @@ from modallab.blind.outcome import BlindOutcome
 from modallab.blind.page import render
 from modallab.blind.request import BlindRequest
 from modallab.blind.run import blind_folder, run_blind_trials
-from modallab.cli.options import only_with
+from modallab.cli.options import require_option
 from modallab.core.errors import PlanError
 from modallab.core.extras import optional_package
 from modallab.core.field_errors import error_sentences
@@ -33,10 +33,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Make, seal, answer and open trials, or answer the campaigns of a folder."""
     if arguments.on is not None:
         return _run_on_frfs(arguments)
-    only_with("--on", rig=arguments.rig, band=arguments.band)
+    require_option("--on", rig=arguments.rig, band=arguments.band)
     console, out, folder = Console(), cast("Path", arguments.out), cast("Path | None", arguments.folder)
     if folder is None:
-        only_with("--folder", truth=arguments.truth)
+        require_option("--folder", truth=arguments.truth)
     with (
         console.status("blind trials") as status,
         report_progress_to(lambda share, words: status.update(f"{share:.0%} {words}")),

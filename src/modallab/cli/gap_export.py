@@ -4,7 +4,7 @@ import argparse
 
 from modallab.cli.console import console_of, write_json
 from modallab.cli.gap import read_diagnosis
-from modallab.cli.options import only_with
+from modallab.cli.options import require_option
 from modallab.core.digits import part_of, three_digits
 from modallab.core.errors import PlanError
 from modallab.core.progress import report_progress_to
@@ -20,9 +20,9 @@ STEPPED = ("npz", "mat")
 def run(arguments: argparse.Namespace) -> int:
     """Write the twin of a diagnosis in a form; with a campaign, measure it in that form."""
     if arguments.form not in STEPPED:
-        only_with("--form npz or mat", rate=arguments.rate)
+        require_option("--form npz or mat", rate=arguments.rate)
     if arguments.on is None:
-        only_with("--on", records=arguments.records, json=arguments.json)
+        require_option("--on", records=arguments.records, json=arguments.json)
     form, rig = FORMS[arguments.form], read_rig(arguments.rig)
     diagnosis = read_diagnosis(arguments.diagnosis)
     if arguments.out.suffix != form.suffix:

@@ -10,7 +10,7 @@ from modallab.cli.console import console_of, show_rows, write_json
 from modallab.cli.model_ready import prepare_model
 from modallab.core.errors import ConfigurationError
 from modallab.modification.attachments import AttachedPart, Element, RigidLink, TunedAbsorber
-from modallab.modification.coupled import Coupled
+from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.free_band import FreeBand, kept_free
 from modallab.modification.inverse import ChangeAtPoint, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
@@ -34,7 +34,7 @@ def couple(known: KnownStructure, arguments: argparse.Namespace) -> None:
     other, _ = prepare_model(arguments.other, None, None, progress=not arguments.hush)
     sign = -1 if arguments.remove else 1
     pairs = [(a, b) for a, b in arguments.pair]
-    held = Coupled(other.structure, pairs, arguments.joint, sign, samples=other.samples)
+    held = CouplingToStructure(other.structure, pairs, arguments.joint, sign, samples=other.samples)
     _show_changed(known, [held], arguments)
 
 

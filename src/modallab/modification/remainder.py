@@ -53,7 +53,7 @@ def remainder_of_structure(
     off = varied_values - values
     rest = _fit_remainder(s, values, off, _start_poles(s, count), both, at)
     # Poles of the samples are off as well, and with them where values are known.
-    left = off - rest.of_joint(places, at) + rest.of_joint(s, at)
+    left = off - rest.receptance_of_joint(places, at) + rest.receptance_of_joint(s, at)
     return _fit_remainder(s, values, left, rest.structure.poles, both, at, begin=False)
 
 
@@ -229,7 +229,7 @@ class Remainder:
     structure: Structure
     samples: Structure
 
-    def of_joint(self, s: Complex, at: Real) -> Complex:
+    def receptance_of_joint(self, s: Complex, at: Real) -> Complex:
         """(..., points, freedoms) receptances from the joint."""
         return self.structure.receptance(s, None, at)[..., 0]
 

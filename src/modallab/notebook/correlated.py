@@ -9,7 +9,7 @@ from modallab.core.rig import Rig
 from modallab.formats.fem.matrix_model import MatrixModel
 from modallab.modification.known import KnownStructure
 from modallab.notebook.put_to_use import PutToUse
-from modallab.notebook.shown import Answered, Shown
+from modallab.notebook.shown import DisplayedResult, DisplayedTable
 from modallab.pipelines.model_update import update_model
 from modallab.pipelines.structure_gap import read_reference
 from modallab.reporting.understood_table import correlation_rows
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class UpdatedModel(Answered[UpdatedParameters]):
+class UpdatedModel(DisplayedResult[UpdatedParameters]):
     """Parameters of a model with their 95 % intervals; `numbers` holds all arrays."""
 
     def __init__(self, numbers: UpdatedParameters) -> None:
@@ -33,12 +33,12 @@ class UpdatedModel(Answered[UpdatedParameters]):
         """Parameter -> the most probable value."""
         return self.numbers.numbers
 
-    def modes(self) -> Shown:
+    def modes(self) -> DisplayedTable:
         """Each measured mode beside the model's, before and after."""
-        return Shown(*updated_mode_rows(self.numbers))
+        return DisplayedTable(*updated_mode_rows(self.numbers))
 
 
-class CorrelatedModes(Answered[ModelCorrelation]):
+class CorrelatedModes(DisplayedResult[ModelCorrelation]):
     """Pairs of modes of two models; `numbers` holds all arrays."""
 
     def __init__(self, numbers: ModelCorrelation, rig: Rig | None) -> None:

@@ -13,7 +13,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, UNIT, Frf, FrfQuantity
 from modallab.core.rig import Rig
 from modallab.formats.frf_file import bare_rig, rig_of, write_frf
-from modallab.notebook.shown import Shown
+from modallab.notebook.shown import DisplayedTable
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -54,12 +54,12 @@ class MeasuredFrf:
 
         return frf_overview(self.frf)
 
-    def table(self) -> Shown:
+    def table(self) -> DisplayedTable:
         """What they are."""
         outputs, inputs, lines = self.frf.values.shape
         low, high = self.frf.frequency_hz[[0, -1]]
         row = (self.frf.quantity, str(outputs), str(inputs), str(lines), f"{low:g} to {high:g} Hz")
-        return Shown(("FRFs", "outputs", "inputs", "lines", "band"), [row], f"in {UNIT[self.frf.quantity]}")
+        return DisplayedTable(("FRFs", "outputs", "inputs", "lines", "band"), [row], f"in {UNIT[self.frf.quantity]}")
 
     def __repr__(self) -> str:
         outputs, inputs, lines = self.frf.values.shape

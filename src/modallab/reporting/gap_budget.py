@@ -24,7 +24,9 @@ def budget_section(diagnosis: Diagnosis) -> Markup | None:
     budget = diagnosis.budget
     if budget is None or not budget.rows:
         return None
-    largest = [Bar(typeset_sentence(r.said), r.share, part_of(r.share), COLOURS[r.kind]) for r in _rows_shown(budget)[:LONGEST]]
+    largest = [
+        Bar(typeset_sentence(r.said), r.share, part_of(r.share), COLOURS[r.kind]) for r in _rows_shown(budget)[:LONGEST]
+    ]
     first = (
         html_element("ul", *(html_element("li", typeset_sentence(line)) for line in budget.calibrate))
         if budget.calibrate
@@ -40,7 +42,9 @@ def _rows_shown(budget: Budget) -> list[BudgetRow]:
 
 def _budget_table(budget: Budget) -> Markup:
     head = ["part", "share", "deviation [σ]", "mostly in"]
-    return html_table("Budget of the gap", head, [_budget_row(r) for r in _rows_shown(budget)], numeric=(1, 2), class_="wide")
+    return html_table(
+        "Budget of the gap", head, [_budget_row(r) for r in _rows_shown(budget)], numeric=(1, 2), class_="wide"
+    )
 
 
 def _budget_row(row: BudgetRow) -> list[str]:

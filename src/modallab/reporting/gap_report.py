@@ -12,7 +12,7 @@ from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import revision_history
 from modallab.gap.words.effects import FROM_CLAMP, interval_m, parameter_in_words, place_of
-from modallab.gap.words.verdicts import own_error, share_of_response, verdict_sentence
+from modallab.gap.words.verdicts import share_of_response, unexplained_sentence, verdict_sentence
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
 from modallab.reporting.gap_budget import budget_section
@@ -68,7 +68,7 @@ def _width_of_gap(diagnosis: Diagnosis) -> Markup:
         "In noise units, 1 is noise alone. The percentages are of the response: the median over all records, without "
         "their noise. "
     )
-    return html_element("section", widths, html_element("p", note + typeset_sentence(own_error(gap))))
+    return html_element("section", widths, html_element("p", note + typeset_sentence(unexplained_sentence(gap))))
 
 
 def _resonant_and_other(share: Percent | None) -> tuple[str, str]:
@@ -114,7 +114,9 @@ def _effect_table(found: Found, rig: Rig) -> Markup:
     place, interval = place_of(found, _channel_names(rig))
     tail = FROM_CLAMP
     rows = [["place" + tail * place.endswith(tail), place.removesuffix(tail), interval]] if place else []
-    rows += [[p.in_words, *map(typeset_sentence, parameter_in_words(found, p))] for p in kind_of(found.effect).parameters]
+    rows += [
+        [p.in_words, *map(typeset_sentence, parameter_in_words(found, p))] for p in kind_of(found.effect).parameters
+    ]
     caption = f"{model_of(found.effect).spoken}, probability {probability_text(found.probability)}"
     return html_table(caption[0].upper() + caption[1:], ["", "value", "95 % interval"], rows, numeric=(1, 2))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from modallab import __version__
 from modallab.bench.protocol import BenchInfo
-from modallab.bench.recut import Recut
+from modallab.bench.recut import RecutRule
 from modallab.core.block import Block, Ramp, also_driven_of
 from modallab.core.errors import BlockDamagedError, StorageError
 from modallab.core.lease import Lease
@@ -200,7 +200,7 @@ def _block_of_run(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Blo
     samples = reader.read(row.offset, row.count)
     require_intact(samples, row)
     assert run.rates is not None  # a block is recorded after the delivery is known
-    recut = Recut.read(row.note.facts)
+    recut = RecutRule.read(row.note.facts)
     over = set(row.note.overload)
     return Block(
         name=row.note.name,

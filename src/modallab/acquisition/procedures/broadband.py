@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from math import ceil
 
 from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch, expected_to_move
-from modallab.acquisition.monitor.context import Context, HeldBlock
+from modallab.acquisition.monitor.context import HeldBlock, RunContext
 from modallab.acquisition.monitor.requests import DropBlock
 from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
 from modallab.acquisition.procedures.broadband_checks import driven_points, over_limits
@@ -65,7 +65,7 @@ class BroadbandTest:
         restarts: how often the bench had to be started again.
     """
 
-    context: Context
+    context: RunContext
     plan: BroadbandPlan
     limits: Limits
     watch: BurstWatch
@@ -227,7 +227,7 @@ def _with_doubt(block: HeldBlock, reason: str) -> HeldBlock:
     return replace(block, note=replace(block.note, accepted=False, reason=reason))
 
 
-def run_broadband(context: Context, plan: BroadbandPlan) -> None:
+def run_broadband(context: RunContext, plan: BroadbandPlan) -> None:
     """Run the test; see `BroadbandTest`."""
     limits = context.rig.limits
     if limits is None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from modallab.acquisition.monitor.live import IDLE, LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
-from modallab.acquisition.process.idle_scope import IdleScope, idle_name
+from modallab.acquisition.process.idle_scope import IdleScope, idle_ring_name
 from modallab.acquisition.process.link import Link
 from modallab.acquisition.process.messages import Ended, Ready, RunPlan
 from modallab.acquisition.process.output_supervisor import LifeLine
@@ -91,7 +91,7 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
 
 def _is_over(store: Store, name: str, url: str) -> bool:
     if name.startswith(IDLE):
-        return name == idle_name(url)
+        return name == idle_ring_name(url)
     return store.catalogue.run(name).state in ENDED
 
 

@@ -17,7 +17,7 @@ from modallab.gap.conditioning.ambient import (
     moves_before_hits,
     without_ringing,
 )
-from modallab.gap.conditioning.clipped import Clipped, find_clipped
+from modallab.gap.conditioning.clipped import ClippedChannel, find_clipped
 from modallab.gap.conditioning.driven import SettledRecords, settle_drives
 from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, weak_hum, without_hum
 from modallab.gap.conditioning.lost import rows_losing_samples
@@ -80,7 +80,7 @@ class PreparedCampaign:
     hum: Hum | None
     weak_hum: tuple[float, Real] | None
     rising_v2: float
-    clipped: tuple[Clipped, ...]
+    clipped: tuple[ClippedChannel, ...]
     ringing: Ringing | None
     floor: Floor | None
     noisy: tuple[int, ...]

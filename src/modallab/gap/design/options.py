@@ -170,7 +170,7 @@ def limit_force(plan: SinePlan, newtons: float) -> SinePlan:
     return plan.model_copy(update={"levels_v": volts, "force": plan.force.model_copy(update={"levels_n": levels})})
 
 
-def every_line(rig: Rig, done: Sequence[Plan]) -> SinePlan:
+def sines_on_all_lines(rig: Rig, done: Sequence[Plan]) -> SinePlan:
     """Sines on all lines of the usual band that were not driven yet: to choose from."""
     before = next((plan for plan in done if isinstance(plan, SinePlan)), None)
     like = before or SinePlan()

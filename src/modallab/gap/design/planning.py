@@ -11,7 +11,7 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.split import every_third
+from modallab.gap.conditioning.split import one_third_of
 from modallab.gap.design.explanations import (
     Explanation,
     RecordsSoFar,
@@ -31,10 +31,10 @@ from modallab.gap.design.options import (
     HITS,
     MOST_OF_LIMIT,
     PossibleExperiment,
-    every_line,
     limit_force,
     plans_of,
     possible_experiments,
+    sines_on_all_lines,
 )
 from modallab.gap.design.planned import PlannedRecords, join_planned, laid_out, with_more_sines
 from modallab.gap.model.fit import Fit, Problem, evaluated, with_relative_noise
@@ -164,10 +164,10 @@ class ExperimentPlanner:
     def _fitted(self, plan: Plan) -> Plan:
         """What of a plan a fit would see."""
         if isinstance(plan, ImpactPlan):
-            return plan.model_copy(update={"hits": plan.hits - len(every_third(range(plan.hits), 2))})
+            return plan.model_copy(update={"hits": plan.hits - len(one_third_of(range(plan.hits), 2))})
         assert isinstance(plan, SinePlan)
         before = {f for p in self.done if isinstance(p, SinePlan) for f in p.frequencies_hz}
-        held = set(every_third(sorted(before | set(plan.frequencies_hz)), 1))
+        held = set(one_third_of(sorted(before | set(plan.frequencies_hz)), 1))
         kept = tuple(f for f in plan.frequencies_hz if f not in held)
         return plan.model_copy(update={"frequencies_hz": kept or plan.frequencies_hz})
 
@@ -181,7 +181,7 @@ class ExperimentPlanner:
         rig = self.there.prepared.campaign.rig
         if rig.shaker_point is None:
             return None
-        plan = every_line(rig, self.done)
+        plan = sines_on_all_lines(rig, self.done)
         layout = self._laid_out(plan)
         best = np.sort(np.argsort(-self._apart_by_sine(layout))[:CHOSEN])
         kept = plan.model_copy(update={"frequencies_hz": tuple(plan.frequencies_hz[k] for k in best)})

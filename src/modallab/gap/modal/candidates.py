@@ -10,7 +10,7 @@ from modallab.core.arrays import Real
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.free import Change
-from modallab.gap.modal.hanging import HANGS, hanging, spacing
+from modallab.gap.modal.hanging import HANGS, attached_candidates, spacing
 from modallab.modification.freedoms import freedoms_of
 
 EVERY = ("trigger_delay", "channel_skew")
@@ -34,7 +34,7 @@ NEXT = 8
 
 def candidates(c: Compared) -> list[Candidate]:
     """All of them; without a driving point none whose size needs the modal mass."""
-    hung = [one for effect in HANGS for one in hanging(c, effect)] if c.shapes.scaled else []
+    hung = [one for effect in HANGS for one in attached_candidates(c, effect)] if c.shapes.scaled else []
     # Of a force that was not measured nothing is late, and none has a gain.
     of_force = [] if c.bench.operating_shapes is not None else [*_force_gain(), *_delays(c)]
     every = [*hung, *_gains(c), *_places(c), *of_force]

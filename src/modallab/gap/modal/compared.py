@@ -19,7 +19,7 @@ from modallab.gap.modal.matching import Side, in_common
 from modallab.gap.modal.narrower import in_band
 from modallab.gap.modal.off_axis import Means
 from modallab.gap.modal.rigid import with_rigid_mode
-from modallab.gap.modal.state import Hung
+from modallab.gap.modal.state import AttachedElement
 from modallab.gap.modal.weights import Weights
 from modallab.modification.freedoms import Freedom, freedoms_of
 from modallab.modification.mesh import Mesh
@@ -92,7 +92,7 @@ class Compared:
         frfs = None if self.frfs is None else self.frfs.thinned(lines)
         return replace(self, **parts, frfs=frfs, noise=noise, weights=own)
 
-    def by_lines(self, hung: Hung) -> Hung:
+    def by_lines(self, hung: AttachedElement) -> AttachedElement:
         """What hangs at a driven point where a sensor stands, coupled line by line if the FRFs were measured."""
         if self.frfs is None:
             return hung

@@ -12,8 +12,8 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.rig import FORCE_SHARE
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.derivatives import derivatives
-from modallab.gap.modal.floor import of_structure
-from modallab.gap.modal.state import Hung, State, Structure, filtered
+from modallab.gap.modal.floor import floor_of_structure
+from modallab.gap.modal.state import AttachedElement, State, Structure, filtered
 
 UNKNOWN_FORCE = 10.0
 """Deviation of what a force that nobody measured does to a mode, over what it seems to do."""
@@ -33,7 +33,7 @@ class Change:
         mixed: an output, its shares of what each of them reads (outputs,), and of the force, in its quantity over N.
     """
 
-    hung: Hung | None = None
+    hung: AttachedElement | None = None
     gains: tuple[tuple[int, float], ...] = ()
     force_gain: float = 1.0
     hit_gains: tuple[tuple[int, float], ...] = ()
@@ -97,7 +97,7 @@ class Free:
 
     def _deviations(self) -> Real:
         t = self.of.rig.tolerance
-        stiffness, mass, of_place, damping = of_structure(self.of.model, self.of.bench, self.of.rig, self.wide)
+        stiffness, mass, of_place, damping = floor_of_structure(self.of.model, self.of.bench, self.of.rig, self.wide)
         pairs = [(damping[r] + damping[q]) / 4 for r, q in self.of.close_pairs]
         each = (
             stiffness,

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
 from modallab.core.modal_diagnosis import PartOfGap
-from modallab.gap.modal.fitting import Fitted
+from modallab.gap.modal.fitting import FittedExplanation
 from modallab.gap.modal.free import Free
 
 
@@ -26,7 +26,7 @@ class Misses:
     after: Real
 
     @classmethod
-    def of(cls, free: Free, base: Fitted, best: Fitted) -> "Misses":
+    def of(cls, free: Free, base: FittedExplanation, best: FittedExplanation) -> "Misses":
         """Of a comparison, its fit without a change, and the explanation that counts."""
         return cls(free.missed(np.zeros(free.size)), base.missed, best.missed)
 

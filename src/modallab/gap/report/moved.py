@@ -47,7 +47,9 @@ def moved_numbers(problem: Problem, u: Real) -> list[MovedNumber]:
     ]
     ratios = problem.free.build(u[: free.size]).structure.zeta
     found += [
-        MovedNumber("damping_ratio", f"mode {k + 1}", f"damping ratio of mode {k + 1}", percent_text(ratios[k], 4))
+        MovedNumber(
+            "damping_ratio", f"mode {k + 1}", f"damping ratio of mode {k + 1}", f"= {percent_text(ratios[k], 4)}"
+        )
         for k in range(free.modes)
     ]
     first = 3 + free.modes
@@ -84,7 +86,7 @@ def _deviation_of_number(d: Deviation, u: float, rig: Rig) -> MovedNumber:
     if d.tolerance == "damper_n_s_per_m":
         return MovedNumber(d.tolerance, f"{d.at:.3f} m", f"damping to ground at {d.at:.3f} m", f"{value:+.2g} N s/m")
     quantity, text = {
-        "clamp_compliance": ("rotational compliance of the clamp", f"{value:.2g} L/EI"),
+        "clamp_compliance": ("rotational compliance of the clamp", f"= {value:.2g} L/EI"),
         "shaker_mass_kg": ("mass at the shaker", f"{1e3 * value:+.2f} g"),
         "stinger_rotation": ("rotational stiffness of the stinger", f"{value:+.2g} EI/L"),
         "stiffness_drift": ("drift of bending stiffness", text),

@@ -31,7 +31,9 @@ def next_experiment(
         if separating:
             return min(separating, key=lambda r: r.rank).experiment
         return f"Separate {' from '.join(sorted(differ))}: strike at a point where only one of them moves."
-    return "Put the effect into the simulation (modallab gap apply) or remove it from the bench, and repeat the campaign."
+    return (
+        "Put the effect into the simulation (modallab gap apply) or remove it from the bench, and repeat the campaign."
+    )
 
 
 def _step_for_unknown(campaign: Campaign, nonlinear: bool) -> str:

@@ -68,7 +68,7 @@ def gap_in_percent(gap: Gap) -> str:
         if share is not None and _resonant_and_other(share)
     ]
     whole = f"In percent of the response, at resonance and away from it: {'; '.join(parts)}." if parts else ""
-    return " ".join(s for s in (whole, own_error(gap)) if s)
+    return " ".join(s for s in (whole, unexplained_sentence(gap)) if s)
 
 
 def _resonant_and_other(share: Percent) -> str:
@@ -80,7 +80,7 @@ def share_of_response(share: float | None) -> str:
     return percent_text(None if share is None else max(share, NEXT_TO_NOTHING))
 
 
-def own_error(gap: Gap) -> str:
+def unexplained_sentence(gap: Gap) -> str:
     """What is left of the records beyond noise, in one sentence; "" where it is not known."""
     left = gap.discrepancy
     if left is None:

@@ -53,7 +53,7 @@ function bar(share) {
 }
 
 /** Explanations, the likeliest first. */
-export const candidates = (found) => panel("Candidates", found.length ? table("Candidates with their probability", ["Explanation", "Probability", ["Gap it leaves [noise units]", "n"]], found.slice(0, 8).map((one) => [spaced(one.effects.join(" and ")) || "none", bar(Math.min(one.probability, 0.99)), `${number(one.gap, 3)}`])) : h("p", { class: "muted" }, "There are none."));
+export const candidates = (found) => panel("Candidates", found.length ? table("Candidates with their probability", ["Explanation", "Probability", ["Gap left", "n"]], found.slice(0, 8).map((one) => [spaced(one.effects.join(" and ")) || "none", bar(Math.min(one.probability, 0.99)), `${number(one.gap, 3)}`])) : h("p", { class: "muted" }, "There are none."));
 
 /** By channel, on a logarithmic scale that begins at noise alone. */
 export function residuals({ by_channel: before, after_by_channel: after }) {
@@ -66,5 +66,5 @@ export function residuals({ by_channel: before, after_by_channel: after }) {
 }
 
 /** What the gap is made of. */
-export const budget = (found) => panel("Budget of the gap", found ? [table("Parts of the gap", ["Part", "Share", ["Deviation [σ]", "n"]], found.rows.slice(0, 12).map((row) => [row.said, bar(row.share), row.sigmas === null ? "–" : number(row.sigmas, 2)])),
+export const budget = (found) => panel("Budget of the gap", found ? [table("Parts of the gap", ["Part", "Share", ["Off [σ]", "n"]], found.rows.slice(0, 12).map((row) => [row.said, bar(row.share), row.sigmas === null ? "–" : (Math.round(10 * row.sigmas) / 10 || 0).toFixed(1).replace("-", "−")])),
   h("p", { class: "muted" }, "Deviations whose shares cancel are summed in one row."), h("ul", { class: "plainlist" }, found.calibrate.map((one) => h("li", {}, sentence(one))))] : h("p", { class: "muted" }, "This diagnosis has none."));
