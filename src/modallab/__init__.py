@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from modallab.notebook.measured import MeasuredFrf, frf
     from modallab.notebook.model import Model
     from modallab.notebook.predicted_motion import PredictedMotion
-    from modallab.notebook.put_to_use import ChangedModel, PutToUse
+    from modallab.notebook.put_to_use import ChangedModel, ModelUses
     from modallab.notebook.recording import Recording, load
     from modallab.notebook.response_records import responses
     from modallab.notebook.shown import DisplayedResult
@@ -46,9 +46,9 @@ __all__ = [
     "MeasuredFrf",
     "Model",
     "ModelBehaviour",
+    "ModelUses",
     "PredictedMotion",
     "Prior",
-    "PutToUse",
     "RandomForce",
     "Recording",
     "RigidLink",
@@ -76,7 +76,7 @@ __getattr__ = lazy_getattr(
         "notebook.understood": ("DeflectionShape", "ModelBehaviour"),
         "notebook.shown": ("DisplayedResult",),
         "notebook.predicted_motion": ("PredictedMotion",),
-        "notebook.put_to_use": ("ChangedModel", "PutToUse"),
+        "notebook.put_to_use": ("ChangedModel", "ModelUses"),
         "notebook.gap": ("Agreement", "GapFound", "agreement", "diagnose"),
         "notebook.measured": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model",),

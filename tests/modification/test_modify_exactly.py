@@ -10,7 +10,7 @@ from scipy import linalg
 from modallab.core.errors import DataError
 from modallab.modification.attachments import AttachedPart, Element, RigidLink, TunedAbsorber
 from modallab.modification.coupled import CouplingToStructure
-from modallab.modification.free_band import kept_free
+from modallab.modification.free_band import changes_for_free_band
 from modallab.modification.inverse import By, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
 from modallab.modification.modified import passive_damping
@@ -332,7 +332,7 @@ def test_the_smallest_size_that_frees_a_band_does_so_and_less_does_not(by: By) -
     known = KnownStructure(BARE.model())
     hz = known.modes.frequency_hz
     band = (float(0.93 * hz[1]), float(1.07 * hz[1]))
-    found = kept_free(known, band, by, [1, 2, 3, 4])
+    found = changes_for_free_band(known, band, by, [1, 2, 3, 4])
     sizes = [a.size for a in found if a.feasible]
     assert sizes
     assert sizes == sorted(sizes)
@@ -346,9 +346,9 @@ def test_the_smallest_size_that_frees_a_band_does_so_and_less_does_not(by: By) -
 def test_a_band_that_a_mode_cannot_leave_names_the_mode() -> None:
     known = KnownStructure(BARE.model())
     hz = known.modes.frequency_hz
-    none = [a for a in kept_free(known, (1e-3 * hz[0], 1.01 * hz[0]), "mass", [3]) if not a.feasible]
+    none = [a for a in changes_for_free_band(known, (1e-3 * hz[0], 1.01 * hz[0]), "mass", [3]) if not a.feasible]
     assert [a.stays for a in none] == [1]
-    free = kept_free(known, (float(1.05 * hz[0]), float(1.06 * hz[0])), "mass", [1])[0]
+    free = changes_for_free_band(known, (float(1.05 * hz[0]), float(1.06 * hz[0])), "mass", [1])[0]
     assert free.size == 0 or free.feasible
 
 

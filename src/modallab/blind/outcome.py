@@ -112,7 +112,7 @@ def true_name(trial: Trial) -> str:
     return "+".join(sorted(str(e["effect"]) for e in trial.truth)) or "none"
 
 
-def said_name(trial: Trial) -> str:
+def named_cause(trial: Trial) -> str:
     """What a diagnosis says as one name."""
     return "+".join(sorted(trial.said)) or trial.diagnosis.verdict.replace("_", " ")
 
@@ -133,7 +133,7 @@ def _outcome_of_effect(name: str, trials: Sequence[Trial]) -> EffectOutcome:
         parameter=_median([e for t in trials for e in parameter_errors(t)]),
         closed=_median([t.diagnosis.shrink.closed for t in right if t.diagnosis.shrink.closed is not None]),
         shrink_error=_median([e for t in right if (e := t.shrink_error) is not None]),
-        said=dict(Counter(said_name(t) for t in trials).most_common()),
+        said=dict(Counter(named_cause(t) for t in trials).most_common()),
     )
 
 

@@ -12,7 +12,7 @@ from distributed.scheduler import KilledWorker
 
 from modallab.core.errors import DatabaseLostError, JobError, ModallabError
 from modallab.jobs.kind import ComputationResult, Kind
-from modallab.jobs.leases import Leases, TakenJob
+from modallab.jobs.leases import LeasedJob, Leases
 from modallab.jobs.task import compute_attempt, interrupt_computation
 
 MACHINE_LOST = (KilledWorker, CommClosedError, CancelledError, TimeoutError, OSError)
@@ -23,7 +23,7 @@ AGAIN_S = 0.5
 class Attempt:
     """A job while this runner holds it. `progress` and `stage` are what its worker last said."""
 
-    def __init__(self, taken: TakenJob, kind: Kind, leases: Leases, client: Client) -> None:
+    def __init__(self, taken: LeasedJob, kind: Kind, leases: Leases, client: Client) -> None:
         self.taken = taken
         self.progress, self.stage = 0.0, ""
         self._kind = kind

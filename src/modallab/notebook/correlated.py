@@ -8,7 +8,7 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.fem.matrix_model import MatrixModel
 from modallab.modification.known import KnownStructure
-from modallab.notebook.put_to_use import PutToUse
+from modallab.notebook.put_to_use import ModelUses
 from modallab.notebook.shown import DisplayedResult, DisplayedTable
 from modallab.pipelines.model_update import update_model
 from modallab.pipelines.structure_gap import read_reference
@@ -68,7 +68,7 @@ class Correlated:
         """The structure that the model describes."""
         raise NotImplementedError
 
-    def correlation(self, other: PutToUse | str | Path) -> CorrelatedModes:
+    def correlation(self, other: ModelUses | str | Path) -> CorrelatedModes:
         """Beside another model of the structure: pairs by MAC, their frequencies and damping, COMAC.
 
         Args:
@@ -78,7 +78,7 @@ class Correlated:
             DataError: fewer than two common points, no driving point, or no two modes that are alike.
             FormatError: the file can be read as neither.
         """
-        if isinstance(other, PutToUse):
+        if isinstance(other, ModelUses):
             known = other.known
         else:
             rig = self.known.stated_rig

@@ -12,7 +12,7 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, UNIT, Frf, FrfQuantity
 from modallab.core.rig import Rig
-from modallab.formats.frf_file import bare_rig, rig_of, write_frf
+from modallab.formats.frf_file import rig_of, rig_without_places, write_frf
 from modallab.notebook.shown import DisplayedTable
 
 
@@ -109,7 +109,7 @@ def frf(
     of = _points_of([inputs] if isinstance(inputs, int) else inputs, values.shape[1], "inputs")
     names = tuple(f"y{point}" for point in to)
     known = of or (None,) * values.shape[1]
-    return MeasuredFrf(Frf(lines, values, quantity, names, to, known), bare_rig(names, to, of, quantity))
+    return MeasuredFrf(Frf(lines, values, quantity, names, to, known), rig_without_places(names, to, of, quantity))
 
 
 def phase_rises(frf: Frf) -> bool:

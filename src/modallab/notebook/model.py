@@ -19,7 +19,7 @@ from modallab.identification.selection.criteria import mac
 from modallab.modification.known import KnownStructure
 from modallab.notebook.arguments import path_for
 from modallab.notebook.correlated import Correlated
-from modallab.notebook.put_to_use import PutToUse
+from modallab.notebook.put_to_use import ModelUses
 from modallab.notebook.shown import DisplayedTable
 from modallab.notebook.understood import ModelBehaviour
 from modallab.pipelines.identify import CampaignResult, IdentifiedTest
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class Model(PutToUse, ModelBehaviour, Correlated):
+class Model(ModelUses, ModelBehaviour, Correlated):
     """A modal model with its uncertainty; of several tests, that of the first. `model["sine"]` is that of another.
 
     Attributes:

@@ -16,7 +16,7 @@ from modallab.core.units import Quantity
 from modallab.modification.attachments import AttachedPart, Element, TunedAbsorber
 from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.forces import force_samples
-from modallab.modification.free_band import kept_free
+from modallab.modification.free_band import changes_for_free_band
 from modallab.modification.frfs import lines_with_peaks
 from modallab.modification.inverse import By, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
@@ -37,7 +37,7 @@ LINES = 1000
 """Of a figure over the band."""
 
 
-class PutToUse:
+class ModelUses:
     """What a model and a changed model have in common; `known` is the structure."""
 
     __slots__ = ()
@@ -145,7 +145,12 @@ class PutToUse:
         return ChangedModel(self.known.with_changes((*changes, *own)))
 
     def couple(
-        self, other: "PutToUse", at: Sequence[tuple[At, At]], *, joint_spring: float | None = None, remove: bool = False
+        self,
+        other: "ModelUses",
+        at: Sequence[tuple[At, At]],
+        *,
+        joint_spring: float | None = None,
+        remove: bool = False,
     ) -> "ChangedModel":
         """This structure with another one held to it, or taken away from a measurement of both.
 
@@ -192,7 +197,9 @@ class PutToUse:
         Raises:
             DataError: edges that do not rise or lie beyond the model's band, or a point that the model does not know.
         """
-        return DisplayedTable(*free_rows(kept_free(self.known, band_hz, by, at or self._sensors()), by, band_hz))
+        return DisplayedTable(
+            *free_rows(changes_for_free_band(self.known, band_hz, by, at or self._sensors()), by, band_hz)
+        )
 
     def best_absorber(self, mode: int, at: At, mass: float) -> TunedAbsorber:
         """The absorber of a mass that leaves the least peak of the mobility at its point about a mode.
@@ -217,7 +224,7 @@ def _list_of_places(given: At | Sequence[At]) -> list[At]:
     return cast("list[At]", [given] if alone else list(cast("Sequence[At]", given)))
 
 
-class ChangedModel(PutToUse):
+class ChangedModel(ModelUses):
     """A structure with changes, as predicted from the model of it without them."""
 
     __slots__ = ("_known",)
@@ -260,7 +267,7 @@ class ChangedModel(PutToUse):
         words = list(self._known.words)
         return DisplayedTable(*modified_rows(self._known, words))
 
-    def check(self, measured: PutToUse) -> DisplayedTable:
+    def check(self, measured: ModelUses) -> DisplayedTable:
         """Each predicted mode beside that of a model that was measured with the changes.
 
         Args:

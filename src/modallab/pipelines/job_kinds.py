@@ -117,7 +117,7 @@ def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> C
 def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> ComputationResult:
     from modallab.identification.options import IdentificationOptions
     from modallab.pipelines.identify import identify_campaign
-    from modallab.pipelines.telling_point import telling_point
+    from modallab.pipelines.most_informative_point import most_informative_point
 
     campaign, _ = payload
     compared = _agreement_of_campaign(campaign)
@@ -133,7 +133,7 @@ def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> C
         return ComputationResult(_plain_document({name: [] for name in names} | so_far | {"telling_point": None}))
     found = json.loads(model.model_dump_json(include=set(names)))
     hits = Counter(b.drive_point for b in campaign.blocks if b.drive_point is not None)
-    more = {"telling_point": telling_point(model, campaign.rig, hits, Precision())}
+    more = {"telling_point": most_informative_point(model, campaign.rig, hits, Precision())}
     return ComputationResult(_plain_document({name: found[name] for name in names} | so_far | more))
 
 

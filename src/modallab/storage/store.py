@@ -13,7 +13,7 @@ import numpy as np
 from modallab import __version__
 from modallab.bench.protocol import BenchInfo
 from modallab.bench.recut import RecutRule
-from modallab.core.block import Block, Ramp, also_driven_of
+from modallab.core.block import Block, Ramp, other_driven_points
 from modallab.core.errors import BlockDamagedError, StorageError
 from modallab.core.lease import Lease
 from modallab.core.plan import Plan, SinePlan, records_of
@@ -218,7 +218,7 @@ def _block_of_run(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Blo
         requested_rate_hz=run.rates.requested_hz,
         actual_rate_hz=run.rates.actual_hz,
         overload=tuple(channel.name in over for channel in run.rig.channels),
-        also_driven=also_driven_of(row.note.facts),
+        also_driven=other_driven_points(row.note.facts),
         **_rise_of_sine(run, row.note, run.rates.delivered_hz if recut is None else recut.from_hz),
     )
 

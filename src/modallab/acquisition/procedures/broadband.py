@@ -18,10 +18,10 @@ from modallab.acquisition.procedures.broadband_wave import (
     waves_of,
 )
 from modallab.acquisition.procedures.driven_forces import DrivenForces
-from modallab.bench.abilities import WavePlaying, WavesPlaying
+from modallab.bench.abilities import ShakersPlayingTogether, WavePlaying
 from modallab.bench.protocol import Bench, Waveform
 from modallab.core.arrays import Real
-from modallab.core.block import also_driven_fact
+from modallab.core.block import fact_of_other_shakers
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Limits
@@ -181,7 +181,7 @@ class BroadbandTest:
                 "wave": float(wave.number + 1),
                 "wave_first_sample": float(wave.start),
                 "settle_s": layout.lead_s + place * layout.block_s,
-                **also_driven_fact(self.points[1:]),
+                **fact_of_other_shakers(self.points[1:]),
             },
         )
 
@@ -217,7 +217,7 @@ class BroadbandTest:
 def _start_of_waves(bench: Bench, waves: Sequence[Waveform]) -> int:
     """The sample at which the waves begin, one on each output."""
     if len(waves) > 1:
-        assert isinstance(bench, WavesPlaying)
+        assert isinstance(bench, ShakersPlayingTogether)
         return bench.play_waves(waves)
     assert isinstance(bench, WavePlaying)
     return bench.play_wave(waves[0])

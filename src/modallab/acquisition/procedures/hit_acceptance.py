@@ -129,7 +129,7 @@ class Ringing:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Before:
+class MotionBeforeHit:
     """The motion before a hit, looked at as soon as it is over and not only when the whole block has come.
 
     Attributes:

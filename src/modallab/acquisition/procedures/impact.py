@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from modallab.acquisition.monitor.context import RunContext, measure_floor
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
 from modallab.acquisition.monitor.settled import Floor
-from modallab.acquisition.procedures.hit_acceptance import Before, Hit, hit_of, rejections
+from modallab.acquisition.procedures.hit_acceptance import Hit, MotionBeforeHit, hit_of, rejections
 from modallab.acquisition.procedures.hit_queue import HitQueue
 from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, RestState, RestWait
 from modallab.acquisition.procedures.struck_point.answer import answer_of
@@ -75,7 +75,7 @@ class ImpactTest:
             return
         first = trigger - self._pre_trigger
         # While the block still comes: at its end the operator waits for the verdict.
-        before = Before.of(self.context, first, self.rest.floor)
+        before = MotionBeforeHit.of(self.context, first, self.rest.floor)
         self.context.stream.advance_to(first + self.context.block)
         self._keep(target, first, rest, before)
         if self.plan.trigger == "hardware":
@@ -151,7 +151,7 @@ class ImpactTest:
             remedy="strike harder, lower trigger_n, or look at the hammer's cable; the blocks before are kept",
         )
 
-    def _keep(self, target: Target, first: int, rest: RestState, before: Before) -> None:
+    def _keep(self, target: Target, first: int, rest: RestState, before: MotionBeforeHit) -> None:
         context, limits = self.context, self.plan.acceptance
         placed = context.place(first)
         overload = context.stream.overload(first, context.block)

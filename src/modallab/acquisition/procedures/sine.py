@@ -10,7 +10,7 @@ from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import BurstCheck, Setting, burst_of, check_burst
 from modallab.acquisition.procedures.drive import Drive
 from modallab.acquisition.procedures.target import Step, repeated_steps, steps_of
-from modallab.bench.abilities import LooksForSensors, SelfReporting
+from modallab.bench.abilities import SelfReporting, SensorSupplyCheck
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.events import Notice
@@ -214,7 +214,7 @@ def run_sine(context: RunContext, plan: SinePlan) -> None:
 
 
 def _say_what_is_unseen(context: RunContext) -> None:
-    unseen = context.bench.open_sensors_unseen() if isinstance(context.bench, LooksForSensors) else ()
+    unseen = context.bench.open_sensors_unseen() if isinstance(context.bench, SensorSupplyCheck) else ()
     if unseen:
         what = (
             f"the device cannot say whether a sensor is connected to {', '.join(unseen)}: an unplugged one is seen only"

@@ -87,7 +87,7 @@ class Setup:
             self.latch.require_reset()
 
 
-def what_ends_it(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
+def end_of_output_in_words(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
     """What brings the output to 0 V should a process or this machine fail, in words."""
     longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig)
     notice = f"longest burst {longest:.4g} s: "

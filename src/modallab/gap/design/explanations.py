@@ -80,11 +80,11 @@ def remaining_explanations(diagnosis: Diagnosis) -> list[CandidateSet]:
     One that contains a likelier one is no rival of it: what it has beyond is not needed, and nothing rules it out.
     Where one stands alone, the one behind it counts too.
     """
-    kept = without_needless(diagnosis.candidates)
+    kept = without_redundant(diagnosis.candidates)
     return [c for k, c in enumerate(kept) if k < 2 or c.probability >= POSSIBLE][:MOST]
 
 
-def without_needless(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
+def without_redundant(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
     """Explanations, the likeliest first, without those that contain a likelier one: what they add is not needed."""
     kept: list[CandidateSet] = []
     for c in sorted(candidates, key=lambda c: -c.probability):

@@ -71,7 +71,7 @@ def records_of_plans(rig: Rig, plans: Sequence[Plan]) -> Reduced:
         PlanError: there is no test in the plan, or a sine test and no shaker point.
     """
     free = nuisances(rig, 450.0)
-    return laid_out(rig, plans, nominal_weights(rig)).answered(free.build(np.zeros(free.size)))
+    return records_of_plan(rig, plans, nominal_weights(rig)).answered(free.build(np.zeros(free.size)))
 
 
 def nominal_weights(rig: Rig) -> Weights:
@@ -81,7 +81,7 @@ def nominal_weights(rig: Rig) -> Weights:
     return Weights(np.full(len(rig.channels), float(np.hypot(own, step))))
 
 
-def laid_out(
+def records_of_plan(
     rig: Rig, plans: Sequence[Plan], weights: Weights, pulse: HitsAtPoint | None = None, done: Reduced | None = None
 ) -> PlannedRecords:
     """The records that plans would give; those of all sine tests are one.

@@ -22,9 +22,9 @@ from modallab.gap.design.explanations import (
 from modallab.gap.design.information import (
     ExpectedOutcome,
     RivalExplanations,
-    apart_by_row,
     expected_outcome,
     predicted_differences,
+    residuals_between_explanations,
     without_noise,
 )
 from modallab.gap.design.options import (
@@ -36,7 +36,7 @@ from modallab.gap.design.options import (
     possible_experiments,
     sines_on_all_lines,
 )
-from modallab.gap.design.planned import PlannedRecords, join_planned, laid_out, with_more_sines
+from modallab.gap.design.planned import PlannedRecords, join_planned, records_of_plan, with_more_sines
 from modallab.gap.model.fit import Fit, Problem, evaluated, with_relative_noise
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.best_place import at_best_place
@@ -131,7 +131,7 @@ class ExperimentPlanner:
     def _laid_out(self, plan: Plan) -> PlannedRecords:
         data = self.there.data
         hits = next((d.source for d in data.impacts if isinstance(d.source, HitsAtPoint)), None)
-        return laid_out(data.rig, [plan], self.there.weights, hits, data)
+        return records_of_plan(data.rig, [plan], self.there.weights, hits, data)
 
     def _columns(self, layout: PlannedRecords) -> Real:
         # The force's noise lies along the answer, which is nearly the same of all that are left standing.
@@ -193,7 +193,7 @@ class ExperimentPlanner:
         """(sines,) squares that the likeliest explanation's answers leave of the next."""
         assert layout.data.sines is not None
         sines, channels = layout.data.sines.source.lines, len(layout.data.channels)
-        left = apart_by_row(self.rivals, self._columns(layout))[: 2 * channels * sines.size]
+        left = residuals_between_explanations(self.rivals, self._columns(layout))[: 2 * channels * sines.size]
         return np.sum(left.reshape(2 * channels, *sines.shape) ** 2, axis=(0, 2))
 
 

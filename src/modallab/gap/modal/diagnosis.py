@@ -22,7 +22,7 @@ from modallab.gap.modal.hanging import two_points
 from modallab.gap.modal.judged import ModalVerdict, judged
 from modallab.gap.modal.matching import Side
 from modallab.gap.modal.off_axis import MeasuredFrfs
-from modallab.gap.modal.parts import Misses, by_channel, by_mode
+from modallab.gap.modal.parts import RelativeMisfits, by_channel, by_mode
 from modallab.gap.modal.search import ModalSearch
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.identification.backbone_laws import level_notes
@@ -104,7 +104,7 @@ def explained_by_model(
 def _said(free: Free, found: ModalVerdict, modes: tuple[int, int], levels: Sequence[str]) -> ModalDiagnosis:
     best, probable = found.best, {id(f): p for f, p in found.ranked}
     known = found.verdict == "known"
-    misses = Misses.of(free, found.base, best)
+    misses = RelativeMisfits.of(free, found.base, best)
     return ModalDiagnosis(
         rig=free.of.rig.name,
         verdict=found.verdict,

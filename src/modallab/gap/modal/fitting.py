@@ -134,14 +134,14 @@ def _system(free: Free, candidate: Candidate | None, u: Real, v: Real) -> tuple[
     prior = np.ones(u.size)
     off = u
     if candidate is not None:
-        own = free.weighed(own_slopes(free, candidate, u, v, predicted))
+        own = free.weighed(slopes_by_differences(free, candidate, u, v, predicted))
         jacobian = np.concatenate([jacobian, own], axis=1)
         weight, pulled = candidate.pull(v)
         prior, off = np.concatenate([prior, weight]), np.concatenate([off, pulled])
     return jacobian.T @ jacobian + np.diag(prior), jacobian.T @ left + off
 
 
-def own_slopes(free: Free, candidate: Candidate | None, u: Real, v: Real, predicted: Complex) -> Complex:
+def slopes_by_differences(free: Free, candidate: Candidate | None, u: Real, v: Real, predicted: Complex) -> Complex:
     """(numbers of the change, lines, outputs, inputs) derivatives of what is predicted, by differences."""
     if candidate is None:
         return np.zeros((0, *predicted.shape), np.complex128)

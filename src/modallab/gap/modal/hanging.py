@@ -173,7 +173,7 @@ def _phase(c: Compared) -> float:
     return float(np.hypot(min(turned, np.pi - turned), PHASE))
 
 
-def nearby(c: Compared, found: Candidate, v: Real, count: int) -> list[tuple[Candidate, Real]]:
+def candidates_nearby(c: Compared, found: Candidate, v: Real, count: int) -> list[tuple[Candidate, Real]]:
     """The same kind of change from other points near its place, each of a size that the modes feel alike."""
     first = found.freedoms[0]
     if two_points(found.freedoms):

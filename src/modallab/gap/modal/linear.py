@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.gap.modal.fitting import FittedExplanation, inverse, own_slopes
+from modallab.gap.modal.fitting import FittedExplanation, inverse, slopes_by_differences
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.weights import Weights
 
@@ -34,7 +34,7 @@ class Linear:
         free = fitted.free
         predicted = free.predicted(fitted.u, fitted.change)
         by_tolerances = free.derivatives(fitted.u, fitted.change)
-        own = own_slopes(free, fitted.candidate, fitted.u, fitted.v, predicted)
+        own = slopes_by_differences(free, fitted.candidate, fitted.u, fitted.v, predicted)
         return cls(fitted, predicted - free.of.measured, np.concatenate([by_tolerances, own]))
 
     def weighed(self, weights: Weights) -> "WeightedSquares":

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.gap.modal.candidate import Candidate
-from modallab.gap.modal.fitting import FIRST_STEPS, FittedExplanation, inverse, minimised, own_slopes
+from modallab.gap.modal.fitting import FIRST_STEPS, FittedExplanation, inverse, minimised, slopes_by_differences
 from modallab.gap.modal.free import Free
 
 
@@ -80,5 +80,5 @@ class Marginal:
         """The misfit (misfits,), and its derivatives (misfits, numbers) by the numbers of the change."""
         free = self.free
         predicted = free.predicted(self.u, candidate.make(v, free.of))
-        own = free.weighed(own_slopes(free, candidate, self.u, v, predicted))
+        own = free.weighed(slopes_by_differences(free, candidate, self.u, v, predicted))
         return free.weighed((predicted - free.of.measured)[None])[:, 0], own

@@ -10,7 +10,7 @@ from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.candidates import candidates
 from modallab.gap.modal.fitting import FIRST_STEPS, FittedExplanation, fit
 from modallab.gap.modal.free import Free
-from modallab.gap.modal.hanging import nearby
+from modallab.gap.modal.hanging import candidates_nearby
 from modallab.gap.modal.marginal import Marginal
 from modallab.gap.modal.scales import estimated, usual
 
@@ -81,7 +81,7 @@ class ModalSearch:
         """The best of it and of fits begun at points nearby: along a wave one place may stand for another."""
         if best.candidate is None or not best.candidate.freedoms:
             return best
-        starts = nearby(best.free.of, best.candidate, best.v, NEARBY)
+        starts = candidates_nearby(best.free.of, best.candidate, best.v, NEARBY)
         nearly = [fit(self.closer, candidate, best.u, v) for candidate, v in starts]
         other = min(nearly, key=lambda f: f.cost, default=best)
         return min(best, fit(best.free, other.candidate, other.u, other.v), key=lambda f: f.cost)

@@ -17,7 +17,7 @@ MOSTLY = 0.8
 """Share of the squares that the bands named must hold."""
 
 
-def where_gap_lies(
+def gap_location(
     verdict: Verdict,
     found: Sequence[Found],
     withheld: Sequence[str],

@@ -11,7 +11,7 @@ from modallab.core.frf import Frf
 from modallab.identification.likelihood.equations import ParameterCovariance
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.out_of_band import stand_ins_after
+from modallab.identification.likelihood.out_of_band import edges_of_stand_ins
 from modallab.identification.likelihood.projection import sum_of_squares
 from modallab.identification.model.modal_model import FitReadings, readings_of_fit
 from modallab.identification.options import IdentificationOptions
@@ -69,7 +69,7 @@ def agreed_modes(frf: Frf, fit: LikelihoodFit, options: IdentificationOptions) -
     if found.centre.shape[0] == 0:
         return None
     try:
-        stand_ins = stand_ins_after(fit.point.parameters.omega, float(frf.frequency_hz[-1]))
+        stand_ins = edges_of_stand_ins(fit.point.parameters.omega, float(frf.frequency_hz[-1]))
         points = poles_at_points(frf, found.centre, _spread_of_points(found), stand_ins)
         common = common_poles(points.values, points.variance)
         alone = min(frf.values.shape[:2]) == 1

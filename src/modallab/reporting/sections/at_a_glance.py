@@ -9,7 +9,7 @@ from modallab.core.digits import four_places, in_sigmas, list_in_words, signific
 from modallab.reporting.compare import ComparedMode, agreement_verdict
 from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.markup import Markup, html_element
-from modallab.reporting.sections.summary import MATCH, compare_tests, how_far
+from modallab.reporting.sections.summary import MATCH, compare_tests, largest_differences
 
 DOUBTFUL = 0.5
 """A mode of a lower confidence may be noise, or what the model leaves unexplained."""
@@ -76,7 +76,7 @@ def _tests_agree(modes: tuple[ComparedMode, ...]) -> Iterator[tuple[bool, str]]:
         if agreement_verdict(max(apart)) == "agree":
             yield True, f"The {one} and the {other} test agree: they differ by at most {most}."
             return
-        text = f"The {one} and the {other} test differ by up to {most}: {how_far(modes)}."
+        text = f"The {one} and the {other} test differ by up to {most}: {largest_differences(modes)}."
         driven = {one, other} - {"impact", None}
         if "impact" in (one, other) and driven:
             text += f" In the {driven.pop()} test the shaker hangs on the structure, which shifts its modes."

@@ -96,10 +96,10 @@ def _agreement_sentence(modes: tuple[ComparedMode, ...]) -> str:
         return f"; {tests} agree within their uncertainty"
     if found == "borderline":
         return f"; {tests} agree but for one value that lies {in_sigmas(max(gaps))} apart"
-    return f"; {tests} disagree, {how_far(modes)}"
+    return f"; {tests} disagree, {largest_differences(modes)}"
 
 
-def how_far(modes: tuple[ComparedMode, ...]) -> str:
+def largest_differences(modes: tuple[ComparedMode, ...]) -> str:
     """How far two tests are apart at most, as people compare them first: in percent."""
     pairs = [m.readings[:2] for m in modes if len(m.readings) > 1]
     hz, zeta = (

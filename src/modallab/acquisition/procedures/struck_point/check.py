@@ -44,14 +44,18 @@ class HitLocation:
         reasons: why it is rejected; empty if it may count.
     """
 
-    looks_like: int = 0
+    nearest_point: int = 0
     distance: float = float("nan")
     scale: float = float("nan")
     reasons: tuple[str, ...] = ()
 
     def facts(self) -> dict[str, float]:
         """For the catalogue."""
-        found = {"looks_like_point": float(self.looks_like), "point_distance": self.distance, "hit_scale": self.scale}
+        found = {
+            "looks_like_point": float(self.nearest_point),
+            "point_distance": self.distance,
+            "hit_scale": self.scale,
+        }
         return {name: value for name, value in found.items() if value and not np.isnan(value)}
 
 
@@ -104,7 +108,7 @@ class StruckPointCheck:
             return by_modes or self._by_frfs(point, look)
         # Measured against measured: what is wrong with the bench is in both. The model may know more points by name.
         by_frfs = self._by_frfs(point, look)
-        return by_modes if by_frfs.reasons and by_modes.looks_like != point else by_frfs
+        return by_modes if by_frfs.reasons and by_modes.nearest_point != point else by_frfs
 
     def keep(self, looked_at: str, name: str, point: int) -> None:
         """The hit that was looked at under one name counts, at this point, and its record has the other."""
