@@ -21,7 +21,7 @@ from typing import Any
 from modallab.blind.answer import ANSWERS, read_answers
 from modallab.blind.answer import answer_of as diagnosed
 from modallab.blind.draw import TrialDraw, draw_trials, make_trial
-from modallab.blind.outcome import sum_up_trials, true_name
+from modallab.blind.outcome import named_cause, sum_up_trials, true_name
 from modallab.blind.request import BlindRequest
 from modallab.blind.score import Trial
 from modallab.blind.seal import SEALED, hash_of, seal_truth, sealed_hash
