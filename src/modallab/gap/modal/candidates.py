@@ -43,7 +43,7 @@ def candidates(c: Compared) -> list[Candidate]:
 
 
 def _gains(c: Compared) -> Iterator[Candidate]:
-    for o in range(len(c.out_psi)):
+    for o in range(len(c.response_factors)):
         yield from _gain("gain_error", o, lambda gain, o=o: Change(gains=((o, gain),)))
 
 
@@ -70,7 +70,7 @@ def _gain(effect: str, output: int | None, change: Callable[[float], Change]) ->
 def _places(c: Compared) -> Iterator[Candidate]:
     step = spacing(c)
     angles, modes = np.arange(8) * np.pi / 4, c.model.n_modes
-    for o, slopes in enumerate(c.out_slopes):
+    for o, slopes in enumerate(c.response_slopes):
         free = np.any(slopes != 0, axis=1)
         if not np.any(free):
             continue
@@ -101,7 +101,7 @@ def _others(c: Compared, output: int) -> list[Real]:
 def force_channel(c: Compared) -> Candidate:
     """The force's channel does something else than measure the force: it filters, holds, or is late by frequency."""
     top = (2 * np.pi * float(c.model.frequency_hz.max())) ** POWERS
-    same = np.ones((len(c.out_psi), 1))
+    same = np.ones((len(c.response_factors), 1))
 
     def make(v: Real, _: Compared) -> Change:
         return Change(force_gain=float(np.exp(-v[0])), filters=same * (v / top)[1:])
@@ -131,7 +131,7 @@ def mixed_channel(c: Compared, output: int) -> list[Candidate]:
         return Candidate("", (), output, make, (np.zeros(n),), np.full(n, ODD), np.zeros(n), (), places)
 
     # Any channel might read so.
-    outputs = len(c.out_psi)
+    outputs = len(c.response_factors)
     return [reading(every, outputs), *(reading([n], outputs * len(alone)) for n in alone)]
 
 

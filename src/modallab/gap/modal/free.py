@@ -80,7 +80,7 @@ class Free:
     @property
     def sizes(self) -> tuple[int, ...]:
         """How many of each: stiffness, mass, field, damping, gains, force, hits, places, masses, damping across."""
-        outputs, inputs = len(self.of.out_psi), len(self.of.into_psi)
+        outputs, inputs = len(self.of.response_factors), len(self.of.force_factors)
         return (
             1,
             1,
@@ -90,7 +90,7 @@ class Free:
             1,
             inputs,
             2 * outputs,
-            inputs * self.of.into_slopes.shape[1],
+            inputs * self.of.force_slopes.shape[1],
             outputs,
             len(self.of.close_pairs),
         )
@@ -134,7 +134,7 @@ class Free:
         gain = np.exp(gains)
         for o, factor in change.gains:
             gain[o] *= factor
-        moved = c.out_psi + np.einsum("oj,ojm->om", at.reshape(-1, 2), c.out_slopes)
+        moved = c.response_factors + np.einsum("oj,ojm->om", at.reshape(-1, 2), c.response_slopes)
         mixed = np.eye(len(gain))
         for o, along_m, off in change.shifts:
             moved[o] += c.shifted(o, along_m, off)
@@ -150,7 +150,7 @@ class Free:
             # Of a model alone: what an identification makes of a delay is a shape that is turned mode by mode.
             moved = moved * filtered(2j * np.pi * c.model.frequency_hz, filters).T
             filters = 0 * filters
-        driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(c.into_slopes.shape[:2]), c.into_slopes)
+        driven = c.force_factors + np.einsum("ij,ijm->im", struck.reshape(c.force_slopes.shape[:2]), c.force_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
         for i, factor in change.hit_gains:
             applied[i] *= factor
@@ -191,7 +191,7 @@ class Free:
             field=e + np.triu(e, 1).T,
             across=damped,
             sensor_masses=masses,
-            sensor_shapes=c.out_psi if c.shapes.scaled else 0 * c.out_psi,
+            sensor_shapes=c.response_factors if c.shapes.scaled else 0 * c.response_factors,
         )
 
     def predicted(self, u: Real, change: Change = NOTHING) -> Complex:

@@ -156,7 +156,7 @@ def moves(fitted: FittedExplanation) -> float:
     free, c = fitted.free, fitted.free.of
     hz = np.concatenate([c.model.frequency_hz, c.bench.frequency_hz])
     s = np.asarray(2j * np.pi * hz[hz >= c.model.band_hz[0]])
-    outside = frfs_without_shapes(c.model, s, c.out_psi, c.into_psi)
+    outside = frfs_without_shapes(c.model, s, c.response_factors, c.force_factors)
     there = free.at(s, outside)
     moved, without = there.predicted(fitted.u, fitted.change.between_lines), there.predicted(fitted.u)
     return float(np.sqrt(np.max(np.mean((np.abs(moved - without) / sizes(without)) ** 2, axis=(0, 2)))))

@@ -32,13 +32,13 @@ class ModalSearch:
         closer: the comparison of a place with others nearby.
         base: the fit without any change, of the comparison that counts.
         near: likely changes of each kind, small ones, with their evidence there.
-        far: large ones, from smoother lines; their evidence is what they have there more than nothing.
+        large_changes: likely large ones, from smoother lines; their evidence is what they have there more than nothing.
     """
 
     closer: Free
     base: FittedExplanation
     near: list[FittedExplanation]
-    far: list[FittedExplanation]
+    large_changes: list[FittedExplanation]
 
     @classmethod
     def begun(cls, smooth: Free, closer: Free, last: Free) -> "ModalSearch":
@@ -56,14 +56,14 @@ class ModalSearch:
     def kinds(self, nothing: FittedExplanation) -> list[list[FittedExplanation]]:
         """Likely changes by their kind, all with an evidence to hold against that of nothing."""
         found: dict[str, list[FittedExplanation]] = {}
-        for one in [*self.near, *(replace(f, evidence=nothing.evidence + f.evidence) for f in self.far)]:
+        for one in [*self.near, *(replace(f, evidence=nothing.evidence + f.evidence) for f in self.large_changes)]:
             assert one.candidate is not None
             found.setdefault(one.candidate.effect, []).append(one)
         return list(found.values())
 
     def afar(self, effect: str) -> float:
         """Evidence of a kind from smoother lines, more than nothing has there."""
-        return min((f.evidence for f in self.far if f.candidate and f.candidate.effect == effect), default=np.inf)
+        return min((f.evidence for f in self.large_changes if f.candidate and f.candidate.effect == effect), default=np.inf)
 
     def ended(self, kind: Sequence[FittedExplanation]) -> FittedExplanation:
         """The best of a kind, fitted to its end at what is usual."""

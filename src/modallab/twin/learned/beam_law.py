@@ -50,7 +50,7 @@ MODEL = EffectModel(
         "given are none",
     ),
     rank=20,
-    spoken="a force all along the beam that follows its shape",
+    spoken="an axial force or an elastic bedding along the beam",
     change=_change,
     moves_poles=True,
     once=True,
