@@ -108,7 +108,7 @@ def document_diagnosis(
         effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
         candidates=_candidates_document(ranked, effects.seen, choice, everything),
         shrink=_shrinkage_document(choice, _held_out_as_recorded(ready, effects.seen), ready.unseen, ready.held),
-        next_experiment=next_experiment(verdict, ranked, prepared.campaign, nonlinear),
+        next_experiment=next_experiment(verdict, ranked, prepared.campaign, nonlinear, effects.seen),
         twin=calibrated_twin(choice.accepted_fit, everything),
         budget=budget_of_gap(choice.accepted_fit, everything, _resonances_hz(prepared), usual=not ready.stated),
         notes=_diagnosis_notes(ready, choice, effects.named, nonlinear),

@@ -11,7 +11,7 @@ from modallab.core.places import x_m_of
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import revision_history
-from modallab.gap.words.effects import FROM_CLAMP, interval_m, parameter_in_words, place_of
+from modallab.gap.words.effects import FROM_CLAMP, effect_names, interval_m, parameter_in_words, place_of
 from modallab.gap.words.verdicts import share_of_response, unexplained_sentence, verdict_sentence
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
@@ -21,6 +21,7 @@ from modallab.reporting.gap_page import captioned_picture, page_section, typeset
 from modallab.reporting.markup import Markup, html_element, html_table
 from modallab.reporting.revisions_report import revisions_section
 from modallab.reporting.sections.section import captioned_figure
+from modallab.twin.effect_model import NoChange
 from modallab.twin.effects import model_of
 
 
@@ -130,6 +131,9 @@ def _curves_section(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
         "and what is left between the latter and the measurement: below the curves of an FRF, and in a panel of its "
         "own for a record. Channels, hits and sine are those with the widest gap."
     )
+    absent = [f.effect for f in diagnosis.effects if isinstance(model_of(f.effect).change, NoChange)]
+    if absent:
+        caption += f" No simulation contains {effect_names(absent)}, which stays in what is left."
     return page_section(
         "What was measured, and what was simulated", captioned_figure(figure, "curves", caption, caption)
     )

@@ -63,7 +63,8 @@ class ModalSearch:
 
     def afar(self, effect: str) -> float:
         """Evidence of a kind from smoother lines, more than nothing has there."""
-        return min((f.evidence for f in self.large_changes if f.candidate and f.candidate.effect == effect), default=np.inf)
+        same = (f.evidence for f in self.large_changes if f.candidate and f.candidate.effect == effect)
+        return min(same, default=np.inf)
 
     def ended(self, kind: Sequence[FittedExplanation]) -> FittedExplanation:
         """The best of a kind, fitted to its end at what is usual."""

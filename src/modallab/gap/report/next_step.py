@@ -1,13 +1,19 @@
 """The experiment that would distinguish what this campaign cannot."""
 
+from collections.abc import Sequence
+
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import Verdict
+from modallab.core.diagnosis import Found, Verdict
 from modallab.gap.model.fit import Fit
 from modallab.twin.effects import model_of
 
 
 def next_experiment(
-    verdict: Verdict, ranked: list[tuple[Fit, float]], campaign: Campaign, nonlinear: bool = False
+    verdict: Verdict,
+    ranked: list[tuple[Fit, float]],
+    campaign: Campaign,
+    nonlinear: bool = False,
+    seen: Sequence[Found] = (),
 ) -> str:
     """One sentence on what to do next.
 
@@ -16,12 +22,15 @@ def next_experiment(
         ranked: explanations with their probabilities.
         campaign: the records.
         nonlinear: whether these records show already that the bench does not answer in proportion.
+        seen: effects that the records show without any model; the simulation cannot contain them.
     """
     if verdict == "no_gap":
         return "Nothing: the simulation and the bench agree to within the noise."
     if verdict == "unknown":
         # What was fitted and explains nothing is no ground for advice.
         return _step_for_unknown(campaign, nonlinear)
+    if seen:
+        return model_of(seen[0].effect).experiment
     likely = [f for f, p in ranked if p > 0.05 and f.problem.candidates]
     if len(likely) > 1:
         first, second = ({c.effect for c in f.problem.candidates} for f in likely[:2])
