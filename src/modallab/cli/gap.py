@@ -155,7 +155,7 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     console.print(table if pairs else "Every two effects can be distinguished (cosine below 0.95).")
     if found.hidden():
         console.print(f"Hidden by the tolerances of the rig: {', '.join(found.hidden())}", markup=False)
-    sizes = Table("effect", "seen from this share of a plain size")
+    sizes = Table("effect", "smallest size seen, relative to a usual one")
     for name, least in sorted(zip(found.effects, found.least.tolist(), strict=True), key=lambda pair: pair[1]):
         sizes.add_row(name, f"{least:.2g}")
     console.print(sizes)

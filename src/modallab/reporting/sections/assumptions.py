@@ -4,7 +4,7 @@ from math import isfinite
 
 import numpy as np
 
-from modallab.core.digits import probability_text, significant_digits
+from modallab.core.digits import NONE, probability_text, significant_digits
 from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, paragraph
@@ -73,8 +73,8 @@ def _modes_table(outcome: OutcomeOfTest, found: ModelAssessment) -> Markup:
             significant_digits(float(f), 4),
             probability_text(found.confidence[r]),
             _number(found.mpc[r]),
-            _number(np.degrees(found.mpd_rad[r])),
-            _number(others[r].max()),
+            f"{np.degrees(found.mpd_rad[r]):.3f}",
+            _number(others[r].max()) if len(others) > 1 else NONE,
         )
         for r, f in enumerate(outcome.model.frequency_hz)
     ]
