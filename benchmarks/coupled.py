@@ -17,7 +17,7 @@ from scipy.linalg import block_diag, eigvalsh, null_space
 
 from by_seed import measure
 from modallab.modification.attachments import AttachedPart, Element
-from modallab.modification.coupled import Coupled
+from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.known import KnownStructure
 from modallab.verification.verify import frac
 from modified_structures import HITS, TOLERANCE, Bench
@@ -77,10 +77,10 @@ def edge(a: Bench, *every: Bench) -> float:
     return float(np.sqrt(hz[widest] * hz[widest + 1]))
 
 
-def held(other: KnownStructure, pairs: list[tuple[int, int]], sign: int = 1) -> Coupled:
+def held(other: KnownStructure, pairs: list[tuple[int, int]], sign: int = 1) -> CouplingToStructure:
     """The other structure at pairs of points."""
     along = [((p, "z"), (q, "z")) for p, q in pairs]
-    return Coupled(other.structure, along, sign=sign, samples=other.samples)
+    return CouplingToStructure(other.structure, along, sign=sign, samples=other.samples)
 
 
 def known_of(bench: Bench) -> tuple[KnownStructure, np.ndarray, np.ndarray]:

@@ -56,14 +56,14 @@ def of_modallab(given: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
     from modallab.identification.selection.criteria import mac
     from modallab.modification.attachments import Element
-    from modallab.modification.coupled import Coupled
+    from modallab.modification.coupled import CouplingToStructure
     from modallab.modification.known import KnownStructure
 
     added = [Element(n + 1, mass=float(kg)) for n, kg in enumerate(given["added"]) if kg]
     bare = KnownStructure(BARE.model())
     heavy = KnownStructure(Chain(BARE.mass + np.diag(given["added"]), BARE.damping, BARE.stiffness).model())
     n, changed = len(BARE.mass), bare.with_changes(added)
-    coupled = bare.with_changes([Coupled(heavy.structure, [(n, 1)])])
+    coupled = bare.with_changes([CouplingToStructure(heavy.structure, [(n, 1)])])
 
     def mobility(known: KnownStructure) -> np.ndarray:
         return np.abs(known.frf(HZ, [1], [1], "mobility", sigma=False).values[0, 0])

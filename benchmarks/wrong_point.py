@@ -52,7 +52,7 @@ def session(seed: int, hits: int, wrong: float, expected: ExpectedModes | None, 
             if samples[0].max() < WEAKEST_N or answer is None:
                 continue
             said = check.look(f"{point}/{n}", point, answer)
-            found.append((point, struck, good, bool(said.reasons), said.looks_like))
+            found.append((point, struck, good, bool(said.reasons), said.drive_kind_of))
             if not said.reasons:
                 check.keep(f"{point}/{n}", f"{point}/{n}", point)
                 good += 1

@@ -21,7 +21,7 @@ from typing import Any
 from modallab.blind.answer import ANSWERS, read_answers
 from modallab.blind.answer import answer_of as diagnosed
 from modallab.blind.draw import TrialDraw, draw_trials, make_trial
-from modallab.blind.outcome import said_name, sum_up_trials, true_name
+from modallab.blind.outcome import named_cause, sum_up_trials, true_name
 from modallab.blind.request import BlindRequest
 from modallab.blind.score import Trial
 from modallab.blind.seal import SEALED, hash_of, seal_truth, sealed_hash
@@ -106,7 +106,7 @@ def row(trial: Trial) -> str:
     """One trial in words."""
     gaps = f"{trial.diagnosis.gap.before:8.1f} {trial.diagnosis.gap.after:7.2f}"
     mark = "right" if trial.right else "WRONG"
-    return f"{trial.name} {mark} {true_name(trial):24s} {said_name(trial):36s} {gaps} {trial.seconds:6.1f} s"
+    return f"{trial.name} {mark} {true_name(trial):24s} {named_cause(trial):36s} {gaps} {trial.seconds:6.1f} s"
 
 
 def main() -> None:

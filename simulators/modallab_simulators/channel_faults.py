@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.abilities import WavePlaying, WavesPlaying
+from modallab.bench.abilities import ShakersPlayingTogether, WavePlaying
 from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 
 Kind = Literal["dead", "frozen", "unplugged", "clipped", "swapped"]
@@ -102,7 +102,7 @@ class FaultyBench:
 
     def play_waves(self, waves: Sequence[Waveform]) -> int:
         """As the bench does; waves of several shakers count as one burst."""
-        assert isinstance(self._bench, WavesPlaying)
+        assert isinstance(self._bench, ShakersPlayingTogether)
         return self._begun(self._bench.play_waves(waves), waves[0])
 
     def prompt_hit(self, point: int) -> None:

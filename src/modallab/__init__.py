@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from modallab.core.documents.forces import ImpulseForce, RandomForce, SineForce, SweepForce
     from modallab.formats.fem.matrix_model import MatrixModel
     from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
-    from modallab.modification.coupled import Coupled
+    from modallab.modification.coupled import CouplingToStructure
     from modallab.notebook.correlated import Correlated, CorrelatedModes, UpdatedModel
     from modallab.notebook.driven import driven
     from modallab.notebook.gap import Agreement, GapFound, agreement, diagnose
@@ -19,42 +19,42 @@ if TYPE_CHECKING:
     from modallab.notebook.measured import MeasuredFrf, frf
     from modallab.notebook.model import Model
     from modallab.notebook.predicted_motion import PredictedMotion
-    from modallab.notebook.put_to_use import ChangedModel, PutToUse
+    from modallab.notebook.put_to_use import ChangedModel, ModelUses
     from modallab.notebook.recording import Recording, load
     from modallab.notebook.response_records import responses
-    from modallab.notebook.shown import Answered
+    from modallab.notebook.shown import DisplayedResult
     from modallab.notebook.simulate import simulate
     from modallab.notebook.twin import DiagnosedTwin
-    from modallab.notebook.understood import DeflectionShape, Understood
+    from modallab.notebook.understood import DeflectionShape, ModelBehaviour
     from modallab.updating.prior import Prior
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Agreement",
-    "Answered",
     "ChangedModel",
     "Correlated",
     "CorrelatedModes",
-    "Coupled",
+    "CouplingToStructure",
     "DeflectionShape",
     "DiagnosedTwin",
+    "DisplayedResult",
     "Element",
     "GapFound",
     "ImpulseForce",
     "MatrixModel",
     "MeasuredFrf",
     "Model",
+    "ModelBehaviour",
+    "ModelUses",
     "PredictedMotion",
     "Prior",
-    "PutToUse",
     "RandomForce",
     "Recording",
     "RigidLink",
     "SineForce",
     "SweepForce",
     "TunedAbsorber",
-    "Understood",
     "UpdatedModel",
     "__version__",
     "agreement",
@@ -72,11 +72,11 @@ __getattr__ = lazy_getattr(
     {
         "core.documents.forces": ("ImpulseForce", "RandomForce", "SineForce", "SweepForce"),
         "modification.attachments": ("Element", "RigidLink", "TunedAbsorber"),
-        "modification.coupled": ("Coupled",),
-        "notebook.understood": ("DeflectionShape", "Understood"),
-        "notebook.shown": ("Answered",),
+        "modification.coupled": ("CouplingToStructure",),
+        "notebook.understood": ("DeflectionShape", "ModelBehaviour"),
+        "notebook.shown": ("DisplayedResult",),
         "notebook.predicted_motion": ("PredictedMotion",),
-        "notebook.put_to_use": ("ChangedModel", "PutToUse"),
+        "notebook.put_to_use": ("ChangedModel", "ModelUses"),
         "notebook.gap": ("Agreement", "GapFound", "agreement", "diagnose"),
         "notebook.measured": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model",),

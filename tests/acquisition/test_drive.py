@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted_bench import ScriptedBench, scripted_rig
 
-from modallab.acquisition.procedures.drive import HEADROOM, MAX_GROWTH, Drive, Measured
+from modallab.acquisition.procedures.drive import HEADROOM, MAX_GROWTH, Drive, MeasuredBurst
 from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Burst
@@ -90,7 +90,7 @@ def test_no_correction_leads_beyond_a_limit(
     volts: float, force: float, used: float, hz: float, requested: float
 ) -> None:
     drive = Drive(sine(force=ForceControl(levels_n={"low": requested})), LIMITS)
-    found = drive.next_v("low", hz, Measured(volts, force, used))
+    found = drive.next_v("low", hz, MeasuredBurst(volts, force, used))
     if found is None:
         return
     assert found <= LIMITS.drive_v * (1 + 1e-12)

@@ -4,7 +4,7 @@ import multiprocessing
 import time
 
 from modallab.acquisition.process.link import Link
-from modallab.acquisition.process.messages import Abort, Beat, Close, Ended, RunPlan, Stop
+from modallab.acquisition.process.messages import Abort, Close, Ended, OwnerHeartbeat, RunPlan, Stop
 from modallab.acquisition.process.ready import Order
 from modallab.core.plan import ImpactPlan
 
@@ -43,7 +43,7 @@ def test_a_time_out_is_a_lost_owner_and_a_heartbeat_prevents_it() -> None:
     mine, theirs = multiprocessing.Pipe()
     link = Link(theirs, timeout_s=0.5)
     for _ in range(8):
-        mine.send(Beat())
+        mine.send(OwnerHeartbeat())
         time.sleep(0.1)
     assert link.order() is None
     assert waited_for(link, "lost")

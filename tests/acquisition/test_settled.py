@@ -9,10 +9,10 @@ from modallab.acquisition.monitor.settled import (
     Floor,
     SettledCheck,
     WindowLevels,
+    amplitude_of_motion,
     check_settled,
     floor_of,
     largest_ratio,
-    motion_at,
     motion_decays,
     noise_limit,
     own_motion,
@@ -132,4 +132,6 @@ def test_a_few_lines_are_those_of_all(floor: Floor) -> None:
     rng = np.random.default_rng(10)
     block = window(rng, ringing(rng, 30.0))[:, : N // 2 - 3]
     lines = np.array([1, 9, 10, 11, 700])
-    np.testing.assert_allclose(motion_at(block, N, lines, floor), sensor_motion(block, N, floor)[:, lines], rtol=1e-3)
+    np.testing.assert_allclose(
+        amplitude_of_motion(block, N, lines, floor), sensor_motion(block, N, floor)[:, lines], rtol=1e-3
+    )

@@ -12,7 +12,7 @@ from modallab.acquisition.procedures.broadband_checks import require_waves
 from modallab.acquisition.procedures.broadband_wave import blocks_of_wave, layout_of, wave_of, waves_of
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.process.run import record
-from modallab.bench.abilities import WavesPlaying
+from modallab.bench.abilities import ShakersPlayingTogether
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import BenchInfo
 from modallab.core.errors import PlanError, SafetyError, UnsupportedError
@@ -118,7 +118,7 @@ def test_a_bench_of_one_output_and_a_generator_say_that_they_cannot(both: Rig, l
             raise AssertionError(wave)
 
     bench = OneOutput(link_rig)
-    assert not isinstance(bench, WavesPlaying)
+    assert not isinstance(bench, ShakersPlayingTogether)
     with pytest.raises(UnsupportedError, match="drives one shaker, and the plan drives 2 at once"):
         require_waves(plan_of("random"), bench, both)
     require_waves(plan_of("random", shakers="first"), bench, both)

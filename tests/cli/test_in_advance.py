@@ -4,18 +4,18 @@ import threading
 
 import pytest
 
-from modallab.cli.in_advance import InAdvance
+from modallab.cli.in_advance import BackgroundResult
 
 
 def test_it_is_computed_while_the_caller_goes_on() -> None:
     go_on = threading.Event()
-    computed = InAdvance(lambda: go_on.wait(10.0))
+    computed = BackgroundResult(lambda: go_on.wait(10.0))
     go_on.set()
     assert computed.result() is True
 
 
 def test_what_it_raised_is_raised_where_the_result_is_asked_for() -> None:
-    computed = InAdvance(lambda: 1 // 0)
+    computed = BackgroundResult(lambda: 1 // 0)
     with pytest.raises(ZeroDivisionError):
         computed.result()
 
@@ -23,7 +23,7 @@ def test_what_it_raised_is_raised_where_the_result_is_asked_for() -> None:
 def test_nobody_who_leaves_waits_for_it() -> None:
     before = set(threading.enumerate())
     stop = threading.Event()
-    InAdvance(stop.wait)
+    BackgroundResult(stop.wait)
     (own,) = set(threading.enumerate()) - before
     assert own.daemon
     stop.set()

@@ -10,10 +10,10 @@ from scipy.io import loadmat
 
 from modallab.cli import main
 from modallab.core.units import Quantity
-from modallab.formats.frf_file import bare_rig
+from modallab.formats.frf_file import rig_without_places
 from modallab.formats.rig.rig_file import write_rig
 from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
-from modallab.modification.coupled import Coupled
+from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.known import KnownStructure
 from modallab.modification.participation import modal_participation
 from modallab.modification.structure import At
@@ -55,7 +55,7 @@ def test_sizes_that_are_neither_one_nor_one_for_each_point_are_rejected(
 def test_a_prediction_stands_beside_what_was_measured(
     models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    write_rig(bare_rig(BARE.model().outputs, [1, 2, 3, 4], [1], "inertance"), tmp_path / "rig.yaml")
+    write_rig(rig_without_places(BARE.model().outputs, [1, 2, 3, 4], [1], "inertance"), tmp_path / "rig.yaml")
     given = ["model", "modify", str(models), "--mass", "0.0001", "--at", "3", "--check", str(models)]
     assert main(given) == 0
     assert "Mode 1: predicted " in capsys.readouterr().out
@@ -105,7 +105,7 @@ def test_a_model_compared_with_itself_has_a_mac_of_one(
     assert main(["model", "compare", str(models), "--other", str(models)]) != 0
     assert "--rig" in capsys.readouterr().err
     model, answer = BARE.model(), tmp_path / "answer.json"
-    write_rig(bare_rig(model.outputs, [1, 2, 3, 4], [1], "inertance"), tmp_path / "rig.yaml")
+    write_rig(rig_without_places(model.outputs, [1, 2, 3, 4], [1], "inertance"), tmp_path / "rig.yaml")
     picture = ["--out", str(tmp_path / "pairs.svg")]
     assert main(["model", "compare", str(models), "--other", str(models), "--json", str(answer), *picture]) == 0
     assert "<svg" in (tmp_path / "pairs.svg").read_text()
@@ -185,7 +185,7 @@ def test_what_is_coupled_and_taken_away_again_are_the_modes_of_python(models: Pa
     other.write_text(json.dumps({"models": [OTHER.model().model_dump(mode="json")]}))
     given = ["--other", str(other), "--pair", "4", "1", "--joint", "30000", "--json", str(answer)]
     assert main(["model", "couple", str(models), *given]) == 0
-    held = Coupled(KnownStructure(OTHER.model()).structure, [(4, 1)], 3e4)
+    held = CouplingToStructure(KnownStructure(OTHER.model()).structure, [(4, 1)], 3e4)
     expected = KnownStructure(BARE.model()).with_changes([held]).modes.frequency_hz
     np.testing.assert_allclose(json.loads(answer.read_text())["frequency_hz"], expected)
 

@@ -13,7 +13,7 @@ from modallab.gap.modal.matching import Side
 from modallab.gap.modal.weights import Weights
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions
-from modallab.modification.mesh import MOST, Mesh, on_surface
+from modallab.modification.mesh import MOST, Mesh, surface_directions
 from modallab.modification.shapes import shapes_of
 from modallab.modification.synthesis import receptances_of_model
 
@@ -182,17 +182,17 @@ LATTICE = np.stack([v.ravel() for v in np.meshgrid(*[np.linspace(0, 1, 11)] * 3,
 def test_on_a_tube_a_place_is_moved_along_the_axis_alone_where_the_wall_bends_away() -> None:
     here = np.array([0.6, 0.0, 0.05])
     for axis in "yz":
-        found = on_surface(TUBE, here, axis, 0.07)
+        found = surface_directions(TUBE, here, axis, 0.07)
         assert found is not None
         np.testing.assert_allclose(np.abs(found), [[1, 0, 0], [0, 0, 0]], atol=1e-9)
-    near = on_surface(TUBE, here, "z", 0.02)
+    near = surface_directions(TUBE, here, "z", 0.02)
     assert near is not None
     np.testing.assert_allclose(np.sort(np.abs(near), axis=0), [[0, 0, 0], [1, 1, 0]], atol=1e-6)
 
 
 def test_at_the_edge_of_a_plate_both_directions_stay() -> None:
     known = mesh().places_m
-    found = on_surface(known, np.array([A, B, 0.0]), "z", 0.1)
+    found = surface_directions(known, np.array([A, B, 0.0]), "z", 0.1)
     assert found is not None
     np.testing.assert_allclose(found @ found.T, np.eye(2), atol=1e-9)
     np.testing.assert_allclose(found[:, 2], 0, atol=1e-9)
@@ -200,7 +200,7 @@ def test_at_the_edge_of_a_plate_both_directions_stay() -> None:
 
 @pytest.mark.parametrize("nodes", [LATTICE, LATTICE[:121:11]], ids=["body", "line"])
 def test_nodes_that_are_no_surface_say_no_tangents(nodes: np.ndarray) -> None:
-    assert on_surface(nodes, nodes[len(nodes) // 2], "z", 0.1) is None
+    assert surface_directions(nodes, nodes[len(nodes) // 2], "z", 0.1) is None
 
 
 @pytest.mark.thorough("two diagnoses of ten channels, 5 s each")

@@ -78,8 +78,8 @@ def test_the_covariance_is_that_of_the_noise() -> None:
 def test_what_a_model_misses_is_missed_in_neither() -> None:
     """Of three modes the models hold two: with the FRFs a gain is exact all the same, and nothing is no gap."""
     whole = model()
-    of_modes = ("frequency_hz", "damping_ratio", "frequency_sigma_hz", "damping_sigma")
-    part = {n: getattr(whole, n)[:2] for n in (*of_modes, "modal_constants", "modal_constant_sigma")}
+    values_at_modes = ("frequency_hz", "damping_ratio", "frequency_sigma_hz", "damping_sigma")
+    part = {n: getattr(whole, n)[:2] for n in (*values_at_modes, "modal_constants", "modal_constant_sigma")}
     two = whole.model_copy(update=part)
     gain = frfs(noise=1e-4, seed=2)
     gain.values[1] *= 1.12

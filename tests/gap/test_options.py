@@ -10,7 +10,7 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.core.rig import Limits, Rig
-from modallab.gap.design.options import MOST_OF_LIMIT, every_line, limit_force, possible_experiments
+from modallab.gap.design.options import MOST_OF_LIMIT, limit_force, possible_experiments, sines_on_all_lines
 from modallab.gap.design.planning import ExperimentPlanner
 
 LIMITS = Limits(drive_v=5.0, slew_v_per_s=5000.0, force_n=4.0, acceleration_m_s2=2.0, max_burst_s=60.0)
@@ -51,7 +51,7 @@ def test_a_louder_level_keeps_below_the_force_that_the_rig_allows(limited: Rig) 
 
 
 def test_only_lines_are_offered_that_were_not_driven(limited: Rig) -> None:
-    lines = np.array(every_line(limited, [SINES]).frequencies_hz) * SINES.block_s
+    lines = np.array(sines_on_all_lines(limited, [SINES]).frequencies_hz) * SINES.block_s
     assert lines == pytest.approx(np.round(lines), abs=1e-3)
     assert not {6, 32} & set(np.round(lines).astype(int).tolist())
 

@@ -16,8 +16,8 @@ from modallab.core.errors import DataError, RigError
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.rig.rig_file import dump_rig, parse_rig, read_rig, write_rig
-from modallab.gap.report.calibrated import believed_twin, diagnosed_twin
-from modallab.gap.report.inspected import known_already
+from modallab.gap.report.calibrated import diagnosed_twin, twin_of_rig_file
+from modallab.gap.report.inspected import is_in_revisions
 from modallab.gap.revisions.apply import rig_at_revision, with_diagnosis
 from modallab.gap.revisions.history import revision_history
 from modallab.reporting.revisions_report import revisions_section
@@ -56,7 +56,7 @@ def test_a_rig_file_without_revisions_says_nothing_of_them(rig: Rig) -> None:
 
 
 def test_the_twin_carries_what_the_revisions_know(rig: Rig, revised: Rig) -> None:
-    twin = believed_twin(revised)
+    twin = twin_of_rig_file(revised)
     assert (0.8, 0.05) in twin.structure.masses
     assert twin.chain.gain[5] == 0.5
     after = diagnosed_twin(made_diagnosis(revised, verdict="no_gap"), revised)
@@ -82,9 +82,9 @@ def test_the_simulated_bench_carries_it_unless_its_address_says_what_is_wrong(re
 def test_what_no_force_predicts_is_known_if_it_is_of_about_the_size_it_was(rig: Rig) -> None:
     revised = with_diagnosis(rig, made_diagnosis(rig, HUM), DAY)
     (found,) = made_diagnosis(rig, HUM).effects
-    assert known_already(found, revised)
-    assert not known_already(found.model_copy(update={"parameters": {"volts": 0.03, "hz": 50.0}}), revised)
-    assert not known_already(found, rig)
+    assert is_in_revisions(found, revised)
+    assert not is_in_revisions(found.model_copy(update={"parameters": {"volts": 0.03, "hz": 50.0}}), revised)
+    assert not is_in_revisions(found, rig)
 
 
 def test_what_cannot_be_applied_says_why(rig: Rig, revised: Rig) -> None:

@@ -7,7 +7,7 @@ import pytest
 from twin_campaign import built, link
 
 from modallab.core.block import Block
-from modallab.gap.conditioning.noise import believed_noise, own_noise, rising_power
+from modallab.gap.conditioning.noise import measured_row_noise, noise_of_rig_file, rising_power
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 
 WHITE = 3e-4 * np.linspace(0.7, 1.6, 11)
@@ -31,7 +31,7 @@ def noisy(rising_v2: float, seed: int = 2) -> tuple[Block, ...]:
 def test_each_row_has_its_own_noise() -> None:
     blocks = noisy(0.0)
     rig = link()
-    found = own_noise(blocks, believed_noise(rig, blocks), rig.force_channel.index)
+    found = measured_row_noise(blocks, noise_of_rig_file(rig, blocks), rig.force_channel.index)
     # The bench's own noise and the converter's rounding are there too.
     assert found == pytest.approx(np.sqrt(WHITE**2 + 3e-4**2 + (10 / 32768) ** 2 / 12), rel=0.12)
 
@@ -40,5 +40,5 @@ def test_each_row_has_its_own_noise() -> None:
 def test_noise_that_rises_is_distinguished_from_white_noise(rising_v2: float) -> None:
     blocks = noisy(rising_v2)
     rig = link()
-    own = own_noise(blocks, believed_noise(rig, blocks), rig.force_channel.index)
+    own = measured_row_noise(blocks, noise_of_rig_file(rig, blocks), rig.force_channel.index)
     assert rising_power(blocks, own) == pytest.approx(rising_v2, rel=0.35, abs=1e-9)

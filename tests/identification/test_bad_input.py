@@ -218,7 +218,7 @@ CURVES = {
 @pytest.mark.parametrize("bad", CURVES)
 def test_curves_without_peaks_to_read_are_rejected(bad):
     f, a = CURVES[bad]
-    for call in (half_power.find_peaks, half_power.half_power, half_power.reading_near):
+    for call in (half_power.find_peaks, half_power.half_power, half_power.half_power_near):
         with pytest.raises(ModallabError):
             call(f, a) if call is half_power.find_peaks else call(f, a, 11)
 
@@ -235,7 +235,7 @@ def test_a_line_or_a_frequency_that_is_not_there_is_rejected():
         half_power.half_power(LINES, AMPLITUDE, 99)
     for bad_hz in (np.nan, np.inf):
         with pytest.raises(ModallabError):
-            half_power.reading_near(LINES, AMPLITUDE, bad_hz)
+            half_power.half_power_near(LINES, AMPLITUDE, bad_hz)
 
 
 SPECTRA = np.ones((3, 40), complex), np.ones((3, 2, 40), complex)

@@ -13,7 +13,7 @@ from modallab.identification.frf_model import identify_frf, identify_given_frf
 from modallab.identification.likelihood.even_noise import line_weights
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.options import IdentificationOptions
-from modallab.identification.selection.lost_modes import own_share, with_lost
+from modallab.identification.selection.lost_modes import restore_lost_modes, unshared_power
 from modallab.identification.selection.prune import is_mode
 from modallab.identification.start.stabilisation import OrderPoles
 from modallab.verification.verify import verify_frf
@@ -128,11 +128,11 @@ def test_a_mode_that_the_search_has_lost_comes_back_and_noise_does_not():
     fit = fit_frf(frf, (-0.01 + 1j) * w)
     there = (-0.01 + 1j) * 2 * np.pi * np.array([49.0, 120.0, 121.51, 170.0])
     orders = [OrderPoles(n, there) for n in range(2, 12)]
-    found, keep, notes = with_lost(frf, fit, is_mode(fit, (20.0, 200.0)), orders, (20.0, 200.0))
+    found, keep, notes = restore_lost_modes(frf, fit, is_mode(fit, (20.0, 200.0)), orders, (20.0, 200.0))
     got = np.sort(found.point.parameters.omega[keep]) / (2 * np.pi)
     np.testing.assert_allclose(got, [49.0, 120.0, 121.5], rtol=1e-4)
     assert notes == ()
-    assert np.all(own_share(found)[keep] > 0.9)
+    assert np.all(unshared_power(found)[keep] > 0.9)
 
 
 @pytest.mark.parametrize("order", [30, 60, 90, 120])

@@ -10,7 +10,7 @@ from scipy.optimize import curve_fit
 
 from modallab.identification.impact import identify_impact
 from modallab.identification.likelihood.even_residual import is_even
-from modallab.identification.likelihood.hit_scatter import decay_bias, factors_by_scatter, hit_pulls
+from modallab.identification.likelihood.hit_scatter import decay_bias, factors_by_scatter, hit_influences
 from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import to_signals_of
 
@@ -47,7 +47,7 @@ def test_the_sigma_is_that_of_the_hits_mean_where_they_drift():
 def test_each_hit_pulls_by_its_own_shift():
     model, fit, shift = identified(3e-4)
     best = int(np.argmax(fit.by_scatter[: model.n_modes, 0]))
-    pulls, shares = (part[:, 2 * best] for part in hit_pulls(fit))
+    pulls, shares = (part[:, 2 * best] for part in hit_influences(fit))
     expected = shares * (shift - shares @ shift) * fit.point.parameters.omega[best]
     assert np.corrcoef(pulls, expected)[0, 1] > 0.95
     assert shares.sum() == pytest.approx(1)

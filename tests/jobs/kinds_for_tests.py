@@ -7,49 +7,51 @@ from pathlib import Path
 from typing import Any
 
 from modallab.core.errors import DataError
-from modallab.jobs import Computed, Kind, Notify
+from modallab.jobs import ComputationResult, Kind, Notify
 
 
-def square(payload: Any, notify: Notify) -> Computed:
+def square(payload: Any, notify: Notify) -> ComputationResult:
     notify(0.5)
-    return Computed({"square": payload["x"] ** 2, "process": os.getpid()}, {"x.txt": str(payload["x"]).encode()})
+    return ComputationResult(
+        {"square": payload["x"] ** 2, "process": os.getpid()}, {"x.txt": str(payload["x"]).encode()}
+    )
 
 
-def wait(payload: Any, notify: Notify) -> Computed:
+def wait(payload: Any, notify: Notify) -> ComputationResult:
     """Works for a while in steps, notifying; then says which process it was."""
     steps = payload["steps"]
     for step in range(steps):
         notify(step / steps)
         time.sleep(0.02)
-    return Computed({"x": payload["x"], "process": os.getpid()})
+    return ComputationResult({"x": payload["x"], "process": os.getpid()})
 
 
-def gate(payload: Any, notify: Notify) -> Computed:
+def gate(payload: Any, notify: Notify) -> ComputationResult:
     """Works until a file appears, however fast or slow the machine is."""
     while not Path(payload["file"]).exists():
         notify(0.5)
         time.sleep(0.02)
-    return Computed({"x": payload["x"], "process": os.getpid()})
+    return ComputationResult({"x": payload["x"], "process": os.getpid()})
 
 
-def spin(payload: Any, _notify: Notify) -> Computed:
+def spin(payload: Any, _notify: Notify) -> ComputationResult:
     """Never looks out for anything."""
     deadline = time.monotonic() + payload["seconds"]
     total = 0
     while time.monotonic() < deadline:
         total += 1
-    return Computed(total)
+    return ComputationResult(total)
 
 
-def reject(payload: Any, _notify: Notify) -> Computed:
+def reject(payload: Any, _notify: Notify) -> ComputationResult:
     raise DataError(f"x is {payload['x']}", where="x", remedy="give another x")
 
 
-def break_(_payload: Any, _notify: Notify) -> Computed:
+def break_(_payload: Any, _notify: Notify) -> ComputationResult:
     raise ZeroDivisionError("by nothing")
 
 
-def die(_payload: Any, _notify: Notify) -> Computed:
+def die(_payload: Any, _notify: Notify) -> ComputationResult:
     os._exit(3)
 
 
@@ -58,7 +60,7 @@ def _load(parameters: dict[str, Any], inputs: tuple[str, ...]) -> dict[str, Any]
 
 
 def kinds(folder: Path, **limits: float) -> list[Kind]:
-    def keep(name: str, computed: Computed) -> Any:
+    def keep(name: str, computed: ComputationResult) -> Any:
         for file, content in computed.blobs.items():
             (folder / f"{name}-{file}").write_bytes(content)
         return computed.result

@@ -9,7 +9,7 @@ from sqlalchemy import Engine, text
 
 from modallab.core.errors import JobError, UnknownJobError
 from modallab.jobs import Jobs
-from modallab.jobs.leases import MAX_ATTEMPTS, Leases, TakenJob
+from modallab.jobs.leases import MAX_ATTEMPTS, LeasedJob, Leases
 from modallab.jobs.table import make_table
 from modallab.storage.engine import open_engine
 
@@ -21,12 +21,12 @@ def engine(each_engine: Engine) -> Engine:
     return each_engine
 
 
-def _take(engine: Engine, owner: str = "one") -> TakenJob:
+def _take(engine: Engine, owner: str = "one") -> LeasedJob:
     (taken,) = Leases(engine, owner).take(KINDS, 1)
     return taken
 
 
-def _take_over(engine: Engine, owner: str) -> list[TakenJob]:
+def _take_over(engine: Engine, owner: str) -> list[LeasedJob]:
     """What one takes who hears no sign of the holders for a while: five looks count at most one lease."""
     leases = Leases(engine, owner, lease_s=0.01)
     for _ in range(6):

@@ -8,7 +8,7 @@ import pytest
 from sqlalchemy import Engine, inspect, text
 
 from modallab.jobs import Jobs
-from modallab.jobs.leases import Leases, MarkWatch, TakenJob
+from modallab.jobs.leases import LeasedJob, Leases, MarkWatch
 
 
 class Clock:
@@ -70,7 +70,7 @@ def test_of_two_who_saw_the_same_time_out_one_takes_the_job(engine: Engine) -> N
     job = Jobs(engine).submit("identify", {}, [])
     (dead,) = Leases(engine, "dead").take(["identify"], 1)
     heirs = [Leases(engine, name, lease_s=0.001) for name in ("one", "two")]
-    found: list[TakenJob] = []
+    found: list[LeasedJob] = []
     barrier = threading.Barrier(len(heirs), timeout=60)
 
     def take(heir: Leases) -> None:

@@ -9,8 +9,8 @@ from scipy import linalg
 
 from modallab.core.errors import DataError
 from modallab.modification.attachments import AttachedPart, Element, RigidLink, TunedAbsorber
-from modallab.modification.coupled import Coupled
-from modallab.modification.free_band import kept_free
+from modallab.modification.coupled import CouplingToStructure
+from modallab.modification.free_band import changes_for_free_band
 from modallab.modification.inverse import By, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
 from modallab.modification.modified import passive_damping
@@ -108,9 +108,9 @@ def test_two_structures_coupled_are_one_and_taken_apart_again_are_two(joint: flo
     else:
         truth = Chain(whole[0], whole[1], whole[2] + joint * apart.T @ apart)
     other = structure_of(OTHER.model())
-    both = KnownStructure(BARE.model()).with_changes([Coupled(other, [(4, 1)], joint)])
+    both = KnownStructure(BARE.model()).with_changes([CouplingToStructure(other, [(4, 1)], joint)])
     np.testing.assert_allclose(both.modes.frequency_hz, np.abs(truth.poles()) / (2 * np.pi), rtol=1e-8)
-    again = both.with_changes([Coupled(other, [(4, 1)], joint, sign=-1)]) if joint is None else None
+    again = both.with_changes([CouplingToStructure(other, [(4, 1)], joint, sign=-1)]) if joint is None else None
     if again is not None:
         np.testing.assert_allclose(both.attached.receptance(S)[:, 3, 3], _parallel(S), rtol=1e-8)
 
@@ -124,7 +124,7 @@ def test_a_measured_part_taken_away_leaves_the_rest_and_no_pole_of_its_antireson
     part = OTHER.model()
     part = part.model_copy(update={"modal_constants": gain * part.modal_constants})
     unsure = KnownStructure(part.model_copy(update={"modal_constant_sigma": 0.01 * np.abs(part.modal_constants)}))
-    taken = Coupled(unsure.structure, [(4, 1)], sign=-1, samples=unsure.samples)
+    taken = CouplingToStructure(unsure.structure, [(4, 1)], sign=-1, samples=unsure.samples)
     both = Chain(*whole).model()
     on_it = {"outputs": both.outputs[:4], "output_points": (1, 2, 3, 4), "residuals": both.residuals[:, :4]}
     arrays = {name: getattr(both, name)[:, :4] for name in ("modal_constants", "modal_constant_sigma")}
@@ -147,7 +147,7 @@ def test_errors_at_a_joint_grow_by_what_the_two_receptances_cancel() -> None:
     assert bare.with_changes([Element(3, mass=0.1)]).conditioning is None
     for sign in (1, -1):
         grown = np.median((np.abs(h) + np.abs(y)) / np.abs(h + sign * y))
-        found = bare.with_changes([Coupled(other, [(4, 1)], sign=sign)])
+        found = bare.with_changes([CouplingToStructure(other, [(4, 1)], sign=sign)])
         np.testing.assert_allclose(found.conditioning, grown, rtol=1e-6)
 
 
@@ -155,8 +155,10 @@ def test_two_joints_that_move_apart_grow_errors_as_the_worse_of_them() -> None:
     """Whatever the units of one of them are."""
     springs = Chain(np.eye(4), np.zeros((4, 4)), np.diag([1e4, 1e8, 1e4, 1e4]))
     part = structure_of(Chain(np.eye(2), np.zeros((2, 2)), np.diag([2e4, 2e8])).model())
-    alone = [KnownStructure(springs.model()).with_changes([Coupled(part, [(n, n)])]).conditioning for n in (1, 2)]
-    both = KnownStructure(springs.model()).with_changes([Coupled(part, [(1, 1), (2, 2)])]).conditioning
+    alone = [
+        KnownStructure(springs.model()).with_changes([CouplingToStructure(part, [(n, n)])]).conditioning for n in (1, 2)
+    ]
+    both = KnownStructure(springs.model()).with_changes([CouplingToStructure(part, [(1, 1), (2, 2)])]).conditioning
     assert None not in alone
     assert both is not None
     assert max(alone) <= both * (1 + 1e-9)
@@ -171,7 +173,7 @@ def test_a_table_says_that_what_nearly_makes_the_whole_is_not_to_be_taken_away()
             both[:4, :4] += a
             both[3:, 3:] += b
         joined = KnownStructure(Chain(*whole).model())
-        rest = joined.with_changes([Coupled(structure_of(part.model()), [(4, 1)], sign=-1)])
+        rest = joined.with_changes([CouplingToStructure(structure_of(part.model()), [(4, 1)], sign=-1)])
         said.append(modified_rows(rest, []).caption)
     assert ["Do not use" in caption for caption in said] == [False, True]
 
@@ -179,8 +181,8 @@ def test_a_table_says_that_what_nearly_makes_the_whole_is_not_to_be_taken_away()
 def test_what_is_coupled_brings_its_own_uncertainty() -> None:
     bare = KnownStructure(BARE.model())
     unsure = KnownStructure(OTHER.model().model_copy(update={"frequency_sigma_hz": np.full(2, 0.05)}))
-    one = bare.with_changes([Coupled(unsure.structure, [(4, 1)], samples=unsure.samples)])
-    other = unsure.with_changes([Coupled(bare.structure, [(1, 4)], samples=bare.samples)])
+    one = bare.with_changes([CouplingToStructure(unsure.structure, [(4, 1)], samples=unsure.samples)])
+    other = unsure.with_changes([CouplingToStructure(bare.structure, [(1, 4)], samples=bare.samples)])
     assert one.modes.frequency_sigma_hz.max() > 1e-3
     np.testing.assert_allclose(one.modes.frequency_sigma_hz, other.modes.frequency_sigma_hz, rtol=1e-6)
     variance = one.frf(HZ, [4], [4]).variance, other.frf(HZ, [1], [1]).variance
@@ -330,7 +332,7 @@ def test_the_smallest_size_that_frees_a_band_does_so_and_less_does_not(by: By) -
     known = KnownStructure(BARE.model())
     hz = known.modes.frequency_hz
     band = (float(0.93 * hz[1]), float(1.07 * hz[1]))
-    found = kept_free(known, band, by, [1, 2, 3, 4])
+    found = changes_for_free_band(known, band, by, [1, 2, 3, 4])
     sizes = [a.size for a in found if a.feasible]
     assert sizes
     assert sizes == sorted(sizes)
@@ -344,9 +346,9 @@ def test_the_smallest_size_that_frees_a_band_does_so_and_less_does_not(by: By) -
 def test_a_band_that_a_mode_cannot_leave_names_the_mode() -> None:
     known = KnownStructure(BARE.model())
     hz = known.modes.frequency_hz
-    none = [a for a in kept_free(known, (1e-3 * hz[0], 1.01 * hz[0]), "mass", [3]) if not a.feasible]
+    none = [a for a in changes_for_free_band(known, (1e-3 * hz[0], 1.01 * hz[0]), "mass", [3]) if not a.feasible]
     assert [a.stays for a in none] == [1]
-    free = kept_free(known, (float(1.05 * hz[0]), float(1.06 * hz[0])), "mass", [1])[0]
+    free = changes_for_free_band(known, (float(1.05 * hz[0]), float(1.06 * hz[0])), "mass", [1])[0]
     assert free.size == 0 or free.feasible
 
 

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
-from modallab.formats.frf_file import bare_rig
+from modallab.formats.frf_file import rig_without_places
 from modallab.modification.deflection import mode_deflection, motion_in_space, operating_deflection
 from modallab.modification.known import KnownStructure
 from modallab.modification.nodes import places_of_modes
@@ -104,7 +104,7 @@ def string(modes: int = 4, points: int = 9) -> tuple[ModalModel, KnownStructure]
             "half_power_floor": none,
         }
     )
-    return model, KnownStructure(model, bare_rig(model.outputs, range(1, points + 1), [1], "inertance"))
+    return model, KnownStructure(model, rig_without_places(model.outputs, range(1, points + 1), [1], "inertance"))
 
 
 def test_nodes_between_points_lie_where_the_shape_is_zero() -> None:

@@ -13,7 +13,7 @@ import modallab as ml
 from modallab.cli.demo import demo_rig
 from modallab.core.errors import DataError, MissingPackageError, ModallabError, PlanError, StorageError
 from modallab.core.plan import ImpactPlan
-from modallab.gap.report.calibrated import believed_twin
+from modallab.gap.report.calibrated import twin_of_rig_file
 from modallab.notebook.twin import DiagnosedTwin
 
 LINES_HZ = np.arange(2.0, 100.0, 0.5)
@@ -22,7 +22,7 @@ LINES_HZ = np.arange(2.0, 100.0, 0.5)
 @pytest.fixture(scope="module")
 def twin() -> ml.DiagnosedTwin:
     rig = demo_rig()
-    return DiagnosedTwin(believed_twin(rig), rig)
+    return DiagnosedTwin(twin_of_rig_file(rig), rig)
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 from modallab.core.model import ModalModel
 from modallab.core.plan import Precision
 from modallab.core.rig import Channel, Point, Rig
-from modallab.pipelines.telling_point import telling_point
+from modallab.pipelines.most_informative_point import most_informative_point
 
 PLACES = np.arange(1, 10) / 10
 SHAPES = np.array([np.sin(np.pi * PLACES), np.sin(2 * np.pi * PLACES)])
@@ -46,20 +46,20 @@ def model(struck: tuple[int, ...], zeta_sigma: tuple[float, float]) -> ModalMode
 def test_it_is_an_antinode_of_the_mode_known_least_though_nobody_struck_there(
     sigma: tuple[float, float], points: set[int]
 ) -> None:
-    assert telling_point(model((4,), sigma), rig(), {4: 5}, Precision()) in points
+    assert most_informative_point(model((4,), sigma), rig(), {4: 5}, Precision()) in points
 
 
 def test_the_target_says_which_mode_is_known_least() -> None:
     wide = model((4,), (0.02, 0.01)).model_copy(update={"frequency_sigma_hz": np.array([1e-6, 0.04])})
-    assert telling_point(wide, rig(), {4: 1}, Precision(frequency_ratio=0.1)) == 5
-    assert telling_point(wide, rig(), {4: 1}, Precision(frequency_ratio=1e-4)) in {2, 3, 7, 8}
+    assert most_informative_point(wide, rig(), {4: 1}, Precision(frequency_ratio=0.1)) == 5
+    assert most_informative_point(wide, rig(), {4: 1}, Precision(frequency_ratio=1e-4)) in {2, 3, 7, 8}
 
 
 def test_sensors_across_the_drive_say_nothing_of_where_to_strike() -> None:
     """One sensor along the drive at point 4, and points 4 and 5 struck."""
     both = model((4, 5), (0.001, 0.05))
-    assert telling_point(both, rig("y"), {4: 5, 5: 5}, Precision()) == 4
+    assert most_informative_point(both, rig("y"), {4: 5, 5: 5}, Precision()) == 4
 
 
 def test_a_mode_that_no_hit_has_moved_leaves_it_open() -> None:
-    assert telling_point(model((5,), (0.01, 0.01)), rig("y"), {9: 3}, Precision()) is None
+    assert most_informative_point(model((5,), (0.01, 0.01)), rig("y"), {9: 3}, Precision()) is None

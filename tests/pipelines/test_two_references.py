@@ -27,7 +27,7 @@ from modallab.formats.importer import import_sources
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.frf.broadband import broadband_frf, driven_band
-from modallab.frf.drive_clock import cut_to_own_clock
+from modallab.frf.drive_clock import cut_to_drive_clock
 from modallab.frf.joined import joined_frf
 from modallab.frf.settled_periods import without_decays
 from modallab.gap.diagnosis import diagnose
@@ -117,7 +117,7 @@ def of_twin(frf: Frf) -> np.ndarray:
 def settled(signal: Broadband) -> list[Signals]:
     signals = to_signals_of(recorded(signal).blocks, RIG)
     band = driven_band(signals)
-    signals = cut_to_own_clock(signals, band)
+    signals = cut_to_drive_clock(signals, band)
     return without_decays(signals, poles_of(2 * np.pi * TRUE_HZ, TRUE_DAMPING), band)
 
 

@@ -20,7 +20,7 @@ def test_verdicts_reasons_and_confidence_are_there(content):
     body = str(shown.body)
     assert "does not hold" in body
     assert "differ by 31" in body
-    assert "0.500" in body
+    assert "0.50" in body
     assert any("one point was hit" in reason for reason in shown.absent)
 
 

@@ -10,7 +10,7 @@ from closed_form_plate import OMEGA, REFERENCE, X, Y, model, rig, shapes, with_m
 from modallab.core.modal_diagnosis import FoundChange
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.gap.modal.diagnosis import Explained, explained_by_model
+from modallab.gap.modal.diagnosis import ComparisonOutcome, explained_by_model
 from modallab.gap.words.effects import numbers_of
 from modallab.reporting.figures.structure_curves import worst_outputs
 from modallab.reporting.figures.structure_picture import MarkedPlaces, structure_picture
@@ -105,10 +105,10 @@ def test_a_number_that_the_records_leave_open_is_not_given_an_interval() -> None
         effect="ground_spring", stage="structure", probability=0.1, parameters={"k": 196.0},
         interval={"k": (0.1, 4e5)}, place={"point": 3, "at_m": [0.0, 0.0, 0.0], "axis": "z"},
     )  # fmt: skip
-    assert numbers_of(change) == [("k", "about 200 N/m", "not known: the records leave it open")]
+    assert numbers_of(change) == [("stiffness", "about 200 N/m", "not known: the records leave it open")]
 
 
 def test_every_explanation_that_was_fitted_is_listed_with_its_probability(heavy: StructureGap) -> None:
-    explained: Explained = heavy.explained
+    explained: ComparisonOutcome = heavy.explained
     assert [c.effect for c in explained.ranked] == [c.effects[0] for c in explained.diagnosis.candidates]
     assert sum(c.probability for c in explained.ranked) <= 1.0

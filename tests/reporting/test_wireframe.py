@@ -6,7 +6,7 @@ import re
 import numpy as np
 from chain import BARE
 
-from modallab.formats.frf_file import bare_rig
+from modallab.formats.frf_file import rig_without_places
 from modallab.modification.skeleton import motion_without_scale
 from modallab.reporting.figures.wireframe import MovingShape, moving_wireframes, shapes_of_model
 
@@ -34,7 +34,7 @@ def test_a_sensor_across_the_drive_that_reads_against_its_axis_moves_the_other_w
     """On the report and on the page alike."""
     model = BARE.model()
     model = model.model_copy(update={"operating_shapes": model.modal_constants[:, :, 0], "shapes": None})
-    rig = bare_rig(model.outputs, (1, 2, 3, 4), (1,), "mobility")
+    rig = rig_without_places(model.outputs, (1, 2, 3, 4), (1,), "mobility")
 
     def drawn(direction: str) -> tuple[np.ndarray, np.ndarray]:
         channels = [c.model_copy(update={"direction": direction} if c.point == 2 else {}) for c in rig.channels]

@@ -11,7 +11,7 @@ from modallab.core.errors import DataError
 from modallab.core.units import TESTS
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign, usable_blocks
-from modallab.signals.drive_kind import is_hit, looks_like
+from modallab.signals.drive_kind import drive_kind_of, is_hit
 
 PAIRS = [(kind, label) for kind, right in drives.RIGHT.items() for label in TESTS if label not in right]
 
@@ -20,7 +20,7 @@ PAIRS = [(kind, label) for kind, right in drives.RIGHT.items() for label in TEST
 def test_each_kind_of_drive_is_recognised(kind):
     for seed in range(3):
         campaign = drives.campaign(kind, kind, seed)
-        assert looks_like([b.samples[0] for b in campaign.blocks], drives.RATE) == kind
+        assert drive_kind_of([b.samples[0] for b in campaign.blocks], drives.RATE) == kind
         assert len(usable_blocks(campaign, campaign.blocks)[0]) == drives.BLOCKS
 
 
@@ -62,20 +62,20 @@ def test_whatever_every_block_repeats_is_a_periodic_drive_and_a_sweep_is_said_to
 def test_waves_of_two_periods_each_are_periodic():
     rng = np.random.default_rng(4)
     waves = [rng.standard_normal(512) for _ in range(4)]
-    assert looks_like([w for wave in waves for w in (wave, wave)], 512.0) == "pseudo-random"
-    assert looks_like([*waves, *rng.standard_normal((4, 512))], 512.0) == "random"
+    assert drive_kind_of([w for wave in waves for w in (wave, wave)], 512.0) == "pseudo-random"
+    assert drive_kind_of([*waves, *rng.standard_normal((4, 512))], 512.0) == "random"
 
 
 def test_a_force_that_is_let_go_is_named():
     forces = [b.samples[0] for b in drives.campaign("release", "burst-random", 4).blocks]
-    assert looks_like(forces, drives.RATE) == "release"
-    assert looks_like([-f for f in forces], drives.RATE) == "release"
+    assert drive_kind_of(forces, drives.RATE) == "release"
+    assert drive_kind_of([-f for f in forces], drives.RATE) == "release"
 
 
 def test_the_same_course_in_other_sizes_is_not_periodic():
     forces = [b.samples[0] for b in drives.campaign("pseudo-random", "pseudo-random", 4).blocks]
-    assert looks_like(forces, drives.RATE) == "pseudo-random"
-    assert looks_like([f * (1 + k) for k, f in enumerate(forces)], drives.RATE) == "random"
+    assert drive_kind_of(forces, drives.RATE) == "pseudo-random"
+    assert drive_kind_of([f * (1 + k) for k, f in enumerate(forces)], drives.RATE) == "random"
 
 
 def test_lines_that_a_multisine_leaves_out_hold_no_frf_and_no_mode():

@@ -134,4 +134,4 @@ def test_matrices_may_be_lists_and_rows_of_several_lengths_are_none() -> None:
 
 def test_matrices_of_another_size_are_rejected() -> None:
     with pytest.raises(DataError, match="tip mass is"):
-        replace(CHAIN, mass_by={"tip mass": np.eye(3)})
+        replace(CHAIN, mass_slopes={"tip mass": np.eye(3)})

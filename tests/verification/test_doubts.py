@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_comparison import SHAPES, model
 
-from modallab.verification.reservations import doubts_about_modes, seen_by_one
+from modallab.verification.reservations import doubts_about_modes, output_of_isolated_mode
 
 SURE = np.array([0.9, 0.95, 0.99])
 
@@ -44,7 +44,7 @@ def test_a_mode_that_one_sensor_has_to_itself_is_reported_with_the_sensor():
     (sentence,) = doubts_about_modes(from_two_points(shapes), SURE)
     assert "30 Hz" in sentence
     assert "a3 alone" in sentence
-    assert seen_by_one(from_two_points(shapes)).tolist() == [-1, 3, -1]
+    assert output_of_isolated_mode(from_two_points(shapes)).tolist() == [-1, 3, -1]
 
 
 def test_a_part_that_moves_by_itself_and_is_driven_itself_is_a_mode():
@@ -57,4 +57,4 @@ def test_a_part_that_moves_by_itself_and_is_driven_itself_is_a_mode():
 
 
 def test_few_sensors_cannot_show_who_is_alone():
-    assert seen_by_one(model(SHAPES[:, :3], points=(1, 2, 3))).tolist() == [-1, -1, -1]
+    assert output_of_isolated_mode(model(SHAPES[:, :3], points=(1, 2, 3))).tolist() == [-1, -1, -1]

@@ -53,7 +53,7 @@ class WavePlaying(Protocol):
 
 
 @runtime_checkable
-class WavesPlaying(WavePlaying, Protocol):
+class ShakersPlayingTogether(WavePlaying, Protocol):
     """A bench with an output for each shaker of its rig, which play together and end together.
 
     `zero` brings all of them to 0 V at once, as their end by themselves and any watchdog does.
@@ -92,7 +92,7 @@ class SelfDescribing(Protocol):
 
 
 @runtime_checkable
-class LooksForSensors(Protocol):
+class SensorSupplyCheck(Protocol):
     """A bench whose device feeds sensors, and may be able to say that one is missing."""
 
     def open_sensors_unseen(self) -> tuple[str, ...]:
@@ -125,7 +125,7 @@ class SyncState:
 
 
 @runtime_checkable
-class Synchronised(Protocol):
+class SynchronisedBench(Protocol):
     """A bench of several devices that sample as one."""
 
     def synchronisation(self) -> SyncState:

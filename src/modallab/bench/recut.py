@@ -12,7 +12,7 @@ from modallab.bench.resampling import half_width, resample
 
 
 @dataclass(frozen=True, slots=True)
-class Recut:
+class RecutRule:
     """How a block is recut.
 
     Attributes:
@@ -36,7 +36,7 @@ class Recut:
         return cls(from_hz, to_hz, half, 2 * half + ceil(count * from_hz / to_hz) + 1, count)
 
     @classmethod
-    def read(cls, facts: Mapping[str, float | str]) -> "Recut | None":
+    def read(cls, facts: Mapping[str, float | str]) -> "RecutRule | None":
         """From what is written beside a block; None if it was not to be recut."""
         if "recut_to_hz" not in facts:
             return None

@@ -58,7 +58,7 @@ class TrialDraw:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class MadeTrial:
+class GeneratedTrial:
     """A trial: what the operator has, a later campaign on the same bench if it was asked for, and what is true."""
 
     campaign: Campaign
@@ -66,7 +66,7 @@ class MadeTrial:
     truth: Truth
 
 
-def make_trial(draw: TrialDraw, later: bool = True) -> MadeTrial:
+def make_trial(draw: TrialDraw, later: bool = True) -> GeneratedTrial:
     """Measure a trial on the simulated bench, and if asked for once more later.
 
     Its truth holds the gap that its effect opens, in noise units.
@@ -77,7 +77,7 @@ def make_trial(draw: TrialDraw, later: bool = True) -> MadeTrial:
     effects, more = _draw_effects(bench, rig, draw)
     campaign, truth = bench.make_trial(rig, draw.seed, effects, draw.tolerances)
     again = bench.make_trial(rig, draw.seed, effects, draw.tolerances, session=1)[0] if later else None
-    return MadeTrial(campaign, again, truth | more)
+    return GeneratedTrial(campaign, again, truth | more)
 
 
 def _draw_effects(bench: TrialBench, rig: Rig, draw: TrialDraw) -> tuple[tuple[Effect, ...], Truth]:

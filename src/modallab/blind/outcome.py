@@ -26,7 +26,7 @@ class OutcomeFigure(Frozen):
     misses: tuple[str, ...] = ()
 
 
-class OfEffect(Frozen):
+class EffectOutcome(Frozen):
     """How trials with one true effect went.
 
     Attributes:
@@ -77,7 +77,7 @@ class BlindOutcome(Frozen):
     answers: str
     trials: int
     figures: list[OutcomeFigure]
-    effects: list[OfEffect]
+    effects: list[EffectOutcome]
     calibration_error: float
     reliability: list[OutcomeFigure]
     shrinkage: list[ShrinkageOutcome]
@@ -112,7 +112,7 @@ def true_name(trial: Trial) -> str:
     return "+".join(sorted(str(e["effect"]) for e in trial.truth)) or "none"
 
 
-def said_name(trial: Trial) -> str:
+def named_cause(trial: Trial) -> str:
     """What a diagnosis says as one name."""
     return "+".join(sorted(trial.said)) or trial.diagnosis.verdict.replace("_", " ")
 
@@ -122,10 +122,10 @@ def _outcome_figure(figure: Figure) -> OutcomeFigure:
     return OutcomeFigure(name=figure.name, value=value, count=figure.count, misses=figure.misses)
 
 
-def _outcome_of_effect(name: str, trials: Sequence[Trial]) -> OfEffect:
+def _outcome_of_effect(name: str, trials: Sequence[Trial]) -> EffectOutcome:
     right = [t for t in trials if t.right]
     stages = sum(t.diagnosis.where.stage in {e["family"] for e in t.truth} for t in trials)
-    return OfEffect(
+    return EffectOutcome(
         effect=name,
         trials=len(trials),
         right=len(right),
@@ -133,7 +133,7 @@ def _outcome_of_effect(name: str, trials: Sequence[Trial]) -> OfEffect:
         parameter=_median([e for t in trials for e in parameter_errors(t)]),
         closed=_median([t.diagnosis.shrink.closed for t in right if t.diagnosis.shrink.closed is not None]),
         shrink_error=_median([e for t in right if (e := t.shrink_error) is not None]),
-        said=dict(Counter(said_name(t) for t in trials).most_common()),
+        said=dict(Counter(named_cause(t) for t in trials).most_common()),
     )
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from modallab.blind.outcome import BlindOutcome, OfEffect, OutcomeFigure, ShrinkageOutcome
+from modallab.blind.outcome import BlindOutcome, EffectOutcome, OutcomeFigure, ShrinkageOutcome
 from modallab.core.digits import part_of, percent_text
 from modallab.reporting.gap_page import captioned_picture, page_section, whole_page
 from modallab.reporting.markup import Markup, html_element, html_table
@@ -36,7 +36,7 @@ def _figures_table(figures: Sequence[OutcomeFigure]) -> Markup:
     return page_section("Figures", html_table("Figures of all trials", head, rows, numeric=(1, 2)))
 
 
-def _effects_table(effects: Sequence[OfEffect]) -> Markup:
+def _effects_table(effects: Sequence[EffectOutcome]) -> Markup:
     head = ["true effect", "trials", "right", "stage", "parameter off by", "gap closed", "later off by"]
     rows = [
         [
@@ -53,7 +53,7 @@ def _effects_table(effects: Sequence[OfEffect]) -> Markup:
     return page_section("Effect by effect", html_table("Medians over trials", head, rows, numeric=(1, 2, 3, 4, 5, 6)))
 
 
-def _confusion_table(effects: Sequence[OfEffect]) -> Markup:
+def _confusion_table(effects: Sequence[EffectOutcome]) -> Markup:
     caption = list(dict.fromkeys(name for e in effects for name in e.said))
     rows = [[e.effect.replace("_", " "), *(str(e.said.get(name, "")) for name in caption)] for e in effects]
     head = ["true", *(name.replace("_", " ") for name in caption)]

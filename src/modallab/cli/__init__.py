@@ -7,13 +7,13 @@ from importlib import import_module
 from modallab import __version__
 from modallab.cli.outputs import check_outputs
 from modallab.cli.parser import build_parser
-from modallab.core.blas_threads import say_one_thread
+from modallab.core.blas_threads import limit_to_one_thread
 from modallab.core.errors import ModallabError
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code: 0 good, 2 for anything the user can correct."""
-    say_one_thread()
+    limit_to_one_thread()
     try:
         arguments = build_parser(__version__).parse_args(argv)
         check_outputs(arguments)

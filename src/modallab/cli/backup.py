@@ -22,7 +22,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _backup(arguments: argparse.Namespace) -> int:
-    require_data(arguments.data)
+    require_data_folder(arguments.data)
     with Store(arguments.data) as store:
         _notify(back_up(store, arguments.out, [JOBS]), arguments.out)
     return 0
@@ -34,7 +34,7 @@ def _restore(arguments: argparse.Namespace) -> int:
 
 
 def _retention(arguments: argparse.Namespace) -> int:
-    require_data(arguments.data)
+    require_data_folder(arguments.data)
     days = arguments.older_than
     states: tuple[RunState, ...] = tuple(arguments.state or ("failed", "aborted"))
     rule = RetentionRule(timedelta(days=days), states, arguments.valid)
@@ -53,7 +53,7 @@ def _retention(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def require_data(folder: Path) -> None:
+def require_data_folder(folder: Path) -> None:
     """Reject what is no data folder: a store makes what it is given, and a command with a wrong one must not.
 
     Raises:

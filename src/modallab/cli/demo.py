@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from modallab.bench.simulated import simulated_bench
 from modallab.cli.console import console_of
-from modallab.cli.in_advance import InAdvance
+from modallab.cli.in_advance import BackgroundResult
 from modallab.cli.progress import Display
 from modallab.core.block import Campaign
 from modallab.core.plan import BLOCK_S, ImpactPlan, Plan, SinePlan
@@ -55,13 +55,13 @@ def _demo_at_terminal(arguments: argparse.Namespace) -> int:
     console = console_of(arguments)
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     # What identifies and draws takes as long to load as the bench to begin.
-    InAdvance(lambda: import_module("modallab.cli.demo_results"))
+    BackgroundResult(lambda: import_module("modallab.cli.demo_results"))
     with Display(console) as display, LocalCampaign(rig, url, folder / "data", rig.name, operator_here()) as session:
         hammer, *shaker = demo_plans()
         runs = session.run_all([hammer], display.notify)
         struck = session.recorded(runs)
         # The bench computes in its own process: meanwhile this one need not wait.
-        computed = InAdvance(lambda: _identify_demo(struck))
+        computed = BackgroundResult(lambda: _identify_demo(struck))
         campaign = session.recorded((*runs, *session.run_all(shaker, display.notify)))
     from modallab.cli.demo_results import write_demo_results
 

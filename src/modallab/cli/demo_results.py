@@ -5,7 +5,7 @@ from pathlib import Path
 
 from modallab.cli.console import console_of
 from modallab.cli.identify import print_remarks, result_table
-from modallab.cli.in_advance import InAdvance
+from modallab.cli.in_advance import BackgroundResult
 from modallab.core.block import Block, Campaign
 from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
@@ -25,7 +25,9 @@ def identify_test(campaign: Campaign, test: Test) -> IdentifiedTest:
     return identify_campaign(campaign, IdentificationOptions(), test).identified[0]
 
 
-def write_demo_results(arguments: argparse.Namespace, campaign: Campaign, struck: InAdvance[IdentifiedTest]) -> None:
+def write_demo_results(
+    arguments: argparse.Namespace, campaign: Campaign, struck: BackgroundResult[IdentifiedTest]
+) -> None:
     """Identify what is left, write everything into the folder, and print the table.
 
     Args:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from modallab.cli.backup import require_data
+from modallab.cli.backup import require_data_folder
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _campaign(source: Path, runs: Sequence[str], rig: Rig | None) -> Campaign:
     if not runs:
         return read_campaign(source, rig)
-    require_data(source)
+    require_data_folder(source)
     with Store(source) as store:
         campaign = campaign_of(store, runs)
     return campaign if rig is None else replace(campaign, rig=rig)

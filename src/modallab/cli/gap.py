@@ -11,7 +11,7 @@ from rich.table import Table
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.bench.protocol import BenchInfo
 from modallab.cli.console import console_of, write_json
-from modallab.cli.options import only_with
+from modallab.cli.options import require_option
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError, PlanError
@@ -50,9 +50,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _diagnose(arguments: argparse.Namespace) -> int:
     if arguments.simulation is None:
-        only_with("--simulation", diagnosis=arguments.diagnosis)
+        require_option("--simulation", diagnosis=arguments.diagnosis)
     if arguments.reference is None:
-        only_with("--reference", band=arguments.band)
+        require_option("--reference", band=arguments.band)
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
     console = console_of(arguments)
     if arguments.simulation is not None:
@@ -155,7 +155,7 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     console.print(table if pairs else "Every two effects can be distinguished (cosine below 0.95).")
     if found.hidden():
         console.print(f"Hidden by the tolerances of the rig: {', '.join(found.hidden())}", markup=False)
-    sizes = Table("effect", "seen from this share of a plain size")
+    sizes = Table("effect", "smallest size seen, relative to a usual one")
     for name, least in sorted(zip(found.effects, found.least.tolist(), strict=True), key=lambda pair: pair[1]):
         sizes.add_row(name, f"{least:.2g}")
     console.print(sizes)

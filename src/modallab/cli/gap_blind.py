@@ -19,7 +19,8 @@ from modallab.blind.outcome import BlindOutcome
 from modallab.blind.page import render
 from modallab.blind.request import BlindRequest
 from modallab.blind.run import blind_folder, run_blind_trials
-from modallab.cli.options import only_with
+from modallab.cli.options import require_option
+from modallab.core.digits import percent_text, probability_text
 from modallab.core.errors import PlanError
 from modallab.core.extras import optional_package
 from modallab.core.field_errors import error_sentences
@@ -33,10 +34,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Make, seal, answer and open trials, or answer the campaigns of a folder."""
     if arguments.on is not None:
         return _run_on_frfs(arguments)
-    only_with("--on", rig=arguments.rig, band=arguments.band)
+    require_option("--on", rig=arguments.rig, band=arguments.band)
     console, out, folder = Console(), cast("Path", arguments.out), cast("Path | None", arguments.folder)
     if folder is None:
-        only_with("--folder", truth=arguments.truth)
+        require_option("--folder", truth=arguments.truth)
     with (
         console.status("blind trials") as status,
         report_progress_to(lambda share, words: status.update(f"{share:.0%} {words}")),
@@ -120,22 +121,28 @@ def _pool(arguments: argparse.Namespace) -> Generator[Executor]:
 
 def tables_of(found: MeasuredOutcome) -> tuple[Table, Table]:
     """The figures of semi-real trials, and the trials one by one."""
-    shares = Table("figure", "value", "of", title=f"{len(found.trials)} trials on {found.campaign}")
+    shares = Table("figure", "share", "trials", title=f"{len(found.trials)} trials on {found.campaign}")
     for figure in found.figures:
         if figure.value is not None:
-            shares.add_row(figure.name, f"{figure.value:.3g}", str(figure.count))
-    each = Table("done", "size", "at", "said", "size", "at", "probability")
+            shares.add_row(figure.name, percent_text(figure.value), str(figure.count))
+    each = Table("true effect", "size, SI", "place", "diagnosed", "size, SI", "place", "probability")
     for t in found.trials:
         numbers = ("" if v is None else f"{v:.3g}" for v in (t.value, t.said_value))
         done, said = numbers
         each.add_row(
-            t.effect, done, t.place, t.said, said, t.said_place, f"{t.probability:.2f}" if t.probability else ""
+            t.effect,
+            done,
+            t.place,
+            t.said,
+            said,
+            t.said_place,
+            probability_text(t.probability) if t.probability else "",
         )
     return each, shares
 
 
 def _table(found: BlindOutcome) -> Table:
-    table = Table("figure", "value", "of", title=f"{found.trials} trials")
+    table = Table("figure", "value", "trials", title=f"{found.trials} trials")
     for figure in found.figures:
         if figure.value is not None:
             table.add_row(figure.name, f"{figure.value:.3g}", str(figure.count))

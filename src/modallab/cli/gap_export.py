@@ -4,14 +4,14 @@ import argparse
 
 from modallab.cli.console import console_of, write_json
 from modallab.cli.gap import read_diagnosis
-from modallab.cli.options import only_with
+from modallab.cli.options import require_option
 from modallab.core.digits import part_of, three_digits
 from modallab.core.errors import PlanError
 from modallab.core.progress import report_progress_to
 from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.gap.exported.forms import FORMS, InForm, measure_form, tests_of, write_form
+from modallab.gap.exported.forms import FORMS, FormError, measure_form, tests_of, write_form
 
 STEPPED = ("npz", "mat")
 """Forms that can hold the system in steps of time."""
@@ -20,9 +20,9 @@ STEPPED = ("npz", "mat")
 def run(arguments: argparse.Namespace) -> int:
     """Write the twin of a diagnosis in a form; with a campaign, measure it in that form."""
     if arguments.form not in STEPPED:
-        only_with("--form npz or mat", rate=arguments.rate)
+        require_option("--form npz or mat", rate=arguments.rate)
     if arguments.on is None:
-        only_with("--on", records=arguments.records, json=arguments.json)
+        require_option("--on", records=arguments.records, json=arguments.json)
     form, rig = FORMS[arguments.form], read_rig(arguments.rig)
     diagnosis = read_diagnosis(arguments.diagnosis)
     if arguments.out.suffix != form.suffix:
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def form_in_words(found: InForm) -> str:
+def form_in_words(found: FormError) -> str:
     """How far the form is from the bench, in one sentence."""
     share = "" if found.closed is None else f", {part_of(found.closed)} closed"
     return (

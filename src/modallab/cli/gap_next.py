@@ -7,7 +7,7 @@ from rich.table import Table
 
 from modallab.cli.console import console_of, write_json
 from modallab.cli.gap import read_diagnosis
-from modallab.cli.options import only_with
+from modallab.cli.options import require_option
 from modallab.cli.progress import Display
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
@@ -29,7 +29,7 @@ SHOWN = 6
 def run(arguments: argparse.Namespace) -> int:
     """Rank experiments; if asked, run the best on the bench and go on with its records."""
     if not arguments.run_it:
-        only_with("--run", bench=arguments.bench, out=arguments.out, json=arguments.json)
+        require_option("--run", bench=arguments.bench, out=arguments.out, json=arguments.json)
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
     diagnosis = read_diagnosis(arguments.diagnosis)
     console = console_of(arguments)

@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 Result = TypeVar("Result")
 
 
-class InAdvance(Generic[Result]):
+class BackgroundResult(Generic[Result]):
     """A result that is being computed. Who stops the program does not wait for it."""
 
     def __init__(self, compute: Callable[[], Result]) -> None:

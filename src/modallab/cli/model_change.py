@@ -10,8 +10,8 @@ from modallab.cli.console import console_of, show_rows, write_json
 from modallab.cli.model_ready import prepare_model
 from modallab.core.errors import ConfigurationError
 from modallab.modification.attachments import AttachedPart, Element, RigidLink, TunedAbsorber
-from modallab.modification.coupled import Coupled
-from modallab.modification.free_band import FreeBand, kept_free
+from modallab.modification.coupled import CouplingToStructure
+from modallab.modification.free_band import FreeBand, changes_for_free_band
 from modallab.modification.inverse import ChangeAtPoint, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
 from modallab.pipelines.structure_gap import read_reference
@@ -34,7 +34,7 @@ def couple(known: KnownStructure, arguments: argparse.Namespace) -> None:
     other, _ = prepare_model(arguments.other, None, None, progress=not arguments.hush)
     sign = -1 if arguments.remove else 1
     pairs = [(a, b) for a, b in arguments.pair]
-    held = Coupled(other.structure, pairs, arguments.joint, sign, samples=other.samples)
+    held = CouplingToStructure(other.structure, pairs, arguments.joint, sign, samples=other.samples)
     _show_changed(known, [held], arguments)
 
 
@@ -86,7 +86,7 @@ def tune(known: KnownStructure, arguments: argparse.Namespace) -> None:
 def free_band(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """The change that leaves no mode in a band."""
     low, high = arguments.band
-    answers = kept_free(known, (low, high), arguments.by, arguments.at or known.sensors)
+    answers = changes_for_free_band(known, (low, high), arguments.by, arguments.at or known.sensors)
     show_rows(arguments, free_rows(answers, arguments.by, (low, high)))
     if arguments.json is not None:
         write_json(arguments.json, {"answers": _print_documents(answers)})

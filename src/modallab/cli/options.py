@@ -49,7 +49,7 @@ def positive_integer(text: str) -> int:
     return value
 
 
-def only_with(needed: str, **given: object) -> None:
+def require_option(needed: str, **given: object) -> None:
     """Reject options that would have no effect.
 
     Args:

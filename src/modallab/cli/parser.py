@@ -10,7 +10,7 @@ from modallab.cli.model_commands import add_model_commands
 from modallab.cli.options import JSON_HELP, Commands, add_saying, not_negative, positive_integer, positive_number
 from modallab.cli.usage import Parser
 from modallab.core.units import FRF_ESTIMATORS, TESTS
-from modallab.formats.asked import ASKED, Asked, Kind
+from modallab.formats.asked import ASKED, ImportOption, Kind
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
 
@@ -71,7 +71,7 @@ def _add_import(commands: Commands) -> None:
     command.set_defaults(module="import_")
 
 
-def _add_asked(command: Any, name: str, one: Asked) -> None:
+def _add_asked(command: Any, name: str, one: ImportOption) -> None:
     said: dict[str, Any] = {"help": one.about, "dest": one.called or name}
     if one.kind == "switch":
         said["action"] = "store_true"

@@ -12,7 +12,7 @@ from modallab.acquisition.process.trip import FOLDER as TRIPS
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, Delivery, Request
-from modallab.cli.backup import require_data
+from modallab.cli.backup import require_data_folder
 from modallab.commissioning import calibrate
 from modallab.commissioning.calibrate import measure_mass_ratio
 from modallab.commissioning.findings import Finding
@@ -50,7 +50,7 @@ def _reset(url: str, arguments: argparse.Namespace) -> int:
         raise StorageError("is no folder", where=str(arguments.data), remedy="name the data folder of the recordings")
     if not (arguments.data / TRIPS).is_dir():
         # In another folder than that of the recordings no trip is found, and the rig may well be tripped.
-        require_data(arguments.data)
+        require_data_folder(arguments.data)
     trip = TripLatch(arguments.data, url).reset()
     outcome = (
         f"was tripped by {trip.cause} at {trip.utc}: {trip.what}; it may be armed again" if trip else "is not tripped"

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pydantic import ValidationError
 from rich.console import Console
 
-from modallab.cli.backup import require_data
+from modallab.cli.backup import require_data_folder
 from modallab.core.documents.users import TokenNew, UserNew
 from modallab.core.errors import DataError
 from modallab.core.field_errors import error_sentences
@@ -17,7 +17,7 @@ from modallab.storage import Store
 
 def run(arguments: argparse.Namespace) -> int:
     """Do what was chosen."""
-    require_data(arguments.data)
+    require_data_folder(arguments.data)
     with Store(arguments.data) as store:
         users = Users(store.catalogue.engine)
         try:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.abilities import Synchronised
+from modallab.bench.abilities import SynchronisedBench
 from modallab.bench.protocol import Bench, Burst, Request
 from modallab.commissioning.findings import Finding, Verdict, take
 from modallab.core.errors import PlanError
@@ -49,7 +49,7 @@ class ChannelDelay:
 
 def check_synchronisation(bench: Bench) -> list[Finding]:
     """What the devices say: how they are synchronised, whether their clocks are locked, how far they have counted."""
-    if not isinstance(bench, Synchronised):
+    if not isinstance(bench, SynchronisedBench):
         return []
     bench.configure(Request("impact", SLOW_HZ))
     if not bench.synchronisation().method:

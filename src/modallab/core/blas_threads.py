@@ -21,7 +21,7 @@ _limits: list[threadpool_limits] = []
 _within = 0
 
 
-def say_one_thread() -> None:
+def limit_to_one_thread() -> None:
     """In a process of our own, before it loads NumPy: one thread, unless the user says otherwise."""
     for name in VARIABLES:
         os.environ.setdefault(name, "1")

@@ -18,12 +18,12 @@ ALSO_DRIVEN = "also_driven"
 """Name of the fact of a stored block that lists the points of the shakers beside the first one."""
 
 
-def also_driven_fact(points: tuple[int, ...]) -> dict[str, str]:
+def fact_of_other_shakers(points: tuple[int, ...]) -> dict[str, str]:
     """What a stored block says of the shakers beside the first one; nothing where there was none."""
     return {ALSO_DRIVEN: " ".join(map(str, points))} if points else {}
 
 
-def also_driven_of(facts: Mapping[str, float | str]) -> tuple[int, ...]:
+def other_driven_points(facts: Mapping[str, float | str]) -> tuple[int, ...]:
     """Points of the shakers beside the first one, by what a stored block says."""
     return tuple(int(point) for point in str(facts.get(ALSO_DRIVEN, "")).split())
 

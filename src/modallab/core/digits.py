@@ -16,7 +16,7 @@ LEAST_PERCENT = 0.01
 """Below it no digits are given."""
 LARGE = 1e6
 """From here on a number reads better with an exponent."""
-_UNIT = re.compile(r"(?<=[\d⁻⁰¹²³⁴⁵⁶⁷⁸⁹]) (?=(%|Hz|kHz|s|ms|m|mm|N|GPa|kg|V|sigmas?|bit|±|σ)(?![a-zA-Z]))|(?<=±) ")
+_UNIT = re.compile(r"(?<=[\d⁻⁰¹²³⁴⁵⁶⁷⁸⁹]) (?=(%|Hz|kHz|s|ms|m|mm|N|GPa|kg|g|V|sigmas?|bit|±|σ)(?![a-zA-Z]))|(?<=±) ")
 
 
 def with_sigma(value: float, sigma: float) -> str:

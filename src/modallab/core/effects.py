@@ -52,6 +52,7 @@ class Parameter:
         scale: what `low` and `high` are multiples of; EI/L and so on are those of the beam, m its mass.
         signed: whether the number may have either sign (the range is then that of its magnitude).
         none: where the number stands for no effect; the range is that of the distance from it.
+        spoken: what a report calls it, where the name does not say it.
     """
 
     name: str
@@ -61,6 +62,12 @@ class Parameter:
     scale: Scale = "one"
     signed: bool = False
     none: float = 0.0
+    spoken: str = ""
+
+    @property
+    def in_words(self) -> str:
+        """What a report calls it."""
+        return self.spoken or self.name.replace("_", " ")
 
     def bounds(self, beam: Beam) -> tuple[float, float]:
         """Smallest and largest magnitude on this beam, SI."""

@@ -44,7 +44,7 @@ def allowed_values(detail: ErrorDetails) -> str:
     return detail["msg"].removeprefix("Value error, ").removeprefix("Input should be ").replace("\n", "; ")
 
 
-def short_of_wrong_entries(detail: ErrorDetails, details: Sequence[ErrorDetails]) -> bool:
+def is_short_by_wrong_entries(detail: ErrorDetails, details: Sequence[ErrorDetails]) -> bool:
     """Whether a list is called too short only since its entries are wrong, which are named themselves."""
     place = detail["loc"]
     return detail["type"] == "too_short" and any(
@@ -63,7 +63,7 @@ def quoted_value(value: object) -> str:
 def error_sentences(error: ValidationError) -> list[str]:
     """Each wrong field once: `hits is -1; allowed: more than 0`."""
     details = error.errors()
-    kept = [d for d in details if not short_of_wrong_entries(d, details)]
+    kept = [d for d in details if not is_short_by_wrong_entries(d, details)]
     return list(dict.fromkeys(_error_sentence(detail) for detail in kept))
 
 

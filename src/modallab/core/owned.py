@@ -15,7 +15,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from threading import Event, Thread
 
-from modallab.core.blas_threads import say_one_thread
+from modallab.core.blas_threads import limit_to_one_thread
 
 _PR_SET_PDEATHSIG = 1
 
@@ -72,7 +72,7 @@ def run_owned(life: Connection, owner: int, grace_s: float, target: str, argumen
         _end_with(owner)
     begun = Event()
     Thread(target=_watch, args=(life, begun, grace_s), name="owner", daemon=True).start()
-    say_one_thread()
+    limit_to_one_thread()
     module, _, name = target.partition(":")
     function, known = getattr(import_module(module), name), pickle.loads(arguments)
     begun.set()

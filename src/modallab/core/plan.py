@@ -69,26 +69,26 @@ class Precision(Frozen):
 class ImpactPlan(Frozen):
     """An impact test: a number of good hits at each point.
 
-    `rate_hz` is asked of the device, which may give a higher one; blocks then have the whole number of samples nearest
+    `rate_hz` is set on the device, which may give a higher one; blocks then have the whole number of samples nearest
     to `block_s`. With `delivered_hz` blocks are read back at exactly that rate; what the device gave is what is kept.
     The trigger is in software on the continuous stream; `hardware` asks for the device's own reference trigger.
     With `setups` all points are struck once a set-up, each a run of its own; between them sensors are moved.
     `operator_decides` says of which hits the operator is asked whether they count: the run waits for the answer.
 
     Attributes:
-        points: to strike, in this order.
+        points: where to strike, in this order.
         hits: good ones at each point.
-        rate_hz: asked of the device.
-        delivered_hz: of the blocks as they are read back; None: the device's.
+        rate_hz: sampling rate to set on the device.
+        delivered_hz: sampling rate of the stored blocks; left out: that of the device.
         block_s: length of a block.
         pre_trigger_s: part of the block before the hit.
         trigger_n: force that triggers.
-        hysteresis_n: the force must have been so far below the trigger before.
-        trigger: who triggers: `software` on the continuous stream, or the device itself.
-        hit_timeout_s: how long to wait for rest, and for a hit.
-        max_rejections: so many rejected hits at one point end the run.
+        hysteresis_n: before it triggers, the force must have been below the trigger by this much.
+        trigger: software, on the continuous samples; or hardware, in the device.
+        hit_timeout_s: longest wait for the structure to come to rest, and for a hit.
+        max_rejections: number of rejected hits at one point that ends the run.
         acceptance: when a hit counts.
-        setups: where sensors stand, once a set-up; none: as in the rig file.
+        setups: positions of the sensors in each set-up; none: those of the rig file.
         operator_decides: of which hits the operator is asked whether they count.
         precision: when the modes are known well enough, which is said to the operator; None: the hits alone count.
     """
@@ -149,15 +149,15 @@ class SinePlan(Frozen):
         frequencies_hz: to drive at, best on lines of the block.
         levels_v: amplitude of the drive by level.
         sweep: order of the frequencies: as given, upwards, downwards, or both in turn.
-        rate_hz: asked of the device.
-        delivered_hz: of the blocks as they are read back.
+        rate_hz: sampling rate to set on the device.
+        delivered_hz: sampling rate of the stored blocks; left out: that of the device.
         block_s: length of a block.
         ramp_s: length of the cosine taper at both ends of a burst.
-        settle_s: from the start of a burst to its block.
+        settle_s: time from the start of a burst to its block.
         max_settle_s: the same, at most; left out: `settle_s`, so that no burst is lengthened.
         modes: whose decays to look for; none: whether it has settled is not judged.
         settled_ratio: a decay below this part of the response is settled.
-        wait_s: after each burst, at least.
+        wait_s: shortest pause after each burst.
         settle_timeout_s: past it a burst begins though the beam still moves, which is recorded with it.
         force: amplitude of the force instead of a constant drive.
     """
@@ -199,13 +199,13 @@ class BroadbandPlan(Frozen):
             each wave: what the structure answers there is distortion.
         seed: of the random phases; each wave of a test has its own.
         burst_share: share of a block during which a burst-random is on.
-        rate_hz: asked of the device.
-        delivered_hz: of the blocks as they are read back.
+        rate_hz: sampling rate to set on the device.
+        delivered_hz: sampling rate of the stored blocks; left out: that of the device.
         block_s: length of a block, and the period of `pseudo-random` and `chirp`.
         ramp_s: length of the cosine taper at both ends of a wave.
-        settle_s: from the start of a wave to its first block.
-        wait_s: after each wave, at least.
-        max_rejections: so many blocks beyond a channel's range end the run.
+        settle_s: time from the start of a wave to its first block.
+        wait_s: shortest pause after each wave.
+        max_rejections: number of blocks beyond a channel's range that ends the run.
     """
 
     kind: Literal["broadband"] = "broadband"

@@ -11,7 +11,7 @@ Kind = Literal["text", "number", "count", "switch", "test", "map"]
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class ImportOption:
     """An option of an import.
 
     Attributes:
@@ -33,31 +33,31 @@ class Asked:
     frfs: bool = False
 
 
-ASKED: dict[str, Asked] = {
-    "test": Asked("what the recordings are of (default: impact; random if no force was measured)", "test"),
-    "rate_hz": Asked("sampling rate, for files without times", "number", "rate", "HZ"),
-    "drive_point": Asked("point of the hit or of the shaker", "count", metavar="N"),
-    "frequency_hz": Asked("of the sine in each file, or in all", "number", "frequency", "HZ", each=True),
-    "window_s": Asked(
+ASKED: dict[str, ImportOption] = {
+    "test": ImportOption("what the recordings are of (default: impact; random if no force was measured)", "test"),
+    "rate_hz": ImportOption("sampling rate, for files without times", "number", "rate", "HZ"),
+    "drive_point": ImportOption("point of the hit or of the shaker", "count", metavar="N"),
+    "frequency_hz": ImportOption("of the sine in each file, or in all", "number", "frequency", "HZ", each=True),
+    "window_s": ImportOption(
         "time constant of the exponential window that FRFs were made with", "number", "window", "S", frfs=True
     ),
-    "variables": Asked(
+    "variables": ImportOption(
         "what the file calls a channel (NAME:2 the second column of an array), or time, rate, frequency, frf, "
         "coherence, all",
         called="variable",
         metavar="CHANNEL=NAME",
         several=True,
     ),
-    "columns": Asked(
+    "columns": ImportOption(
         "of a table without a header, or instead of it: time,force:N,a01:m/s^2; one without a name is left out",
         metavar="NAME:UNIT,...",
     ),
-    "channels": Asked("take only these channels (default: all)", several=True),
-    "ignore": Asked("leave these channels out", several=True),
-    "level": Asked("what the structure was driven at in each file, or in all", each=True),
-    "set_up": Asked("the set-up of the sensors that the files are of"),
-    "array_map": Asked("which variable of a MATLAB file is what", "map", "map", "MAP.yaml"),
-    "group": Asked("which group of a TDMS file to read (default: all that fit)"),
-    "volts": Asked("numbers without a unit are volts", "switch"),
+    "channels": ImportOption("take only these channels (default: all)", several=True),
+    "ignore": ImportOption("leave these channels out", several=True),
+    "level": ImportOption("what the structure was driven at in each file, or in all", each=True),
+    "set_up": ImportOption("the set-up of the sensors that the files are of"),
+    "array_map": ImportOption("which variable of a MATLAB file is what", "map", "map", "MAP.yaml"),
+    "group": ImportOption("which group of a TDMS file to read (default: all that fit)"),
+    "volts": ImportOption("numbers without a unit are volts", "switch"),
 }
 """By field of `ImportOptions`."""

@@ -11,7 +11,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.core.units import TO_SI, is_voltage
-from modallab.formats.error_list import Collected
+from modallab.formats.error_list import ErrorCollection
 
 
 def check_structure(campaign: Campaign) -> None:
@@ -20,7 +20,7 @@ def check_structure(campaign: Campaign) -> None:
     Raises:
         DataError: repeated or unusable names, channels that are not those of the rig, scales or units that are none.
     """
-    errors = Collected()
+    errors = ErrorCollection()
     for name, count in Counter(block.name for block in campaign.blocks).items():
         with errors:
             _check_name(name, count, campaign.source)
@@ -40,7 +40,7 @@ def check_recordings(campaign: Campaign) -> None:
     Raises:
         DataError: one message with everything found in any record.
     """
-    errors = Collected()
+    errors = ErrorCollection()
     force = campaign.rig.force.name if campaign.rig.force else None
     for block in campaign.blocks:
         where = f"{campaign.source}, record {block.name}"

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from modallab.core.digits import count_with_noun
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.rig import Channel, Direction, Point, Rig
@@ -102,7 +103,11 @@ def select_channels(drafts: Iterable[DraftChannel], options: ImportOptions) -> l
 def assumptions(rig: Rig) -> tuple[str, ...]:
     """What of a drafted rig no file said, in sentences."""
     far = [p.id for p in rig.points if p.x_m == p.id and not (p.y_m or p.z_m)]
-    notes = [f"the places of {len(far)} points are not known; they stand a metre apart"] if far else []
+    notes = (
+        [f"no place is known of {count_with_noun(len(far), 'point')}; the rig file sets points 1 m apart"]
+        if far
+        else []
+    )
     if rig.force is None:
         notes.append("no force was measured: identify the responses alone (--response-only)")
     units = ", ".join(dict.fromkeys(f"{c.quantity} in {c.unit}" for c in rig.channels))

@@ -7,7 +7,7 @@ from modallab.core.errors import ModallabError
 _MOST = 20
 
 
-class Collected:
+class ErrorCollection:
     """Keeps the expected errors raised under it: `with errors: ...` any number of times, then `errors.done()`."""
 
     def __init__(self) -> None:

@@ -42,10 +42,10 @@ def write_frf(path: Path, frf: Frf, rig: Rig) -> None:
 def rig_of(frf: Frf) -> Rig:
     """A rig of FRFs between points whose places are not known."""
     to, of = ([p for p in points if p is not None] for points in (frf.output_points, frf.input_points))
-    return bare_rig(frf.outputs, to, of, frf.quantity)
+    return rig_without_places(frf.outputs, to, of, frf.quantity)
 
 
-def bare_rig(names: Sequence[str], to: Sequence[int], of: Sequence[int], quantity: FrfQuantity) -> Rig:
+def rig_without_places(names: Sequence[str], to: Sequence[int], of: Sequence[int], quantity: FrfQuantity) -> Rig:
     """A rig of outputs and points whose places are not known: the numbers of the points stand for them in figures."""
     measured, unit = OUTPUT_UNIT[quantity]
     force = Channel.model_validate({"index": 0, "name": "force", "quantity": "force", "unit": "N"})

@@ -13,7 +13,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure
 from modallab.formats.draft import DraftChannel, select_channels, with_named_points
-from modallab.formats.error_list import Collected
+from modallab.formats.error_list import ErrorCollection
 from modallab.formats.options import COUNTED_HZ, ImportOptions, options_of
 from modallab.formats.sniff import sniff
 from modallab.signals.faults.found import faults_of
@@ -60,7 +60,7 @@ def import_sources(
     each = (one,) * len(paths) if isinstance(one, ImportOptions) else one
     for own in each:
         own.check(rig)
-    errors, parts = Collected(), list[Campaign]()
+    errors, parts = ErrorCollection(), list[Campaign]()
     for path, own in zip(count_progress(map(Path, paths), len(paths), "files"), each, strict=True):
         with errors:
             parts.append(_driven_at(_windowed(_checked(_read(path, rig, own)), own), own))

@@ -10,7 +10,7 @@ from pydantic_core import ErrorDetails
 from yaml.composer import ComposerError
 
 from modallab.core.errors import PlanError
-from modallab.core.field_errors import allowed_values, quoted_value, short_of_wrong_entries
+from modallab.core.field_errors import allowed_values, is_short_by_wrong_entries, quoted_value
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 
 _PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
@@ -74,7 +74,7 @@ def _problems(entry: object, error: ValidationError) -> list[str]:
         found = "no kind is given" if kind is None else f"no test is of kind {kind!r}"
         return [f"{found}; allowed: {', '.join(_KINDS)}"]
     details = error.errors()
-    kept = [one for one in details if not short_of_wrong_entries(one, details)]
+    kept = [one for one in details if not is_short_by_wrong_entries(one, details)]
     return list(dict.fromkeys(_problem(str(kind), one) for one in kept))
 
 

@@ -66,7 +66,7 @@ def start_of_text(text: str, where: str) -> Start:
     return Start(Fraction(int(whole)) + Fraction(int(digits or 0), 10 ** len(digits)), 0.5 * 10.0 ** -len(digits))
 
 
-def on_common_times(
+def cut_to_common_time(
     rows: Sequence[NDArray[Any]], starts: Sequence[Start | None], rate_hz: float, names: Sequence[str], where: str
 ) -> tuple[NDArray[Any], str]:
     """The rows (channels, n) over the time that all of them cover, and a note; "" where all begin together.

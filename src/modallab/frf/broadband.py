@@ -131,8 +131,8 @@ def driven_lines(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDArr
         DataError: fewer than 4.
     """
     powers = np.mean([np.abs(_windowed_spectrum(s.forces, np.ones(s.n_samples))) ** 2 for s in signals], axis=0)
-    nearby = ndimage.maximum_filter1d(powers, SMOOTHED, axis=-1)
-    used = chosen[np.all(powers[:, chosen] > LEFT_OUT * nearby[:, chosen], axis=0)]
+    candidates_nearby = ndimage.maximum_filter1d(powers, SMOOTHED, axis=-1)
+    used = chosen[np.all(powers[:, chosen] > LEFT_OUT * candidates_nearby[:, chosen], axis=0)]
     if used.size < 4:
         raise DataError(f"the drive holds {used.size} lines of the band", remedy="widen the band")
     return used

@@ -78,7 +78,7 @@ def _resample_to_clock(run: Sequence[Signals], clock: float) -> list[Signals]:
 RANDOM = ("random", "burst-random")
 
 
-def cut_to_own_clock(signals: Sequence[Signals], band_hz: tuple[float, float]) -> list[Signals]:
+def cut_to_drive_clock(signals: Sequence[Signals], band_hz: tuple[float, float]) -> list[Signals]:
     """The blocks, of a periodic drive as its own clock would have cut them: else its lines leak into one another."""
     first = signals[0]
     if first.block.test not in PERIODIC:

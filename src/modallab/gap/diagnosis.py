@@ -17,7 +17,7 @@ from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.restored import first_fit_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import bench_of, free_of, weights_of
-from modallab.gap.report.inspected import effects_on_records, inspect_effects, known_already
+from modallab.gap.report.inspected import effects_on_records, inspect_effects, is_in_revisions
 from modallab.gap.report.locate import locate_gap
 from modallab.gap.search.choose import Choice
 from modallab.gap.searched import search_explanation
@@ -88,5 +88,5 @@ def _made_ready(
 def _effects_on_records(ready: SearchInput, choice: Choice) -> ShownEffects:
     prepared, allowed = ready.prepared, ready.bench.allowed
     named = [f for f in inspect_effects(prepared, twin_of(choice.accepted_fit, ready.everything)) if allowed(f.effect)]
-    seen = [f for f in named if not is_harmless(prepared, f) and not known_already(f, ready.rig)]
+    seen = [f for f in named if not is_harmless(prepared, f) and not is_in_revisions(f, ready.rig)]
     return ShownEffects(named, seen, [name for name in effects_on_records(prepared) if not allowed(name)])

@@ -24,12 +24,12 @@ from modallab.gap.report.budget import budget_of_gap
 from modallab.gap.report.calibrated import calibrated_twin
 from modallab.gap.report.contradictions import contradiction_sentences
 from modallab.gap.report.initial_gap import squares_as_recorded
-from modallab.gap.report.inspected import harm_to_response, known_already
+from modallab.gap.report.inspected import is_in_revisions, noise_share_of_response
 from modallab.gap.report.locate import GapLocation
 from modallab.gap.report.measure import band_of, nearest_mode, shares_by_frequency, squared_residuals
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed_share, shrinkage_with_interval
-from modallab.gap.report.where import where_gap_lies
+from modallab.gap.report.where import gap_location
 from modallab.gap.search.choose import Choice, probabilities
 from modallab.gap.search.fitting import Bench, within_tolerances
 from modallab.gap.search.intervals import intervals
@@ -39,7 +39,7 @@ SEED = 20240501
 USUAL = "The rig file states no tolerances: a lab's usual ones stand for them; the budget lists them."
 TOLERATED = "No effect explains the remaining {} of the response on held-out records; the rig file tolerates them."
 LOOSE_ASSEMBLY = (
-    "Together, the parameters of the assembly deviate more than the tolerances of the rig; none does alone."
+    "Together, the deviations of the parameters are improbable under the rig's tolerances; no single one is."
 )
 
 
@@ -104,11 +104,11 @@ def document_diagnosis(
         rig=ready.rig.name,
         verdict=verdict,
         gap=_gap_document(prepared, choice, everything),
-        where=where_gap_lies(verdict, found, effects.withheld, location, choice, everything, prepared),
+        where=gap_location(verdict, found, effects.withheld, location, choice, everything, prepared),
         effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
         candidates=_candidates_document(ranked, effects.seen, choice, everything),
         shrink=_shrinkage_document(choice, _held_out_as_recorded(ready, effects.seen), ready.unseen, ready.held),
-        next_experiment=next_experiment(verdict, ranked, prepared.campaign, nonlinear),
+        next_experiment=next_experiment(verdict, ranked, prepared.campaign, nonlinear, effects.seen),
         twin=calibrated_twin(choice.accepted_fit, everything),
         budget=budget_of_gap(choice.accepted_fit, everything, _resonances_hz(prepared), usual=not ready.stated),
         notes=_diagnosis_notes(ready, choice, effects.named, nonlinear),
@@ -126,7 +126,7 @@ def _diagnosis_notes(ready: SearchInput, choice: Choice, shows: list[Found], non
         *([] if choice.tolerated is None else [TOLERATED.format(choice.tolerated)]),
         *([LOOSE_ASSEMBLY] if choice.flat and not within_tolerances(choice.base) else []),
         *(
-            f"Does no harm: {f.effect.replace('_', ' ')}, {percent_text(harm_to_response(prepared, f))} of "
+            f"Does no harm: {f.effect.replace('_', ' ')}, {percent_text(noise_share_of_response(prepared, f))} of "
             "the response."
             for f in shows
             if is_harmless(prepared, f)
@@ -134,7 +134,7 @@ def _diagnosis_notes(ready: SearchInput, choice: Choice, shows: list[Found], non
         *(
             f"As the rig's revisions know: {f.effect.replace('_', ' ')}."
             for f in shows
-            if known_already(f, prepared.campaign.rig)
+            if is_in_revisions(f, prepared.campaign.rig)
         ),
     ]
 
@@ -142,7 +142,7 @@ def _diagnosis_notes(ready: SearchInput, choice: Choice, shows: list[Found], non
 def is_harmless(prepared: PreparedCampaign, found: Found) -> bool:
     """Whether an effect that the records show is too small to matter on this rig."""
     tolerance = prepared.campaign.rig.tolerance
-    return tolerance.of_assembly and harm_to_response(prepared, found) < tolerance.response
+    return tolerance.of_assembly and noise_share_of_response(prepared, found) < tolerance.response
 
 
 def _diagnosis_verdict(choice: Choice, seen: list[Found], withheld: list[str]) -> Verdict:

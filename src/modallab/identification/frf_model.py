@@ -16,13 +16,13 @@ from modallab.identification.estimate import PoleEstimate, estimate_poles, poles
 from modallab.identification.likelihood.even_noise import WORDS, line_weights, quantity_of_even_noise
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.out_of_band import stand_ins_after
+from modallab.identification.likelihood.out_of_band import edges_of_stand_ins
 from modallab.identification.likelihood.search import FIRST_LOOK, MIN_ZETA, NOT_SETTLED
 from modallab.identification.model.modal_model import FitReadings, model_of_fit, without_sigma
 from modallab.identification.on_records import fit_on_records
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.readings import half_power_readings
-from modallab.identification.selection.lost_modes import with_lost
+from modallab.identification.selection.lost_modes import restore_lost_modes
 from modallab.identification.selection.operator_choice import chosen_modes, poles_to_search, start_poles
 from modallab.identification.setups.agreed import agreed_modes
 
@@ -153,11 +153,11 @@ def _select_modes(
     if options.refined and np.any(keep) and not (np.all(keep[:-1]) and fit.refined.settled):
         at, stay = fit.point.parameters, poles_to_search(fit, keep, band_hz, options)
         start = -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay]
-        fit = fit_frf(frf, start, stand_ins=stand_ins_after(at.omega, band_hz[1]))
+        fit = fit_frf(frf, start, stand_ins=edges_of_stand_ins(at.omega, band_hz[1]))
         keep = chosen_modes(fit, band_hz, options, first=False)
     lost: tuple[str, ...] = ()
     if options.refined and not options.pick_hz and not options.drop_hz:
-        fit, keep, lost = with_lost(frf, fit, keep, estimate.orders, band_hz)
+        fit, keep, lost = restore_lost_modes(frf, fit, keep, estimate.orders, band_hz)
     if not np.any(keep):
         raise _no_mode_error(fit, band_hz)
     return fit, keep, lost

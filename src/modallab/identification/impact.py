@@ -87,7 +87,7 @@ def _scatter_notes(factors: NDArray[np.float64]) -> tuple[str, ...]:
         return ()
     return (
         f"The modes shift from hit to hit by up to {most:.2g} times what the noise explains, as with the temperature "
-        "or a clamp that settles. The uncertainties of frequencies and damping ratios hold that.",
+        "or a clamp that settles. The uncertainties of frequencies and damping ratios include that.",
     )
 
 

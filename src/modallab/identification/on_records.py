@@ -13,11 +13,11 @@ from modallab.identification.likelihood.driven_records import OF_H2, DrivenFit, 
 from modallab.identification.likelihood.equations import ParameterCovariance
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.model.modal_model import FitReadings, seen_by
+from modallab.identification.model.modal_model import FitReadings, readings_of_fit
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class OnRecords:
+class FitToRecords:
     """The most likely model of records.
 
     Attributes:
@@ -35,7 +35,7 @@ class OnRecords:
 
 def fit_on_records(
     frf: Frf, fit: LikelihoodFit, keep: NDArray[np.bool_], records: RecordSpectra, estimator: FrfEstimator
-) -> OnRecords:
+) -> FitToRecords:
     """The most likely model of records, without the modes that only the fit of the FRFs needs.
 
     Args:
@@ -59,9 +59,11 @@ def fit_on_records(
     constants, sigma = _modal_constants(found)
     noise = float(np.median(1 - driven.true_share(found.force_noise)))
     parts = _with_bias(constants, sigma, noise, estimator)
-    seen = replace(seen_by(better), constants=constants, sigma_of_parts=parts, terms=found.coefficients[n:, :, None])
+    seen = replace(
+        readings_of_fit(better), constants=constants, sigma_of_parts=parts, terms=found.coefficients[n:, :, None]
+    )
     known = float(np.min(np.abs(sigma) / np.maximum(np.abs(constants), np.finfo(float).tiny), initial=np.inf))
-    return OnRecords(better, stay, seen, _noise_note(noise, estimator, known))
+    return FitToRecords(better, stay, seen, _noise_note(noise, estimator, known))
 
 
 def _modal_constants(found: DrivenModel) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:

@@ -9,13 +9,13 @@ from modallab.core.frf import Frf
 from modallab.frf.estimate import convert_frf
 from modallab.identification.likelihood.excitation import HitExcitation
 from modallab.identification.likelihood.fit import LikelihoodFit
-from modallab.identification.start.half_power import reading_near, summed_amplitude
+from modallab.identification.start.half_power import half_power_near, summed_amplitude
 
 
 def half_power_readings(frf: Frf, found_hz: Real) -> Real:
     """Damping ratios (modes,) that half-power reads in measured FRFs, one for each frequency."""
     amplitude = summed_amplitude(convert_frf(frf, "mobility"))
-    return np.array([reading_near(frf.frequency_hz, amplitude, f) for f in found_hz])
+    return np.array([half_power_near(frf.frequency_hz, amplitude, f) for f in found_hz])
 
 
 def floor_of_block(fit: LikelihoodFit, frequency_hz: Real, found_hz: Real) -> Real:
@@ -43,4 +43,4 @@ def _undamped_reading(fit: LikelihoodFit, frequency_hz: Real, requested_hz: floa
     response = residue * bare.forced(pole)[0][0] - residue * bare.forced(pole.conj())[0][0]
     force = bare.static(-1)
     without_content = np.any(force == 0)
-    return float("nan") if without_content else reading_near(frequency_hz, np.abs(response / force), requested_hz)
+    return float("nan") if without_content else half_power_near(frequency_hz, np.abs(response / force), requested_hz)

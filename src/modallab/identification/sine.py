@@ -37,7 +37,7 @@ from modallab.identification.model.modal_model import model_of_fit, without_sigm
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.readings import floor_of_steps, half_power_readings
 from modallab.identification.selection.operator_choice import chosen_modes, poles_to_search, start_poles
-from modallab.identification.start.missed_modes import with_missing
+from modallab.identification.start.missed_modes import add_missing_poles
 from modallab.identification.start.refine_start import polish_poles
 from modallab.identification.start.stabilisation import StabilityLimits
 from modallab.signals.block_sets import check_test
@@ -134,7 +134,7 @@ def _start_poles(frf: Frf, options: IdentificationOptions, band: tuple[float, fl
     inside = found[(np.abs(found) > 2 * np.pi * band[0]) & (np.abs(found) < 2 * np.pi * band[1])]
     if options.refined:
         # Only a start that is to be refined is moved, and looked at for what it has missed.
-        inside = with_missing(frf, polish_poles(frf, inside, band), band)
+        inside = add_missing_poles(frf, polish_poles(frf, inside, band), band)
     start = start_poles(inside, estimate.orders, options)
     if start.size == 0:
         raise IdentificationError(
@@ -212,6 +212,8 @@ def clock_notes(signals: Sequence[Signals]) -> tuple[str, ...]:
     clock = 1e6 * float(np.median(offsets))
     if not abs(clock) > CLOCK_PPM:
         return ()
+    way = "slower" if clock < 0 else "faster"
     return (
-        f"The generator's clock runs {clock:+.0f} ppm against the converter's; the measured frequencies were used.",
+        f"The generator's clock runs {abs(clock):.0f} ppm {way} than the converter's; the measured frequencies "
+        "were used.",
     )

@@ -11,8 +11,8 @@ from distributed.comm.core import CommClosedError
 from distributed.scheduler import KilledWorker
 
 from modallab.core.errors import DatabaseLostError, JobError, ModallabError
-from modallab.jobs.kind import Computed, Kind
-from modallab.jobs.leases import Leases, TakenJob
+from modallab.jobs.kind import ComputationResult, Kind
+from modallab.jobs.leases import LeasedJob, Leases
 from modallab.jobs.task import compute_attempt, interrupt_computation
 
 MACHINE_LOST = (KilledWorker, CommClosedError, CancelledError, TimeoutError, OSError)
@@ -23,7 +23,7 @@ AGAIN_S = 0.5
 class Attempt:
     """A job while this runner holds it. `progress` and `stage` are what its worker last said."""
 
-    def __init__(self, taken: TakenJob, kind: Kind, leases: Leases, client: Client) -> None:
+    def __init__(self, taken: LeasedJob, kind: Kind, leases: Leases, client: Client) -> None:
         self.taken = taken
         self.progress, self.stage = 0.0, ""
         self._kind = kind
@@ -87,14 +87,14 @@ class Attempt:
             # It cannot be sent, or the worker cannot take it: nor could it the next time.
             self._fail(f"{type(error).__name__}: {error}")
             return
-        if verdict == "done" and isinstance(found, Computed):
+        if verdict == "done" and isinstance(found, ComputationResult):
             self._keep(found)
         elif verdict == "failed":
             self._fail(str(found))
         else:
             self._without_result(None)
 
-    def _ask(self, payload: Any) -> tuple[str, Computed | str]:
+    def _ask(self, payload: Any) -> tuple[str, ComputationResult | str]:
         name = self.taken.attempt
         with self._lock:
             if self._interrupted:
@@ -117,7 +117,7 @@ class Attempt:
         else:
             self._give_back(f"a worker was lost ({error})", counts=True)
 
-    def _keep(self, computed: Computed) -> None:
+    def _keep(self, computed: ComputationResult) -> None:
         try:
             result = self._kind.keep(self.taken.attempt, computed)
         except ModallabError as error:

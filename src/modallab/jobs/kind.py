@@ -16,7 +16,7 @@ class Notify(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Computed:
+class ComputationResult:
     """What a computation gives back.
 
     Attributes:
@@ -49,7 +49,7 @@ class Kind:
 
     name: str
     load: Callable[[dict[str, JsonValue], tuple[str, ...]], Any]
-    compute: Callable[[Any, Notify], Computed]
-    keep: Callable[[str, Computed], JsonValue]
+    compute: Callable[[Any, Notify], ComputationResult]
+    keep: Callable[[str, ComputationResult], JsonValue]
     limit_s: float = 3600.0
     revision: Callable[[tuple[str, ...]], str] = lambda _: ""

@@ -49,7 +49,7 @@ LEASE_S = 15.0
 
 
 @dataclass(frozen=True, slots=True)
-class TakenJob:
+class LeasedJob:
     """A job under lease. `fence` distinguishes this attempt from all others."""
 
     job: Job
@@ -78,7 +78,7 @@ class Leases:
         waiting, timed_out = self._look()
         return waiting or bool(timed_out)
 
-    def take(self, kinds: Collection[str], limit: int) -> list[TakenJob]:
+    def take(self, kinds: Collection[str], limit: int) -> list[LeasedJob]:
         """Lease up to `limit` jobs that wait or whose owner is gone: what somebody waits for first, then the oldest.
 
         A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
@@ -114,15 +114,15 @@ class Leases:
                     lost.add(job)
         return lost
 
-    def done(self, taken: TakenJob, result: JsonValue) -> bool:
+    def done(self, taken: LeasedJob, result: JsonValue) -> bool:
         """Commit a result; False if the job was cancelled or taken by another meanwhile, and nothing was written."""
         return self._end(taken, state="done", progress=1.0, stage="", result=result)
 
-    def failed(self, taken: TakenJob, error: str) -> bool:
+    def failed(self, taken: LeasedJob, error: str) -> bool:
         """Commit a failure that would come again; False as for `done`."""
         return self._end(taken, state="failed", error=error)
 
-    def give_back(self, taken: TakenJob, why: str, *, counts: bool) -> bool:
+    def give_back(self, taken: LeasedJob, why: str, *, counts: bool) -> bool:
         """Let another attempt be made; False as for `done`.
 
         Args:
@@ -145,7 +145,7 @@ class Leases:
         held = {row.id: (row.fence, row.beat) for row in rows if row.state == "running"}
         return len(rows) > len(held), self._watch.look(held)
 
-    def _lease(self, connection: Connection, row: Mapping[Any, Any], kinds: Collection[str]) -> TakenJob | None:
+    def _lease(self, connection: Connection, row: Mapping[Any, Any], kinds: Collection[str]) -> LeasedJob | None:
         fence, attempts = row["fence"] + 1, row["attempts"] + 1
         error = None
         if row["kind"] not in kinds:
@@ -158,9 +158,9 @@ class Leases:
             values = {"state": "running", "owner": self._owner, "fence": fence, "attempts": attempts}
             values |= {"progress": 0.0, "stage": ""}
         connection.execute(update(JOBS).where(JOBS.c.id == row["id"]).values(values))
-        return TakenJob(job_of(dict(row) | values), fence) if error is None else None
+        return LeasedJob(job_of(dict(row) | values), fence) if error is None else None
 
-    def _end(self, taken: TakenJob, **values: Any) -> bool:
+    def _end(self, taken: LeasedJob, **values: Any) -> bool:
         with self._writing() as connection:
             return self._change(connection, taken.job.id, taken.fence, owner="", ended_utc=utc_now(), **values)
 

@@ -16,7 +16,7 @@ from modallab.jobs.attempt import Attempt
 from modallab.jobs.cluster import Cluster, default_workers
 from modallab.jobs.jobs import Jobs
 from modallab.jobs.kind import Kind
-from modallab.jobs.leases import LEASE_S, Leases, TakenJob
+from modallab.jobs.leases import LEASE_S, LeasedJob, Leases
 from modallab.jobs.task import TOPIC
 
 Status = Literal["stopped", "connecting", "running"]
@@ -132,7 +132,7 @@ class Runner:
         self._ask_next_s = time.monotonic() + CLUSTER_S
         return cluster.worn(not self._attempts)
 
-    def _take(self, cluster: Cluster) -> list[TakenJob]:
+    def _take(self, cluster: Cluster) -> list[LeasedJob]:
         try:
             if not self._leases.any_free():
                 return []
@@ -144,7 +144,7 @@ class Runner:
             _LOG.warning("the table of jobs: %s", error)
             return []
 
-    def _run(self, taken: TakenJob, cluster: Cluster) -> None:
+    def _run(self, taken: LeasedJob, cluster: Cluster) -> None:
         attempt = Attempt(taken, self._kinds[taken.job.kind], self._leases, cluster.client)
         with self._lock:
             self._attempts[taken.attempt] = attempt

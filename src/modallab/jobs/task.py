@@ -9,7 +9,7 @@ from typing import Any, Literal
 from distributed import get_worker
 
 from modallab.core.errors import ModallabError
-from modallab.jobs.kind import Computed, Notify
+from modallab.jobs.kind import ComputationResult, Notify
 
 TOPIC = "modallab-progress"
 """Under which workers report to the runner how far they are."""
@@ -64,8 +64,8 @@ async def interrupt_computation(attempt: str) -> bool:
 
 
 def compute_attempt(
-    attempt: str, work: Callable[[Any, Notify], Computed], payload: Any
-) -> tuple[Verdict, Computed | str]:
+    attempt: str, work: Callable[[Any, Notify], ComputationResult], payload: Any
+) -> tuple[Verdict, ComputationResult | str]:
     """Run one computation on a worker. What it raises is its result: only the loss of a worker is an error to Dask."""
     try:
         _RUNNING.enter(attempt)

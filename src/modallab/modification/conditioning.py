@@ -3,14 +3,14 @@
 import numpy as np
 
 from modallab.core.arrays import Complex
-from modallab.modification.coupled import Coupled
+from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.structure import Structure
 
 LINES = 200
 """Across the band: enough for a median beside resonances."""
 
 
-def conditioning_of(structure: Structure, part: Coupled) -> float:
+def conditioning_of(structure: Structure, part: CouplingToStructure) -> float:
     """By which factor relative errors of receptances at a joint grow in its forces, the median over the band.
 
     Forces solve F g = u with F = H + Y, of both structures. They are off by the spectral radius of |F^-1| (|H| + |Y|),

@@ -12,7 +12,7 @@ from modallab.modification.structure import At, Structure
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Coupled:
+class CouplingToStructure:
     """Another structure, held at pairs of points, rigidly or by a joint.
 
     Attributes:
@@ -49,7 +49,7 @@ class Coupled:
         joint = 0.0 if self.joint_spring is None else np.eye(len(self.pairs)) / self.joint_spring
         return self.sign * self.other.receptance(s, self.own, self.own) + joint
 
-    def sampled(self, count: int) -> "Coupled":
+    def sampled(self, count: int) -> "CouplingToStructure":
         """The same with samples of the other structure."""
         return self if self.samples is None else replace(self, other=self.samples.first(count))
 

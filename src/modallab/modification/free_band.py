@@ -44,7 +44,9 @@ class FreeBand:
         return bool(np.isfinite(self.size))
 
 
-def kept_free(known: KnownStructure, band_hz: tuple[float, float], by: By, at: Sequence[At]) -> tuple[FreeBand, ...]:
+def changes_for_free_band(
+    known: KnownStructure, band_hz: tuple[float, float], by: By, at: Sequence[At]
+) -> tuple[FreeBand, ...]:
     """What leaves no mode in a band, at each of several points; the smallest first, then the points without one.
 
     Args:

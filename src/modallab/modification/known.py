@@ -13,7 +13,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.modification.attachments import AttachedPart
 from modallab.modification.conditioning import conditioning_of
-from modallab.modification.coupled import Coupled
+from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.freedoms import Freedom
 from modallab.modification.frfs import frf_between
 from modallab.modification.measured import MeasuredPairs
@@ -58,7 +58,7 @@ class KnownStructure:
             DataError: an output or input without a point.
         """
         self.model, self.rig, self.hits, self.changes = model, rig, hits, tuple(changes)
-        self.taken: tuple[Coupled, ...] = ()
+        self.taken: tuple[CouplingToStructure, ...] = ()
         self._measured = structure_of(model, rig)
 
     @property
@@ -115,7 +115,7 @@ class KnownStructure:
     @cached_property
     def conditioning(self) -> float | None:
         """By which factor errors at the worst joint to another structure grow; None without one."""
-        parts = [change for change in (*self.taken, *self.changes) if isinstance(change, Coupled)]
+        parts = [change for change in (*self.taken, *self.changes) if isinstance(change, CouplingToStructure)]
         return max((conditioning_of(self.alone.structure, part) for part in parts), default=None)
 
     @property
@@ -135,7 +135,9 @@ class KnownStructure:
             DataError: the model does not know a point.
         """
         # What was predicted of this structure is exact enough to be subtracted; what was measured is not.
-        away = () if self.changes else tuple(c for c in changes if isinstance(c, Coupled) and c.measured_part)
+        away = (
+            () if self.changes else tuple(c for c in changes if isinstance(c, CouplingToStructure) and c.measured_part)
+        )
         kept = (c for c in changes if c not in away)
         more = KnownStructure(self.model, self.rig, self.hits, (*self.changes, *kept))
         more._measured, more.taken, more.__dict__["samples"] = self._measured, self.taken, self.samples
@@ -144,7 +146,7 @@ class KnownStructure:
         _ = more.attached
         return more
 
-    def _take(self, part: Coupled) -> None:
+    def _take(self, part: CouplingToStructure) -> None:
         """Become what is left without it."""
         assert part.samples is not None
         structure, at = self.structure, part.links(self.structure)

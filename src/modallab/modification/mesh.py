@@ -53,7 +53,7 @@ class Mesh:
         return Mesh(self.places_m[taken], {axis: values[taken] for axis, values in self.motion.items()})
 
 
-def on_surface(places_m: Real, here_m: Real, axis: str, reach_m: float) -> Real | None:
+def surface_directions(places_m: Real, here_m: Real, axis: str, reach_m: float) -> Real | None:
     """(2, 3) unit vectors along the surface on which the nodes next to a place lie, across a motion along an axis.
 
     One is 0 where the motion itself is along the surface, or where the surface bends away within reach: off it nothing

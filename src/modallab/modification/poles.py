@@ -15,7 +15,7 @@ from scipy import linalg
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.modification.attachments import AttachedPart, RigidLink, merge_attachments, require_enough_left
-from modallab.modification.coupled import Coupled
+from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.structure import Receptances, Structure
 
 STEPS = (0.25, 0.5, 0.75, 1.0)
@@ -91,7 +91,7 @@ class StructureWithAttachments(Receptances):
     def sampled(self, samples: Structure) -> "StructureWithAttachments":
         """Samples (samples, ...) of the structure, and of those that are coupled to it."""
         count = len(samples.poles)
-        varied = tuple(a.sampled(count) if isinstance(a, Coupled) else a for a in self.attachments)
+        varied = tuple(a.sampled(count) if isinstance(a, CouplingToStructure) else a for a in self.attachments)
         return replace(self, structure=samples, attachments=varied)
 
 

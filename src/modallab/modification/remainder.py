@@ -19,7 +19,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.modification.outside_band import complete_residuals
 from modallab.modification.settings import DEFAULT
-from modallab.modification.structure import Structure, moved_by
+from modallab.modification.structure import Structure, squared_shape_sum
 
 ROUNDING = float(np.sqrt(np.finfo(float).eps))
 """Of a value: what its deviation at least is, where models are given without any."""
@@ -53,7 +53,7 @@ def remainder_of_structure(
     off = varied_values - values
     rest = _fit_remainder(s, values, off, _start_poles(s, count), both, at)
     # Poles of the samples are off as well, and with them where values are known.
-    left = off - rest.of_joint(places, at) + rest.of_joint(s, at)
+    left = off - rest.receptance_of_joint(places, at) + rest.receptance_of_joint(s, at)
     return _fit_remainder(s, values, left, rest.structure.poles, both, at, begin=False)
 
 
@@ -229,7 +229,7 @@ class Remainder:
     structure: Structure
     samples: Structure
 
-    def of_joint(self, s: Complex, at: Real) -> Complex:
+    def receptance_of_joint(self, s: Complex, at: Real) -> Complex:
         """(..., points, freedoms) receptances from the joint."""
         return self.structure.receptance(s, None, at)[..., 0]
 
@@ -252,7 +252,7 @@ def _samples_of_structure(both: Structure, at: Real, poles: Complex, found: Real
     terms = found[..., 2 * n :].swapaxes(-1, -2) / highest ** np.array(DEFAULT.powers, np.float64)[:, None]
     every, high_hz = range(len(both.freedoms)), both.band_hz[1]
     whole = [
-        complete_residuals(t[..., None], DEFAULT.powers, every, [joint], moved_by(p, q), high_hz)
+        complete_residuals(t[..., None], DEFAULT.powers, every, [joint], squared_shape_sum(p, q), high_hz)
         for t, p, q in zip(terms, poles, psi, strict=True)
     ]
     residual, alone = np.array([w.terms for w in whole]), np.mean([w.alone for w in whole], axis=0)

@@ -16,7 +16,7 @@ from modallab.core.rig import Rig
 from modallab.modification.between import SpatialInterpolation
 from modallab.modification.factors import ModalFactors, factor_constants
 from modallab.modification.freedoms import Freedom, freedoms_of
-from modallab.modification.mesh import Mesh, median_spacing, on_surface
+from modallab.modification.mesh import Mesh, median_spacing, surface_directions
 
 NEIGHBOURS = 8
 FLAT = 0.2
@@ -63,7 +63,7 @@ class FreedomShapes:
         together = sum(np.sum(np.conj(between[a].at(at_m[s])) * both[:, s].T, axis=0) for a, s in same.items())
         turned = {a: b.turned(_unit_sizes(np.asarray(together))) for a, b in between.items()}
         reach = median_spacing(at_m)
-        shown = {f: on_surface(mesh.places_m, at, f[1], reach) for f, at in zip(freedoms, at_m, strict=True)}
+        shown = {f: surface_directions(mesh.places_m, at, f[1], reach) for f, at in zip(freedoms, at_m, strict=True)}
         return cls(*known, turned, {f: t for f, t in shown.items() if t is not None})
 
     def index(self, freedom: Freedom) -> int:

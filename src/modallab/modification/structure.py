@@ -180,14 +180,14 @@ def structure_of(model: ModalModel, rig: Rig | None = None) -> Structure:
     known = np.zeros((len(listed), len(listed)), bool)
     known[np.ix_(rows, columns)] = known[np.ix_(columns, rows)] = True
     poles, psi = modes_of(model.frequency_hz, model.damping_ratio, model.modal_constants, rows, columns, len(listed))
-    band, powers, moved = model.band_hz, model.residual_powers, moved_by(poles, psi)
+    band, powers, moved = model.band_hz, model.residual_powers, squared_shape_sum(poles, psi)
     terms = terms_of_structure(terms_of(model), powers, rows, columns, moved / max(model.n_modes, 1))
     outside = complete_residuals(terms, powers, rows, columns, moved, band[1])
     axis, driven, scaled = inputs[0][1], tuple(f[0] for f in inputs), bool(set(rows) & set(columns))
     return Structure(listed, poles, psi, powers, *outside, known, band, axis, driven, scaled)
 
 
-def moved_by(poles: Complex, psi: Complex) -> Real:
+def squared_shape_sum(poles: Complex, psi: Complex) -> Real:
     """(freedoms,) sum over modes of the squared shapes at unit modal mass."""
     return np.asarray(np.sum(2 * poles.imag[:, None] * np.abs(psi) ** 2, axis=0), np.float64)
 

@@ -8,8 +8,8 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.fem.matrix_model import MatrixModel
 from modallab.modification.known import KnownStructure
-from modallab.notebook.put_to_use import PutToUse
-from modallab.notebook.shown import Answered, Shown
+from modallab.notebook.put_to_use import ModelUses
+from modallab.notebook.shown import DisplayedResult, DisplayedTable
 from modallab.pipelines.model_update import update_model
 from modallab.pipelines.structure_gap import read_reference
 from modallab.reporting.understood_table import correlation_rows
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class UpdatedModel(Answered[UpdatedParameters]):
+class UpdatedModel(DisplayedResult[UpdatedParameters]):
     """Parameters of a model with their 95 % intervals; `numbers` holds all arrays."""
 
     def __init__(self, numbers: UpdatedParameters) -> None:
@@ -33,12 +33,12 @@ class UpdatedModel(Answered[UpdatedParameters]):
         """Parameter -> the most probable value."""
         return self.numbers.numbers
 
-    def modes(self) -> Shown:
+    def modes(self) -> DisplayedTable:
         """Each measured mode beside the model's, before and after."""
-        return Shown(*updated_mode_rows(self.numbers))
+        return DisplayedTable(*updated_mode_rows(self.numbers))
 
 
-class CorrelatedModes(Answered[ModelCorrelation]):
+class CorrelatedModes(DisplayedResult[ModelCorrelation]):
     """Pairs of modes of two models; `numbers` holds all arrays."""
 
     def __init__(self, numbers: ModelCorrelation, rig: Rig | None) -> None:
@@ -68,7 +68,7 @@ class Correlated:
         """The structure that the model describes."""
         raise NotImplementedError
 
-    def correlation(self, other: PutToUse | str | Path) -> CorrelatedModes:
+    def correlation(self, other: ModelUses | str | Path) -> CorrelatedModes:
         """Beside another model of the structure: pairs by MAC, their frequencies and damping, COMAC.
 
         Args:
@@ -78,7 +78,7 @@ class Correlated:
             DataError: fewer than two common points, no driving point, or no two modes that are alike.
             FormatError: the file can be read as neither.
         """
-        if isinstance(other, PutToUse):
+        if isinstance(other, ModelUses):
             known = other.known
         else:
             rig = self.known.stated_rig

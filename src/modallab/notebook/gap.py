@@ -24,7 +24,7 @@ from modallab.notebook.identify import campaign_in
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.model import Model
 from modallab.notebook.recording import Recording
-from modallab.notebook.shown import Shown
+from modallab.notebook.shown import DisplayedTable
 from modallab.notebook.twin import DiagnosedTwin
 from modallab.pipelines.structure_gap import Band, gap_against, gap_of, model_to_compare
 from modallab.reporting.structure_report import StructureGap, write_structure_report
@@ -74,13 +74,13 @@ class GapFound:
             )
         return DiagnosedTwin(diagnosed_twin(self.diagnosis, self.campaign.rig), self.campaign.rig)
 
-    def table(self) -> Shown:
+    def table(self) -> DisplayedTable:
         """The effects, a row for each of their numbers, with the interval of 95 %, and what is said besides."""
         rows: list[tuple[str, str, str, str, str]] = []
         for effect, place, numbers, likely in self._found():
             rows += [(effect, place, f"{name} = {value}", within, likely) for name, value, within in numbers]
         said = " ".join([self.sentence, *self.diagnosis.notes])
-        return Shown(("effect", "place", "number", "95 %", "probability"), rows, said)
+        return DisplayedTable(("effect", "place", "number", "95 %", "probability"), rows, said)
 
     def _found(self) -> Iterator[tuple[str, str, list[tuple[str, str, str]], str]]:
         """Name, place, numbers and probability of each effect."""

@@ -12,8 +12,8 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, UNIT, Frf, FrfQuantity
 from modallab.core.rig import Rig
-from modallab.formats.frf_file import bare_rig, rig_of, write_frf
-from modallab.notebook.shown import Shown
+from modallab.formats.frf_file import rig_of, rig_without_places, write_frf
+from modallab.notebook.shown import DisplayedTable
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -54,12 +54,12 @@ class MeasuredFrf:
 
         return frf_overview(self.frf)
 
-    def table(self) -> Shown:
+    def table(self) -> DisplayedTable:
         """What they are."""
         outputs, inputs, lines = self.frf.values.shape
         low, high = self.frf.frequency_hz[[0, -1]]
         row = (self.frf.quantity, str(outputs), str(inputs), str(lines), f"{low:g} to {high:g} Hz")
-        return Shown(("FRFs", "outputs", "inputs", "lines", "band"), [row], f"in {UNIT[self.frf.quantity]}")
+        return DisplayedTable(("FRFs", "outputs", "inputs", "lines", "band"), [row], f"in {UNIT[self.frf.quantity]}")
 
     def __repr__(self) -> str:
         outputs, inputs, lines = self.frf.values.shape
@@ -109,7 +109,7 @@ def frf(
     of = _points_of([inputs] if isinstance(inputs, int) else inputs, values.shape[1], "inputs")
     names = tuple(f"y{point}" for point in to)
     known = of or (None,) * values.shape[1]
-    return MeasuredFrf(Frf(lines, values, quantity, names, to, known), bare_rig(names, to, of, quantity))
+    return MeasuredFrf(Frf(lines, values, quantity, names, to, known), rig_without_places(names, to, of, quantity))
 
 
 def phase_rises(frf: Frf) -> bool:

@@ -19,9 +19,9 @@ from modallab.identification.selection.criteria import mac
 from modallab.modification.known import KnownStructure
 from modallab.notebook.arguments import path_for
 from modallab.notebook.correlated import Correlated
-from modallab.notebook.put_to_use import PutToUse
-from modallab.notebook.shown import Shown
-from modallab.notebook.understood import Understood
+from modallab.notebook.put_to_use import ModelUses
+from modallab.notebook.shown import DisplayedTable
+from modallab.notebook.understood import ModelBehaviour
 from modallab.pipelines.identify import CampaignResult, IdentifiedTest
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.model_use import known_of
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class Model(PutToUse, Understood, Correlated):
+class Model(ModelUses, ModelBehaviour, Correlated):
     """A modal model with its uncertainty; of several tests, that of the first. `model["sine"]` is that of another.
 
     Attributes:
@@ -107,7 +107,7 @@ class Model(PutToUse, Understood, Correlated):
                 raise item.error
         raise DataError(f"no test is called {test!r} here", remedy=f"use one of {', '.join(self.tests)}")
 
-    def table(self) -> Shown:
+    def table(self) -> DisplayedTable:
         """Frequency and damping of every mode, with one standard deviation: 4.80(3) is 4.80 +- 0.03."""
         m, judged = self.modal, self.found.assessment
         rows = [
@@ -121,7 +121,9 @@ class Model(PutToUse, Understood, Correlated):
             )
             for r in range(m.n_modes)
         ]
-        return Shown(("mode", "frequency [Hz]", "damping [%]", "confidence"), rows, f"{self.found.source}, one sigma")
+        return DisplayedTable(
+            ("mode", "frequency [Hz]", "damping [%]", "confidence"), rows, f"{self.found.source}, one sigma"
+        )
 
     def plot_frf(self, drive: int = 0) -> "Figure":
         """Measured and regenerated FRFs of every output.

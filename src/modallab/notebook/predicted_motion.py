@@ -10,7 +10,7 @@ from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.formats.time_series import write_motion
 from modallab.modification.motion import MotionOverTime
-from modallab.notebook.shown import Shown
+from modallab.notebook.shown import DisplayedTable
 from modallab.reporting.motion_table import motion_rows
 
 if TYPE_CHECKING:
@@ -40,9 +40,9 @@ class PredictedMotion(MotionOverTime):
             left, whole = left[:, inside], whole[:, inside]
         return np.asarray(np.linalg.norm(left, axis=1) / np.linalg.norm(whole, axis=1), np.float64)
 
-    def table(self) -> Shown:
+    def table(self) -> DisplayedTable:
         """Largest value, effective value and octave bands of every point, with one standard deviation."""
-        return Shown(*motion_rows(self))
+        return DisplayedTable(*motion_rows(self))
 
     def save(self, path: str | Path) -> Path:
         """Write motion and deviation over time as .csv or .mat; returns the path.

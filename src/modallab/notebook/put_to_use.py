@@ -14,9 +14,9 @@ from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Quantity
 from modallab.modification.attachments import AttachedPart, Element, TunedAbsorber
-from modallab.modification.coupled import Coupled
+from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.forces import force_samples
-from modallab.modification.free_band import kept_free
+from modallab.modification.free_band import changes_for_free_band
 from modallab.modification.frfs import lines_with_peaks
 from modallab.modification.inverse import By, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
@@ -25,7 +25,7 @@ from modallab.modification.state_space import StateSpaceModel
 from modallab.modification.structure import At
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.predicted_motion import PredictedMotion
-from modallab.notebook.shown import Shown
+from modallab.notebook.shown import DisplayedTable
 from modallab.reporting.modified_table import check_predictions, modified_rows, write_rows
 from modallab.reporting.tuned_table import free_rows, tuned_rows
 
@@ -37,7 +37,7 @@ LINES = 1000
 """Of a figure over the band."""
 
 
-class PutToUse:
+class ModelUses:
     """What a model and a changed model have in common; `known` is the structure."""
 
     __slots__ = ()
@@ -129,7 +129,7 @@ class PutToUse:
         """The structure with masses, springs, dampers, absorbers or links.
 
         Args:
-            changes: `ml.Element`, `ml.TunedAbsorber`, `ml.RigidLink`, `ml.Coupled`; several act at once.
+            changes: `ml.Element`, `ml.TunedAbsorber`, `ml.RigidLink`, `ml.CouplingToStructure`; several act at once.
             at: point of a mass, spring or damper given by the numbers below.
             to: the other end of that spring and damper; None for ground.
             mass: kg; below 0 for one that is taken away.
@@ -145,7 +145,12 @@ class PutToUse:
         return ChangedModel(self.known.with_changes((*changes, *own)))
 
     def couple(
-        self, other: "PutToUse", at: Sequence[tuple[At, At]], *, joint_spring: float | None = None, remove: bool = False
+        self,
+        other: "ModelUses",
+        at: Sequence[tuple[At, At]],
+        *,
+        joint_spring: float | None = None,
+        remove: bool = False,
     ) -> "ChangedModel":
         """This structure with another one held to it, or taken away from a measurement of both.
 
@@ -162,10 +167,10 @@ class PutToUse:
         if known.changes:
             raise DataError(f"the other structure is changed: {known.changes[0].words}", remedy="couple it as measured")
         return self.modify(
-            Coupled(known.structure, tuple(at), joint_spring, -1 if remove else 1, samples=known.samples)
+            CouplingToStructure(known.structure, tuple(at), joint_spring, -1 if remove else 1, samples=known.samples)
         )
 
-    def tune(self, mode: int, to_hz: float, by: By, at: Sequence[At] | None = None) -> Shown:
+    def tune(self, mode: int, to_hz: float, by: By, at: Sequence[At] | None = None) -> DisplayedTable:
         """The mass, or spring to ground, that brings a mode to a frequency, at each point: the smallest first.
 
         Args:
@@ -177,11 +182,11 @@ class PutToUse:
         Raises:
             DataError: no such mode, a frequency beyond the band, or a point that the model does not know.
         """
-        return Shown(
+        return DisplayedTable(
             *tuned_rows(changes_for_frequency(self.known, mode, to_hz, by, at or self._sensors()), by, mode, to_hz)
         )
 
-    def keep_free(self, band_hz: tuple[float, float], by: By, at: Sequence[At] | None = None) -> Shown:
+    def keep_free(self, band_hz: tuple[float, float], by: By, at: Sequence[At] | None = None) -> DisplayedTable:
         """The mass, or spring to ground, that leaves no mode in a band, at each point: the smallest first.
 
         Args:
@@ -192,7 +197,9 @@ class PutToUse:
         Raises:
             DataError: edges that do not rise or lie beyond the model's band, or a point that the model does not know.
         """
-        return Shown(*free_rows(kept_free(self.known, band_hz, by, at or self._sensors()), by, band_hz))
+        return DisplayedTable(
+            *free_rows(changes_for_free_band(self.known, band_hz, by, at or self._sensors()), by, band_hz)
+        )
 
     def best_absorber(self, mode: int, at: At, mass: float) -> TunedAbsorber:
         """The absorber of a mass that leaves the least peak of the mobility at its point about a mode.
@@ -217,7 +224,7 @@ def _list_of_places(given: At | Sequence[At]) -> list[At]:
     return cast("list[At]", [given] if alone else list(cast("Sequence[At]", given)))
 
 
-class ChangedModel(PutToUse):
+class ChangedModel(ModelUses):
     """A structure with changes, as predicted from the model of it without them."""
 
     __slots__ = ("_known",)
@@ -255,19 +262,19 @@ class ChangedModel(PutToUse):
         """By which factor errors of receptances grow in the forces of the joint, from 1 on; None where none is."""
         return self._known.conditioning
 
-    def table(self) -> Shown:
+    def table(self) -> DisplayedTable:
         """Frequency and damping of each mode before and after, with one standard deviation."""
         words = list(self._known.words)
-        return Shown(*modified_rows(self._known, words))
+        return DisplayedTable(*modified_rows(self._known, words))
 
-    def check(self, measured: PutToUse) -> Shown:
+    def check(self, measured: ModelUses) -> DisplayedTable:
         """Each predicted mode beside that of a model that was measured with the changes.
 
         Args:
             measured: its model.
         """
         found = check_predictions(self._known.modes, measured.known.model)
-        return Shown(("predicted and measured",), [(one.words,) for one in found])
+        return DisplayedTable(("predicted and measured",), [(one.words,) for one in found])
 
     def plot(self, at: At, of: At | None = None) -> "Figure":
         """Mobility from one point to another before and after, over the band of the model.

@@ -15,7 +15,7 @@ from modallab.formats.importer import import_recordings
 from modallab.formats.rig.rig_file import read_rig
 from modallab.formats.sniff import sniff
 from modallab.notebook.arguments import path_for
-from modallab.notebook.shown import Shown
+from modallab.notebook.shown import DisplayedTable
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -33,7 +33,7 @@ class Recording:
         """The bench as believed."""
         return self.campaign.rig
 
-    def table(self) -> Shown:
+    def table(self) -> DisplayedTable:
         """The records, those that are alike in one line."""
         found = Counter((b.test, len(b.channels), b.rate_hz, b.duration_s) for b in self.campaign.blocks)
         rows = [(str(n), test, str(c), f"{hz:g}", f"{s:g}") for (test, c, hz, s), n in found.items()]
@@ -41,7 +41,7 @@ class Recording:
             ("FRFs", "", f"{f.values.shape[0]} x {f.values.shape[1]}", "", f"{f.frequency_hz.size} lines")
             for f in self.campaign.frfs
         ]
-        return Shown(("records", "test", "channels", "rate [Hz]", "length [s]"), rows, self.rig.name)
+        return DisplayedTable(("records", "test", "channels", "rate [Hz]", "length [s]"), rows, self.rig.name)
 
     def save(self, path: str | Path) -> Path:
         """Write the recordings as a campaign file (HDF5), whole or not at all; returns its path.

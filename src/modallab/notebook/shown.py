@@ -16,7 +16,7 @@ WIDTH = 100
 T = TypeVar("T")
 
 
-class Shown:
+class DisplayedTable:
     """A table: HTML in a notebook, text at a prompt."""
 
     def __init__(self, headings: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> None:
@@ -43,7 +43,7 @@ class Shown:
         return self.html()
 
 
-class Answered(Shown, Generic[T]):
+class DisplayedResult(DisplayedTable, Generic[T]):
     """A table, and as `numbers` the answer that it shows.
 
     Attributes:

@@ -12,7 +12,7 @@ from modallab.modification.nodes import ModePlaces, places_of_modes
 from modallab.modification.participation import ModalParticipation, modal_participation
 from modallab.modification.structure import At
 from modallab.notebook.arguments import path_for
-from modallab.notebook.shown import Answered
+from modallab.notebook.shown import DisplayedResult
 from modallab.reporting.understood_table import deflection_rows, node_rows, participation_rows
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from modallab.reporting.figures.deflection import Drawing
 
 
-class DeflectionShape(Answered[Deflection]):
+class DeflectionShape(DisplayedResult[Deflection]):
     """Amplitude and phase of every point at one frequency, which a file shows moving."""
 
     def __init__(self, numbers: Deflection, rig: "Rig") -> None:
@@ -50,7 +50,7 @@ class DeflectionShape(Answered[Deflection]):
         return Drawing(self._rig, motion_in_space(self._rig, self.numbers), self.caption)
 
 
-class Understood:
+class ModelBehaviour:
     """What a model says of how its structure behaves."""
 
     __slots__ = ()
@@ -73,7 +73,7 @@ class Understood:
         *,
         after_s: tuple[float, float] | None = None,
         quantity: Quantity = "velocity",
-    ) -> Answered[ModalParticipation]:
+    ) -> DisplayedResult[ModalParticipation]:
         """Which modes make the response at a point: the share of each, with its deviation.
 
         Args:
@@ -91,9 +91,9 @@ class Understood:
         found = modal_participation(
             known.between([of], [at]), known.samples.first(FRF_SAMPLES), at, of, quantity, band, after_s
         )
-        return Answered(found, *participation_rows(found, known.model.frequency_hz.tolist()))
+        return DisplayedResult(found, *participation_rows(found, known.model.frequency_hz.tolist()))
 
-    def nodes(self) -> Answered[ModePlaces]:
+    def nodes(self) -> DisplayedResult[ModePlaces]:
         """Where each mode moves most and where its nodes are: where to hit, and where to mount.
 
         Raises:
@@ -101,7 +101,7 @@ class Understood:
         """
         known = self.known
         found = places_of_modes(known.structure, known.samples, known.model, known.rig)
-        return Answered(found, *node_rows(found))
+        return DisplayedResult(found, *node_rows(found))
 
     def shape(self, mode: int) -> DeflectionShape:
         """The shape of a mode at unit modal mass, at every point that has a sensor or was driven.

@@ -15,7 +15,7 @@ from modallab.core.progress import part_of_progress, report_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.frf.broadband import driven_band
-from modallab.frf.drive_clock import cut_to_own_clock
+from modallab.frf.drive_clock import cut_to_drive_clock
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.backbone import DriveLevel
@@ -222,7 +222,7 @@ def _identify_sine(campaign: Campaign, blocks: tuple[Block, ...], options: Ident
 
 def _identify_broadband(campaign: Campaign, test: Broadband, options: IdentificationOptions) -> IdentifiedTest:
     every, rig, notes = usable_blocks(campaign, campaign.of(test))
-    every = cut_to_own_clock(every, options.band_hz or driven_band(every))
+    every = cut_to_drive_clock(every, options.band_hz or driven_band(every))
     band = options.band_hz or driven_band(every)
     frf = frf_of_drive(every, rig, band, options.frf)
     own_model = options.own_model

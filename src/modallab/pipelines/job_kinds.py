@@ -21,7 +21,7 @@ from modallab.core.hold_out import HoldOut
 from modallab.core.plan import Precision
 from modallab.core.progress import part_of_progress, report_progress_to
 from modallab.formats.atomic import replacing
-from modallab.jobs import Computed, Kind, Notify
+from modallab.jobs import ComputationResult, Kind, Notify
 from modallab.pipelines.parameters import (
     BlindParameters,
     DiagnoseParameters,
@@ -55,12 +55,12 @@ def kinds(
         revision: of what a job's inputs hold; `store.revision` for runs.
     """
 
-    def kind(name: str, compute: Callable[[Any, Notify], Computed], limit_s: float) -> Kind:
+    def kind(name: str, compute: Callable[[Any, Notify], ComputationResult], limit_s: float) -> Kind:
         def load(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> tuple[Campaign | None, Frozen]:
             # Blind trials are made, not read.
             return campaigns(inputs) if inputs else None, parse_parameters(name, parameters)
 
-        def keep(attempt: str, computed: Computed) -> JsonValue:
+        def keep(attempt: str, computed: ComputationResult) -> JsonValue:
             return {"document": computed.result, "files": _keep_blobs(folder, attempt, computed.blobs)}
 
         return Kind(name, load, compute, keep, limit_s, revision)
@@ -103,7 +103,7 @@ def campaigns_of(store: Store, *, ended: bool = True) -> Campaigns:
     return load
 
 
-def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> Computed:
+def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> ComputationResult:
     from modallab.pipelines.curves import curves_of
     from modallab.pipelines.model_file import model_document
 
@@ -111,13 +111,13 @@ def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> C
     with report_progress_to(notify):
         found = parameters.identified(campaign)
     curves = curves_of(campaign, found).model_dump_json().encode()
-    return Computed(_plain_document(model_document(campaign, found)), {CURVES: curves})
+    return ComputationResult(_plain_document(model_document(campaign, found)), {CURVES: curves})
 
 
-def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> Computed:
+def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> ComputationResult:
     from modallab.identification.options import IdentificationOptions
     from modallab.pipelines.identify import identify_campaign
-    from modallab.pipelines.telling_point import telling_point
+    from modallab.pipelines.most_informative_point import most_informative_point
 
     campaign, _ = payload
     compared = _agreement_of_campaign(campaign)
@@ -130,11 +130,11 @@ def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> C
         # One hit is enough for the comparison, if not for a model.
         if compared is None:
             raise
-        return Computed(_plain_document({name: [] for name in names} | so_far | {"telling_point": None}))
+        return ComputationResult(_plain_document({name: [] for name in names} | so_far | {"telling_point": None}))
     found = json.loads(model.model_dump_json(include=set(names)))
     hits = Counter(b.drive_point for b in campaign.blocks if b.drive_point is not None)
-    more = {"telling_point": telling_point(model, campaign.rig, hits, Precision())}
-    return Computed(_plain_document({name: found[name] for name in names} | so_far | more))
+    more = {"telling_point": most_informative_point(model, campaign.rig, hits, Precision())}
+    return ComputationResult(_plain_document({name: found[name] for name in names} | so_far | more))
 
 
 def _agreement_of_campaign(campaign: Campaign) -> dict[str, Any] | None:
@@ -148,7 +148,7 @@ def _agreement_of_campaign(campaign: Campaign) -> dict[str, Any] | None:
     return {"sentence": found.sentence, "agrees": found.agrees, "channels": found.channels}
 
 
-def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
+def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> ComputationResult:
     from modallab.pipelines.model_file import model_document
     from modallab.pipelines.report import report_content
     from modallab.reporting.report import render
@@ -158,10 +158,12 @@ def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Compu
         result = parameters.identified(campaign)
     notify(0.7, "figures")
     content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
-    return Computed(_plain_document(model_document(campaign, result)), {"report.html": render(content).encode()})
+    return ComputationResult(
+        _plain_document(model_document(campaign, result)), {"report.html": render(content).encode()}
+    )
 
 
-def _diagnose(payload: Compared, notify: Notify) -> Computed:
+def _diagnose(payload: Compared, notify: Notify) -> ComputationResult:
     from modallab.gap.diagnosis import diagnose
     from modallab.reporting.gap_report import render
 
@@ -171,12 +173,14 @@ def _diagnose(payload: Compared, notify: Notify) -> Computed:
     with report_progress_to(notify), part_of_progress(0.0, 0.95):
         diagnosis = diagnose(campaign, HoldOut.parse(parameters.hold_out))
     notify(0.95, "figures")
-    return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render(diagnosis, campaign).encode()})
+    return ComputationResult(
+        json.loads(diagnosis.model_dump_json()), {"gap.html": render(diagnosis, campaign).encode()}
+    )
 
 
 def _diagnose_by_model(
     campaign: Campaign, before: Campaign, band_hz: tuple[float, float] | None, notify: Notify
-) -> Computed:
+) -> ComputationResult:
     from modallab.pipelines.structure_gap import gap_of, model_to_compare
     from modallab.reporting.structure_report import render
 
@@ -185,17 +189,17 @@ def _diagnose_by_model(
     with report_progress_to(notify), part_of_progress(0.4, 0.95):
         gap = gap_of(campaign, reference, f"a campaign from before, {before.source}", band_hz=band_hz)
     notify(0.95, "figures")
-    return Computed(json.loads(gap.diagnosis.model_dump_json()), {"gap.html": render(gap).encode()})
+    return ComputationResult(json.loads(gap.diagnosis.model_dump_json()), {"gap.html": render(gap).encode()})
 
 
-def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> Computed:
+def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> ComputationResult:
     from modallab.blind.page import render
     from modallab.blind.run import run_blind_trials
 
     _, parameters = payload
     with report_progress_to(notify), TemporaryDirectory() as folder:
         found = run_blind_trials(Path(folder), parameters)
-    return Computed(json.loads(found.model_dump_json()), {"blind.html": render(found).encode()})
+    return ComputationResult(json.loads(found.model_dump_json()), {"blind.html": render(found).encode()})
 
 
 def _plain_document(document: Mapping[str, object]) -> JsonValue:

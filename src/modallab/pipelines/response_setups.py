@@ -27,7 +27,7 @@ FAR = 4.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class JoinedAlone:
+class JoinedResponseSetUps:
     """Several set-ups of responses alone as one.
 
     Attributes:
@@ -48,7 +48,7 @@ def identify_response_setups(
     options: IdentificationOptions,
     test: Test | None = None,
     method: ResponseMethod = USUAL_RESPONSE,
-) -> JoinedAlone:
+) -> JoinedResponseSetUps:
     """One model of the responses of several set-ups.
 
     Args:
@@ -86,13 +86,13 @@ def identify_response_setups(
     rig = _joined_rig(rigs, joined.freedoms)
     model = _joined_model(models, read, joined, rig)
     campaign = Campaign(rig, (), (), common_provenance(campaigns), campaigns[0].source)
-    each = [of_modes(item.assessment.confidence if item.assessment else np.full(item.model.n_modes, np.nan), at)
+    each = [values_at_modes(item.assessment.confidence if item.assessment else np.full(item.model.n_modes, np.nan), at)
             for item, at in zip(found, joined.places, strict=True)]  # fmt: skip
     sure = np.nan_to_num(np.array(each)).mean(axis=0)
     result = CampaignResult(
         (IdentifiedTest(model.test or "random", model, None, assess_model(model, (), (), sure)),), ()
     )
-    return JoinedAlone(result, campaign, models, read)
+    return JoinedResponseSetUps(result, campaign, models, read)
 
 
 def _freedom_of_channel(channel: Channel, rig: Rig) -> Freedom:
@@ -216,7 +216,7 @@ def _differing_setups_note(joined: JoinedResponses, read: Sequence[SetUpReading]
 
 def _setup_readings(setups: Sequence[ResponseSetUp], joined: JoinedResponses) -> tuple[SetUpReading, ...]:
     read = [
-        [of_modes(v, at) for v in (s.frequency_hz, s.frequency_sigma_hz, s.damping_ratio, s.damping_sigma)]
+        [values_at_modes(v, at) for v in (s.frequency_hz, s.frequency_sigma_hz, s.damping_ratio, s.damping_sigma)]
         for s, at in zip(setups, joined.places, strict=True)
     ]
     middle = np.nanmedian([f for f, *_ in read], axis=0)
@@ -226,6 +226,6 @@ def _setup_readings(setups: Sequence[ResponseSetUp], joined: JoinedResponses) ->
     )
 
 
-def of_modes(values: Real, places: NDArray[np.int64]) -> Real:
+def values_at_modes(values: Real, places: NDArray[np.int64]) -> Real:
     """(modes,) what stands at these places; NaN where a set-up has none."""
     return np.where(places >= 0, values[places], np.nan)

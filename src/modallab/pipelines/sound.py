@@ -8,7 +8,7 @@ from modallab.core.array_checks import check_signals
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.formats.error_list import Collected
+from modallab.formats.error_list import ErrorCollection
 from modallab.signals.checks import overloaded_channels
 from modallab.signals.faults.found import faults_of
 from modallab.signals.faults.runs import Fault
@@ -32,7 +32,7 @@ def undamaged_records(
     Raises:
         DataError: damaged samples, or no record is left.
     """
-    errors = Collected()
+    errors = ErrorCollection()
     for block in blocks:
         with errors:
             check_signals(block.samples, block.channels, f"{campaign.source}, record {block.name}", force=force)

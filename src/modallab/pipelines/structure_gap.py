@@ -12,7 +12,7 @@ from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.fem.fem_file import FemModel, is_fem, read_fem
 from modallab.frf.estimate import group_by_point
-from modallab.gap.modal.diagnosis import Explained, explained_by_model
+from modallab.gap.modal.diagnosis import ComparisonOutcome, explained_by_model
 from modallab.gap.modal.halves import share_between_halves
 from modallab.identification.impact import start_frf
 from modallab.identification.options import IdentificationOptions
@@ -152,7 +152,7 @@ def _kind_of_file(path: Path) -> str:
     return "a finite-element model" if is_fem(path) else "a campaign from before"
 
 
-def _not_compared(identified: CampaignResult, explained: Explained, bench: IdentifiedTest) -> tuple[str, ...]:
+def _not_compared(identified: CampaignResult, explained: ComparisonOutcome, bench: IdentifiedTest) -> tuple[str, ...]:
     """What of a campaign was not compared, a sentence each."""
     model, reference = bench.model, explained.free.of.model
     tests = [f.source for f in (*identified.identified[1:], *identified.unidentified)]

@@ -14,8 +14,8 @@ LONGEST = 12
 COLOURS = {"tolerance": "measured", "effect": "warning", "model": "model", "noise": "soft"}
 CAPTION = (
     "Shares of the squares of measured less simulated as the rig file describes the bench; the response of each record "
-    "counts alike. Blue: what lies within the tolerances. Numbers whose shares cancel stand together, with what stays. "
-    "The table leaves out tolerances below half a percent."
+    "counts alike. Blue: deviations within the tolerances. Those whose shares cancel are summed in one row. "
+    "Tolerances below half a percent are left out."
 )
 
 
@@ -24,7 +24,9 @@ def budget_section(diagnosis: Diagnosis) -> Markup | None:
     budget = diagnosis.budget
     if budget is None or not budget.rows:
         return None
-    largest = [Bar(typeset_sentence(r.said), r.share, part_of(r.share), COLOURS[r.kind]) for r in budget.rows[:LONGEST]]
+    largest = [
+        Bar(typeset_sentence(r.said), r.share, part_of(r.share), COLOURS[r.kind]) for r in _rows_shown(budget)[:LONGEST]
+    ]
     first = (
         html_element("ul", *(html_element("li", typeset_sentence(line)) for line in budget.calibrate))
         if budget.calibrate
@@ -34,10 +36,15 @@ def budget_section(diagnosis: Diagnosis) -> Markup | None:
     return page_section("Where it comes from", picture, first, _budget_table(budget), _usual_tolerances_note(budget))
 
 
+def _rows_shown(budget: Budget) -> list[BudgetRow]:
+    return [r for r in budget.rows if abs(r.share) > LEAST_SHARE or r.kind in ("model", "noise", "effect")]
+
+
 def _budget_table(budget: Budget) -> Markup:
-    listed = [r for r in budget.rows if abs(r.share) > LEAST_SHARE or r.kind in ("model", "noise", "effect")]
-    head = ["part", "share", "moved [σ]", "mostly in"]
-    return html_table("Budget of the gap", head, [_budget_row(r) for r in listed], numeric=(1, 2), class_="wide")
+    head = ["part", "share", "deviation [σ]", "mostly in"]
+    return html_table(
+        "Budget of the gap", head, [_budget_row(r) for r in _rows_shown(budget)], numeric=(1, 2), class_="wide"
+    )
 
 
 def _budget_row(row: BudgetRow) -> list[str]:

@@ -42,7 +42,7 @@ def _stated_probability(candidate: CandidateSet, diagnosis: Diagnosis) -> float:
 def shrink_section(diagnosis: Diagnosis) -> Markup | None:
     """The share of the gap that is closed on held-out records, beside the best rival's."""
     shrink = diagnosis.shrink
-    if shrink.closed is None:
+    if shrink.closed is None or diagnosis.verdict == "no_gap":
         return None
     rows = [Bar("this diagnosis", shrink.closed, part_of(shrink.closed), "second", shrink.interval)]
     rows += [
@@ -87,7 +87,7 @@ def residual_section(diagnosis: Diagnosis) -> Markup:
         channel_bars(gap.by_channel, gap.after_by_channel, "channels", caption) if gap.by_channel else None,
         html_element(
             "div",
-            html_table("Share of the squares by band, before", ["band", "share"], bands, numeric=(1,)),
+            html_table("Share of the squared gap by band, before", ["band", "share"], bands, numeric=(1,)),
             html_table("Gap by test, level and time, before", ["part", "noise units"], tests, numeric=(1,)),
             class_="pair",
         ),

@@ -3,15 +3,17 @@
 import re
 from collections.abc import Sequence
 
-from modallab.core.digits import with_hard_blanks
+from modallab.core.digits import superscript_text, with_hard_blanks
 from modallab.reporting.markup import Markup, html_element, page_head
 
 _PERCENT = re.compile(r"(?<=\d)%")
+_POWER = re.compile(r"(?<=[a-z])\^(-?\d)")
 _MINUS = re.compile(r"(?<![\w\d])-(?=\d)")
 
 
 def typeset_sentence(text: str) -> str:
-    """A sentence of a diagnosis with a blank before `%` and true minus signs; older files have neither."""
+    """A sentence of a diagnosis with a blank before `%`, raised powers of units and true minus signs."""
+    text = _POWER.sub(lambda power: superscript_text(int(power[1])), text)
     return with_hard_blanks(_MINUS.sub("\u2212", _PERCENT.sub(" %", text)))
 
 

@@ -11,8 +11,8 @@ from modallab.core.places import x_m_of
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import revision_history
-from modallab.gap.words.effects import FROM_CLAMP, interval_m, parameter_in_words, place_of
-from modallab.gap.words.verdicts import own_error, share_of_response, verdict_sentence
+from modallab.gap.words.effects import FROM_CLAMP, effect_names, interval_m, parameter_in_words, place_of
+from modallab.gap.words.verdicts import share_of_response, unexplained_sentence, verdict_sentence
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
 from modallab.reporting.gap_budget import budget_section
@@ -21,6 +21,7 @@ from modallab.reporting.gap_page import captioned_picture, page_section, typeset
 from modallab.reporting.markup import Markup, html_element, html_table
 from modallab.reporting.revisions_report import revisions_section
 from modallab.reporting.sections.section import captioned_figure
+from modallab.twin.effect_model import NoChange
 from modallab.twin.effects import model_of
 
 
@@ -68,7 +69,7 @@ def _width_of_gap(diagnosis: Diagnosis) -> Markup:
         "In noise units, 1 is noise alone. The percentages are of the response: the median over all records, without "
         "their noise. "
     )
-    return html_element("section", widths, html_element("p", note + typeset_sentence(own_error(gap))))
+    return html_element("section", widths, html_element("p", note + typeset_sentence(unexplained_sentence(gap))))
 
 
 def _resonant_and_other(share: Percent | None) -> tuple[str, str]:
@@ -114,7 +115,9 @@ def _effect_table(found: Found, rig: Rig) -> Markup:
     place, interval = place_of(found, _channel_names(rig))
     tail = FROM_CLAMP
     rows = [["place" + tail * place.endswith(tail), place.removesuffix(tail), interval]] if place else []
-    rows += [[p.name, *parameter_in_words(found, p)] for p in kind_of(found.effect).parameters]
+    rows += [
+        [p.in_words, *map(typeset_sentence, parameter_in_words(found, p))] for p in kind_of(found.effect).parameters
+    ]
     caption = f"{model_of(found.effect).spoken}, probability {probability_text(found.probability)}"
     return html_table(caption[0].upper() + caption[1:], ["", "value", "95 % interval"], rows, numeric=(1, 2))
 
@@ -128,6 +131,9 @@ def _curves_section(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
         "and what is left between the latter and the measurement: below the curves of an FRF, and in a panel of its "
         "own for a record. Channels, hits and sine are those with the widest gap."
     )
+    absent = [f.effect for f in diagnosis.effects if isinstance(model_of(f.effect).change, NoChange)]
+    if absent:
+        caption += f" No simulation contains {effect_names(absent)}, which stays in what is left."
     return page_section(
         "What was measured, and what was simulated", captioned_figure(figure, "curves", caption, caption)
     )

@@ -2,7 +2,7 @@
 
 from modallab.core.digits import percent_text, probability_text, significant_digits
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis, PartOfGap
-from modallab.gap.modal.diagnosis import Explained
+from modallab.gap.modal.diagnosis import ComparisonOutcome
 from modallab.gap.words.effects import numbers_of, spoken_change
 from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import BarRow, BarScale, log_bars
@@ -16,7 +16,7 @@ NAMES = ("as it came", "within tolerances", "with the change")
 COLOURS = (style.SOFT, style.MEASURED, style.SECOND)
 
 
-def candidates_section(explained: Explained) -> Markup | None:
+def candidates_section(explained: ComparisonOutcome) -> Markup | None:
     """Every explanation that was fitted, with its numbers, its probability and what it leaves; None without any."""
     listed = explained.ranked
     if not listed:

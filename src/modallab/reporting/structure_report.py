@@ -11,7 +11,7 @@ from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.places import NamedChannel
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
-from modallab.gap.modal.diagnosis import Explained
+from modallab.gap.modal.diagnosis import ComparisonOutcome
 from modallab.gap.words.effects import numbers_of, place_of_change, position_of_change, spoken_change, spoken_effect
 from modallab.gap.words.verdicts import sentence_by_model
 from modallab.reporting.figures.structure_curves import structure_curves
@@ -35,7 +35,7 @@ class StructureGap:
     """
 
     rig: Rig
-    explained: Explained
+    explained: ComparisonOutcome
     reference: str
     records: Frf | None = None
     beside: tuple[str, ...] = ()

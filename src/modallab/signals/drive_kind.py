@@ -115,7 +115,7 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
 def _kind_of_drive(label: Test, signals: Sequence[Signals]) -> Look:
     """What the forces of broadband blocks look like: the label, unless one of them looks like something else."""
     for forces in zip(*(s.forces for s in signals), strict=True):
-        seen = looks_like(forces, signals[0].rate_hz)
+        seen = drive_kind_of(forces, signals[0].rate_hz)
         if seen != label:
             return seen
     return label
@@ -133,12 +133,12 @@ def _is_periodic_sweep(label: Test, seen: Look, signals: Sequence[Signals]) -> b
 
 def _sweep_note(signals: Sequence[Signals]) -> tuple[str, ...]:
     periodic = [s for s in signals if s.block.test == "pseudo-random"]
-    if not periodic or looks_like([s.forces[0] for s in periodic], periodic[0].rate_hz) == "pseudo-random":
+    if not periodic or drive_kind_of([s.forces[0] for s in periodic], periodic[0].rate_hz) == "pseudo-random":
         return ()
     return ("The force looks like a chirp that every block repeats; it is taken as the periodic drive that it is.",)
 
 
-def looks_like(forces: Sequence[Real], rate_hz: float) -> Look:
+def drive_kind_of(forces: Sequence[Real], rate_hz: float) -> Look:
     """The kind of test that forces (n,) in N of blocks of one level are of, by their majority."""
     votes: list[Look] = [_kind_of_block(force, rate_hz) for force in forces]
     most = max(votes, key=votes.count)

@@ -73,7 +73,7 @@ def fit_frequency(values: NDArray[np.float64], rate_hz: float, near_hz: float, i
     return fit_at(values, rate_hz, frequency)
 
 
-def own_frequency(values: NDArray[np.float64], rate_hz: float, near_hz: float) -> float:
+def frequency_of_sine(values: NDArray[np.float64], rate_hz: float, near_hz: float) -> float:
     """Frequency in Hz of the sine in (n,) values near `near_hz`; `near_hz` itself where there is no sine to follow.
 
     Raises:

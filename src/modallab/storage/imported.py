@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from modallab.bench.protocol import BenchInfo, Delivery
-from modallab.core.block import Block, Campaign, also_driven_fact
+from modallab.core.block import Block, Campaign, fact_of_other_shakers
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, records_of
 from modallab.core.units import Test
 from modallab.storage.records import BlockNote
@@ -80,7 +80,7 @@ def _note_of_block(block: Block) -> BlockNote:
         level=block.level,
         frequency_hz=block.frequency_hz,
         overload=tuple(name for name, flag in zip(block.channels, over, strict=False) if flag),
-        facts={"imported": "yes", **began, **also_driven_fact(block.also_driven)},
+        facts={"imported": "yes", **began, **fact_of_other_shakers(block.also_driven)},
     )
 
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from modallab import __version__
 from modallab.bench.protocol import BenchInfo
-from modallab.bench.recut import Recut
-from modallab.core.block import Block, Ramp, also_driven_of
+from modallab.bench.recut import RecutRule
+from modallab.core.block import Block, Ramp, other_driven_points
 from modallab.core.errors import BlockDamagedError, StorageError
 from modallab.core.lease import Lease
 from modallab.core.plan import Plan, SinePlan, records_of
@@ -200,7 +200,7 @@ def _block_of_run(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Blo
     samples = reader.read(row.offset, row.count)
     require_intact(samples, row)
     assert run.rates is not None  # a block is recorded after the delivery is known
-    recut = Recut.read(row.note.facts)
+    recut = RecutRule.read(row.note.facts)
     over = set(row.note.overload)
     return Block(
         name=row.note.name,
@@ -218,7 +218,7 @@ def _block_of_run(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Blo
         requested_rate_hz=run.rates.requested_hz,
         actual_rate_hz=run.rates.actual_hz,
         overload=tuple(channel.name in over for channel in run.rig.channels),
-        also_driven=also_driven_of(row.note.facts),
+        also_driven=other_driven_points(row.note.facts),
         **_rise_of_sine(run, row.note, run.rates.delivered_hz if recut is None else recut.from_hz),
     )
 

@@ -158,7 +158,7 @@ def spread_logarithmically(low: float, high: float, count: int) -> tuple[float, 
     return tuple(float(v) for v in np.geomspace(low, high, count))
 
 
-def both_signs(low: float, high: float, count: int) -> tuple[float, ...]:
+def values_of_both_signs(low: float, high: float, count: int) -> tuple[float, ...]:
     """So many values of either sign, their magnitudes even on logarithms."""
     values = spread_logarithmically(low, high, count)
     return (*(-v for v in reversed(values)), *values)

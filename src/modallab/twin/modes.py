@@ -13,7 +13,7 @@ from scipy.linalg import eigh
 from modallab.core.arrays import Complex, Real
 from modallab.twin.elements import shape_rows
 from modallab.twin.matrices import OWN, RIGID, stiffness_and_mass
-from modallab.twin.side_modes import given_way, poles_and_columns
+from modallab.twin.side_modes import out_of_band_compliance, poles_and_columns
 from modallab.twin.structure import MODES, TwinStructure
 
 T = TypeVar("T")
@@ -60,7 +60,10 @@ def with_side_modes(structure: TwinStructure, bending: TwinModes) -> TwinModes:
     if not structure.side:
         return bending
     families = [poles_and_columns(one, structure.length_m) for one in structure.side]
-    more = sum((given_way(one, structure.length_m) for one in structure.side), np.zeros_like(bending.out_of_band))
+    more = sum(
+        (out_of_band_compliance(one, structure.length_m) for one in structure.side),
+        np.zeros_like(bending.out_of_band),
+    )
     return replace(
         bending,
         poles=np.concatenate([bending.poles, *(own for own, _ in families)]),
@@ -142,13 +145,13 @@ def undamped_modes_key(s: TwinStructure) -> tuple[object, ...]:
     return (*size, *fields, s.root_rotation, s.root_translation, *attached)
 
 
-def held_at_root(structure: TwinStructure) -> tuple[bool, bool]:
+def is_clamped_at_root(structure: TwinStructure) -> tuple[bool, bool]:
     """Whether the root takes the deflection and the slope there."""
     return structure.root_translation <= RIGID, structure.root_rotation <= RIGID
 
 
 def _free_degrees(structure: TwinStructure) -> NDArray[np.int64]:
-    held = {i for i, taken in enumerate(held_at_root(structure)) if taken}
+    held = {i for i, taken in enumerate(is_clamped_at_root(structure)) if taken}
     return np.array([i for i in range(OWN + len(structure.hung)) if i not in held])
 
 

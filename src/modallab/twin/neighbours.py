@@ -24,7 +24,7 @@ from modallab.twin.modes import (
     TwinModes,
     damped_poles,
     damping_of,
-    held_at_root,
+    is_clamped_at_root,
     solve_modes,
     undamped_modes,
     with_side_modes,
@@ -60,7 +60,7 @@ class NeighbourStructures:
 
     def _same_freedoms(self, s: TwinStructure) -> bool:
         here = self._middle
-        return (s.length_m, s.hung, held_at_root(s)) == (here.length_m, here.hung, held_at_root(here))
+        return (s.length_m, s.hung, is_clamped_at_root(s)) == (here.length_m, here.hung, is_clamped_at_root(here))
 
     def _first_order(self, structures: list[TwinStructure]) -> list[TwinModes]:
         """The modes of bending of each."""

@@ -56,7 +56,7 @@ def poles_and_columns(side: SideModes, length_m: float) -> tuple[Complex, Comple
     return -side.zeta * omega + 1j * damped, columns.astype(np.complex128)
 
 
-def given_way(side: SideModes, length_m: float) -> Real:
+def out_of_band_compliance(side: SideModes, length_m: float) -> Real:
     """(n, n) static compliance in m/N of the family's modes beyond those, over the same degrees of freedom."""
     return _given_way(side.family, side.power, length_m) / side.kg / (2 * np.pi * side.hz) ** 2
 

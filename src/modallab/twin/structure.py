@@ -74,7 +74,7 @@ class TwinStructure:
             beam.youngs_modulus_pa,
             beam.density_kg_m3,
             np.full(MODES, damping_ratio),
-            root_rotation=believed_root(beam),
+            root_rotation=root_of_rig_file(beam),
         )
 
     @property
@@ -91,7 +91,7 @@ class TwinStructure:
 _SPRING = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*EI/L(?!\^)")
 
 
-def believed_root(beam: Beam) -> float:
+def root_of_rig_file(beam: Beam) -> float:
     """Rotational compliance of the root in L / EI by the words of the rig file: "... 13 EI/L ..."; else 0."""
     spring = _SPRING.search(beam.clamp)
     return 1 / float(spring.group(1)) if spring is not None and float(spring.group(1)) > 0 else 0.0

@@ -12,7 +12,7 @@ from modallab.modification.freedoms import Freedom
 from modallab.twin.elements import shape_rows
 from modallab.twin.matrices import OWN
 from modallab.twin.modes import undamped_modes
-from modallab.twin.structure import ROOT, TwinStructure, believed_root
+from modallab.twin.structure import ROOT, TwinStructure, root_of_rig_file
 from modallab.updating.prior import Prior
 
 OF_BEAM = {"youngs_modulus": "Pa", "density": "kg/m^3", "thickness": "m"}
@@ -59,8 +59,8 @@ class BeamModel:
             ("thickness", beam.thickness_m, t.thickness),
         )
         found = {name: Prior(value, sigma, True, OF_BEAM[name]) for name, value, sigma in stated if sigma > 0}
-        if believed_root(beam):
-            spring = beam.bending_stiffness_n_m2 / (beam.length_m * believed_root(beam))
+        if root_of_rig_file(beam):
+            spring = beam.bending_stiffness_n_m2 / (beam.length_m * root_of_rig_file(beam))
             found["joint_rotation"] = Prior(spring, ROOT, True, AT_ROOT["joint_rotation"])
         return found
 

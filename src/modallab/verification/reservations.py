@@ -26,14 +26,14 @@ def doubts_about_modes(model: ModalModel, confidence: NDArray[np.float64]) -> tu
     """
     weak = np.flatnonzero(confidence < LITTLE)
     found = [_weak_modes(model, weak)] if weak.size else []
-    seen = seen_by_one(model)
+    seen = output_of_isolated_mode(model)
     return (
         *found,
         *(_modes_of_one_output(model, o, np.flatnonzero(seen == o)) for o in np.unique(seen[seen >= 0]).tolist()),
     )
 
 
-def seen_by_one(model: ModalModel) -> NDArray[np.int64]:
+def output_of_isolated_mode(model: ModalModel) -> NDArray[np.int64]:
     """(modes,) the output that has a mode to itself though forces at other points drive it; -1 where there is none.
 
     What a force at k drives moves at k. A sensor that clips, is loose or rings by itself answers every force.

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.settings import Settings
 from modallab.service.api.app import create_app
-from modallab.service.api.compression import takes_gzip
+from modallab.service.api.compression import accepts_gzip
 
 PAGE = "https://page.lab:8443"
 
@@ -41,7 +41,7 @@ def page(lab: Lab, tmp_path_factory: pytest.TempPathFactory) -> Ask:
     [("gzip", True), ("br, gzip;q=0.5", True), ("*", True), ("gzip;q=0, *", False), ("", False), ("gzip;q=x", False)],
 )
 def test_gzip_is_sent_to_whom_takes_it(accepted: str, takes: bool) -> None:
-    assert takes_gzip(accepted) == takes
+    assert accepts_gzip(accepted) == takes
 
 
 def test_text_is_compressed_with_a_weak_tag_and_is_the_same(lab: Lab) -> None:

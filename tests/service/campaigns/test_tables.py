@@ -8,7 +8,7 @@ from sqlalchemy import text
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew
 from modallab.core.errors import StorageError
-from modallab.service.api.router import IdempotencyKeys, KeptAnswer
+from modallab.service.api.router import IdempotencyKeys, StoredAnswer
 from modallab.service.errors import ChangedError, ConflictError, IdempotencyError, LeaseHeldError, LeaseNeededError
 from modallab.service.records.audit import enter_action
 from modallab.service.records.event_log import EventLog, EventTopic
@@ -118,7 +118,7 @@ def test_a_key_is_for_one_request_and_what_a_dead_process_left_is_done_again(sto
     with pytest.raises(ConflictError):
         keys.claim("a-key", b"request")
     assert IdempotencyKeys(store.catalogue.engine, "the next").claim("a-key", b"request") is None
-    answer = KeptAnswer(201, {"location": "/there"}, "{}")
+    answer = StoredAnswer(201, {"location": "/there"}, "{}")
     keys.keep("a-key", answer)
     assert keys.claim("a-key", b"request") == answer
     with pytest.raises(IdempotencyError):

@@ -13,7 +13,7 @@ import pytest
 from service_process import COMMAND, ServiceProcess
 
 from modallab.core.errors import ModallabError
-from modallab.service.process.orphans import Orphans
+from modallab.service.process.orphans import ProcessList
 from modallab.service.process.ports import bound_socket
 
 MOMENTS_S = (0.7, 1.2, 1.8, 2.5, 4.0)
@@ -59,26 +59,26 @@ def test_a_frozen_rest_process_goes_with_its_supervisor(tmp_path: Path) -> None:
 
 def test_what_is_left_of_an_earlier_service_of_the_folder_is_ended(tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as left:
-        Orphans(tmp_path).note("api", left.pid)
-        assert Orphans(tmp_path).end_all() == (left.pid,)
+        ProcessList(tmp_path).note("api", left.pid)
+        assert ProcessList(tmp_path).end_all() == (left.pid,)
         assert not psutil.pid_exists(left.pid)
-    assert Orphans(tmp_path).end_all() == ()
+    assert ProcessList(tmp_path).end_all() == ()
 
 
 def test_a_rigs_process_of_an_earlier_service_may_leave_by_itself(tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(0.3)"]) as left:
-        Orphans(tmp_path).note("rig link", left.pid, leaves=True)
-        assert Orphans(tmp_path).end_all() == ()
+        ProcessList(tmp_path).note("rig link", left.pid, leaves=True)
+        assert ProcessList(tmp_path).end_all() == ()
         assert left.wait(5) == 0
 
 
 def test_a_frozen_rigs_process_of_an_earlier_service_is_ended(tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as left:
-        Orphans(tmp_path).note("rig link", left.pid, leaves=True)
+        ProcessList(tmp_path).note("rig link", left.pid, leaves=True)
         os.kill(left.pid, signal.SIGSTOP)
         while psutil.Process(left.pid).status() != psutil.STATUS_STOPPED:
             time.sleep(0.01)
-        assert Orphans(tmp_path).end_all() == (left.pid,)
+        assert ProcessList(tmp_path).end_all() == (left.pid,)
 
 
 def test_who_holds_the_port_is_said() -> None:

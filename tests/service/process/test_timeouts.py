@@ -7,7 +7,7 @@ from multiprocessing import Pipe
 import pytest
 
 from modallab.service.process.child import HeartbeatTimer
-from modallab.service.process.wire import CallServer, RemoteControl, SignOfLife
+from modallab.service.process.wire import CallServer, ProcessHeartbeat, RemoteControl
 
 LOOK_S = 0.05
 
@@ -76,7 +76,7 @@ def test_new_events_wait_for_nobody_who_reads_no_more() -> None:
     ours, theirs = Pipe()
     counter = CallServer(ours, control=None)
     try:
-        theirs.send(SignOfLife())
+        theirs.send(ProcessHeartbeat())
         while not counter.began:
             time.sleep(0.01)
         # Much more than a pipe holds, and nobody reads any of it.

@@ -17,7 +17,7 @@ from modallab_simulators.ni_daqmx_server.starting import kind_of
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Channel, Task
 
-Computed = Callable[[SimulatedSystem, Any, Any], Any]
+ComputationResult = Callable[[SimulatedSystem, Any, Any], Any]
 _TYPES: dict[type[Task], int] = {
     InputTask: 10100, OutputTask: 10102, DigitalInputTask: 10151, LineTask: 10153, CounterInputTask: 10131,
     CounterOutputTask: 10132,
@@ -128,7 +128,7 @@ def _moved(server: SimulatedSystem, task: Task, channel: Channel | None) -> int:
     return task.position if isinstance(task, AcquiringTask) else 0
 
 
-def _coerced(sign: float) -> Computed:
+def _coerced(sign: float) -> ComputationResult:
     # Boards with an amplifier for several ranges say the range that they have chosen.
     def limit(server: SimulatedSystem, task: Task, channel: Channel | None) -> float | None:
         if not isinstance(task, InputTask) or channel is None or not channel.module.multiplexed:
@@ -149,7 +149,7 @@ def _default_count(server: SimulatedSystem, task: Task, channel: Channel | None)
     return task.left(server.clock) if isinstance(task, AcquiringTask) and task.finite else 0xFFFFFFFF
 
 
-COMPUTED: dict[tuple[str, str], Computed] = {
+COMPUTED: dict[tuple[str, str], ComputationResult] = {
     ("Task", "NAME"): lambda s, t, c: t.name,
     ("Task", "CHANNELS"): lambda s, t, c: ", ".join(x.name for x in t.all_channels()),
     ("Task", "DEVICES"): lambda s, t, c: ", ".join(devices_of(t)),

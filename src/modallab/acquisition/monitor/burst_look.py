@@ -40,7 +40,7 @@ MOST_SAMPLES = 2000
 """Longest window, in averaged samples; above 600 Hz the windows get shorter for it."""
 
 
-class BurstLook:
+class BurstWindows:
     """The samples of one burst as they come, averaged down, with the two windows of each look."""
 
     def __init__(

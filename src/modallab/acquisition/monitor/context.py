@@ -17,7 +17,7 @@ from modallab.acquisition.monitor.settled import (
 )
 from modallab.acquisition.monitor.stream import Stream, Watch
 from modallab.bench.protocol import Bench
-from modallab.bench.recut import Recut
+from modallab.bench.recut import RecutRule
 from modallab.core.errors import SamplesLostError
 from modallab.core.events import BlockAccepted, BlockAcknowledged, BlockDropped, Progress
 from modallab.core.rig import Rig
@@ -57,7 +57,7 @@ class HeldBlock:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Context:
+class RunContext:
     """A configured, started bench and where its data go.
 
     Attributes:
@@ -82,7 +82,7 @@ class Context:
     conversion: Conversion
     stream: Stream
     block: int
-    recut: Recut | None = None
+    recut: RecutRule | None = None
     requests: Requests = field(default_factory=Requests)
     excitation: Excitation = field(default_factory=Excitation)
 
@@ -215,7 +215,7 @@ class Context:
         self.emit(Progress(run=self.recorder.run, done=done, total=total, what=what))
 
 
-def measure_floor(context: Context, patience_s: float, watch: Watch | None = None) -> Floor:
+def measure_floor(context: RunContext, patience_s: float, watch: Watch | None = None) -> Floor:
     """The noise floor at the start; if the beam still rings then, wait until it no longer fades, up to `patience_s`."""
     stream = context.stream
     last = stream.next + stream.samples_of(patience_s)

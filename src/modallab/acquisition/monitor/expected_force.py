@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.burst_look import BurstLook
+from modallab.acquisition.monitor.burst_look import BurstWindows
 from modallab.acquisition.monitor.tone_prediction import PredictedWindow
 from modallab.core.errors import SafetyError
 
@@ -61,18 +61,18 @@ class ExpectedForce:
             SafetyError: it is no force, or not what this drive gave before at this frequency.
         """
         if not np.isfinite(force_n) or force_n <= 0:
-            raise not_believed(f"{self._name} reads {force_n:g} N at {volts:g} V of drive")
+            raise implausible_channel_error(f"{self._name} reads {force_n:g} N at {volts:g} V of drive")
         found, last = force_n / volts, self.last
         if last is not None and abs(frequency_hz / last.frequency_hz - 1) <= SAME_FREQUENCY:
             change = found / last.force_n_per_v
             if not 1 / SAME_BRACKET <= change <= SAME_BRACKET:
-                raise not_believed(
+                raise implausible_channel_error(
                     f"{self._name} reads {found:.4g} N per V of drive at {frequency_hz:g} Hz, where the"
                     f" burst before gave {last.force_n_per_v:.4g} N per V"
                 )
         self.last = LastBurst(frequency_hz, found)
 
-    def believes(self, look: BurstLook, foreseen: PredictedWindow) -> NDArray[np.bool_]:
+    def believes(self, look: BurstWindows, foreseen: PredictedWindow) -> NDArray[np.bool_]:
         """(looks,) whether the force is seen, and within the bracket or no clean tone; of many looks at once."""
         force = self._channel
         level, misfit = foreseen.level[:, force], foreseen.misfit[:, force]
@@ -82,7 +82,7 @@ class ExpectedForce:
         change = foreseen.amplitude[:, force] * self._scale / look.burst.amplitude_v / self.last.force_n_per_v
         return seen & ((misfit >= 0.1 * level) | ((change >= 1 / FORCE_BRACKET) & (change <= FORCE_BRACKET)))
 
-    def require(self, look: BurstLook, foreseen: PredictedWindow) -> None:
+    def require(self, look: BurstWindows, foreseen: PredictedWindow) -> None:
         """The force must be seen once another channel is, or the burst is at full level; and within the bracket."""
         least = SEEN * look.sigma_v
         tone = np.sqrt(2) * foreseen.level
@@ -93,16 +93,18 @@ class ExpectedForce:
             others = np.delete(tone > OTHERS_SEEN * look.sigma_v, force)
             expected = self.last.force_n_per_v / FORCE_BRACKET / per_v * drive if self.last else 0.0
             if (others.any() and drive > OTHERS_FROM) or look.steady() or expected > least[force]:
-                raise not_believed(f"{self._name} shows no force at {look.burst.amplitude_v * drive:.3g} V of drive")
+                raise implausible_channel_error(
+                    f"{self._name} shows no force at {look.burst.amplitude_v * drive:.3g} V of drive"
+                )
         elif self.last is not None and foreseen.misfit[force] < 0.1 * foreseen.level[force]:
             change = foreseen.amplitude[force] * per_v / self.last.force_n_per_v
             if not 1 / FORCE_BRACKET <= change <= FORCE_BRACKET:
-                raise not_believed(
+                raise implausible_channel_error(
                     f"{self._name} reads {change:.3g} times the force per volt of the burst before, at"
                     f" {self.last.frequency_hz:g} Hz"
                 )
 
 
-def not_believed(what: str) -> SafetyError:
+def implausible_channel_error(what: str) -> SafetyError:
     """The error that says what a channel does, and that the output was brought to 0 V."""
     return SafetyError(f"{what}; the output was brought to 0 V", remedy=REMEDY)

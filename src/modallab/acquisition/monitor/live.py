@@ -22,7 +22,7 @@ SECONDS = 10.0, 2.0
 """What a ring holds; the second where there is no memory for the first."""
 
 
-class Break(Frozen):
+class CountRestart(Frozen):
     """Where the device's count of samples begins again: sample `position` of the ring is its `first_sample`."""
 
     position: int
@@ -52,7 +52,7 @@ class LiveInfo(Frozen):
     scale: tuple[float, ...]
     units: tuple[str, ...]
     dtype: str
-    breaks: tuple[Break, ...] = ()
+    breaks: tuple[CountRestart, ...] = ()
 
     def open(self) -> Ring:
         """The ring, to read.
@@ -97,7 +97,7 @@ class LiveRing:
         assert ring is not None
         assert info is not None
         if chunk.first_sample != self._next:
-            here = Break(position=ring.written, first_sample=chunk.first_sample)
+            here = CountRestart(position=ring.written, first_sample=chunk.first_sample)
             self._info = info.model_copy(update={"breaks": (*info.breaks, here)})
             # A disk that takes no more keeps a look from nobody else's data.
             with suppress(OSError):

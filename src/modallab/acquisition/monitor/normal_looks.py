@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.burst_look import HOP_S, WEAK_LATER_S, BurstLook, has_drive
+from modallab.acquisition.monitor.burst_look import HOP_S, WEAK_LATER_S, BurstWindows, has_drive
 from modallab.acquisition.monitor.expected_force import SEEN, ExpectedForce
 from modallab.acquisition.monitor.tone_prediction import (
     departs_from_prediction,
@@ -25,13 +25,13 @@ FEW = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class NormalLooks:
+class NormalRanges:
     """Some looks one after another.
 
     Attributes:
         first: number of the first.
         normal: (looks,)
-        tone: (looks, channels) as `BurstLook.tone`.
+        tone: (looks, channels) as `BurstWindows.tone`.
         moments: (looks, channels, channels) what each adds to the moments of the motion.
         learned: samples of each that these hold.
     """
@@ -42,7 +42,7 @@ class NormalLooks:
     moments: Real
     learned: int
 
-    def passes(self, look: BurstLook) -> bool:
+    def passes(self, look: BurstWindows) -> bool:
         """Whether the look that has just been gone on to is normal; if so, what it teaches is taken in."""
         place = look.hop - self.first
         if not self.normal[place]:
@@ -53,7 +53,7 @@ class NormalLooks:
         return True
 
 
-def normal_looks(look: BurstLook, force: ExpectedForce) -> NormalLooks | None:
+def normal_looks(look: BurstWindows, force: ExpectedForce) -> NormalRanges | None:
     """Of all looks for which the samples have come; None where there are few, or not all windows lie in the burst."""
     ends = look.ends_ready()
     later, weak, learned = look.count(look.later_s), look.count(WEAK_LATER_S), look.count(HOP_S)
@@ -72,4 +72,4 @@ def normal_looks(look: BurstLook, force: ExpectedForce) -> NormalLooks | None:
         | ~(size > SEEN)
     )
     normal = kept & ~suspect.any(axis=1) & force.believes(look, foreseen) & has_drive(earlier)
-    return NormalLooks(look.hop + 1, normal, size * foreseen.phase, moments, learned)
+    return NormalRanges(look.hop + 1, normal, size * foreseen.phase, moments, learned)

@@ -11,18 +11,18 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.burst_look import WEAK_EARLIER_S, WEAK_LATER_S, BurstLook
-from modallab.acquisition.monitor.expected_force import OTHERS_FROM, SEEN, ExpectedForce, not_believed
+from modallab.acquisition.monitor.burst_look import WEAK_EARLIER_S, WEAK_LATER_S, BurstWindows
+from modallab.acquisition.monitor.expected_force import OTHERS_FROM, SEEN, ExpectedForce, implausible_channel_error
 from modallab.acquisition.monitor.known_shapes import KnownShapes
 from modallab.acquisition.monitor.normal_looks import normal_looks
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.tone_prediction import (
     PredictedWindow,
     channel_faults,
+    departs_from_drive,
     is_dead,
     is_noise_alone,
-    kept_up,
-    strays_from_drive,
+    rms_of_steady_share,
     tone_is_lost,
 )
 from modallab.bench.protocol import Burst, Chunk
@@ -63,7 +63,7 @@ class Plausibility:
         self._force = ExpectedForce(names[force], force, float(np.abs(si_per_count[force] / volts[force])))
         self._watched = np.isin(np.arange(len(names)), watched)
         self._rate_hz = rate_hz
-        self._burst: BurstLook | None = None
+        self._burst: BurstWindows | None = None
         self._responses = np.delete(np.arange(len(names)), force)
         self._shapes = KnownShapes()
 
@@ -77,7 +77,7 @@ class Plausibility:
             noise: of the same.
             unseen: the next sample that a chunk will bring.
         """
-        self._burst = BurstLook(burst, start, self._rate_hz, rest, self._volts, noise, unseen)
+        self._burst = BurstWindows(burst, start, self._rate_hz, rest, self._volts, noise, unseen)
 
     def end(self) -> None:
         """The burst has ended."""
@@ -106,30 +106,32 @@ class Plausibility:
         frozen = np.flatnonzero(self._watched & (run >= look.noise.longest_run))
         if frozen.size:
             first = int(frozen[0])
-            raise not_believed(f"{self._names[first]} repeats one value for {run[first]} samples: frozen")
+            raise implausible_channel_error(f"{self._names[first]} repeats one value for {run[first]} samples: frozen")
         cut = np.flatnonzero(self._watched & look.cut_off(chunk.samples))
         if cut.size:
-            raise not_believed(f"{self._names[int(cut[0])]} is cut off: all its highest samples read the same")
+            raise implausible_channel_error(
+                f"{self._names[int(cut[0])]} is cut off: all its highest samples read the same"
+            )
         look.add(chunk.samples)
         normal = normal_looks(look, self._force)
         while look.next_hop():
             if normal is None or not normal.passes(look):
                 self._require_all(look)
 
-    def _require_all(self, look: BurstLook) -> None:
+    def _require_all(self, look: BurstWindows) -> None:
         places = look.changed_places()
         if places is not None and self._watched[list(places)].any():
             one, other = (self._names[channel] for channel in places)
-            raise not_believed(f"{one} and {other} have changed places")
+            raise implausible_channel_error(f"{one} and {other} have changed places")
         pair = look.foreseen(look.later_s)
         if pair is None:
             return
         for channel, reason in channel_faults(*pair, look.noise_v, look.white_v).items():
             if self._watched[channel]:
-                raise not_believed(f"{self._names[channel]} {reason.format(*self._names)}")
+                raise implausible_channel_error(f"{self._names[channel]} {reason.format(*self._names)}")
         gone = self._unless_beats(is_dead(*pair, look.white_v), *pair)
         # The responses may beat; the force follows the drive directly.
-        gone[self._force_row] |= strays_from_drive(*pair, look.noise_v)[self._force_row]
+        gone[self._force_row] |= departs_from_drive(*pair, look.noise_v)[self._force_row]
         # What stands above its noise is not lost, and needs no fit.
         if is_noise_alone(look.latest(WEAK_LATER_S), look.white_v).any():
             weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
@@ -138,10 +140,12 @@ class Plausibility:
         gone |= self._missing(look, pair[1])
         look.gone = np.where(gone, look.gone + 1, 0)
         for channel in np.flatnonzero((look.gone >= GONE_LOOKS) & self._watched):
-            raise not_believed(f"{self._names[channel]} no longer follows the drive: dead, frozen or unplugged")
+            raise implausible_channel_error(
+                f"{self._names[channel]} no longer follows the drive: dead, frozen or unplugged"
+            )
         self._force.require(look, pair[1])
 
-    def _at_a_node(self, look: BurstLook, foreseen: PredictedWindow) -> NDArray[np.bool_]:
+    def _at_a_node(self, look: BurstWindows, foreseen: PredictedWindow) -> NDArray[np.bool_]:
         """(channels,) whether a response may vanish near a node, since the drive rises or falls."""
         if look.steady(WEAK_LATER_S, WEAK_EARLIER_S):
             return np.zeros(foreseen.level.size, dtype=np.bool_)
@@ -149,7 +153,7 @@ class Plausibility:
         node[self._force_row] = False
         return node
 
-    def _missing(self, look: BurstLook, foreseen: PredictedWindow) -> NDArray[np.bool_]:
+    def _missing(self, look: BurstWindows, foreseen: PredictedWindow) -> NDArray[np.bool_]:
         """(channels,) whether a response shows nothing that must be seen, by the others and the bursts before."""
         tone = look.tone = np.sqrt(2) * foreseen.level / look.sigma_v * foreseen.phase
         unseen = np.abs(tone) <= SEEN
@@ -163,7 +167,7 @@ class Plausibility:
 
     def _unless_beats(self, gone: NDArray[np.bool_], seen: Real, foreseen: PredictedWindow) -> NDArray[np.bool_]:
         """(channels,) without those whose fall may be the structure's own beat: the other responses fall too."""
-        follows = kept_up(seen, foreseen) if gone.any() else np.zeros(0)
+        follows = rms_of_steady_share(seen, foreseen) if gone.any() else np.zeros(0)
         for channel in np.flatnonzero(gone):
             others = np.delete(follows, np.array([self._force_row, int(channel)]))
             gone[channel] = channel == self._force_row or not others.size or np.median(others) >= KEPT_UP

@@ -210,7 +210,7 @@ def sensor_motion(block: Window, n: int, floor: Floor) -> Single:
     return found
 
 
-def motion_at(block: Window, n: int, lines: NDArray[np.int64], floor: Floor) -> Single:
+def amplitude_of_motion(block: Window, n: int, lines: NDArray[np.int64], floor: Floor) -> Single:
     """As `sensor_motion`, at a few lines only: (channels, lines), in far less time than a transform of all."""
     step = int(np.sqrt(block.shape[1]))
     turns = -2j * np.pi * lines / n

@@ -152,38 +152,38 @@ def channel_faults(seen: Real, foreseen: PredictedWindow, noise: Real, white: Re
 def tone_is_lost(seen: Real, foreseen: PredictedWindow, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a weak tone that was to stand above the noise over the later window is gone from it."""
     steady = foreseen.misfit < UNBEATEN * white
-    expected = np.hypot(about_line_rms(foreseen.later), white)
+    expected = np.hypot(rms_about_line(foreseen.later), white)
     return steady & is_noise_alone(seen, white) & (expected > white * (1 + 3 * _noise_spread(seen)))
 
 
 def is_noise_alone(seen: Real, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether the power over a window is no more than that of the noise."""
-    return about_line_rms(seen) < white * (1 + _noise_spread(seen))
+    return rms_about_line(seen) < white * (1 + _noise_spread(seen))
 
 
-def kept_up(seen: Real, foreseen: PredictedWindow) -> Real:
+def rms_of_steady_share(seen: Real, foreseen: PredictedWindow) -> Real:
     """(channels,) rms over what was foreseen; where the structure itself beats, it falls in all responses at once."""
-    return about_line_rms(seen) / np.maximum(about_line_rms(foreseen.later), 1e-300)
+    return rms_about_line(seen) / np.maximum(rms_about_line(foreseen.later), 1e-300)
 
 
 def is_dead(seen: Real, foreseen: PredictedWindow, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a channel stays within its noise where it was to move far beyond it."""
-    still = about_line_rms(seen) < STILL * white
+    still = rms_about_line(seen) < STILL * white
     if not still.any():
         return still
     # In a low tone a whole window may lie near a straight line: then it must be far from where it was to be.
     least = np.maximum(np.maximum(MOVING * white, OVER_MISFIT * foreseen.misfit), APART * foreseen.level)
-    moving = (about_line_rms(foreseen.later) > MOVING * white) | (_rms(seen - foreseen.later, axis=-1) > least)
+    moving = (rms_about_line(foreseen.later) > MOVING * white) | (_rms(seen - foreseen.later, axis=-1) > least)
     return still & moving
 
 
-def strays_from_drive(seen: Real, foreseen: PredictedWindow, noise: Real) -> NDArray[np.bool_]:
+def departs_from_drive(seen: Real, foreseen: PredictedWindow, noise: Real) -> NDArray[np.bool_]:
     """(channels,) whether what followed the drive well parts from what was foreseen by as much as it moved."""
     least = np.maximum.reduce([ASTRAY * noise, ASTRAY * foreseen.misfit, foreseen.level])
     return _rms(seen - foreseen.later, axis=1) > least
 
 
-def about_line_rms(values: Real) -> Real:
+def rms_about_line(values: Real) -> Real:
     """(channels,) rms about a straight line: what is left of a channel that decays or drifts, but does not move."""
     line = _straight_line_basis(values.shape[-1])
     return _rms(values - (values @ line.T) @ line, axis=-1)

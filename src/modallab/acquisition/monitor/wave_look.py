@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.acquisition.monitor.channel_prediction import ChannelPrediction
 from modallab.acquisition.monitor.flat_tops import flat_tops
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise
-from modallab.acquisition.monitor.tone_prediction import about_line_rms
+from modallab.acquisition.monitor.tone_prediction import rms_about_line
 from modallab.bench.protocol import Chunk, Waveform
 from modallab.core.arrays import Real
 from modallab.storage.samples import Samples
@@ -61,7 +61,7 @@ GONE_LOOKS = 3
 """A channel is gone after so many looks in a row."""
 
 
-class WaveLook:
+class WaveSamples:
     """The samples of one wave: as delivered for flat tops, and averaged, over each channel's noise."""
 
     def __init__(
@@ -115,14 +115,14 @@ class WaveLook:
     def gone(self, forces: Sequence[int]) -> NDArray[np.bool_]:
         """(channels,) whether a channel has not moved for some looks, where it must; `forces`: by wave."""
         window = np.concatenate(list(self._hops)[-WINDOW_HOPS:], axis=1)
-        level = about_line_rms(window[: self._channels])
+        level = rms_about_line(window[: self._channels])
         # Of each drive as it is now, without a lag.
         drives = window[self._channels :: DRIVE_LAGS]
         driven = np.sqrt(np.mean(drives**2, axis=1)) >= DRIVEN * DRIVE_SCALE
         gone = np.zeros(self._channels, dtype=np.bool_)
         if self._prediction.count >= self._least_learned:
             predicted, unexplained = self._prediction.predict(window, self._channels, 1.0)
-            gone |= about_line_rms(predicted) > np.maximum(MOVING, UNEXPLAINED * unexplained)
+            gone |= rms_about_line(predicted) > np.maximum(MOVING, UNEXPLAINED * unexplained)
         if driven.any() and len(self._usual) == self._usual.maxlen:
             gone |= np.min(list(self._usual)[:-UNSURE_HOPS], axis=0) > MOVING
         self._usual.append(level)

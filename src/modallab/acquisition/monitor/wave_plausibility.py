@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.rest_noise import RestNoise
-from modallab.acquisition.monitor.wave_look import WaveLook
+from modallab.acquisition.monitor.wave_look import WaveSamples
 from modallab.bench.protocol import Chunk, Waveform
 from modallab.core.errors import SafetyError
 from modallab.storage.samples import Samples
@@ -38,7 +38,7 @@ class WavePlausibility:
         """
         self._names, self._forces, self._rate_hz = tuple(names), tuple(forces), rate_hz
         self._watched = np.isin(np.arange(len(names)), [*forces, *watched])
-        self._look: WaveLook | None = None
+        self._look: WaveSamples | None = None
         self.failed = False
 
     def begin(self, waves: Sequence[Waveform], start: int, rest: Samples, noise: RestNoise, period_s: float) -> None:
@@ -51,7 +51,7 @@ class WavePlausibility:
             noise: of the same.
             period_s: after which they repeat, or are like themselves.
         """
-        self._look = WaveLook(waves, start, rest, noise, self._rate_hz, period_s)
+        self._look = WaveSamples(waves, start, rest, noise, self._rate_hz, period_s)
         self.failed = False
 
     def end(self) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from math import ceil
 
 from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch, expected_to_move
-from modallab.acquisition.monitor.context import Context, HeldBlock
+from modallab.acquisition.monitor.context import HeldBlock, RunContext
 from modallab.acquisition.monitor.requests import DropBlock
 from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
 from modallab.acquisition.procedures.broadband_checks import driven_points, over_limits
@@ -18,10 +18,10 @@ from modallab.acquisition.procedures.broadband_wave import (
     waves_of,
 )
 from modallab.acquisition.procedures.driven_forces import DrivenForces
-from modallab.bench.abilities import WavePlaying, WavesPlaying
+from modallab.bench.abilities import ShakersPlayingTogether, WavePlaying
 from modallab.bench.protocol import Bench, Waveform
 from modallab.core.arrays import Real
-from modallab.core.block import also_driven_fact
+from modallab.core.block import fact_of_other_shakers
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Limits
@@ -65,7 +65,7 @@ class BroadbandTest:
         restarts: how often the bench had to be started again.
     """
 
-    context: Context
+    context: RunContext
     plan: BroadbandPlan
     limits: Limits
     watch: BurstWatch
@@ -181,7 +181,7 @@ class BroadbandTest:
                 "wave": float(wave.number + 1),
                 "wave_first_sample": float(wave.start),
                 "settle_s": layout.lead_s + place * layout.block_s,
-                **also_driven_fact(self.points[1:]),
+                **fact_of_other_shakers(self.points[1:]),
             },
         )
 
@@ -217,7 +217,7 @@ class BroadbandTest:
 def _start_of_waves(bench: Bench, waves: Sequence[Waveform]) -> int:
     """The sample at which the waves begin, one on each output."""
     if len(waves) > 1:
-        assert isinstance(bench, WavesPlaying)
+        assert isinstance(bench, ShakersPlayingTogether)
         return bench.play_waves(waves)
     assert isinstance(bench, WavePlaying)
     return bench.play_wave(waves[0])
@@ -227,7 +227,7 @@ def _with_doubt(block: HeldBlock, reason: str) -> HeldBlock:
     return replace(block, note=replace(block.note, accepted=False, reason=reason))
 
 
-def run_broadband(context: Context, plan: BroadbandPlan) -> None:
+def run_broadband(context: RunContext, plan: BroadbandPlan) -> None:
     """Run the test; see `BroadbandTest`."""
     limits = context.rig.limits
     if limits is None:

@@ -12,7 +12,7 @@ from modallab.acquisition.procedures.broadband_wave import (
     slew_v_per_s,
     waves_of,
 )
-from modallab.bench.abilities import WavePlaying, WavesPlaying
+from modallab.bench.abilities import ShakersPlayingTogether, WavePlaying
 from modallab.bench.protocol import Waveform
 from modallab.core.errors import UnsupportedError
 from modallab.core.plan import BroadbandPlan
@@ -108,7 +108,7 @@ def require_waves(plan: BroadbandPlan, bench: object, rig: Rig) -> None:
             remedy="drive by an analog output of the device, or run a sine test",
         )
     shakers = len(driven_points(plan, rig))
-    if shakers > 1 and not isinstance(bench, WavesPlaying):
+    if shakers > 1 and not isinstance(bench, ShakersPlayingTogether):
         raise UnsupportedError(
             f"this bench drives one shaker, and the plan drives {shakers} at once",
             where="broadband plan",

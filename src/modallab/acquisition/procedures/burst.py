@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from modallab.acquisition.monitor.burst_watch import BurstWatch
-from modallab.acquisition.monitor.context import Context
-from modallab.acquisition.procedures.drive import Measured
+from modallab.acquisition.monitor.context import RunContext
+from modallab.acquisition.procedures.drive import MeasuredBurst
 from modallab.acquisition.procedures.settling import Settled, Settling, amplitude_at, fit_settling
 from modallab.bench.protocol import Burst
 from modallab.core.plan import SinePlan
@@ -35,7 +35,7 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class BurstCheck:
     """What a burst's block shows.
 
     Attributes:
@@ -46,7 +46,7 @@ class Seen:
         facts: for the catalogue.
     """
 
-    measured: Measured
+    measured: MeasuredBurst
     settled: Settled | str = ""
     missing_s: float = 0.0
     unsettled: str = ""
@@ -69,12 +69,14 @@ def tail_s(plan: SinePlan) -> float:
     return HOLD_MARGIN_S + plan.ramp_s
 
 
-def look_at(context: Context, plan: SinePlan, watch: BurstWatch, note: BlockNote, setting: Setting) -> Seen:
+def check_burst(
+    context: RunContext, plan: SinePlan, watch: BurstWatch, note: BlockNote, setting: Setting
+) -> BurstCheck:
     """Look at the block that has just been read."""
     block = context.stream.cut(note.first_sample, context.block)
     force_n = context.conversion.force_n(block)
     assert note.frequency_hz is not None
-    measured = Measured(
+    measured = MeasuredBurst(
         volts=setting.volts,
         force_n=amplitude_at(force_n, context.stream.rate_hz, note.frequency_hz),
         used=float(watch.used(block)),
@@ -82,9 +84,9 @@ def look_at(context: Context, plan: SinePlan, watch: BurstWatch, note: BlockNote
     facts: dict[str, float | str] = {"force_n": measured.force_n, "limit_used": measured.used}
     settling = _settling(context, plan, note, setting) if plan.modes else None
     if settling is None:
-        return Seen(measured, facts=facts)
+        return BurstCheck(measured, facts=facts)
     verdict = settling.verdict(plan.settled_ratio)
-    return Seen(
+    return BurstCheck(
         measured,
         verdict,
         settling.missing_s(plan.settled_ratio),
@@ -93,7 +95,7 @@ def look_at(context: Context, plan: SinePlan, watch: BurstWatch, note: BlockNote
     )
 
 
-def _settling(context: Context, plan: SinePlan, note: BlockNote, setting: Setting) -> Settling | None:
+def _settling(context: RunContext, plan: SinePlan, note: BlockNote, setting: Setting) -> Settling | None:
     rate_hz = context.stream.rate_hz
     # Only what lies between the two ramps is a steady sine.
     steady = int((setting.settle_s - plan.ramp_s) * rate_hz)

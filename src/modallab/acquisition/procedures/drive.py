@@ -18,7 +18,7 @@ NO_CHANGE = 0.005
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class MeasuredBurst:
     """What a burst gave.
 
     Attributes:
@@ -50,7 +50,7 @@ class Drive:
         """To begin a frequency with: never above the plan's own drive, since the beam may answer more than before."""
         return min(self.plan.levels_v[level], self.last_v.get(level, inf), self._allowed_v(frequency_hz))
 
-    def error(self, level: str, measured: Measured) -> str:
+    def error(self, level: str, measured: MeasuredBurst) -> str:
         """What is wrong with the force of a burst, in words and numbers; empty if nothing."""
         control = self.plan.force
         if control is None:
@@ -60,7 +60,7 @@ class Drive:
             return ""
         return f"force {measured.force_n:.4g} N, {target_n:g} N +- {100 * control.tolerance:g} % was requested"
 
-    def next_v(self, level: str, frequency_hz: float, measured: Measured) -> float | None:
+    def next_v(self, level: str, frequency_hz: float, measured: MeasuredBurst) -> float | None:
         """The drive for another burst; None where no other one may bring the force nearer.
 
         Raises:
@@ -80,7 +80,7 @@ class Drive:
         volts = min(measured.volts * factor, self._allowed_v(frequency_hz))
         return volts if abs(volts / measured.volts - 1) > NO_CHANGE else None
 
-    def good(self, level: str, measured: Measured) -> None:
+    def good(self, level: str, measured: MeasuredBurst) -> None:
         """Remember what was good here for the next frequency."""
         self.last_v[level] = measured.volts
 

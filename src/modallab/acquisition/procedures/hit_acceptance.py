@@ -6,12 +6,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.context import Context
+from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.settled import (
     Floor,
     WindowLevels,
+    amplitude_of_motion,
     largest_ratio,
-    motion_at,
     own_motion,
     ringing_lines,
 )
@@ -129,7 +129,7 @@ class Ringing:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Before:
+class MotionBeforeHit:
     """The motion before a hit, looked at as soon as it is over and not only when the whole block has come.
 
     Attributes:
@@ -141,16 +141,16 @@ class Before:
     lines: NDArray[np.int64]
 
     @classmethod
-    def of(cls, context: Context, first: int, floor: Floor) -> Self:
+    def of(cls, context: RunContext, first: int, floor: Floor) -> Self:
         """In the window that ends at sample `first`."""
         look = WindowLevels.of(context.motion(first - context.window, context.window), floor.rms)
         return cls(*ringing_lines(look, floor))
 
-    def beside(self, context: Context, first: int, floor: Floor) -> Ringing:
+    def beside(self, context: RunContext, first: int, floor: Floor) -> Ringing:
         """As part of what moves in the block from sample `first`."""
         if self.lines.size == 0:
             return Ringing(0.0, 0.0)
         beside = np.concatenate([self.lines - 1, self.lines, self.lines + 1])
-        own = own_motion(motion_at(context.motion(first, context.block), context.window, beside, floor))
+        own = own_motion(amplitude_of_motion(context.motion(first, context.block), context.window, beside, floor))
         ratio, line = largest_ratio(self.moves, self.lines, own.reshape(3, -1))
         return Ringing(ratio, line * context.line_hz)

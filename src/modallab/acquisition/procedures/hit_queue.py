@@ -4,7 +4,7 @@ from collections import deque
 from dataclasses import dataclass, field, replace
 from typing import Self
 
-from modallab.acquisition.monitor.context import Context
+from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
 from modallab.acquisition.procedures.target import Target
 from modallab.core.plan import ImpactPlan
@@ -51,7 +51,7 @@ class HitQueue:
         """The present hit was recorded under this name and does not count."""
         self.rejected[name] = self.present
 
-    def drop(self, context: Context, request: DropBlock) -> bool:
+    def drop(self, context: RunContext, request: DropBlock) -> bool:
         """A hit counts no longer and is asked for again, at once; whether it did count."""
         if not context.drop(request.block, request.reason):
             return False
@@ -63,7 +63,7 @@ class HitQueue:
             self.rejected[request.block] = again
         return True
 
-    def accept(self, context: Context, request: AcceptBlock) -> Target | None:
+    def accept(self, context: RunContext, request: AcceptBlock) -> Target | None:
         """A hit that was rejected or dropped counts and is not asked for again; the hit it was, None if there is none.
 
         A hit that has been kept since under the same target stays the one that counts.

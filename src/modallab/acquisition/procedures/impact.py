@@ -2,14 +2,14 @@
 
 from dataclasses import asdict, dataclass, field
 
-from modallab.acquisition.monitor.context import Context, measure_floor
+from modallab.acquisition.monitor.context import RunContext, measure_floor
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
 from modallab.acquisition.monitor.settled import Floor
-from modallab.acquisition.procedures.hit_acceptance import Before, Hit, hit_of, rejections
+from modallab.acquisition.procedures.hit_acceptance import Hit, MotionBeforeHit, hit_of, rejections
 from modallab.acquisition.procedures.hit_queue import HitQueue
-from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, Rest, RestWait
+from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, RestState, RestWait
 from modallab.acquisition.procedures.struck_point.answer import answer_of
-from modallab.acquisition.procedures.struck_point.check import Struck, StruckPointCheck
+from modallab.acquisition.procedures.struck_point.check import HitLocation, StruckPointCheck
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.procedures.target import Target
 from modallab.acquisition.procedures.trigger import Trigger, wait_for_record
@@ -35,7 +35,7 @@ class ImpactTest:
         undecided: name of the block that the operator is asked about; "" if of none.
     """
 
-    context: Context
+    context: RunContext
     plan: ImpactPlan
     rest: RestWait
     struck: StruckPointCheck
@@ -75,7 +75,7 @@ class ImpactTest:
             return
         first = trigger - self._pre_trigger
         # While the block still comes: at its end the operator waits for the verdict.
-        before = Before.of(self.context, first, self.rest.floor)
+        before = MotionBeforeHit.of(self.context, first, self.rest.floor)
         self.context.stream.advance_to(first + self.context.block)
         self._keep(target, first, rest, before)
         if self.plan.trigger == "hardware":
@@ -109,7 +109,7 @@ class ImpactTest:
     def _progress(self, what: str) -> None:
         self.context.progress(len(self.queue.kept), self.queue.total, what)
 
-    def _report_rest(self, rest: Rest, remaining_s: float | None) -> None:
+    def _report_rest(self, rest: RestState, remaining_s: float | None) -> None:
         target, limit = self.queue.present, self.plan.acceptance.max_residual_ratio
         self.context.emit(
             WaitingForRest(
@@ -151,7 +151,7 @@ class ImpactTest:
             remedy="strike harder, lower trigger_n, or look at the hammer's cable; the blocks before are kept",
         )
 
-    def _keep(self, target: Target, first: int, rest: Rest, before: Before) -> None:
+    def _keep(self, target: Target, first: int, rest: RestState, before: MotionBeforeHit) -> None:
         context, limits = self.context, self.plan.acceptance
         placed = context.place(first)
         overload = context.stream.overload(first, context.block)
@@ -159,7 +159,7 @@ class ImpactTest:
         overloaded = [f"overload: {', '.join(overload)} beyond the range"] if overload else []
         unclean = [*overloaded, *rejections(hit, limits)]
         # What is no clean hit says little about where it was.
-        where = Struck() if unclean else self._where(target, first)
+        where = HitLocation() if unclean else self._where(target, first)
         reasons = [*unclean, *where.reasons, *ringing.rejections(limits.max_residual_ratio)]
         name = self.queue.next_name() if reasons else target.name
         note = BlockNote(
@@ -213,10 +213,10 @@ class ImpactTest:
         force_n = context.conversion.force_n(context.stream.view(first, context.block))
         return hit_of(force_n, context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz)
 
-    def _where(self, target: Target, first: int) -> Struck:
+    def _where(self, target: Target, first: int) -> HitLocation:
         context = self.context
         if not self.plan.acceptance.check_point:
-            return Struck()
+            return HitLocation()
         samples = context.stream.view(first, context.block)
         answer = answer_of(
             samples,
@@ -226,7 +226,7 @@ class ImpactTest:
             self.struck.rows,
             self.struck.up_to_hz,
         )
-        return Struck() if answer is None else self.struck.look(self.queue.next_name(), target.point, answer)
+        return HitLocation() if answer is None else self.struck.look(self.queue.next_name(), target.point, answer)
 
     def _reject(self, point: int, name: str, reason: str) -> None:
         self.queue.reject(name)
@@ -243,7 +243,7 @@ class ImpactTest:
         self.context.emit(HitRejected(run=self.context.recorder.run, point=point, reason=reason))
 
 
-def run_impact(context: Context, plan: ImpactPlan, expected: ExpectedModes | None = None) -> None:
+def run_impact(context: RunContext, plan: ImpactPlan, expected: ExpectedModes | None = None) -> None:
     """Measure the floor, then run the test; see `ImpactTest`.
 
     Args:
@@ -258,7 +258,7 @@ def run_impact(context: Context, plan: ImpactPlan, expected: ExpectedModes | Non
     ImpactTest(context, plan, rest, struck, HitQueue.of(plan)).run()
 
 
-def _undisturbed_floor(context: Context, plan: ImpactPlan, early: EarlyHits) -> Floor:
+def _undisturbed_floor(context: RunContext, plan: ImpactPlan, early: EarlyHits) -> Floor:
     """The floor, again if somebody struck meanwhile, as long as the plan's patience lasts."""
     last = context.stream.next + context.stream.samples_of(plan.hit_timeout_s)
     while True:

@@ -7,7 +7,7 @@ from math import log
 
 import numpy as np
 
-from modallab.acquisition.monitor.context import Context
+from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.settled import (
     Floor,
     SettledCheck,
@@ -55,7 +55,7 @@ class EarlyHits:
         seen: how many there were.
     """
 
-    context: Context
+    context: RunContext
     plan: ImpactPlan
     point: int
     last: int | None = None
@@ -144,7 +144,7 @@ class HitMotion:
 
 
 @dataclass(frozen=True, slots=True)
-class Rest:
+class RestState:
     """How the structure stands before a hit.
 
     Attributes:
@@ -176,14 +176,16 @@ class RestWait:
         motion: what hits make.
     """
 
-    context: Context
+    context: RunContext
     plan: ImpactPlan
     floor: Floor
     early: EarlyHits
     motion: HitMotion
     _cost: int = field(default=0, init=False)
 
-    def wait(self, point: int, ended: Callable[[], bool], report: Callable[[Rest, float | None], None]) -> Rest:
+    def wait(
+        self, point: int, ended: Callable[[], bool], report: Callable[[RestState, float | None], None]
+    ) -> RestState:
         """Read until the plan lets the hit come; past its patience go on with what there is.
 
         Args:
@@ -203,7 +205,7 @@ class RestWait:
             stream.advance_to(stream.next + max(step, self._cost), self.early)
         return rest
 
-    def _look(self, point: int) -> Rest:
+    def _look(self, point: int) -> RestState:
         context, stream = self.context, self.context.stream
         began = time.thread_time()
         look = context.look_now(self.floor, self.early)
@@ -218,9 +220,9 @@ class RestWait:
         struck = self.early.last is not None and stream.next - self.early.last < context.window
         allowed = self.plan.acceptance.max_residual_ratio
         good = not struck and (check.settled or (ratio is not None and ratio <= allowed))
-        return Rest(check, ratio, line * context.line_hz, good)
+        return RestState(check, ratio, line * context.line_hz, good)
 
-    def _remaining_s(self, before: Rest | None, now: Rest, apart: int) -> float | None:
+    def _remaining_s(self, before: RestState | None, now: RestState, apart: int) -> float | None:
         """From how fast the ratio falls in so many samples."""
         if before is None or not before.ratio or not now.ratio or now.ratio >= before.ratio or now.hz != before.hz:
             return None

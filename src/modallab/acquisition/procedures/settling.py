@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
 from modallab.core.plan import KnownMode
-from modallab.signals.tone_fit import fit_at, own_frequency
+from modallab.signals.tone_fit import fit_at, frequency_of_sine
 
 Settled = Literal["yes", "no", "unknown"]
 
@@ -86,7 +86,7 @@ def fit_settling(
     if not seen or motion.shape[0] == 0:
         return None
     t = (np.arange(force.size) - before) / rate_hz
-    frequency = own_frequency(force, rate_hz, drive_hz)
+    frequency = frequency_of_sine(force, rate_hz, drive_hz)
     omega = 2 * np.pi * np.array([mode.frequency_hz for mode in seen])
     zeta = np.array([mode.damping_ratio for mode in seen])
     poles = -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)
@@ -114,5 +114,5 @@ def fit_settling(
 
 def amplitude_at(values: Real, rate_hz: float, drive_hz: float) -> float:
     """Peak amplitude of the sine in (n,) values, at its own frequency near `drive_hz`."""
-    fit = fit_at(values[None], rate_hz, own_frequency(values, rate_hz, drive_hz))
+    fit = fit_at(values[None], rate_hz, frequency_of_sine(values, rate_hz, drive_hz))
     return float(np.abs(fit.amplitude[0]))

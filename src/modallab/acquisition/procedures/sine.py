@@ -5,12 +5,12 @@ from dataclasses import dataclass, field, replace
 from math import ceil
 
 from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch
-from modallab.acquisition.monitor.context import Context, measure_floor
+from modallab.acquisition.monitor.context import RunContext, measure_floor
 from modallab.acquisition.monitor.settled import Floor, SettledCheck
-from modallab.acquisition.procedures.burst import Seen, Setting, burst_of, look_at
+from modallab.acquisition.procedures.burst import BurstCheck, Setting, burst_of, check_burst
 from modallab.acquisition.procedures.drive import Drive
 from modallab.acquisition.procedures.target import Step, repeated_steps, steps_of
-from modallab.bench.abilities import LooksForSensors, SelfReporting
+from modallab.bench.abilities import SelfReporting, SensorSupplyCheck
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.events import Notice
@@ -38,7 +38,7 @@ class SineTest:
         drive: how hard.
     """
 
-    context: Context
+    context: RunContext
     plan: SinePlan
     limits: Limits
     floor: Floor
@@ -115,7 +115,7 @@ class SineTest:
             end = start + ceil(burst.duration_s * stream.rate_hz)
             stream.advance_to(end, self.watch, context.driving_chunk)
             context.excitation.on = False
-            seen = look_at(context, self.plan, self.watch, note, setting)
+            seen = check_burst(context, self.plan, self.watch, note, setting)
             self.watch.plausible.settled(step.frequency_hz, seen.measured.force_n, setting.volts)
             following = self._next(step, setting, seen)
         except SafetyError as error:
@@ -161,7 +161,7 @@ class SineTest:
             },
         )
 
-    def _next(self, step: Step, setting: Setting, seen: Seen) -> Setting | None:
+    def _next(self, step: Step, setting: Setting, seen: BurstCheck) -> Setting | None:
         """Another burst, where it may be better: longer, as the decay that was seen asks for, or at another drive."""
         longest = self.plan.max_settle_s or self.plan.settle_s
         settle_s, volts = setting.settle_s, setting.volts
@@ -173,7 +173,7 @@ class SineTest:
             return None
         return Setting(volts, settle_s, setting.number + 1)
 
-    def _judged(self, note: BlockNote, seen: Seen, step: Step, setting: Setting, *, rejected: bool) -> BlockNote:
+    def _judged(self, note: BlockNote, seen: BurstCheck, step: Step, setting: Setting, *, rejected: bool) -> BlockNote:
         overload = self.context.stream.overload(note.first_sample, self.context.block)
         reasons = [
             *([f"overload: {', '.join(overload)} beyond the range"] if overload else []),
@@ -202,7 +202,7 @@ class SineTest:
         self.context.record(first, tripped)
 
 
-def run_sine(context: Context, plan: SinePlan) -> None:
+def run_sine(context: RunContext, plan: SinePlan) -> None:
     """Measure the floor, then run the test; see `SineTest`."""
     limits = context.rig.limits
     if limits is None:
@@ -213,8 +213,8 @@ def run_sine(context: Context, plan: SinePlan) -> None:
     SineTest(context, plan, limits, floor, watch).run()
 
 
-def _say_what_is_unseen(context: Context) -> None:
-    unseen = context.bench.open_sensors_unseen() if isinstance(context.bench, LooksForSensors) else ()
+def _say_what_is_unseen(context: RunContext) -> None:
+    unseen = context.bench.open_sensors_unseen() if isinstance(context.bench, SensorSupplyCheck) else ()
     if unseen:
         what = (
             f"the device cannot say whether a sensor is connected to {', '.join(unseen)}: an unplugged one is seen only"

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.context import Context
+from modallab.acquisition.monitor.context import RunContext
 from modallab.bench.abilities import HardwareTriggered, ReferenceTrigger
 from modallab.bench.protocol import Bench
 from modallab.core.errors import BenchTimeoutError, PlanError
@@ -59,7 +59,7 @@ def require_trigger(plan: Plan, bench: Bench) -> None:
 
 
 def wait_for_record(
-    context: Context, plan: ImpactPlan, ask: Callable[[], None], interrupted: Callable[[], bool]
+    context: RunContext, plan: ImpactPlan, ask: Callable[[], None], interrupted: Callable[[], bool]
 ) -> int | None:
     """Let the device wait for a hit, and take its record in place of the stream.
 
@@ -101,7 +101,7 @@ def wait_for_record(
             return before
 
 
-def _reference_trigger(context: Context, plan: ImpactPlan, before: int) -> ReferenceTrigger:
+def _reference_trigger(context: RunContext, plan: ImpactPlan, before: int) -> ReferenceTrigger:
     per_count = context.conversion.si_per_count[context.conversion.force]
     block = context.block if context.recut is None else context.recut.native
     return ReferenceTrigger(

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from modallab.acquisition.monitor.live import IDLE, LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
-from modallab.acquisition.process.idle_scope import IdleScope, idle_name
+from modallab.acquisition.process.idle_scope import IdleScope, idle_ring_name
 from modallab.acquisition.process.link import Link
-from modallab.acquisition.process.messages import Ended, Ready, RunPlan
-from modallab.acquisition.process.output_supervisor import LifeLine
+from modallab.acquisition.process.messages import BenchOpened, Ended, RunPlan
+from modallab.acquisition.process.output_supervisor import HeartbeatPipe
 from modallab.acquisition.process.priority import take_priority
 from modallab.acquisition.process.ready import Order
 from modallab.acquisition.process.run import make_safe, run_plan
@@ -48,7 +48,7 @@ def serve(
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     link = Link(connection)
     try:
-        _serve(link, url, rig, folder, Guard(LifeLine(life_line), TripLatch(folder, url), supervision))
+        _serve(link, url, rig, folder, Guard(HeartbeatPipe(life_line), TripLatch(folder, url), supervision))
     except Exception as error:
         link.send(Ended(_expected(error)))
     link.flush()
@@ -64,7 +64,7 @@ class Guard:
         supervision: in words.
     """
 
-    life: LifeLine
+    life: HeartbeatPipe
     latch: TripLatch
     supervision: str
 
@@ -78,7 +78,7 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
         with Store(folder) as store:
             store.recover()
             clear_left_over(folder, lambda name: _is_over(store, name, url))
-            link.send(Ready(bench.info))
+            link.send(BenchOpened(bench.info))
             scope = IdleScope(bench, rig, folder)
             while (command := _next_plan(link, scope)) is not None:
                 _run(link, bench, rig, store, command, guard)
@@ -91,7 +91,7 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
 
 def _is_over(store: Store, name: str, url: str) -> bool:
     if name.startswith(IDLE):
-        return name == idle_name(url)
+        return name == idle_ring_name(url)
     return store.catalogue.run(name).state in ENDED
 
 

@@ -20,7 +20,7 @@ AGAIN_S = 2.0
 """Between two tries where the device does not deliver."""
 
 
-def idle_name(url: str) -> str:
+def idle_ring_name(url: str) -> str:
     """Under which the signals of the bench at an address are shown while no run is on."""
     return f"{IDLE}{sha256(url.encode()).hexdigest()[:16]}"
 
@@ -38,7 +38,7 @@ class IdleScope:
 
     def __init__(self, bench: Bench, rig: Rig, data_folder: Path) -> None:
         self._bench, self._rig, self._folder = bench, rig, data_folder
-        self._name = idle_name(bench.info.url)
+        self._name = idle_ring_name(bench.info.url)
         # What one who is gone has left there says nothing.
         self._request = self._look()
         self._request_s = float("-inf")

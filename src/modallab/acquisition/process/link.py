@@ -8,7 +8,7 @@ from threading import Event as Flag
 from threading import Thread
 
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock, Requests
-from modallab.acquisition.process.messages import Beat, Close, EmergencyStop, Message, Report, RunPlan
+from modallab.acquisition.process.messages import Close, EmergencyStop, Message, OwnerHeartbeat, Report, RunPlan
 from modallab.acquisition.process.ready import Order
 from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
 
@@ -83,7 +83,7 @@ class Link:
 
     def _obey(self, command: Message) -> None:
         act: dict[type[Message], Callable[[], None]] = {
-            Beat: lambda: None,
+            OwnerHeartbeat: lambda: None,
             Stop: lambda: self._request("stop"),
             Abort: lambda: self._request("abort"),
             EmergencyStop: lambda: self._request("emergency"),

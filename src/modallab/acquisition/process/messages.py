@@ -35,16 +35,18 @@ class Close:
 
 
 @dataclass(frozen=True, slots=True)
-class Beat:
+class OwnerHeartbeat:
     """The owner lives."""
 
 
-Message = RunPlan | Pause | Resume | Repeat | DropBlock | AcceptBlock | Stop | Abort | EmergencyStop | Close | Beat
+Message = (
+    RunPlan | Pause | Resume | Repeat | DropBlock | AcceptBlock | Stop | Abort | EmergencyStop | Close | OwnerHeartbeat
+)
 """What the owner sends: an operator's commands as they are in the API, and what only the owner may ask for."""
 
 
 @dataclass(frozen=True, slots=True)
-class Ready:
+class BenchOpened:
     """The bench is open, its output at zero."""
 
     info: BenchInfo
@@ -57,4 +59,4 @@ class Ended:
     error: ModallabError | None
 
 
-Report = Event | Ready | Ended
+Report = Event | BenchOpened | Ended

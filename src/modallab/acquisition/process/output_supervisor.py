@@ -23,7 +23,7 @@ OWNERLESS_S = 30.0
 """From its owner's death on; longer than the rig's process, which it watches, and the release of what that held."""
 
 
-class LifeLine:
+class HeartbeatPipe:
     """The rig process's end: it says that it works, at most once in BEAT_S, and that it rests."""
 
     def __init__(self, connection: Connection | None) -> None:
@@ -152,7 +152,7 @@ def _output_lost_error() -> BenchError:
     )
 
 
-def zero_from_outside(url: str, rig: Rig) -> str:
+def zero_output_of_dead_process(url: str, rig: Rig) -> str:
     """Bring the output to 0 V when the process that drove it is dead; what came of it, for the end of a sentence.
 
     Empty where no output outlives its process.

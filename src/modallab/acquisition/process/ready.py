@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.burst_watch import load_filters
-from modallab.acquisition.monitor.context import Context
+from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.live import LiveRing, LiveTap
 from modallab.acquisition.monitor.requests import Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
@@ -22,7 +22,7 @@ from modallab.acquisition.procedures.sensor_supply import PATIENCE_S, fed_channe
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request
-from modallab.bench.recut import Recut
+from modallab.bench.recut import RecutRule
 from modallab.core.errors import PlanError, RigError
 from modallab.core.events import Notice
 from modallab.core.plan import BroadbandPlan, Plan, SinePlan, records_of
@@ -87,7 +87,7 @@ class Setup:
             self.latch.require_reset()
 
 
-def what_ends_it(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
+def end_of_output_in_words(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
     """What brings the output to 0 V should a process or this machine fail, in words."""
     longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig)
     notice = f"longest burst {longest:.4g} s: "
@@ -107,7 +107,7 @@ def what_ends_it(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
     return f"{notice}; {setup.supervision}" if setup.supervision else notice
 
 
-def prepare(setup: Setup) -> Context:
+def prepare(setup: Setup) -> RunContext:
     """Configure the bench, open the record, and start streaming."""
     bench, plan = setup.bench, setup.plan
     bench.zero()
@@ -128,7 +128,7 @@ def prepare(setup: Setup) -> Context:
     stream = Stream(bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
     load_filters(setup.rig.limits)
     bench.start()
-    return Context(
+    return RunContext(
         bench, setup.rig, setup.recorder, setup.emit, setup.life, conversion, stream, block, recut,
         setup.requests, setup.excitation,
     )  # fmt: skip
@@ -155,7 +155,7 @@ def require_sensors_known(setup: Setup) -> None:
         raise RigError("; ".join(wrong), where="sensors", remedy="check which sensor is mounted; correct the rig file")
 
 
-def wait_for_supplies(setup: Setup, context: Context) -> None:
+def wait_for_supplies(setup: Setup, context: RunContext) -> None:
     """Wait until the bias of fed sensors has settled, and report those whose bias has not."""
     fed, stream = fed_channels(setup.bench, setup.rig), context.stream
     if not fed:
@@ -175,7 +175,7 @@ def wait_for_supplies(setup: Setup, context: Context) -> None:
         setup.emit(Notice(run=run, what=what))
 
 
-def _recut_of_plan(plan: Plan, delivery: Delivery) -> Recut | None:
+def _recut_of_plan(plan: Plan, delivery: Delivery) -> RecutRule | None:
     if plan.delivered_hz is None or plan.delivered_hz == delivery.rate_hz:
         return None
     if plan.delivered_hz > delivery.rate_hz:
@@ -184,4 +184,4 @@ def _recut_of_plan(plan: Plan, delivery: Delivery) -> Recut | None:
             where=f"{plan.kind} plan",
             remedy="ask for a lower delivered rate, or a higher rate_hz",
         )
-    return Recut.of(delivery.rate_hz, plan.delivered_hz, plan.block_s)
+    return RecutRule.of(delivery.rate_hz, plan.delivered_hz, plan.block_s)

@@ -14,8 +14,17 @@ from typing import Self
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.controls import RunControls
 from modallab.acquisition.process.link import HEARTBEAT_S
-from modallab.acquisition.process.messages import Beat, Close, EmergencyStop, Ended, Message, Ready, Report, RunPlan
-from modallab.acquisition.process.output_supervisor import start_supervisor, zero_from_outside
+from modallab.acquisition.process.messages import (
+    BenchOpened,
+    Close,
+    EmergencyStop,
+    Ended,
+    Message,
+    OwnerHeartbeat,
+    Report,
+    RunPlan,
+)
+from modallab.acquisition.process.output_supervisor import start_supervisor, zero_output_of_dead_process
 from modallab.acquisition.process.trip import Trip, TripLatch
 from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.runs import Abort, Stop
@@ -78,7 +87,7 @@ class RigProcess(RunControls):
         """
         while self._info is None:
             report = self._receive()
-            if isinstance(report, Ready):
+            if isinstance(report, BenchOpened):
                 self._info = report.info
             elif isinstance(report, Ended) and report.error is not None:
                 raise report.error
@@ -174,7 +183,7 @@ class RigProcess(RunControls):
                     if report.error is not None:
                         raise report.error
                     return
-                if not isinstance(report, Ready):
+                if not isinstance(report, BenchOpened):
                     self._saw(report)
                     yield report
         except BenchError:
@@ -203,7 +212,7 @@ class RigProcess(RunControls):
             raise self._died() from error
 
     def _died(self) -> BenchError:
-        output = "" if self._closed.is_set() else zero_from_outside(self._url, self._rig)
+        output = "" if self._closed.is_set() else zero_output_of_dead_process(self._url, self._rig)
         if output and self._driving:
             with suppress(ModallabError):
                 self.latch.trip("death", "the acquisition process died while it drove")
@@ -227,7 +236,7 @@ class RigProcess(RunControls):
         while not self._closed.wait(HEARTBEAT_S):
             try:
                 with self._sending:
-                    self._connection.send(Beat())
+                    self._connection.send(OwnerHeartbeat())
             except OSError:
                 return
 

@@ -15,10 +15,10 @@ from modallab.acquisition.process.ready import (
     Order,
     OrderedEndError,
     Setup,
+    end_of_output_in_words,
     prepare,
     require_sensors_known,
     wait_for_supplies,
-    what_ends_it,
 )
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench
@@ -133,7 +133,7 @@ def _work(setup: Setup) -> None:
     if isinstance(setup.plan, BroadbandPlan):
         require_waves(setup.plan, setup.bench, setup.rig)
     if isinstance(setup.plan, SinePlan | BroadbandPlan):
-        setup.emit(Notice(run=setup.recorder.run, what=what_ends_it(setup.plan, setup)))
+        setup.emit(Notice(run=setup.recorder.run, what=end_of_output_in_words(setup.plan, setup)))
     require_sensors_known(setup)
     context = prepare(setup)
     wait_for_supplies(setup, context)

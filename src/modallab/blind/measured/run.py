@@ -9,7 +9,7 @@ from pydantic import TypeAdapter
 
 from modallab.blind.measured.draw import MeasuredRequest, draw_effects, places_of
 from modallab.blind.measured.put import AppliedEffect, with_effect
-from modallab.blind.measured.score import MeasuredOutcome, Truth, judge_trial, judged_figures
+from modallab.blind.measured.score import MeasuredOutcome, Truth, judge_trial, trial_figures
 from modallab.blind.seal import open_truth, publish_hashes, seal_truth
 from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
@@ -59,7 +59,7 @@ def blind_on(frf: Frf, rig: Rig, folder: Path, request: MeasuredRequest, named: 
             there = with_noise(with_effect(frf, put), variance, rng)
             _keep_diagnosis(folder, name, _diagnose_trial(reference, (frf, there), rig))
     trials = [judge_trial(name, _open_seal(folder, name), _read_answer(folder, name)) for name in names]
-    return MeasuredOutcome(campaign=named, sealed=sealed, figures=judged_figures(trials), trials=trials)
+    return MeasuredOutcome(campaign=named, sealed=sealed, figures=trial_figures(trials), trials=trials)
 
 
 def _model_of_frf(frf: Frf, rig: Rig) -> ModalModel:

@@ -117,7 +117,7 @@ def _size_of_effect(parameters: dict[str, float]) -> float:
     return values[0] if len(values) == 1 else float(np.linalg.norm(values))
 
 
-def judged_figures(trials: Sequence[MeasuredTrial]) -> list[OutcomeFigure]:
+def trial_figures(trials: Sequence[MeasuredTrial]) -> list[OutcomeFigure]:
     """The figures they are judged by."""
     done = [t for t in trials if t.effect != "none"]
     sizes = [t for t in trials if t.size_error is not None]

@@ -79,7 +79,7 @@ class JobChanged(Frozen):
     error: str | None
 
 
-class VerdictGiven(Frozen):
+class BlockJudged(Frozen):
     """Somebody has judged a block of a run that had ended.
 
     Attributes:
@@ -145,7 +145,7 @@ class SetAsideChanged(Frozen):
 
 
 AnyEvent = Annotated[
-    Event | RigChanged | Tripped | Reset | JobChanged | VerdictGiven | QueueChanged | SetAsideChanged,
+    Event | RigChanged | Tripped | Reset | JobChanged | BlockJudged | QueueChanged | SetAsideChanged,
     Field(discriminator="kind"),
 ]
 """The content of an event."""

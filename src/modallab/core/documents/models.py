@@ -120,6 +120,7 @@ class DiagnosisView(Frozen):
         runs: it is of.
         current: whether the blocks that count now are still those it was computed from.
         code_version: of the modallab that computed it.
+        sentence: the verdict in words, with units and 95 % intervals.
         diagnosis: itself.
     """
 
@@ -127,6 +128,7 @@ class DiagnosisView(Frozen):
     runs: tuple[str, ...]
     current: bool
     code_version: str
+    sentence: str
     diagnosis: Diagnosis
 
 

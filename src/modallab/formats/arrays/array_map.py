@@ -157,7 +157,7 @@ def in_order(
     return np.ascontiguousarray(turned.reshape([values.shape[kept.index(a)] if a in kept else 1 for a in wanted]))
 
 
-def without_single(values: NDArray[Any]) -> NDArray[Any]:
+def without_singleton_axes(values: NDArray[Any]) -> NDArray[Any]:
     """An array without axes of one element; those of complex FRFs stay: they say which axis counts what."""
     return values if values.ndim > 2 and np.iscomplexobj(values) else np.squeeze(values)
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
 from modallab.core.rig import Rig
-from modallab.formats.arrays.array_map import without_single
+from modallab.formats.arrays.array_map import without_singleton_axes
 from modallab.formats.arrays.named import Arrays, Texts
 from modallab.formats.arrays.variables import campaign_of_variables, rig_of_variables
 from modallab.formats.campaign.hdf5_access import open_hdf5, read_array
@@ -41,7 +41,7 @@ def _variables(path: Path) -> tuple[Arrays, Texts]:
 
     def keep(name: str, values: NDArray) -> None:
         if values.dtype.kind in "fiuc":
-            arrays[name] = without_single(values)
+            arrays[name] = without_singleton_axes(values)
         elif values.dtype.names:
             for field in values.dtype.names:
                 keep(f"{name}.{field}", values[field])

@@ -12,7 +12,7 @@ from scipy import io
 from modallab.core.block import Campaign
 from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
-from modallab.formats.arrays.array_map import without_single
+from modallab.formats.arrays.array_map import without_singleton_axes
 from modallab.formats.arrays.named import Arrays, Texts
 from modallab.formats.arrays.variables import campaign_of_variables, rig_of_variables
 from modallab.formats.options import ImportOptions
@@ -61,7 +61,7 @@ def _of_scipy(path: Path) -> Iterator[tuple[str, Variable]]:
     shapes = {name: shape for name, shape, _ in io.whosmat(str(path))}
     for name, value in _flat("", io.loadmat(str(path), simplify_cells=True)):
         if not isinstance(value, tuple) and value.size == np.prod(shapes.get(name, (0,))):
-            value = without_single(value.reshape(shapes[name]))
+            value = without_singleton_axes(value.reshape(shapes[name]))
         yield name, value
 
 
@@ -115,7 +115,7 @@ def _of_dataset(name: str, item: h5py.Dataset) -> Iterator[tuple[str, Variable]]
         values = values["real"] + 1j * values["imag"]
     if values.dtype.kind in "fiuc" and _class_of(item) not in (b"char", b"cell"):
         # MATLAB stores columns first, HDF5 rows.
-        yield name, without_single(values.T)
+        yield name, without_singleton_axes(values.T)
 
 
 def _class_of(item: h5py.Dataset) -> bytes:

@@ -14,7 +14,7 @@ from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, liste
 from modallab.formats.arrays.channel_times import RATE_NAMES, STEP_NAMES, channel_times
 from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.options import ImportOptions, units_of
-from modallab.formats.starts import on_common_times
+from modallab.formats.starts import cut_to_common_time
 from modallab.formats.unit_text import normal_unit
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -155,7 +155,7 @@ def _record(
         without = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
         found_ = f"says when other channels begin, and nothing of {without}"
         raise DataError(found_, where=where, remedy="give every channel its start, or none")
-    samples, note = on_common_times([_real(row, where) for row in rows], starts, rate, names, where)
+    samples, note = cut_to_common_time([_real(row, where) for row in rows], starts, rate, names, where)
     return samples, rate, note
 
 

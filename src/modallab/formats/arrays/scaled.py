@@ -14,7 +14,7 @@ _STANDARD = ("scale_factor", "add_offset")
 _UNCLEAR = ("gain", "scale", "factor", "slope", "lsb", "multiplier")
 
 
-def in_their_unit(arrays: Mapping[str, NDArray[Any]], where: str) -> Mapping[str, NDArray[Any]]:
+def scaled_arrays(arrays: Mapping[str, NDArray[Any]], where: str) -> Mapping[str, NDArray[Any]]:
     """The arrays, with `scale_factor` and `add_offset` of whole numbers applied.
 
     Raises:

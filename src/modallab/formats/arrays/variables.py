@@ -5,10 +5,10 @@ from pathlib import Path
 from modallab.core.block import Campaign
 from modallab.core.rig import Rig
 from modallab.formats.arrays.arrays_draft import draft_arrays
-from modallab.formats.arrays.implied import implied
 from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.arrays.named import FREQUENCY, TIME, Arrays, Texts, campaign_of_arrays, unit_beside, usual_name
-from modallab.formats.arrays.scaled import in_their_unit
+from modallab.formats.arrays.names_in_file import names_in_file
+from modallab.formats.arrays.scaled import scaled_arrays
 from modallab.formats.axis_units import is_of_frequency, is_of_time, to_hertz, to_seconds
 from modallab.formats.options import ImportOptions
 
@@ -19,9 +19,9 @@ def campaign_of_variables(arrays: Arrays, texts: Texts, path: Path, rig: Rig, op
     Raises:
         DataError: variables that are missing or do not fit.
     """
-    found, arrays = options.array_map, _abscissae(in_their_unit(arrays, str(path)), texts, options)
+    found, arrays = options.array_map, _abscissae(scaled_arrays(arrays, str(path)), texts, options)
     if found is None and not options.variables:
-        arrays, texts, found = implied(arrays, texts, rig, str(path))
+        arrays, texts, found = names_in_file(arrays, texts, rig, str(path))
     if found is not None:
         return campaign_of_map(arrays, found, path.stem, rig, options, str(path))
     return campaign_of_arrays(arrays, path.stem, rig, options, str(path), texts)
@@ -46,5 +46,5 @@ def rig_of_variables(arrays: Arrays, texts: Texts, path: Path, options: ImportOp
     """
     found = options.array_map
     if found is None:
-        arrays, texts, found = implied(arrays, texts, None, str(path))
+        arrays, texts, found = names_in_file(arrays, texts, None, str(path))
     return draft_arrays(arrays, texts, found, path, options.drive_point)

@@ -15,7 +15,7 @@ from modallab.formats.atomic import replacing
 from modallab.formats.campaign import CAMPAIGN_FILE
 from modallab.formats.campaign import hdf5_version_1 as hdf5_counts
 from modallab.formats.campaign import hdf5_version_2 as hdf5_native
-from modallab.formats.campaign.hdf5_access import COPY_AGAIN, Facts, open_hdf5
+from modallab.formats.campaign.hdf5_access import COPY_AGAIN, TypedAttributes, open_hdf5
 from modallab.formats.check_campaign import check_recordings, check_structure
 from modallab.formats.rig.mass_ratios_file import read_mass_ratios
 from modallab.formats.rig.rig_file import parse_rig, read_rig
@@ -98,7 +98,7 @@ def campaign_file(path: Path) -> Path:
 
 
 def _version(source: h5py.File, where: str) -> int:
-    facts = Facts.of(source, where)
+    facts = TypedAttributes.of(source, where)
     if not facts.has("format_version"):
         if not hdf5_counts.is_counts(source):
             raise hdf5_counts.reject_foreign(where)

@@ -105,7 +105,7 @@ def _check_chunks(dataset: h5py.Dataset, where: str) -> None:
 
 
 @dataclass(frozen=True)
-class Facts:
+class TypedAttributes:
     """The attributes of an object, each with its type.
 
     Every method raises FormatError if the attribute is missing (without a default) or of another type.
@@ -115,7 +115,7 @@ class Facts:
     where: str
 
     @classmethod
-    def of(cls, target: h5py.Group | h5py.Dataset, where: str) -> "Facts":
+    def of(cls, target: h5py.Group | h5py.Dataset, where: str) -> "TypedAttributes":
         """The attributes of a group or dataset; `where` names it in messages."""
         names = [str(key) for key in target.attrs]
         for name in names:

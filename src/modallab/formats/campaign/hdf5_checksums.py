@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import FormatError
-from modallab.formats.campaign.hdf5_access import COPY_AGAIN, Facts, read_array
+from modallab.formats.campaign.hdf5_access import COPY_AGAIN, TypedAttributes, read_array
 
 _CHUNK_BYTES = 1 << 20
 
@@ -31,7 +31,7 @@ def read_sealed(dataset: h5py.Dataset, where: str) -> NDArray[Any]:
         FormatError: it does not agree with its checksum.
     """
     values = read_array(dataset, where)
-    if _crc32(values) != Facts.of(dataset, where).whole("crc32"):
+    if _crc32(values) != TypedAttributes.of(dataset, where).whole("crc32"):
         found = "does not agree with its checksum: it was changed or damaged after it was written"
         raise FormatError(found, where=where, remedy=COPY_AGAIN)
     return values

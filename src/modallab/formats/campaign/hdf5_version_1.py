@@ -9,7 +9,7 @@ from modallab.core.block import Block
 from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.formats.campaign.hdf5_access import COPY_AGAIN, Facts, datasets, read_array
+from modallab.formats.campaign.hdf5_access import COPY_AGAIN, TypedAttributes, datasets, read_array
 
 
 def read_blocks(source: h5py.File, rig: Rig, where: str) -> tuple[Block, ...]:
@@ -18,7 +18,7 @@ def read_blocks(source: h5py.File, rig: Rig, where: str) -> tuple[Block, ...]:
     Raises:
         FormatError: the layout is not that of version 1.
     """
-    volts_per_count = Facts.of(source, where).real("volts_per_count")
+    volts_per_count = TypedAttributes.of(source, where).real("volts_per_count")
     blocks = [_block(name, record, volts_per_count, rig, where) for name, record in datasets(source, where)]
     return tuple(sorted(blocks, key=lambda block: block.order))
 
@@ -31,7 +31,7 @@ def _block(name: str, record: h5py.Dataset, volts_per_count: float, rig: Rig, fi
             where=where,
             remedy="write other types as campaign format version 2",
         )
-    facts = Facts.of(record, where)
+    facts = TypedAttributes.of(record, where)
     samples = read_array(record, where)
     names = tuple(channel.name for channel in rig.channels)
     # Version 1 names no channels: rows stand in rig order, and a wrong number of rows must stay visible.

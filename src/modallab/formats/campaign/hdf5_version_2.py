@@ -12,7 +12,7 @@ from modallab.core.frf import UNIT, Frf, FrfQuantity
 from modallab.core.rig import Rig
 from modallab.core.units import TESTS, Test
 from modallab.core.versions import CAMPAIGN_NATIVE
-from modallab.formats.campaign.hdf5_access import COPY_AGAIN, Facts, datasets
+from modallab.formats.campaign.hdf5_access import COPY_AGAIN, TypedAttributes, datasets
 from modallab.formats.campaign.hdf5_checksums import fixed, get_group, read_sealed, read_text, write_sealed, write_text
 from modallab.formats.rig.rig_file import dump_rig
 
@@ -83,7 +83,7 @@ def _write_block(records: h5py.Group, block: Block) -> None:
 
 
 def _read_block(name: str, record: h5py.Dataset, where: str) -> Block:
-    facts = Facts.of(record, where)
+    facts = TypedAttributes.of(record, where)
     if record.dtype not in SAMPLE_TYPES or record.ndim != 2:
         raise FormatError(
             f"holds {record.dtype} of shape {record.shape}; allowed: (channels, samples) of int16, int32, float32, "
@@ -125,7 +125,7 @@ def _write_frf(group: h5py.Group, frf: Frf) -> None:
 
 
 def _read_frf(group: h5py.Group, where: str) -> Frf:
-    facts = Facts.of(group, where)
+    facts = TypedAttributes.of(group, where)
     arrays = {name: read_sealed(dataset, where) for name, dataset in datasets(group, where)}
     for name in ("frequency_hz", "values"):
         if name not in arrays:

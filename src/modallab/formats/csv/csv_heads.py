@@ -137,7 +137,7 @@ def _of_facts(above: Sequence[str], delimiter: str, columns: int) -> Sequence[st
     return [units["x"], *[units["y"] if _is_unit(units["y"]) else ""] * (columns - 1)]
 
 
-def said_headings(text: str, columns: int, filled: int, where: str) -> Heads:
+def parse_headings(text: str, columns: int, filled: int, where: str) -> Heads:
     """Name and unit of each column as the user says them: `time,force:N,a01:m/s^2`; units in brackets do as well.
 
     Raises:

@@ -14,7 +14,7 @@ from modallab.core.arrays import Real
 from modallab.core.errors import DataError, FormatError
 from modallab.formats.csv.clock_times import is_date, is_time, seconds_of
 from modallab.formats.csv.csv_cells import complex_number, head_cells, is_number, split
-from modallab.formats.csv.csv_heads import BY_OPTION, abscissa, headings, said_headings
+from modallab.formats.csv.csv_heads import BY_OPTION, abscissa, headings, parse_headings
 from modallab.formats.csv.digits import half_last_digits
 from modallab.formats.csv.text_lines import Line, TextRow, TextTable, read_text
 
@@ -136,7 +136,7 @@ def _columns(text: TextTable, where: str, said: str) -> tuple[list[_Column], boo
     cells = _by_column(text, where)
     filled = max((k for k, own in enumerate(cells, start=1) if any(own)), default=1)
     if said:
-        names, units = said_headings(said, len(cells), filled, where)
+        names, units = parse_headings(said, len(cells), filled, where)
     else:
         names, units = headings(_texts(text.above), _texts(text.commented), text.delimiter, len(cells), filled)
         if not names and len(cells) > len(text.rows):

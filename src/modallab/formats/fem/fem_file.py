@@ -160,8 +160,8 @@ def _matrices_of(path: Path, description: FemFile) -> MatrixModel:
     )
     return replace(
         whole,
-        stiffness_by={n: read_matrix(here / p.stiffness, K) for n, p in believed.items() if p.stiffness},
-        mass_by={n: read_matrix(here / p.mass, M) for n, p in believed.items() if p.mass},
+        stiffness_slopes={n: read_matrix(here / p.stiffness, K) for n, p in believed.items() if p.stiffness},
+        mass_slopes={n: read_matrix(here / p.mass, M) for n, p in believed.items() if p.mass},
         points=description.points,
         units=description.units,
     )

@@ -26,8 +26,8 @@ class MatrixModel:
         stiffness: (n, n) K0, dense or sparse; N/m in the units of the model.
         mass: (n, n) M0.
         freedoms: (n,) node and direction of each row: x, y, z, rx, ry, rz or 1 to 6.
-        stiffness_by: parameter -> (n, n) what one unit of it adds to K.
-        mass_by: parameter -> (n, n) what one unit of it adds to M.
+        stiffness_slopes: parameter -> (n, n) what one unit of it adds to K.
+        mass_slopes: parameter -> (n, n) what one unit of it adds to M.
         places: node -> x, y and z in the unit of the model; empty where nodes have the numbers of points.
         points: node of a point of the rig, where numbers and places do not say it.
         units: of length; mm goes with tonnes.
@@ -37,8 +37,8 @@ class MatrixModel:
     stiffness: Any
     mass: Any
     freedoms: Sequence[tuple[int, str | int]]
-    stiffness_by: Mapping[str, Any] = field(default_factory=dict[str, Any])
-    mass_by: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    stiffness_slopes: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    mass_slopes: Mapping[str, Any] = field(default_factory=dict[str, Any])
     places: Mapping[int, tuple[float, float, float]] = field(default_factory=dict[int, tuple[float, float, float]])
     points: Mapping[int, int] = field(default_factory=dict[int, int])
     units: Units = "m"
@@ -66,7 +66,7 @@ class MatrixModel:
     @property
     def names(self) -> tuple[str, ...]:
         """Of its parameters."""
-        return tuple(dict.fromkeys((STIFFNESS, MASS, *self.stiffness_by, *self.mass_by)))
+        return tuple(dict.fromkeys((STIFFNESS, MASS, *self.stiffness_slopes, *self.mass_slopes)))
 
     def modes(self, numbers: Mapping[str, float]) -> NodeModes:
         """The lowest modes, in SI units.
@@ -82,8 +82,8 @@ class MatrixModel:
             raise DataError(
                 f"the model has no parameter {unknown[0]!r}", where=self.title, remedy=f"use {', '.join(self.names)}"
             )
-        k = _sum(self.stiffness, numbers.get(STIFFNESS, 1.0), self.stiffness_by, numbers)
-        m = _sum(self.mass, numbers.get(MASS, 1.0), self.mass_by, numbers)
+        k = _sum(self.stiffness, numbers.get(STIFFNESS, 1.0), self.stiffness_slopes, numbers)
+        m = _sum(self.mass, numbers.get(MASS, 1.0), self.mass_slopes, numbers)
         return in_si(modes_of(k, m, self._rows, dict(self.places), self.title), self.units)
 
     @property

@@ -17,7 +17,7 @@ from modallab.formats.csv.csv_table import Table
 from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.lvm.lvm_read import LvmChannel, has_header, read_lvm
 from modallab.formats.options import ImportOptions
-from modallab.formats.starts import Start, on_common_times, start_of, start_of_text
+from modallab.formats.starts import Start, cut_to_common_time, start_of, start_of_text
 from modallab.formats.unit_text import normal_unit, quantity_of
 
 _SAME = 1e-4
@@ -73,7 +73,7 @@ def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, wher
         raise DataError(f"the channels differ in rate: {listed}", where=where, remedy="leave some out with --ignore")
     rate = next(iter(rates.values()))
     rows = [c.samples for c in used]
-    samples, note = on_common_times(rows, _starts(used, where), rate, list(rates), where)
+    samples, note = cut_to_common_time(rows, _starts(used, where), rate, list(rates), where)
     n = samples.shape[1]
     left = [c for c in segment if c.name not in taken]
     values = np.column_stack([np.arange(n) / rate, samples.T, np.full((n, len(left)), np.nan)])

@@ -11,7 +11,7 @@ from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
-from modallab.formats.arrays.array_map import without_single
+from modallab.formats.arrays.array_map import without_singleton_axes
 from modallab.formats.arrays.named import campaign_of_arrays
 from modallab.formats.arrays.variables import campaign_of_variables
 from modallab.formats.options import ImportOptions
@@ -60,7 +60,7 @@ def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 def _load_several(path: Path) -> dict[str, NDArray[Any]]:
     try:
         with path.open("rb") as source, np.load(source, allow_pickle=False) as held:
-            return {name: without_single(held[name]) for name in held.files}
+            return {name: without_singleton_axes(held[name]) for name in held.files}
     except Exception as error:  # On damaged files NumPy raises nearly every type there is.
         raise FormatError(
             f"is no whole archive of NPY files: {error}",

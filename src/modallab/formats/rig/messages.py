@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from modallab.core.effect import Revision
-from modallab.core.field_errors import allowed_values, quoted_value, short_of_wrong_entries
+from modallab.core.field_errors import allowed_values, is_short_by_wrong_entries, quoted_value
 from modallab.core.frozen import Frozen
 from modallab.core.hardware import Calibration, Excitation, Shaker, Synchronisation
 from modallab.core.metrology import Certificate
@@ -41,7 +41,7 @@ _PER_TEST = "a number, or one number each under impact: and sine:"
 def rig_problems(content: Mapping[str, object], error: ValidationError) -> list[Problem]:
     """Every problem of a rig: those of single fields, and those between fields as far as they can be seen."""
     details = [d for d in error.errors() if d["type"] != "value_error" and not _other_arm(d)]
-    details = [d for d in details if not short_of_wrong_entries(d, details)]
+    details = [d for d in details if not is_short_by_wrong_entries(d, details)]
     problems = list(dict.fromkeys(_problem(detail) for detail in details))
     sieved = _copy(content)
     for detail in details:

@@ -16,7 +16,7 @@ from modallab.core.units import Quantity
 from modallab.formats.atomic import write_text
 from modallab.formats.block_facts import MARK, BlockFacts, facts_or_options, read_facts
 from modallab.formats.options import ImportOptions
-from modallab.formats.starts import Start, on_common_times, start_of, start_of_text
+from modallab.formats.starts import Start, cut_to_common_time, start_of, start_of_text
 from modallab.formats.uff.uff_lines import physical
 from modallab.formats.unit_text import normal_unit
 
@@ -168,7 +168,7 @@ def _block(
     rate = options.agreed(rate, where)
     dated = any(part.get("start_timestamp") for part in parts)
     starts = [_start(part, where) if bool(part.get("start_timestamp")) == dated else None for part in parts]
-    samples, note = on_common_times([part["data"] for part in parts], starts, rate, names, f"{where}, group {name}")
+    samples, note = cut_to_common_time([part["data"] for part in parts], starts, rate, names, f"{where}, group {name}")
     remark = str(parts[0].get("remark", ""))
     facts = facts_or_options(read_facts(remark, where) if remark.startswith(MARK) else None, name, rate, options)
     block = Block(

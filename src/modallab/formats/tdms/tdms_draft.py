@@ -8,7 +8,7 @@ from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
 from modallab.formats.tdms.tdms_groups import chosen, fastest, is_time
 from modallab.formats.tdms.tdms_read import read_tdms_groups
-from modallab.formats.tdms.tdms_records import unit_said
+from modallab.formats.tdms.tdms_records import unit_in_properties
 from modallab.formats.unit_text import quantity_of
 
 
@@ -25,6 +25,6 @@ def draft_tdms(path: Path, options: ImportOptions) -> Rig:
         raise DataError("holds nothing but times", where=str(path), remedy="export the records again")
     drafts: list[DraftChannel] = []
     for channel in fastest(groups, str(path)):
-        unit = unit_said(channel)
+        unit = unit_in_properties(channel)
         drafts.append(DraftChannel(channel.name, quantity_of(unit), unit))
     return rig_of(select_channels(drafts, options), path)

@@ -15,7 +15,7 @@ from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Channel, Rig
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.options import ImportOptions
-from modallab.formats.starts import Start, on_common_times
+from modallab.formats.starts import Start, cut_to_common_time
 from modallab.formats.tdms.tdms_groups import chosen, is_time, listed, records_of, seconds_of_x, step_of
 from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup, read_tdms_groups
 from modallab.formats.unit_text import normal_unit
@@ -51,7 +51,7 @@ def _called(group: TdmsGroup, options: ImportOptions) -> TdmsGroup:
     return replace(group, channels={channel.name: channel for channel in channels})
 
 
-def unit_said(channel: TdmsChannel) -> str:
+def unit_in_properties(channel: TdmsChannel) -> str:
     """The unit that a channel's properties name; "" if they name none."""
     units = (normal_unit(str(channel.properties.get(name, ""))) for name in _UNIT_PROPERTIES)
     return next((unit for unit in units if unit), "")
@@ -71,7 +71,7 @@ def _left_out(groups: tuple[TdmsGroup, ...], records: tuple[TdmsGroup, ...], rig
 def _block(group: TdmsGroup, order: int, rig: Rig, options: ImportOptions, where: str) -> tuple[Block, str]:
     parts = [group.channels[channel.name] for channel in rig.channels]
     rate = _rate(group, parts, options, where)
-    samples, note = on_common_times(*_rows(parts, where), rate, [part.name for part in parts], where)
+    samples, note = cut_to_common_time(*_rows(parts, where), rate, [part.name for part in parts], where)
     facts = facts_or_options(read_facts(group.description, where), group.name, rate, options)
     block = Block(
         name=facts.name,
@@ -91,7 +91,7 @@ def _block(group: TdmsGroup, order: int, rig: Rig, options: ImportOptions, where
 
 
 def _unit(part: TdmsChannel, channel: Channel, options: ImportOptions) -> str:
-    return unit_said(part) or options.unit(channel)
+    return unit_in_properties(part) or options.unit(channel)
 
 
 def _rows(parts: list[TdmsChannel], where: str) -> tuple[list[NDArray[Any]], list[Start | None]]:

@@ -12,7 +12,7 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.options import ImportOptions
-from modallab.formats.starts import on_common_times, start_of
+from modallab.formats.starts import cut_to_common_time, start_of
 from modallab.formats.uff.uff_functions import FileUnits, Function, UniversalFile
 from modallab.formats.uff.uff_match import Match, known_point, match_channel, unit_of
 
@@ -55,7 +55,7 @@ def _block(
     parts = [group[channel.name] for channel in rig.channels]
     functions = [function for function, _ in parts]
     rate = _common_rate(functions, options, where)
-    samples, note = on_common_times(
+    samples, note = cut_to_common_time(
         [np.asarray(f.values, dtype=np.float64) for f in functions],
         [start_of(float(f.axis[0]), f.start_error) for f in functions],
         rate,

@@ -15,7 +15,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.hum import NO_DECAYS
-from modallab.gap.conditioning.reduce import frequency_on_line, wide_hit
+from modallab.gap.conditioning.reduce import frequency_on_line, hit_with_filter_ringing
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import volts_per_si
 from modallab.signals.signals import to_signals
@@ -72,7 +72,7 @@ def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Real) -> float:
     ratios: list[float] = []
     for b in blocks:
         signals = to_signals(b, rig)
-        before = signals.responses[:, : max(1, wide_hit(signals).first)]
+        before = signals.responses[:, : max(1, hit_with_filter_ringing(signals).first)]
         if before.shape[1] > 20:
             ratios.append(float(np.median(np.sqrt(np.mean(before**2, axis=1)) / _ringing_sigma(b, rig, noise_v))))
     return float(np.median(ratios)) if ratios else 1.0
@@ -187,7 +187,7 @@ def _shapes_of_decays(hits: Sequence[Block], rig: Rig, poles: Complex) -> Comple
     stacks: list[Complex] = []
     for b in hits:
         signals = to_signals(b, rig)
-        stacks.append(_fit_decays(signals.responses[:, wide_hit(signals).stop :], poles, b.rate_hz))
+        stacks.append(_fit_decays(signals.responses[:, hit_with_filter_ringing(signals).stop :], poles, b.rate_hz))
     residues = np.array(stacks)
     shapes = np.zeros(residues.shape[1:], dtype=np.complex128)
     for r in range(len(poles)):
@@ -210,7 +210,7 @@ def _ringing_state(
     block: Block, rig: Rig, noise_v: Real, poles: Complex, shapes: Complex
 ) -> tuple[Complex, float, float]:
     signals = to_signals(block, rig)
-    a, hit = signals.responses, wide_hit(signals)
+    a, hit = signals.responses, hit_with_filter_ringing(signals)
     before, stop = max(24, hit.first), max(24, hit.first) + hit.stop - hit.first
     sigma = _ringing_sigma(block, rig, noise_v)
     t = np.arange(before) / block.rate_hz

@@ -24,7 +24,7 @@ REPEATS_IN = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Clipped:
+class ClippedChannel:
     """A channel that is cut.
 
     Attributes:
@@ -38,9 +38,9 @@ class Clipped:
     records: tuple[str, ...]
 
 
-def find_clipped(blocks: Sequence[Block], noise_v: Real, full_scale_v: Real, force: int) -> list[Clipped]:
+def find_clipped(blocks: Sequence[Block], noise_v: Real, full_scale_v: Real, force: int) -> list[ClippedChannel]:
     """Channels but the force's with flat tops below their (rows,) full scale in V."""
-    found: list[Clipped] = []
+    found: list[ClippedChannel] = []
     for row in (r for r in range(len(noise_v)) if r != force):
         peaks = np.array([np.max(np.abs(b.samples[row] * b.scale[row])) for b in blocks])
         level = float(np.max(peaks))
@@ -51,7 +51,7 @@ def find_clipped(blocks: Sequence[Block], noise_v: Real, full_scale_v: Real, for
         if flat:
             level = float(np.median([_clipping_level(blocks[i], row, peaks[i], near) for i in flat]))
             reached = tuple(b.name for b, p in zip(blocks, peaks, strict=True) if p > level - near)
-            found.append(Clipped(row, level, reached))
+            found.append(ClippedChannel(row, level, reached))
     return found
 
 

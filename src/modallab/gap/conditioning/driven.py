@@ -20,7 +20,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.frf.broadband import driven_band
-from modallab.frf.drive_clock import cut_to_own_clock, driven_frf
+from modallab.frf.drive_clock import cut_to_drive_clock, driven_frf
 from modallab.frf.joined import contiguous_blocks
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.likelihood.derivatives import poles_of
@@ -85,7 +85,7 @@ def _poles_of_drive(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, 
     """The modes that the FRFs of a drive show, sorted; none where they show none."""
     try:
         model, _ = identify_frf(
-            driven_frf(cut_to_own_clock(signals, band_hz), rig, band_hz), rig, IdentificationOptions()
+            driven_frf(cut_to_drive_clock(signals, band_hz), rig, band_hz), rig, IdentificationOptions()
         )
     except ModallabError:
         return np.zeros(0, np.complex128)

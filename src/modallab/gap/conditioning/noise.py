@@ -31,7 +31,7 @@ RISES_HZ = 0.5
 """Corner, at the median row's noise, from which noise counts as rising: beyond chance in a few blocks of all rows."""
 
 
-def believed_noise(rig: Rig, blocks: Sequence[Block]) -> Real:
+def noise_of_rig_file(rig: Rig, blocks: Sequence[Block]) -> Real:
     """(rows,) V rms the rig file promises: the converter's noise, and its rounding."""
     counted = [b.scale for b in blocks if b.samples.dtype.kind in "iu"]
     known = rig.converter.volts_per_count if rig.converter is not None else 0.0
@@ -52,7 +52,7 @@ def measured_noise(blocks: Sequence[Block], rig: Rig) -> Real:
     return np.quantile(np.array(spreads), 0.25, axis=0)
 
 
-def lines_behind(blocks: Sequence[Block]) -> int:
+def lines_of_noise_estimate(blocks: Sequence[Block]) -> int:
     """Lines of spectra that the measured noise rests on."""
     share = (NOISE_BAND[1] - NOISE_BAND[0]) / 2
     return sum(int(share * (PRE_TRIGGER if b.test == "impact" else b.n_samples)) for b in blocks)
@@ -86,7 +86,7 @@ def noise_in_use(measured: Real, believed: Real) -> Real:
     return np.where(np.nan_to_num(measured) > 1.25 * believed, np.nan_to_num(measured), believed)
 
 
-def own_noise(blocks: Sequence[Block], believed: Real, force: int) -> Real:
+def measured_row_noise(blocks: Sequence[Block], believed: Real, force: int) -> Real:
     """(rows,) V rms of each row as the sine blocks show it, above all drives; as believed where they are few.
 
     Half of all blocks lie below their median: other than a quartile it is not low by chance.

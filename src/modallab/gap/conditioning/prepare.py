@@ -17,16 +17,16 @@ from modallab.gap.conditioning.ambient import (
     moves_before_hits,
     without_ringing,
 )
-from modallab.gap.conditioning.clipped import Clipped, find_clipped
+from modallab.gap.conditioning.clipped import ClippedChannel, find_clipped
 from modallab.gap.conditioning.driven import SettledRecords, settle_drives
-from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, weak_hum, without_hum
+from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, hum_below_removal, without_hum
 from modallab.gap.conditioning.lost import rows_losing_samples
 from modallab.gap.conditioning.noise import (
-    believed_noise,
-    lines_behind,
+    lines_of_noise_estimate,
     measured_noise,
+    measured_row_noise,
     noise_in_use,
-    own_noise,
+    noise_of_rig_file,
     rising_power,
 )
 from modallab.gap.conditioning.records import records_in_volts, usable_records
@@ -35,7 +35,7 @@ from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.checks import overloaded_channels
 from modallab.signals.conversion import Conversion
 
-ONE_LEVEL = "Only one level: whether the bench answers in proportion cannot be examined."
+ONE_LEVEL = "Only one level: whether the bench is linear cannot be examined."
 NOISY = 1.3
 """A row this far above the others is noisy."""
 NOISY_AS_BUILT = 2.5
@@ -58,7 +58,7 @@ class PreparedCampaign:
         measured_v: (rows,) noise the records show.
         masked: (record, row) not to be used.
         hum: mains hum, None if there is none.
-        weak_hum: frequency and (rows,) V of hum too weak to be taken out.
+        hum_below_removal: frequency and (rows,) V of hum too weak to be taken out.
         rising_v2: power at 1 Hz, V^2 per sample, of noise that rises as 1 / f; 0 if it is white.
         clipped: channels with flat tops.
         ringing: decays before the hits.
@@ -78,9 +78,9 @@ class PreparedCampaign:
     measured_v: Real
     masked: frozenset[tuple[str, int]]
     hum: Hum | None
-    weak_hum: tuple[float, Real] | None
+    hum_below_removal: tuple[float, Real] | None
     rising_v2: float
-    clipped: tuple[Clipped, ...]
+    clipped: tuple[ClippedChannel, ...]
     ringing: Ringing | None
     floor: Floor | None
     noisy: tuple[int, ...]
@@ -103,7 +103,7 @@ def prepare_campaign(campaign: Campaign) -> PreparedCampaign:
     at_full_scale = _overloaded_blocks(blocks, campaign.rig)
     clipped = tuple(find_clipped(blocks, noise, _full_scale_v(blocks, campaign.rig), force))
     masked = at_full_scale | {(name, c.row) for c in clipped for name in c.records}
-    noisy = _standing_out(measured, lines_behind(blocks), NOISY_AS_BUILT if as_built else NOISY)
+    noisy = _standing_out(measured, lines_of_noise_estimate(blocks), NOISY_AS_BUILT if as_built else NOISY)
     # Samples that are lost are noise to a spectrum, and would hide themselves.
     repeated = rows_losing_samples(blocks, np.fmin(noise, measured), force)
     cleaned, poles = _cleaned_of_hum(campaign, blocks, hum, noise, masked, noisy)
@@ -122,7 +122,7 @@ def prepare_campaign(campaign: Campaign) -> PreparedCampaign:
         measured,
         frozenset(masked),
         hum,
-        weak_hum(blocks, noise, force) if as_built and hum is None else None,
+        hum_below_removal(blocks, noise, force) if as_built and hum is None else None,
         rising_power(blocks, noise, () if floor is None else (force,)) if as_built else 0.0,
         clipped,
         ringing,
@@ -175,9 +175,9 @@ class RowNoises(NamedTuple):
     @classmethod
     def of(cls, blocks: Sequence[Block], rig: Rig) -> Self:
         """Of some records of a rig."""
-        believed, measured = believed_noise(rig, blocks), measured_noise(blocks, rig)
+        believed, measured = noise_of_rig_file(rig, blocks), measured_noise(blocks, rig)
         if rig.tolerance.of_assembly:
-            return cls(believed, measured, own_noise(blocks, believed, rig.force_channel.index))
+            return cls(believed, measured, measured_row_noise(blocks, believed, rig.force_channel.index))
         return cls(believed, measured, noise_in_use(measured, believed))
 
 

@@ -85,14 +85,14 @@ def _closest_frequencies(rig: Rig) -> bool:
 
 def hit_pulses(signals: Sequence[Signals]) -> tuple[Real, NDArray[np.int64]]:
     """(hits, m) force in N about each hit without its offset, and (hits,) the sample at which each begins."""
-    windows = [wide_hit(s) for s in signals]
+    windows = [hit_with_filter_ringing(s) for s in signals]
     pulses = np.zeros((len(signals), max(w.stop - w.first for w in windows)))
     for pulse, s, w in zip(pulses, signals, windows, strict=True):
         pulse[: w.stop - w.first] = s.force[w.first : w.stop] - w.offset
     return pulses, np.array([w.first for w in windows])
 
 
-def wide_hit(signals: Signals) -> HitSamples:
+def hit_with_filter_ringing(signals: Signals) -> HitSamples:
     """The hit with the stretch about its peak in which an anti-alias filter still rings."""
     hit, rate = signals.hit, signals.rate_hz
     first = max(0, min(hit.first, hit.peak - round(BEFORE_S * rate)))
@@ -132,11 +132,11 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
             Piece(block.name, float(block.order), rig.x_of(block.drive_point or 0), block.level, (block.name,))
         )
     rows = rows_of(np.concatenate(y, axis=1), np.concatenate(sigma, axis=1), np.concatenate(noise))
-    source = SineBlocks(np.array(lines), np.array(drive), n, dt, np.array(forces), rise_of(blocks))
+    source = SineBlocks(np.array(lines), np.array(drive), n, dt, np.array(forces), onset_of_sines(blocks))
     return SineData(tuple(pieces), source, rows, ratio, ratio_sigma)
 
 
-def rise_of(blocks: Sequence[Block]) -> SineStartUp:
+def onset_of_sines(blocks: Sequence[Block]) -> SineStartUp:
     """How the sines of blocks came about, the usual where a block does not say it."""
     return SineStartUp(
         np.array([HISTORY_S if b.history_s is None else b.history_s for b in blocks]),

@@ -11,7 +11,7 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import wide_hit
+from modallab.gap.conditioning.reduce import hit_with_filter_ringing
 from modallab.identification.realization import block_hankel, state_poles
 from modallab.signals.signals import to_signals
 
@@ -50,7 +50,7 @@ def ring_down_poles(blocks: Sequence[Block], rig: Rig, keep: Sequence[int], top_
 def _decay_after_hit(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[Real, float] | None:
     """(channels, n) after the hit, and s between samples; None where next to nothing comes after it."""
     signals = to_signals(block, rig)
-    motion, start = signals.responses, wide_hit(signals).stop
+    motion, start = signals.responses, hit_with_filter_ringing(signals).stop
     step = max(1, int(block.rate_hz / (2.2 * top_hz)))
     length = motion.shape[1] - start
     if length < LEAST_S * block.rate_hz:

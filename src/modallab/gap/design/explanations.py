@@ -80,11 +80,11 @@ def remaining_explanations(diagnosis: Diagnosis) -> list[CandidateSet]:
     One that contains a likelier one is no rival of it: what it has beyond is not needed, and nothing rules it out.
     Where one stands alone, the one behind it counts too.
     """
-    kept = without_needless(diagnosis.candidates)
+    kept = without_redundant(diagnosis.candidates)
     return [c for k, c in enumerate(kept) if k < 2 or c.probability >= POSSIBLE][:MOST]
 
 
-def without_needless(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
+def without_redundant(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
     """Explanations, the likeliest first, without those that contain a likelier one: what they add is not needed."""
     kept: list[CandidateSet] = []
     for c in sorted(candidates, key=lambda c: -c.probability):
@@ -125,7 +125,7 @@ def fit_explanations(
     Raises:
         DataError: one has an effect that no fit looks for on this rig.
     """
-    free = free_with(there, points)
+    free = nuisances_with_hits(there, points)
     total = sum(c.probability for c in sets) or 1.0
     names = Counter(frozenset(c.effects) for c in sets)
     fits = [minimise(*first_fit_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4) for c in sets]
@@ -163,7 +163,7 @@ def _require_planned(diagnosis: Diagnosis, c: CandidateSet) -> None:
         )
 
 
-def free_with(there: RecordsSoFar, points: Collection[tuple[float, int]]) -> Nuisances:
+def nuisances_with_hits(there: RecordsSoFar, points: Collection[tuple[float, int]]) -> Nuisances:
     """The free numbers of a fit to the records that are there and to hits at further points."""
     rig = there.prepared.campaign.rig
     counts = Counter(b.drive_point for b in there.prepared.blocks if b.test == "impact" and b.drive_point is not None)

@@ -138,7 +138,7 @@ def without_noise(rivals: RivalExplanations, gram: Real, true: int) -> list[tupl
     return [(float(cost[0]), r.fit.u + step[0]) for r, (cost, step) in zip(rivals.listed, found, strict=True)]
 
 
-def apart_by_row(rivals: RivalExplanations, columns: Real) -> Real:
+def residuals_between_explanations(rivals: RivalExplanations, columns: Real) -> Real:
     """(residuals,) what the second explanation, fitted again, leaves of the answers of the first, in noise units."""
     own, first = rivals.numbers[1], columns.shape[1] - len(rivals.listed)
     slopes, off = columns[:, own], -columns[:, first + 1]

@@ -111,20 +111,22 @@ def _possible_hits(rig: Rig, done: Sequence[Plan]) -> list[PossibleExperiment]:
     acceptance = HitAcceptance(check_point=len(rig.responses) >= SHAPE, max_residual_ratio=STILL)
     like = like.model_copy(update={"acceptance": acceptance})
     found = [
-        PossibleExperiment(f"hits at {p.id}", f"Strike {HITS} times at point {p.id}.", (struck_at(like, (p.id,)),))
+        PossibleExperiment(
+            f"hits at {p.id}", f"Strike {HITS} times at point {p.id}.", (hits_at_other_points(like, (p.id,)),)
+        )
         # Of points that tell alike, that is struck which moves most: near the root a hit is felt least.
         for p in sorted(rig.points, key=lambda p: -p.x_m)
         if p.id not in struck and p.x_m > 0
     ]
     if struck:
-        again = struck_at(like, tuple(struck))
+        again = hits_at_other_points(like, tuple(struck))
         found.append(
             PossibleExperiment("hits again", "Repeat the hits where they were: noise falls, and time shows.", (again,))
         )
     return found
 
 
-def struck_at(like: ImpactPlan, points: tuple[int, ...]) -> ImpactPlan:
+def hits_at_other_points(like: ImpactPlan, points: tuple[int, ...]) -> ImpactPlan:
     """A plan of hits at other points, recorded as those of a plan before."""
     return like.model_copy(update={"points": points, "hits": HITS})
 
@@ -170,7 +172,7 @@ def limit_force(plan: SinePlan, newtons: float) -> SinePlan:
     return plan.model_copy(update={"levels_v": volts, "force": plan.force.model_copy(update={"levels_n": levels})})
 
 
-def every_line(rig: Rig, done: Sequence[Plan]) -> SinePlan:
+def sines_on_all_lines(rig: Rig, done: Sequence[Plan]) -> SinePlan:
     """Sines on all lines of the usual band that were not driven yet: to choose from."""
     before = next((plan for plan in done if isinstance(plan, SinePlan)), None)
     like = before or SinePlan()

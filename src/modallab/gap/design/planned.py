@@ -58,10 +58,10 @@ def join_planned(layouts: Sequence[PlannedRecords]) -> PlannedRecords:
     """The records of several plans side by side, each as it would be were it run alone; at least one."""
     first = layouts[0].data
     impacts = tuple(d for one in layouts for d in one.data.impacts)
-    of_hits = tuple(noise for one in layouts for noise in one.force_noise[: len(one.data.impacts)])
+    hit_numbers = tuple(noise for one in layouts for noise in one.force_noise[: len(one.data.impacts)])
     sines = [(one.data.sines, one.force_noise[-1]) for one in layouts if one.data.sines is not None]
     test, noise = _one_test(sines) if sines else (None, ())
-    return PlannedRecords(replace(first, impacts=impacts, sines=test), (*of_hits, *noise))
+    return PlannedRecords(replace(first, impacts=impacts, sines=test), (*hit_numbers, *noise))
 
 
 def records_of_plans(rig: Rig, plans: Sequence[Plan]) -> Reduced:
@@ -71,7 +71,7 @@ def records_of_plans(rig: Rig, plans: Sequence[Plan]) -> Reduced:
         PlanError: there is no test in the plan, or a sine test and no shaker point.
     """
     free = nuisances(rig, 450.0)
-    return laid_out(rig, plans, nominal_weights(rig)).answered(free.build(np.zeros(free.size)))
+    return records_of_plan(rig, plans, nominal_weights(rig)).answered(free.build(np.zeros(free.size)))
 
 
 def nominal_weights(rig: Rig) -> Weights:
@@ -81,7 +81,7 @@ def nominal_weights(rig: Rig) -> Weights:
     return Weights(np.full(len(rig.channels), float(np.hypot(own, step))))
 
 
-def laid_out(
+def records_of_plan(
     rig: Rig, plans: Sequence[Plan], weights: Weights, pulse: HitsAtPoint | None = None, done: Reduced | None = None
 ) -> PlannedRecords:
     """The records that plans would give; those of all sine tests are one.

@@ -11,7 +11,7 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.conditioning.split import every_third
+from modallab.gap.conditioning.split import one_third_of
 from modallab.gap.design.explanations import (
     Explanation,
     RecordsSoFar,
@@ -22,21 +22,21 @@ from modallab.gap.design.explanations import (
 from modallab.gap.design.information import (
     ExpectedOutcome,
     RivalExplanations,
-    apart_by_row,
     expected_outcome,
     predicted_differences,
+    residuals_between_explanations,
     without_noise,
 )
 from modallab.gap.design.options import (
     HITS,
     MOST_OF_LIMIT,
     PossibleExperiment,
-    every_line,
     limit_force,
     plans_of,
     possible_experiments,
+    sines_on_all_lines,
 )
-from modallab.gap.design.planned import PlannedRecords, join_planned, laid_out, with_more_sines
+from modallab.gap.design.planned import PlannedRecords, join_planned, records_of_plan, with_more_sines
 from modallab.gap.model.fit import Fit, Problem, evaluated, with_relative_noise
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.best_place import at_best_place
@@ -131,7 +131,7 @@ class ExperimentPlanner:
     def _laid_out(self, plan: Plan) -> PlannedRecords:
         data = self.there.data
         hits = next((d.source for d in data.impacts if isinstance(d.source, HitsAtPoint)), None)
-        return laid_out(data.rig, [plan], self.there.weights, hits, data)
+        return records_of_plan(data.rig, [plan], self.there.weights, hits, data)
 
     def _columns(self, layout: PlannedRecords) -> Real:
         # The force's noise lies along the answer, which is nearly the same of all that are left standing.
@@ -164,10 +164,10 @@ class ExperimentPlanner:
     def _fitted(self, plan: Plan) -> Plan:
         """What of a plan a fit would see."""
         if isinstance(plan, ImpactPlan):
-            return plan.model_copy(update={"hits": plan.hits - len(every_third(range(plan.hits), 2))})
+            return plan.model_copy(update={"hits": plan.hits - len(one_third_of(range(plan.hits), 2))})
         assert isinstance(plan, SinePlan)
         before = {f for p in self.done if isinstance(p, SinePlan) for f in p.frequencies_hz}
-        held = set(every_third(sorted(before | set(plan.frequencies_hz)), 1))
+        held = set(one_third_of(sorted(before | set(plan.frequencies_hz)), 1))
         kept = tuple(f for f in plan.frequencies_hz if f not in held)
         return plan.model_copy(update={"frequencies_hz": kept or plan.frequencies_hz})
 
@@ -181,7 +181,7 @@ class ExperimentPlanner:
         rig = self.there.prepared.campaign.rig
         if rig.shaker_point is None:
             return None
-        plan = every_line(rig, self.done)
+        plan = sines_on_all_lines(rig, self.done)
         layout = self._laid_out(plan)
         best = np.sort(np.argsort(-self._apart_by_sine(layout))[:CHOSEN])
         kept = plan.model_copy(update={"frequencies_hz": tuple(plan.frequencies_hz[k] for k in best)})
@@ -193,7 +193,7 @@ class ExperimentPlanner:
         """(sines,) squares that the likeliest explanation's answers leave of the next."""
         assert layout.data.sines is not None
         sines, channels = layout.data.sines.source.lines, len(layout.data.channels)
-        left = apart_by_row(self.rivals, self._columns(layout))[: 2 * channels * sines.size]
+        left = residuals_between_explanations(self.rivals, self._columns(layout))[: 2 * channels * sines.size]
         return np.sum(left.reshape(2 * channels, *sines.shape) ** 2, axis=(0, 2))
 
 

@@ -24,7 +24,7 @@ from modallab.gap.exported.modal_file import read_modal, write_modal
 from modallab.gap.exported.mujoco_run import mujoco_simulation
 from modallab.gap.exported.state_space import state_space
 from modallab.gap.exported.state_space_file import read_state_space, write_state_space
-from modallab.gap.report.calibrated import believed_twin, diagnosed_twin
+from modallab.gap.report.calibrated import diagnosed_twin, twin_of_rig_file
 from modallab.gap.report.shrinkage import BARE, closed_share
 from modallab.gap.simulations.simulated_records import Simulate, simulated_records, simulation_residual
 from modallab.twin.bench import Twin
@@ -53,7 +53,7 @@ class MeasuredForm:
     one_test: bool = False
 
 
-class InForm(Frozen):
+class FormError(Frozen):
     """How far the twin in a form is from the bench.
 
     Attributes:
@@ -95,7 +95,7 @@ def write_form(
 
 def measure_form(
     form: MeasuredForm, diagnosis: Diagnosis, campaign: Campaign, tests: Sequence[Test], most: int | None
-) -> InForm:
+) -> FormError:
     """Measure a form on records of a campaign: those its diagnosis held out, where it is of this campaign.
 
     Args:
@@ -111,13 +111,13 @@ def measure_form(
     names = _record_names(campaign, diagnosis, tests, most)
     rig = campaign.rig
     gaps: list[float] = []
-    for step, twin in enumerate((believed_twin(rig), diagnosed_twin(diagnosis, rig))):
+    for step, twin in enumerate((twin_of_rig_file(rig), diagnosed_twin(diagnosis, rig))):
         report_progress(step / 2, f"{form.name}, {'after' if step else 'before'}")
         gaps.append(simulation_residual(campaign, _simulate_form(form, twin, campaign, names)).gap)
     used = {name for of_test in names.values() for name in of_test}
     own = {name: values for name, values in predict_records(diagnosis, campaign).items() if name in used}
     before, after = gaps
-    return InForm(
+    return FormError(
         form=form.name,
         before=before,
         after=after,

@@ -10,7 +10,7 @@ from modallab.core.arrays import Real
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.free import Change
-from modallab.gap.modal.hanging import HANGS, hanging, spacing
+from modallab.gap.modal.hanging import HANGS, attached_candidates, spacing
 from modallab.modification.freedoms import freedoms_of
 
 EVERY = ("trigger_delay", "channel_skew")
@@ -34,7 +34,7 @@ NEXT = 8
 
 def candidates(c: Compared) -> list[Candidate]:
     """All of them; without a driving point none whose size needs the modal mass."""
-    hung = [one for effect in HANGS for one in hanging(c, effect)] if c.shapes.scaled else []
+    hung = [one for effect in HANGS for one in attached_candidates(c, effect)] if c.shapes.scaled else []
     # Of a force that was not measured nothing is late, and none has a gain.
     of_force = [] if c.bench.operating_shapes is not None else [*_force_gain(), *_delays(c)]
     every = [*hung, *_gains(c), *_places(c), *of_force]
@@ -43,7 +43,7 @@ def candidates(c: Compared) -> list[Candidate]:
 
 
 def _gains(c: Compared) -> Iterator[Candidate]:
-    for o in range(len(c.out_psi)):
+    for o in range(len(c.response_factors)):
         yield from _gain("gain_error", o, lambda gain, o=o: Change(gains=((o, gain),)))
 
 
@@ -70,7 +70,7 @@ def _gain(effect: str, output: int | None, change: Callable[[float], Change]) ->
 def _places(c: Compared) -> Iterator[Candidate]:
     step = spacing(c)
     angles, modes = np.arange(8) * np.pi / 4, c.model.n_modes
-    for o, slopes in enumerate(c.out_slopes):
+    for o, slopes in enumerate(c.response_slopes):
         free = np.any(slopes != 0, axis=1)
         if not np.any(free):
             continue
@@ -101,7 +101,7 @@ def _others(c: Compared, output: int) -> list[Real]:
 def force_channel(c: Compared) -> Candidate:
     """The force's channel does something else than measure the force: it filters, holds, or is late by frequency."""
     top = (2 * np.pi * float(c.model.frequency_hz.max())) ** POWERS
-    same = np.ones((len(c.out_psi), 1))
+    same = np.ones((len(c.response_factors), 1))
 
     def make(v: Real, _: Compared) -> Change:
         return Change(force_gain=float(np.exp(-v[0])), filters=same * (v / top)[1:])
@@ -131,7 +131,7 @@ def mixed_channel(c: Compared, output: int) -> list[Candidate]:
         return Candidate("", (), output, make, (np.zeros(n),), np.full(n, ODD), np.zeros(n), (), places)
 
     # Any channel might read so.
-    outputs = len(c.out_psi)
+    outputs = len(c.response_factors)
     return [reading(every, outputs), *(reading([n], outputs * len(alone)) for n in alone)]
 
 

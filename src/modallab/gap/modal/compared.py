@@ -19,7 +19,7 @@ from modallab.gap.modal.matching import Side, in_common
 from modallab.gap.modal.narrower import in_band
 from modallab.gap.modal.off_axis import Means
 from modallab.gap.modal.rigid import with_rigid_mode
-from modallab.gap.modal.state import Hung
+from modallab.gap.modal.state import AttachedElement
 from modallab.gap.modal.weights import Weights
 from modallab.modification.freedoms import Freedom, freedoms_of
 from modallab.modification.mesh import Mesh
@@ -48,10 +48,10 @@ class Compared:
         model: the reference.
         bench: what the bench's model is.
         shapes: of the reference.
-        out_psi: (outputs, modes) of the reference, complex as it is, along the freedoms.
-        into_psi: (inputs, modes), with the phase of the chain.
-        out_slopes: (outputs, 2, modes) along the surface, 1/m.
-        into_slopes: (inputs, 2, modes); (1, 2 modes, modes) of an unknown force, which may do anything to each mode.
+        response_factors: (outputs, modes) of the reference, complex as it is, along the freedoms.
+        force_factors: (inputs, modes), with the phase of the chain.
+        response_slopes: (outputs, 2, modes) along the surface, 1/m.
+        force_slopes: (inputs, 2, modes); (1, 2 modes, modes) of an unknown force, which may do anything to each mode.
         s: (lines,) complex frequencies.
         outside: (lines, outputs, inputs) all that the reference holds beside the products of its shapes: what lies
             outside the band, and what its model leaves of the measured FRFs; m/N.
@@ -66,10 +66,10 @@ class Compared:
     model: ModalModel
     bench: ModalModel
     shapes: FreedomShapes
-    out_psi: Complex
-    into_psi: Complex
-    out_slopes: Complex
-    into_slopes: Complex
+    response_factors: Complex
+    force_factors: Complex
+    response_slopes: Complex
+    force_slopes: Complex
     s: Complex
     outside: Complex
     known: Complex
@@ -92,7 +92,7 @@ class Compared:
         frfs = None if self.frfs is None else self.frfs.thinned(lines)
         return replace(self, **parts, frfs=frfs, noise=noise, weights=own)
 
-    def by_lines(self, hung: Hung) -> Hung:
+    def by_lines(self, hung: AttachedElement) -> AttachedElement:
         """What hangs at a driven point where a sensor stands, coupled line by line if the FRFs were measured."""
         if self.frfs is None:
             return hung
@@ -190,8 +190,8 @@ def compared(
     shapes = shapes_of(model, rig, mesh)
     outputs, inputs = freedoms_of(model, rig)
     s = _lines(other, lowest, high, smooth)
-    out_psi = np.array([shapes.seen[:, shapes.index(f)] for f in outputs])
-    into_psi = np.array([shapes.driven[:, shapes.index(f)] for f in inputs]) * shapes.turn
+    response_factors = np.array([shapes.seen[:, shapes.index(f)] for f in outputs])
+    force_factors = np.array([shapes.driven[:, shapes.index(f)] for f in inputs]) * shapes.turn
     means = _means(s, before, after)
     if means is None:
         known, measured, noise = receptances_of_model(model, s), receptances_of_model(other, s), None
@@ -203,12 +203,12 @@ def compared(
         model=model,
         bench=other,
         shapes=shapes,
-        out_psi=out_psi,
-        into_psi=into_psi,
-        out_slopes=np.array([shapes.slopes(f) for f in outputs]),
-        into_slopes=_into_slopes(shapes, inputs, into_psi, other),
+        response_factors=response_factors,
+        force_factors=force_factors,
+        response_slopes=np.array([shapes.slopes(f) for f in outputs]),
+        force_slopes=_force_slopes(shapes, inputs, force_factors, other),
         s=s,
-        outside=known - np.einsum("lr,or,ir->loi", receptance_of_modes(model, s), out_psi, into_psi),
+        outside=known - np.einsum("lr,or,ir->loi", receptance_of_modes(model, s), response_factors, force_factors),
         known=known,
         measured=measured,
         # What hangs on a computed reference is not coupled line by line: its resonances are not the bench's.
@@ -218,9 +218,11 @@ def compared(
     )
 
 
-def _into_slopes(shapes: FreedomShapes, inputs: Sequence[Freedom], into_psi: Complex, bench: ModalModel) -> Complex:
+def _force_slopes(
+    shapes: FreedomShapes, inputs: Sequence[Freedom], force_factors: Complex, bench: ModalModel
+) -> Complex:
     if bench.operating_shapes is not None:
-        each = np.diag(into_psi[0])
+        each = np.diag(force_factors[0])
         return np.concatenate([each, 1j * each])[None]
     return np.array([shapes.slopes(f) for f in inputs]) * shapes.turn
 

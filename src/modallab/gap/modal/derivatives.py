@@ -44,11 +44,11 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     force[0] = -whole
     for o in range(len(state.out)):
         gains[o, :, o] = whole[:, o]
-        at[2 * o : 2 * o + 2, :, o] = read[:, o] * np.einsum("jm,lmi->jli", c.out_slopes[o], y)
+        at[2 * o : 2 * o + 2, :, o] = read[:, o] * np.einsum("jm,lmi->jli", c.response_slopes[o], y)
     for i in range(len(state.into)):
         hits[i, :, :, i] = whole[:, :, i]
-        ways = c.into_slopes.shape[1]
-        struck[ways * i : ways * (i + 1), :, :, i] = state.applied[i] * (x @ c.into_slopes[i].T).transpose(2, 0, 1)
+        ways = c.force_slopes.shape[1]
+        struck[ways * i : ways * (i + 1), :, :, i] = state.applied[i] * (x @ c.force_slopes[i].T).transpose(2, 0, 1)
     before, after = x @ known.sensor_shapes.T, known.sensor_shapes @ y
     for p in range(len(known.sensor_masses)):
         masses[p] = -squared * before[:, :, p, None] * after[:, None, p, :]

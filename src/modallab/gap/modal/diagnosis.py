@@ -16,13 +16,13 @@ from modallab.core.places import BetweenPoints, EveryOutput, NamedChannel, NearP
 from modallab.core.rig import Rig
 from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
-from modallab.gap.modal.fitting import Fitted
+from modallab.gap.modal.fitting import FittedExplanation
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.hanging import two_points
-from modallab.gap.modal.judged import Judged, judged
+from modallab.gap.modal.judged import ModalVerdict, judged
 from modallab.gap.modal.matching import Side
 from modallab.gap.modal.off_axis import MeasuredFrfs
-from modallab.gap.modal.parts import Misses, by_channel, by_mode
+from modallab.gap.modal.parts import RelativeMisfits, by_channel, by_mode
 from modallab.gap.modal.search import ModalSearch
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.identification.backbone_laws import level_notes
@@ -40,7 +40,7 @@ LOOSE = 5.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Explained:
+class ComparisonOutcome:
     """What a comparison came to, with the comparison itself.
 
     Attributes:
@@ -50,7 +50,7 @@ class Explained:
     """
 
     free: Free
-    judged: Judged
+    judged: ModalVerdict
     diagnosis: ModalDiagnosis
 
     @property
@@ -77,7 +77,7 @@ def explained_by_model(
     mesh: Mesh | None = None,
     own: Rig | None = None,
     frfs: tuple[Frf | None, Frf | None] = (None, None),
-) -> Explained:
+) -> ComparisonOutcome:
     """What differs between a structure's modal model and the structure as it is, beyond the rig's tolerances.
 
     Args:
@@ -98,13 +98,13 @@ def explained_by_model(
     smooth, closer = (Free(compare(width), LOOSE) for width in SMOOTHER)
     found = judged(ModalSearch.begun(smooth, closer, Free(last)))
     said = _said(Free(last), found, (reference.n_modes, bench.n_modes), _of_levels(bench))
-    return Explained(Free(last), found, said)
+    return ComparisonOutcome(Free(last), found, said)
 
 
-def _said(free: Free, found: Judged, modes: tuple[int, int], levels: Sequence[str]) -> ModalDiagnosis:
+def _said(free: Free, found: ModalVerdict, modes: tuple[int, int], levels: Sequence[str]) -> ModalDiagnosis:
     best, probable = found.best, {id(f): p for f, p in found.ranked}
     known = found.verdict == "known"
-    misses = Misses.of(free, found.base, best)
+    misses = RelativeMisfits.of(free, found.base, best)
     return ModalDiagnosis(
         rig=free.of.rig.name,
         verdict=found.verdict,
@@ -136,14 +136,14 @@ def _of_levels(bench: ModalModel) -> list[str]:
     return [*level_notes(bench.backbone, bench), weakest]
 
 
-def _without_name(found: Judged) -> list[str]:
+def _without_name(found: ModalVerdict) -> list[str]:
     """Where what has no name is."""
     whole = {"structure": "the structure, changed from place to place", "everything": "every channel and point alike"}
     where = whole.get(found.where, found.where)
     return [f"Most likely what has no name is this: {where}."] if found.verdict == "unknown" else []
 
 
-def _of_the_whole(best: Fitted) -> list[str]:
+def _of_the_whole(best: FittedExplanation) -> list[str]:
     """What is said of E, where a computed reference is off as a whole."""
     log = float(best.free.parts(best.u)[0][0])
     sigma = float(np.sqrt(best.covariance[0, 0]) * best.free.deviations[0])
@@ -154,7 +154,7 @@ def _of_the_whole(best: Fitted) -> list[str]:
     return [f"The bench is {more} than the reference as a whole, by {off}: Young's modulus, or a thickness, is wrong."]
 
 
-def changed(c: Compared, fitted: Fitted, probability: float) -> FoundChange:
+def changed(c: Compared, fitted: FittedExplanation, probability: float) -> FoundChange:
     """A fitted change with its numbers, their intervals and its place."""
     candidate = fitted.candidate
     assert candidate is not None
@@ -181,7 +181,7 @@ def changed(c: Compared, fitted: Fitted, probability: float) -> FoundChange:
     )
 
 
-def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float], list[float]]:
+def _numbers(c: Compared, fitted: FittedExplanation, sigma: Real) -> tuple[dict[str, float], list[float]]:
     """Numbers by name and their sigmas; of a mass or a spring that of the logarithm."""
     candidate, v = fitted.candidate, fitted.v
     assert candidate is not None
@@ -201,7 +201,7 @@ def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float]
     return {number: float(v[0])}, [float(sigma[0])]
 
 
-def _place(c: Compared, fitted: Fitted) -> PlaceOnStructure:
+def _place(c: Compared, fitted: FittedExplanation) -> PlaceOnStructure:
     candidate, v = fitted.candidate, fitted.v
     assert candidate is not None
     if candidate.effect in EVERY:

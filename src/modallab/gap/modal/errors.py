@@ -55,11 +55,11 @@ def weights(
     constants = np.abs(bench.modal_constants)
     size = np.hypot(constants, SMALL * _rms(constants))
     # One that was not found at all is believed to be as large as it is.
-    of_modes = np.hypot(SHAPE * size, np.minimum(np.nan_to_num(bench.modal_constant_sigma), size))
+    values_at_modes = np.hypot(SHAPE * size, np.minimum(np.nan_to_num(bench.modal_constant_sigma), size))
     # A modal constant is complex: it may be off in size and in phase.
     modes = receptance_of_modes(bench, s).T
     shapes = np.concatenate([terms, modes, 1j * modes])
-    spread = np.concatenate([of_terms, of_modes, of_modes])
+    spread = np.concatenate([of_terms, values_at_modes, values_at_modes])
     return Weights.of(ERROR * lines * sizes(measured), shapes, along * spread, noise)
 
 

@@ -17,7 +17,7 @@ ENOUGH = 1e-4
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Fitted:
+class FittedExplanation:
     """An explanation.
 
     Attributes:
@@ -56,7 +56,7 @@ class Fitted:
 
 def fit(
     free: Free, candidate: Candidate | None = None, u: Real | None = None, v: Real | None = None, steps: int = STEPS
-) -> Fitted:
+) -> FittedExplanation:
     """Fit the tolerances, and a change, from a start."""
     n = free.size
     begin = np.concatenate([np.zeros(n) if u is None else u, np.zeros(0) if v is None else v])
@@ -67,7 +67,7 @@ def fit(
     covariance, logdet = inverse(normal)
     open_ = 0.0 if candidate is None else candidate.room
     evidence = cost + free.of.weights.logdet + logdet + open_
-    return Fitted(free, candidate, found[:n], found[n:], cost, covariance, evidence)
+    return FittedExplanation(free, candidate, found[:n], found[n:], cost, covariance, evidence)
 
 
 def minimised(
@@ -134,14 +134,14 @@ def _system(free: Free, candidate: Candidate | None, u: Real, v: Real) -> tuple[
     prior = np.ones(u.size)
     off = u
     if candidate is not None:
-        own = free.weighed(own_slopes(free, candidate, u, v, predicted))
+        own = free.weighed(slopes_by_differences(free, candidate, u, v, predicted))
         jacobian = np.concatenate([jacobian, own], axis=1)
         weight, pulled = candidate.pull(v)
         prior, off = np.concatenate([prior, weight]), np.concatenate([off, pulled])
     return jacobian.T @ jacobian + np.diag(prior), jacobian.T @ left + off
 
 
-def own_slopes(free: Free, candidate: Candidate | None, u: Real, v: Real, predicted: Complex) -> Complex:
+def slopes_by_differences(free: Free, candidate: Candidate | None, u: Real, v: Real, predicted: Complex) -> Complex:
     """(numbers of the change, lines, outputs, inputs) derivatives of what is predicted, by differences."""
     if candidate is None:
         return np.zeros((0, *predicted.shape), np.complex128)

@@ -17,7 +17,7 @@ GUESSED = 0.1
 """Deviation of the stiffness of a computed reference as a whole."""
 
 
-def of_structure(
+def floor_of_structure(
     reference: ModalModel, bench: ModalModel, rig: Rig, wide: float = 1.0
 ) -> tuple[float, float, Real, Real]:
     """Deviations of all stiffness, of all mass, of each of its places (modes, modes), and of each damping (modes,).

@@ -12,8 +12,8 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.rig import FORCE_SHARE
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.derivatives import derivatives
-from modallab.gap.modal.floor import of_structure
-from modallab.gap.modal.state import Hung, State, Structure, filtered
+from modallab.gap.modal.floor import floor_of_structure
+from modallab.gap.modal.state import AttachedElement, State, Structure, filtered
 
 UNKNOWN_FORCE = 10.0
 """Deviation of what a force that nobody measured does to a mode, over what it seems to do."""
@@ -33,7 +33,7 @@ class Change:
         mixed: an output, its shares of what each of them reads (outputs,), and of the force, in its quantity over N.
     """
 
-    hung: Hung | None = None
+    hung: AttachedElement | None = None
     gains: tuple[tuple[int, float], ...] = ()
     force_gain: float = 1.0
     hit_gains: tuple[tuple[int, float], ...] = ()
@@ -80,7 +80,7 @@ class Free:
     @property
     def sizes(self) -> tuple[int, ...]:
         """How many of each: stiffness, mass, field, damping, gains, force, hits, places, masses, damping across."""
-        outputs, inputs = len(self.of.out_psi), len(self.of.into_psi)
+        outputs, inputs = len(self.of.response_factors), len(self.of.force_factors)
         return (
             1,
             1,
@@ -90,14 +90,14 @@ class Free:
             1,
             inputs,
             2 * outputs,
-            inputs * self.of.into_slopes.shape[1],
+            inputs * self.of.force_slopes.shape[1],
             outputs,
             len(self.of.close_pairs),
         )
 
     def _deviations(self) -> Real:
         t = self.of.rig.tolerance
-        stiffness, mass, of_place, damping = of_structure(self.of.model, self.of.bench, self.of.rig, self.wide)
+        stiffness, mass, of_place, damping = floor_of_structure(self.of.model, self.of.bench, self.of.rig, self.wide)
         pairs = [(damping[r] + damping[q]) / 4 for r, q in self.of.close_pairs]
         each = (
             stiffness,
@@ -134,7 +134,7 @@ class Free:
         gain = np.exp(gains)
         for o, factor in change.gains:
             gain[o] *= factor
-        moved = c.out_psi + np.einsum("oj,ojm->om", at.reshape(-1, 2), c.out_slopes)
+        moved = c.response_factors + np.einsum("oj,ojm->om", at.reshape(-1, 2), c.response_slopes)
         mixed = np.eye(len(gain))
         for o, along_m, off in change.shifts:
             moved[o] += c.shifted(o, along_m, off)
@@ -150,7 +150,7 @@ class Free:
             # Of a model alone: what an identification makes of a delay is a shape that is turned mode by mode.
             moved = moved * filtered(2j * np.pi * c.model.frequency_hz, filters).T
             filters = 0 * filters
-        driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(c.into_slopes.shape[:2]), c.into_slopes)
+        driven = c.force_factors + np.einsum("ij,ijm->im", struck.reshape(c.force_slopes.shape[:2]), c.force_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
         for i, factor in change.hit_gains:
             applied[i] *= factor
@@ -191,7 +191,7 @@ class Free:
             field=e + np.triu(e, 1).T,
             across=damped,
             sensor_masses=masses,
-            sensor_shapes=c.out_psi if c.shapes.scaled else 0 * c.out_psi,
+            sensor_shapes=c.response_factors if c.shapes.scaled else 0 * c.response_factors,
         )
 
     def predicted(self, u: Real, change: Change = NOTHING) -> Complex:

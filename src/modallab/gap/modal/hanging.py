@@ -8,7 +8,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.free import Change
-from modallab.gap.modal.state import Hung
+from modallab.gap.modal.state import AttachedElement
 from modallab.modification.freedoms import Freedom, freedoms_of
 from modallab.modification.mesh import median_spacing
 
@@ -46,7 +46,7 @@ def spacing(c: Compared) -> float:
     return median_spacing(c.shapes.at_m)
 
 
-def hanging(c: Compared, effect: str) -> Iterator[Candidate]:
+def attached_candidates(c: Compared, effect: str) -> Iterator[Candidate]:
     """One kind at each point where it can be felt, and between points next to each other where it may act there."""
     yield from _on_points(c, effect)
     if effect in BETWEEN:
@@ -84,7 +84,9 @@ def _between(c: Compared, effect: str, pair: tuple[Freedom, Freedom]) -> Candida
     def make(v: Real, _: Compared) -> Change:
         size = _numbers_of(effect, float(np.exp(np.clip(v[0], *within))))
         turn = c.shapes.turn * complex(np.exp(1j * v[1]))
-        hung = Hung(seen, driven, *size, outputs=outputs, inputs=inputs, compliance=local, turn=turn, opposed=True)
+        hung = AttachedElement(
+            seen, driven, *size, outputs=outputs, inputs=inputs, compliance=local, turn=turn, opposed=True
+        )
         return Change(hung)
 
     starts = tuple(np.array([log, 0.0]) for log in logs)
@@ -102,7 +104,7 @@ def _at_point(c: Compared, effect: str, group: tuple[Freedom, ...]) -> Candidate
     def make(v: Real, there: Compared) -> Change:
         size = _numbers_of(effect, float(np.exp(np.clip(v[0], *within))))
         turn = c.shapes.turn * complex(np.exp(1j * v[1]))
-        hung = Hung(psi[0], psi[1], *size, outputs=(out,), inputs=(into,), turn=turn)
+        hung = AttachedElement(psi[0], psi[1], *size, outputs=(out,), inputs=(into,), turn=turn)
         return Change(there.by_lines(hung))
 
     # The common phase may be the chain's, or that of the structure with a hit beside its point.
@@ -171,7 +173,7 @@ def _phase(c: Compared) -> float:
     return float(np.hypot(min(turned, np.pi - turned), PHASE))
 
 
-def nearby(c: Compared, found: Candidate, v: Real, count: int) -> list[tuple[Candidate, Real]]:
+def candidates_nearby(c: Compared, found: Candidate, v: Real, count: int) -> list[tuple[Candidate, Real]]:
     """The same kind of change from other points near its place, each of a size that the modes feel alike."""
     first = found.freedoms[0]
     if two_points(found.freedoms):
@@ -202,7 +204,7 @@ def _hanging(
         away += v[5:].reshape(uncertain.shape) * uncertain
         size = _numbers_of(effect, float(np.exp(np.clip(v[0], *within))))
         return Change(
-            Hung(
+            AttachedElement(
                 seen + away,
                 driven + away,
                 *size,

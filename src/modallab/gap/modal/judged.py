@@ -14,9 +14,9 @@ from modallab.core.diagnosis import Verdict
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.candidates import force_channel, hits_at, mixed_channel
 from modallab.gap.modal.errors import sizes
-from modallab.gap.modal.fitting import Fitted, fit
+from modallab.gap.modal.fitting import FittedExplanation, fit
 from modallab.gap.modal.marginal import Marginal
-from modallab.gap.modal.scales import SUSPECTS, Rung, estimated, nameless, settled, unusual_at, usual
+from modallab.gap.modal.scales import SUSPECTS, Rung, estimated, nameless, settled, unusual_rungs, usual
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import frfs_without_shapes
 
@@ -25,7 +25,7 @@ PRIOR = {"no_gap": 0.5, "known": 0.4, "unknown": 0.1}
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Judged:
+class ModalVerdict:
     """The verdict.
 
     Attributes:
@@ -41,9 +41,9 @@ class Judged:
     """
 
     verdict: Verdict
-    base: Fitted
-    best: Fitted
-    ranked: list[tuple[Fitted, float]]
+    base: FittedExplanation
+    best: FittedExplanation
+    ranked: list[tuple[FittedExplanation, float]]
     nothing: float
     unknown: float
     where: str
@@ -51,12 +51,12 @@ class Judged:
     notes: list[str]
 
 
-def strain(fitted: Fitted) -> float:
+def strain(fitted: FittedExplanation) -> float:
     """Root of misfit and priors over the count of tolerances; about 1 where tolerances explain what is seen."""
     return float(np.sqrt(fitted.cost / fitted.u.size))
 
 
-def judged(search: ModalSearch) -> Judged:
+def judged(search: ModalSearch) -> ModalVerdict:
     """What the explanations amount to: where it is not nothing, the best is fitted until it stays the best."""
     base, as_usual = search.base, usual(search.base.free.of)
     nothing = settled(base, as_usual)
@@ -70,7 +70,7 @@ def judged(search: ModalSearch) -> Judged:
         return _decided(found)
     ended = {0: base}
 
-    def to_its_end(begun: Fitted, n: int) -> Fitted:
+    def to_its_end(begun: FittedExplanation, n: int) -> FittedExplanation:
         if not n:
             return begun
         ended[n] = search.ended(kinds[n - 1])
@@ -83,24 +83,24 @@ def judged(search: ModalSearch) -> Judged:
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
 
 
-def _of_channels(base: Fitted, as_usual: list[Rung], wide: float) -> dict[str, Fitted]:
+def _of_channels(base: FittedExplanation, as_usual: list[Rung], wide: float) -> dict[str, FittedExplanation]:
     """What a channel, that of the force, or the hits at a point do otherwise, whatever it is."""
     c, missed = base.free.of, np.mean(base.missed**2, axis=0)
     rows, columns = np.eye(len(missed), dtype=bool), np.eye(missed.shape[1], dtype=bool)
-    found: dict[str, Fitted] = {}
+    found: dict[str, FittedExplanation] = {}
     for o in np.argsort(-missed.mean(axis=1))[:SUSPECTS].tolist():
-        found[c.model.outputs[o]] = settled(base, unusual_at(c, rows[:, [o]], wide))
+        found[c.model.outputs[o]] = settled(base, unusual_rungs(c, rows[:, [o]], wide))
         found[f"{c.model.outputs[o]} reads what another channel should"] = _mixed(base, o, as_usual)
     if c.bench.operating_shapes is None:
         found[c.rig.force_channel.name] = settled(_begun(base, force_channel(c)), as_usual)
         # Hits at one point may be of another size alone, or on another day.
         for i in np.argsort(-missed.mean(axis=0))[:SUSPECTS].tolist() if len(columns) > 1 else ():
-            each = [*as_usual, *unusual_at(c, columns[[i]], wide)]
+            each = [*as_usual, *unusual_rungs(c, columns[[i]], wide)]
             found[f"hits at {c.model.input_points[i]}"] = settled(_begun(base, hits_at(i)), each)
     return found
 
 
-def _mixed(base: Fitted, output: int, as_usual: list[Rung]) -> Fitted:
+def _mixed(base: FittedExplanation, output: int, as_usual: list[Rung]) -> FittedExplanation:
     """A channel that reads shares of others: of all, or of the one that explains most."""
     here = Marginal.about(base.free, base.u)
     every, *single = (here.fit(one, one.starts[0]) for one in mixed_channel(base.free.of, output))
@@ -108,19 +108,24 @@ def _mixed(base: Fitted, output: int, as_usual: list[Rung]) -> Fitted:
     return min((settled(f, as_usual) for f in (every, best)), key=lambda f: f.evidence)
 
 
-def _begun(base: Fitted, candidate: Candidate) -> Fitted:
+def _begun(base: FittedExplanation, candidate: Candidate) -> FittedExplanation:
     return fit(base.free, candidate, base.u, candidate.starts[0])
 
 
-def _weighed(base: Fitted, nothing: Fitted, names: Sequence[Fitted], others: Mapping[str, Fitted]) -> Judged:
+def _weighed(
+    base: FittedExplanation,
+    nothing: FittedExplanation,
+    names: Sequence[FittedExplanation],
+    others: Mapping[str, FittedExplanation],
+) -> ModalVerdict:
     """All explanations with their probabilities."""
     none, *each, unknown = _posterior(nothing, names, list(others.values()))
     ranked = sorted(zip(names, each, strict=True), key=lambda pair: -pair[1])
     where = min(others, key=lambda name: others[name].evidence)
-    return Judged("known", base, ranked[0][0], ranked, none, unknown, where, (strain(base),) * 2, [])
+    return ModalVerdict("known", base, ranked[0][0], ranked, none, unknown, where, (strain(base),) * 2, [])
 
 
-def _decided(found: Judged) -> Judged:
+def _decided(found: ModalVerdict) -> ModalVerdict:
     name = found.ranked[0][1] if found.ranked else 0.0
     none = replace(found, verdict="no_gap", best=found.base, strains=(found.strains[0],) * 2)
     if found.nothing >= max(name, found.unknown):
@@ -133,7 +138,9 @@ def _decided(found: Judged) -> Judged:
     return found
 
 
-def _posterior(nothing: Fitted, names: Sequence[Fitted], others: Sequence[Fitted]) -> list[float]:
+def _posterior(
+    nothing: FittedExplanation, names: Sequence[FittedExplanation], others: Sequence[FittedExplanation]
+) -> list[float]:
     """Of nothing, of each kind of change, and of what has no name."""
     fits = [nothing, *names, *others]
     named, nameless = PRIOR["known"] / max(len(names), 1), PRIOR["unknown"] / len(others)
@@ -144,12 +151,12 @@ def _posterior(nothing: Fitted, names: Sequence[Fitted], others: Sequence[Fitted
     return [*each[: len(names) + 1].tolist(), float(each[len(names) + 1 :].sum())]
 
 
-def moves(fitted: Fitted) -> float:
+def moves(fitted: FittedExplanation) -> float:
     """Share of the response at its resonances that the change moves, at the output where it moves most."""
     free, c = fitted.free, fitted.free.of
     hz = np.concatenate([c.model.frequency_hz, c.bench.frequency_hz])
     s = np.asarray(2j * np.pi * hz[hz >= c.model.band_hz[0]])
-    outside = frfs_without_shapes(c.model, s, c.out_psi, c.into_psi)
+    outside = frfs_without_shapes(c.model, s, c.response_factors, c.force_factors)
     there = free.at(s, outside)
     moved, without = there.predicted(fitted.u, fitted.change.between_lines), there.predicted(fitted.u)
     return float(np.sqrt(np.max(np.mean((np.abs(moved - without) / sizes(without)) ** 2, axis=(0, 2)))))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.gap.modal.fitting import Fitted, inverse, own_slopes
+from modallab.gap.modal.fitting import FittedExplanation, inverse, slopes_by_differences
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.weights import Weights
 
@@ -24,28 +24,28 @@ class Linear:
         slopes: (numbers, lines, outputs, inputs) of it by the tolerances, in their own units, and by the change.
     """
 
-    of: Fitted
+    of: FittedExplanation
     misfit: Complex
     slopes: Complex
 
     @classmethod
-    def about(cls, fitted: Fitted) -> "Linear":
+    def about(cls, fitted: FittedExplanation) -> "Linear":
         """Of a fit."""
         free = fitted.free
         predicted = free.predicted(fitted.u, fitted.change)
         by_tolerances = free.derivatives(fitted.u, fitted.change)
-        own = own_slopes(free, fitted.candidate, fitted.u, fitted.v, predicted)
+        own = slopes_by_differences(free, fitted.candidate, fitted.u, fitted.v, predicted)
         return cls(fitted, predicted - free.of.measured, np.concatenate([by_tolerances, own]))
 
-    def weighed(self, weights: Weights) -> "Weighed":
+    def weighed(self, weights: Weights) -> "WeightedSquares":
         """With its squares."""
         slopes = weights.weighed(self.slopes)
         misfit = weights.weighed(self.misfit[None])[:, 0]
-        return Weighed(self.of, slopes.T @ slopes, slopes.T @ misfit, float(misfit @ misfit), weights.logdet)
+        return WeightedSquares(self.of, slopes.T @ slopes, slopes.T @ misfit, float(misfit @ misfit), weights.logdet)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Weighed:
+class WeightedSquares:
     """The squares of a linearised misfit.
 
     Attributes:
@@ -56,7 +56,7 @@ class Weighed:
         logdet: of the covariance of lines.
     """
 
-    of: Fitted
+    of: FittedExplanation
     normal: Real
     gradient: Real
     cost: float

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.gap.modal.candidate import Candidate
-from modallab.gap.modal.fitting import FIRST_STEPS, Fitted, inverse, minimised, own_slopes
+from modallab.gap.modal.fitting import FIRST_STEPS, FittedExplanation, inverse, minimised, slopes_by_differences
 from modallab.gap.modal.free import Free
 
 
@@ -51,7 +51,7 @@ class Marginal:
         best = int(np.argmin(costs))
         return float(costs[best]), candidate.starts[best]
 
-    def fit(self, candidate: Candidate, start: Real) -> Fitted:
+    def fit(self, candidate: Candidate, start: Real) -> FittedExplanation:
         """A change fitted from a start."""
         v, cost = minimised(
             lambda v: self._cost(candidate, v), lambda v: self._system(candidate, v), start, FIRST_STEPS
@@ -62,7 +62,7 @@ class Marginal:
         covariance, logdet = inverse(np.block([[self.normal, across], [across.T, corner]]))
         followed = self.u - self.factor.T @ self._taken(misfit[:, None], self.u[:, None])[:, 0]
         evidence = cost + self.free.of.weights.logdet + logdet + candidate.room
-        return Fitted(self.free, candidate, followed, v, cost, covariance, evidence)
+        return FittedExplanation(self.free, candidate, followed, v, cost, covariance, evidence)
 
     def _cost(self, candidate: Candidate, v: Real) -> float:
         misfit = self.free.residual(self.u, candidate.make(v, self.free.of))
@@ -80,5 +80,5 @@ class Marginal:
         """The misfit (misfits,), and its derivatives (misfits, numbers) by the numbers of the change."""
         free = self.free
         predicted = free.predicted(self.u, candidate.make(v, free.of))
-        own = free.weighed(own_slopes(free, candidate, self.u, v, predicted))
+        own = free.weighed(slopes_by_differences(free, candidate, self.u, v, predicted))
         return free.weighed((predicted - free.of.measured)[None])[:, 0], own

@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
 from modallab.core.modal_diagnosis import PartOfGap
-from modallab.gap.modal.fitting import Fitted
+from modallab.gap.modal.fitting import FittedExplanation
 from modallab.gap.modal.free import Free
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Misses:
+class RelativeMisfits:
     """(lines, outputs, inputs) each: predicted less measured over the size of the measured.
 
     Attributes:
@@ -26,7 +26,7 @@ class Misses:
     after: Real
 
     @classmethod
-    def of(cls, free: Free, base: Fitted, best: Fitted) -> "Misses":
+    def of(cls, free: Free, base: FittedExplanation, best: FittedExplanation) -> "RelativeMisfits":
         """Of a comparison, its fit without a change, and the explanation that counts."""
         return cls(free.missed(np.zeros(free.size)), base.missed, best.missed)
 
@@ -36,13 +36,13 @@ class Misses:
         return PartOfGap(name=name, frequency_hz=hz, nominal=nominal, before=before, after=after)
 
 
-def by_channel(free: Free, misses: Misses) -> list[PartOfGap]:
+def by_channel(free: Free, misses: RelativeMisfits) -> list[PartOfGap]:
     """Of each output."""
     every = slice(None)
     return [misses.part(name, (every, slice(n, n + 1))) for n, name in enumerate(free.of.model.outputs)]
 
 
-def by_mode(free: Free, misses: Misses) -> list[PartOfGap]:
+def by_mode(free: Free, misses: RelativeMisfits) -> list[PartOfGap]:
     """Of the lines that are nearest to each of the bench's modes, as a ratio; without modes that have no line."""
     modes_hz = free.of.bench.frequency_hz
     away = np.abs(np.log(free.of.s.imag[:, None] / (2 * np.pi * modes_hz)))

@@ -10,7 +10,7 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.identification.likelihood.out_of_band import RESIDUAL_POWERS, STAND_INS
-from modallab.identification.model.modal_model import seen_by
+from modallab.identification.model.modal_model import readings_of_fit
 from modallab.identification.setups.roving import poles_at_points, roved_axis
 
 SPREAD = (1e-3, 0.5)
@@ -55,7 +55,7 @@ class PointModels:
     def _fitted(cls, frf: Frf, model: ModalModel) -> "PointModels":
         centre = np.stack([2 * np.pi * model.frequency_hz, model.damping_ratio], axis=1)
         fits, axis = poles_at_points(frf, centre, centre * np.array(SPREAD), STAND_INS).fits, roved_axis(frf)
-        seen = [seen_by(fit) for fit in fits]
+        seen = [readings_of_fit(fit) for fit in fits]
         constants = np.concatenate([one.constants for one in seen], axis=1 + axis)
         at = np.array([(fit.point.parameters.omega, fit.point.parameters.zeta) for fit in fits])
         poles = np.moveaxis(at, 0, -1)[..., None, :] if axis else np.moveaxis(at, 0, -1)[..., None]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.modal.compared import Compared
-from modallab.gap.modal.fitting import Fitted, fit
+from modallab.gap.modal.fitting import FittedExplanation, fit
 from modallab.gap.modal.linear import Linear
 
 USUAL = (1.0, 0.25, 0.0625)
@@ -33,32 +33,32 @@ def usual(c: Compared) -> list[Rung]:
     return [(c, x) for x in USUAL]
 
 
-def nameless(base: Fitted) -> dict[str, list[Rung]]:
+def nameless(base: FittedExplanation) -> dict[str, list[Rung]]:
     """Where the structure, or everything, differs by more than is usual; of a fit without a change."""
     c = base.free.of
     everything = [(c.scaled(a, x), x) for x in UNUSUAL for a in (1.0, x)]
     return {"structure": [(c, x) for x in UNUSUAL], "everything": everything}
 
 
-def unusual_at(c: Compared, there: NDArray[np.bool_], wide: float) -> list[Rung]:
+def unusual_rungs(c: Compared, there: NDArray[np.bool_], wide: float) -> list[Rung]:
     """Rungs on which some FRFs, of a channel (outputs, 1) or a driven point (1, inputs), differ by more than usual."""
     each = ((np.where(there, a, 1.0), np.where(there, x, 1.0)) for x in UNUSUAL for a in (1.0, x))
     return [(c.scaled(*scales), wide) for scales in each]
 
 
-def estimated(fitted: Fitted, rungs: Sequence[Rung]) -> Fitted:
+def estimated(fitted: FittedExplanation, rungs: Sequence[Rung]) -> FittedExplanation:
     """It with its evidence at its most probable scale, which its linearisation tells."""
     return replace(fitted, evidence=_likeliest(fitted, rungs)[0])
 
 
-def settled(fitted: Fitted, rungs: Sequence[Rung]) -> Fitted:
+def settled(fitted: FittedExplanation, rungs: Sequence[Rung]) -> FittedExplanation:
     """It fitted there."""
     for _ in range(TURNS):
         fitted = _at(fitted, *_likeliest(fitted, rungs)[1:])
     return fitted
 
 
-def _likeliest(fitted: Fitted, rungs: Sequence[Rung]) -> tuple[float, Compared, float]:
+def _likeliest(fitted: FittedExplanation, rungs: Sequence[Rung]) -> tuple[float, Compared, float]:
     linear, weighed = Linear.about(fitted), {}
     for own, _ in rungs:
         if id(own) not in weighed:
@@ -67,7 +67,7 @@ def _likeliest(fitted: Fitted, rungs: Sequence[Rung]) -> tuple[float, Compared, 
     return min(every, key=lambda e: e[0])
 
 
-def _at(fitted: Fitted, there: Compared, wide: float) -> Fitted:
+def _at(fitted: FittedExplanation, there: Compared, wide: float) -> FittedExplanation:
     free = replace(fitted.free, of=there, wide=wide)
     # The numbers stay what they are, in other deviations.
     before, after = fitted.free.deviations, free.deviations

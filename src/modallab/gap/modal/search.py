@@ -8,9 +8,9 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.candidates import candidates
-from modallab.gap.modal.fitting import FIRST_STEPS, Fitted, fit
+from modallab.gap.modal.fitting import FIRST_STEPS, FittedExplanation, fit
 from modallab.gap.modal.free import Free
-from modallab.gap.modal.hanging import nearby
+from modallab.gap.modal.hanging import candidates_nearby
 from modallab.gap.modal.marginal import Marginal
 from modallab.gap.modal.scales import estimated, usual
 
@@ -32,13 +32,13 @@ class ModalSearch:
         closer: the comparison of a place with others nearby.
         base: the fit without any change, of the comparison that counts.
         near: likely changes of each kind, small ones, with their evidence there.
-        far: large ones, from smoother lines; their evidence is what they have there more than nothing.
+        large_changes: likely large ones, from smoother lines; their evidence is what they have there more than nothing.
     """
 
     closer: Free
-    base: Fitted
-    near: list[Fitted]
-    far: list[Fitted]
+    base: FittedExplanation
+    near: list[FittedExplanation]
+    large_changes: list[FittedExplanation]
 
     @classmethod
     def begun(cls, smooth: Free, closer: Free, last: Free) -> "ModalSearch":
@@ -53,23 +53,24 @@ class ModalSearch:
         more = [replace(f, evidence=f.evidence - none.evidence) for f in each]
         return cls(closer, base, [estimated(f, usual(last.of)) for f in _likely(near, near.fit)], more)
 
-    def kinds(self, nothing: Fitted) -> list[list[Fitted]]:
+    def kinds(self, nothing: FittedExplanation) -> list[list[FittedExplanation]]:
         """Likely changes by their kind, all with an evidence to hold against that of nothing."""
-        found: dict[str, list[Fitted]] = {}
-        for one in [*self.near, *(replace(f, evidence=nothing.evidence + f.evidence) for f in self.far)]:
+        found: dict[str, list[FittedExplanation]] = {}
+        for one in [*self.near, *(replace(f, evidence=nothing.evidence + f.evidence) for f in self.large_changes)]:
             assert one.candidate is not None
             found.setdefault(one.candidate.effect, []).append(one)
         return list(found.values())
 
     def afar(self, effect: str) -> float:
         """Evidence of a kind from smoother lines, more than nothing has there."""
-        return min((f.evidence for f in self.far if f.candidate and f.candidate.effect == effect), default=np.inf)
+        same = (f.evidence for f in self.large_changes if f.candidate and f.candidate.effect == effect)
+        return min(same, default=np.inf)
 
-    def ended(self, kind: Sequence[Fitted]) -> Fitted:
+    def ended(self, kind: Sequence[FittedExplanation]) -> FittedExplanation:
         """The best of a kind, fitted to its end at what is usual."""
         return self._from_nearby(min((self._followed(f) for f in kind), key=lambda f: f.evidence))
 
-    def _followed(self, begun: Fitted) -> Fitted:
+    def _followed(self, begun: FittedExplanation) -> FittedExplanation:
         # Where a change is large, tolerances that followed it linearly are bent: they begin where they are believed.
         u, v = None, begun.v
         if begun.free is not self.base.free:
@@ -77,20 +78,20 @@ class ModalSearch:
             u, v = nearer.u, nearer.v
         return fit(self.base.free, begun.candidate, u, v, FIRST_STEPS)
 
-    def _from_nearby(self, best: Fitted) -> Fitted:
+    def _from_nearby(self, best: FittedExplanation) -> FittedExplanation:
         """The best of it and of fits begun at points nearby: along a wave one place may stand for another."""
         if best.candidate is None or not best.candidate.freedoms:
             return best
-        starts = nearby(best.free.of, best.candidate, best.v, NEARBY)
+        starts = candidates_nearby(best.free.of, best.candidate, best.v, NEARBY)
         nearly = [fit(self.closer, candidate, best.u, v) for candidate, v in starts]
         other = min(nearly, key=lambda f: f.cost, default=best)
         return min(best, fit(best.free, other.candidate, other.u, other.v), key=lambda f: f.cost)
 
 
-def _likely(here: Marginal, fitted: Callable[[Candidate, Real], Fitted]) -> list[Fitted]:
+def _likely(here: Marginal, fitted: Callable[[Candidate, Real], FittedExplanation]) -> list[FittedExplanation]:
     """The candidates of each kind whose starts cost least, fitted from there."""
     every = sorted(((*here.started(c), c) for c in candidates(here.free.of)), key=lambda s: s[0])
-    tried: dict[str, list[Fitted]] = {}
+    tried: dict[str, list[FittedExplanation]] = {}
     for _, start, candidate in every:
         of_kind = tried.setdefault(candidate.effect, [])
         if len(of_kind) < REFINED:
@@ -99,8 +100,10 @@ def _likely(here: Marginal, fitted: Callable[[Candidate, Real], Fitted]) -> list
 
 
 def best_first(
-    begun: Sequence[Fitted], afar: Sequence[float], ended: Callable[[Fitted, int], Fitted]
-) -> tuple[list[Fitted], Fitted]:
+    begun: Sequence[FittedExplanation],
+    afar: Sequence[float],
+    ended: Callable[[FittedExplanation, int], FittedExplanation],
+) -> tuple[list[FittedExplanation], FittedExplanation]:
     """The best of them ended, until it stays the best and no rival is near; all of them, and the best.
 
     Args:

@@ -22,7 +22,7 @@ def filtered(s: Complex, filters: Real) -> Complex:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Hung:
+class AttachedElement:
     """What hangs on the structure at a place.
 
     Attributes:
@@ -160,7 +160,7 @@ class State:
     mixed: Real
     direct: Complex
     applied: Real
-    hung: Hung | None = None
+    hung: AttachedElement | None = None
 
     def paths(self, s: Complex, outside: Complex) -> tuple[Complex, Complex, Complex]:
         """How modal forces come to the outputs and forces at the inputs to the modes, with what hangs there; and H.

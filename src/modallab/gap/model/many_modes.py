@@ -71,7 +71,7 @@ def sensor_rows(twins: Sequence[Twin], modes: TwinModes, data: Reduced) -> Real:
     return np.array(rows)
 
 
-def of_hits(twins: Sequence[Twin], modes: ManyModes, d: ImpactData, data: Reduced) -> Numbers:
+def hit_numbers(twins: Sequence[Twin], modes: ManyModes, d: ImpactData, data: Reduced) -> Numbers:
     """The numbers of hits at one point, on twins that drift alike."""
     scale = float(drift_scale(twins[0], d.piece.order, data))
     x, gains = zip(*(driven_at(t, d.piece) for t in twins), strict=True)
@@ -81,7 +81,7 @@ def of_hits(twins: Sequence[Twin], modes: ManyModes, d: ImpactData, data: Reduce
     return modes.poles * scale, residue, static * gain * _shares(twins) / scale**2
 
 
-def of_sines(twins: Sequence[Twin], modes: ManyModes, d: SineData) -> Numbers:
+def sine_numbers(twins: Sequence[Twin], modes: ManyModes, d: SineData) -> Numbers:
     """The numbers of the sine test, without drift."""
     drive, static = modes.at([d.pieces[0].drive_x_m] * len(twins))
     return modes.poles, modes.outputs * drive[:, None], static * _shares(twins)

@@ -18,8 +18,8 @@ from modallab.core.places import RowsOfPlace
 from modallab.core.rig import Beam, Rig
 from modallab.gap.model.tolerances import Departed, Deviation, Scales, applied, deviations, held, sensors_x_m
 from modallab.twin.bench import MeasurementChain, Twin
-from modallab.twin.effects import with_known
-from modallab.twin.structure import MODES, ROOT, TwinStructure, believed_root
+from modallab.twin.effects import with_revision_effects
+from modallab.twin.structure import MODES, ROOT, TwinStructure, root_of_rig_file
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -95,7 +95,7 @@ class Nuisances:
             u: the free numbers.
             replaced: (tolerance, channel or None) that effects stand for: one quantity is one number.
         """
-        twins = [with_known(twin, self.rig) for twin in self._bare(u, replaced)]
+        twins = [with_revision_effects(twin, self.rig) for twin in self._bare(u, replaced)]
         return twins if self.stepped else [replace(twin, element=None) for twin in twins]
 
     def bare(self, u: Real, replaced: Collection[tuple[str, RowsOfPlace | None]] = ()) -> Twin:
@@ -190,4 +190,4 @@ def nuisances(rig: Rig, top_hz: float, hits: Collection[tuple[float, int]] = ())
     stated = "sensitivity" in rig.tolerance.model_fields_set and rig.tolerance.sensitivity > 0
     gains = tuple(c.index for c in rig.responses) if stated else ()
     tolerance = rig.tolerance.sensitivity if stated else 0.0
-    return Nuisances(rig, modes, gains, tolerance, believed_root(beam) > 0, deviations(rig, hits))
+    return Nuisances(rig, modes, gains, tolerance, root_of_rig_file(beam) > 0, deviations(rig, hits))

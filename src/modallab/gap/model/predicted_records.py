@@ -5,7 +5,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import force_amplitude, frequency_on_line, rise_of, wide_hit
+from modallab.gap.conditioning.reduce import force_amplitude, frequency_on_line, hit_with_filter_ringing, onset_of_sines
 from modallab.signals.hit import windowed_force
 from modallab.signals.signals import to_signals
 from modallab.twin.bench import Twin
@@ -27,9 +27,9 @@ def predict_record(twin: Twin, rig: Rig, block: Block, last_order: float, ratio:
     x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
     drive, tau = rig.x_of(block.drive_point or 0), block.order / last_order
     if block.test == "impact":
-        force = windowed_force(signals.force, wide_hit(signals))
+        force = windowed_force(signals.force, hit_with_filter_ringing(signals))
         return predict_hit(twin, force, block.rate_hz, drive, channels, x, tau)
     n, dt = block.n_samples, 1 / block.rate_hz
     f0 = frequency_on_line(block.frequency_hz or 0.0, n, dt) * ratio
     amplitude = force_amplitude(signals, f0)
-    return predict_sine(twin, amplitude, f0, n, block.rate_hz, drive, channels, x, tau, rise_of([block]))
+    return predict_sine(twin, amplitude, f0, n, block.rate_hz, drive, channels, x, tau, onset_of_sines([block]))

@@ -15,7 +15,7 @@ from modallab.gap.model.fit import Problem
 from modallab.gap.model.nuisances import Nuisances, beam_of
 from modallab.gap.model.tolerances import FREE, MOST
 from modallab.twin.candidate import CandidateEffect, FreeNumber
-from modallab.twin.structure import ROOT, believed_root
+from modallab.twin.structure import ROOT, root_of_rig_file
 
 EDGE = 1e-6
 """How near to its bounds a share may be."""
@@ -46,13 +46,13 @@ def coordinates_of(twin: Calibrated, free: Nuisances) -> Real:
         stated.get((d.tolerance, d.at), 0.0) for d in free.deviations
     ]
     if free.root:
-        u[-2] = _free(log(twin.root_rotation / believed_root(beam)) / ROOT)
+        u[-2] = _free(log(twin.root_rotation / root_of_rig_file(beam)) / ROOT)
     u[-1] = 0.5 + _free(twin.residual_compliance - 0.5, 0.6, 1.0)
     return u
 
 
 def _free(value: float, free: float = FREE, most: float = MOST) -> float:
-    """The inverse of `held_one`: what was pressed together towards its bound, as it was."""
+    """The inverse of `limited_number`: what was pressed together towards its bound, as it was."""
     if abs(value) < free:
         return value
     room = most - free

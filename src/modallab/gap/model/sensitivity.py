@@ -17,7 +17,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.units import Test
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
 from modallab.gap.model.forward import hit_ratios, on_clock, sine_drift, with_shaker
-from modallab.gap.model.many_modes import ManyModes, Numbers, of_hits, of_sines, sensor_rows
+from modallab.gap.model.many_modes import ManyModes, Numbers, hit_numbers, sensor_rows, sine_numbers
 from modallab.twin.bench import MeasurementChain, Twin, chain_transfer, exchange_plugs, is_flat
 from modallab.twin.modes import TwinModes, have_same_modes, solve_modes
 from modallab.twin.neighbours import NeighbourStructures
@@ -163,7 +163,7 @@ def _of_hits(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> _Par
         return on_lines[:, None] * forced + unit(poles)[:, :, None] * tail
 
     def numbers(twins: Sequence[Twin], m: ManyModes) -> Numbers:
-        return of_hits(twins, m, d, data)
+        return hit_numbers(twins, m, d, data)
 
     return _part(d.piece.test, numbers, kernel, on_lines * source.s**2, (twin, modes), data)
 
@@ -183,7 +183,7 @@ def _of_sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> _Part
         return total.reshape(len(total), len(poles), -1)
 
     def numbers(twins: Sequence[Twin], m: ManyModes) -> Numbers:
-        return of_sines(twins, m, d)
+        return sine_numbers(twins, m, d)
 
     static = (up + down) * (source.drive**2 / scale**2)[:, None]
     return _part("sine", numbers, kernel, static.reshape(len(static), -1), (twin, modes), data)

@@ -19,7 +19,7 @@ from modallab.core.arrays import Real
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.twin.bench import Twin
 from modallab.twin.elements import FIELD_TERMS
-from modallab.twin.structure import believed_root
+from modallab.twin.structure import root_of_rig_file
 
 FREE = 3.0
 """Deviations of a tolerance up to which they are free."""
@@ -54,7 +54,7 @@ class Deviation:
 
     def value(self, u: float) -> float:
         """The number at coordinate u."""
-        deviations = held_one(u)
+        deviations = limited_number(u)
         if self.tolerance == "clamp_compliance":
             return float(_root(self.sigma, deviations))
         return float(_number(self.sigma, self.sign, deviations))
@@ -121,7 +121,7 @@ def _number(sigma: Any, sign: Any, deviations: Any) -> Real:
     return np.asarray(sigma * np.where(sign, sign * (MEAN + SPREAD * deviations), deviations))
 
 
-def held_one(u: float) -> float:
+def limited_number(u: float) -> float:
     """`held` of one number, which is next to always free."""
     return u if abs(u) < FREE else float(held(u))
 
@@ -152,7 +152,7 @@ def deviations(rig: Rig, hits: Collection[tuple[float, int]]) -> tuple[Deviation
     tip = rig.beam.length_m - 1e-9
     sensors = [(float(c.index), rig.x_of(c.point)) for c in rig.responses if c.point is not None]
     # A root whose spring the rig file states has a tolerance of its own.
-    one = [] if believed_root(rig.beam) else [Deviation("clamp_compliance", 0.0, t.clamp_compliance, 1)]
+    one = [] if root_of_rig_file(rig.beam) else [Deviation("clamp_compliance", 0.0, t.clamp_compliance, 1)]
     if rig.shaker_point is not None:
         one += [Deviation(name, 0.0, getattr(t, name), 1) for name in ("shaker_mass_kg", "stinger_rotation")]
     # A sensitivity that the rig file does not mention is no licence to turn it.

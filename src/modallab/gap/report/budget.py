@@ -60,7 +60,7 @@ def budget_of_gap(fit: Fit, data: Reduced, resonances_hz: Sequence[float], usual
         before = after
     whole, stays = split.squares(noise), split.shares(before)
     floor = whole * min(1.0, max(float(stays[0]), 0.0) / max(float(whole[0]), 1e-300))
-    rows.append(split.row("model", "model", "what no number explains", stays - floor))
+    rows.append(split.row("model", "model", "not explained", stays - floor))
     rows.append(split.row("noise", "noise", "noise of the channels", floor))
     ordered = sorted(rows, key=lambda r: -abs(r.share))
     listed = data.rig.tolerance.model_dump(exclude={"meaning", "response"}) if usual else {}
@@ -181,25 +181,21 @@ def _calibrate_first(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
         listed_by_name = [r for r in listed if r.share > NAMED][:MOST]
         return [_is_within_tolerance(r) for r in listed_by_name]
     narrows = narrowing_by_nuisance(fit)
-    said = [m.said for m in moved_numbers(fit.problem, fit.u[: fit.problem.free.size])]
+    quantities = [m.quantity for m in moved_numbers(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]
     alike: dict[str, list[str]] = {}
     for k in best:
-        alike.setdefault(percent_text(narrows[k]), []).append(said[k])
+        alike.setdefault(percent_text(narrows[k]), []).append(quantities[k].rstrip(","))
     return [
-        f"The intervals would be {share} narrower with a measurement of {_one_of(names)}."
+        f"The 95 % intervals of the effect would be {share} narrower if this were measured: {' or '.join(names)}."
         for share, names in alike.items()
     ]
 
 
-def _one_of(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"one of these: {', '.join(names)}"
-
-
 def _is_within_tolerance(row: BudgetRow) -> str:
     return (
-        f"Within tolerance: {row.said} ({abs(row.sigmas or 0):.1f} sigma); it is {percent_text(row.share)} of "
-        "what you see."
+        f"Within tolerance: {row.said}, {abs(row.sigmas or 0):.1f} standard deviations; it makes "
+        f"{percent_text(row.share)} of the gap from the simulation of the rig file."
     )
 
 

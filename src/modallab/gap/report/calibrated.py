@@ -15,7 +15,7 @@ from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.own_numbers import OF_HITS, with_own_hits
 from modallab.gap.model.tolerances import Deviation, applied, by_tolerance, with_tolerances
 from modallab.twin.bench import MeasurementChain, Twin
-from modallab.twin.effects import apply_effect, with_known
+from modallab.twin.effects import apply_effect, with_revision_effects
 from modallab.twin.structure import MODES, TwinStructure
 
 
@@ -76,7 +76,7 @@ def diagnosed_twin(diagnosis: Diagnosis, rig: Rig, of_others: bool = True) -> Tw
     if numbers.departures:
         twin = applied(twin, rig, by_tolerance(_listed_departures(numbers.departures, OF_HITS if of_others else ())))
     twin = replace(twin, chain=replace(twin.chain, gain=dict(numbers.gains)))
-    twin = with_known(twin, rig)
+    twin = with_revision_effects(twin, rig)
     for effect in effects_for_twin(diagnosis):
         twin = apply_effect(twin, effect, rig)
     return twin if of_others else replace(twin, drift_curve=tuple(numbers.drift_curve))
@@ -88,7 +88,7 @@ def effects_for_twin(diagnosis: Diagnosis) -> list[Effect]:
     return [*(found.as_effect() for found in diagnosis.effects), *(element.as_effect() for element in learned)]
 
 
-def believed_twin(rig: Rig) -> Twin:
+def twin_of_rig_file(rig: Rig) -> Twin:
     """The twin as a rig file has it, nothing fitted.
 
     Raises:

@@ -19,7 +19,7 @@ from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.nuisances import Nuisances, nuisances
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.tolerances import with_tolerances
-from modallab.gap.report.inspected import inspect_effects, known_already
+from modallab.gap.report.inspected import inspect_effects, is_in_revisions
 from modallab.gap.report.measure import SquaredResiduals, squared_residuals
 from modallab.gap.search.fitting import FLOOR_MARGIN, Bench
 from modallab.twin.bench import Twin
@@ -49,7 +49,7 @@ def gap_known(campaign: Campaign) -> float:
         DataError, RigError: as `gap_before`.
     """
     prepared, twin, data = _fit_baseline(campaign)
-    if any(known_already(found, prepared.campaign.rig) for found in inspect_effects(prepared, twin)):
+    if any(is_in_revisions(found, prepared.campaign.rig) for found in inspect_effects(prepared, twin)):
         return squared_residuals(twin, data).gap
     return squares_as_recorded(prepared, twin).gap
 
@@ -119,7 +119,7 @@ def squares_as_recorded(prepared: PreparedCampaign, twin: Twin) -> SquaredResidu
 
 def weights_of(prepared: PreparedCampaign) -> Weights:
     """How much each row of the records counts."""
-    hz, hum = prepared.weak_hum or (0.0, None)
+    hz, hum = prepared.hum_below_removal or (0.0, None)
     noise, masked, doubt = prepared.noise_v, prepared.masked, prepared.driven.doubt
     alone = Weights(noise, masked, rising_v2=prepared.rising_v2, hum_v=hum, hum_hz=hz, doubt=doubt)
     floor = prepared.floor

@@ -56,7 +56,7 @@ def inspect_effects(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
     return [found for name in effects_on_records(prepared) for found in INSPECTIONS[name].read(prepared, twin)]
 
 
-def known_already(found: Found, rig: Rig) -> bool:
+def is_in_revisions(found: Found, rig: Rig) -> bool:
     """Whether the revisions of the rig hold an effect seen on the records, at its place and of about its size."""
     return any(
         known.effect == found.effect
@@ -66,7 +66,7 @@ def known_already(found: Found, rig: Rig) -> bool:
     )
 
 
-def harm_to_response(prepared: PreparedCampaign, found: Found) -> float:
+def noise_share_of_response(prepared: PreparedCampaign, found: Found) -> float:
     """Share of a row's response that noise or hum make up, median over records, on the row where it is most.
 
     Of what is neither it is infinite: it is no matter of size.

@@ -65,7 +65,7 @@ def locate_gap(bench: Bench, prepared: PreparedCampaign, base: Fit) -> GapLocati
         return GapLocation("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
     if harmonic > OFTEN:
         why = f"{percent_text(harmonic)} of the sine responses hold overtones of the drive that the force does not."
-        sentences = (why, "The bench does not answer in proportion: it is in the beam.")
+        sentences = (why, "The response does not grow in proportion to the force: the nonlinearity lies in the beam.")
         return GapLocation("structure", (), tests, sentences, nonlinear=True)
     return _locate_in_beam_or_test(bench, base, tests)
 

@@ -21,15 +21,19 @@ class MovedNumber:
     Attributes:
         name: of its tolerance in the rig file.
         place: the channel, the drive point, the mode; "" where there is one only.
-        said: where it ended, in words.
+        quantity: what it is, in words.
+        value: where it ended, or how far from what the rig file says; "" where that says nothing.
     """
 
     name: str
     place: str
-    said: str
+    quantity: str
+    value: str = ""
 
-
-TIMES = {1: "once", 2: "twice"}
+    @property
+    def said(self) -> str:
+        """Quantity and value: `Young's modulus +0.4 %`."""
+        return f"{self.quantity} {self.value}".rstrip()
 
 
 def moved_numbers(problem: Problem, u: Real) -> list[MovedNumber]:
@@ -38,60 +42,53 @@ def moved_numbers(problem: Problem, u: Real) -> list[MovedNumber]:
     t = rig.tolerance
     beam = (("youngs_modulus", t.youngs_modulus), ("thickness", t.thickness), ("density", t.density))
     found = [
-        MovedNumber(name, "", f"{SPOKEN[name]} {relative_change(float(held(u[k])) * sigma)}")
+        MovedNumber(name, "", SPOKEN[name], relative_change(float(held(u[k])) * sigma))
         for k, (name, sigma) in enumerate(beam)
     ]
     ratios = problem.free.build(u[: free.size]).structure.zeta
     found += [
-        MovedNumber("damping_ratio", f"mode {k + 1}", f"damping ratio of mode {k + 1}: {percent_text(ratios[k], 4)}")
+        MovedNumber(
+            "damping_ratio", f"mode {k + 1}", f"damping ratio of mode {k + 1}", f"= {percent_text(ratios[k], 4)}"
+        )
         for k in range(free.modes)
     ]
     first = 3 + free.modes
     for k, channel in enumerate(free.gains):
         name, off = rig.channels[channel].name, float(held(u[first + k])) * free.tolerance
-        found.append(
-            MovedNumber("sensitivity", name, f"{name} reads {percent_text(abs(off))} {'high' if off > 0 else 'low'}")
-        )
+        found.append(MovedNumber("sensitivity", name, f"sensitivity of {name}", relative_change(off)))
     own = u[free.first_deviation :]
     found += [_deviation_of_number(d, float(v), rig) for d, v in zip(free.deviations, own, strict=False)]
     if free.root:
-        found.append(
-            MovedNumber(
-                "clamp", "", f"compliance of the root {relative_change(np.expm1(float(held(u[free.size - 2])) * ROOT))}"
-            )
-        )
-    return [*found, MovedNumber("residual_terms", "", "modes above those of the twin")]
+        softer = np.expm1(float(held(u[free.size - 2])) * ROOT)
+        found.append(MovedNumber("clamp", "", "compliance of the clamp", relative_change(softer)))
+    return [*found, MovedNumber("residual_terms", "", "modes above those of the simulation")]
 
 
 def _deviation_of_number(d: Deviation, u: float, rig: Rig) -> MovedNumber:
-    value = d.value(u)
+    value, text = d.value(u), relative_change(d.value(u))
     if d.tolerance in ("position_m", "sensor_mass_kg", "sensitivity"):
         name = rig.channels[int(d.at)].name
-        said = {
-            "position_m": f"{name} sits {1e3 * value:+.2f} mm from its point",
-            "sensor_mass_kg": f"{name} and its cable weigh {1e3 * value:+.2f} g",
-            "sensitivity": f"{name} reads {percent_text(abs(value))} {'high' if value > 0 else 'low'}",
+        quantity, text = {
+            "position_m": (f"position of {name}", f"{1e3 * value:+.2f} mm"),
+            "sensor_mass_kg": (f"mass of {name} and its cable", f"{1e3 * value:+.2f} g"),
+            "sensitivity": (f"sensitivity of {name}", text),
         }[d.tolerance]
-        return MovedNumber(d.tolerance, name, said)
+        return MovedNumber(d.tolerance, name, quantity, text)
     if d.tolerance in ("hit_position_m", "hit_gain"):
         place = f"hits at {d.at:.3f} m"
-        off = (
-            f"land {1e3 * value:+.2f} mm off"
-            if d.tolerance == "hit_position_m"
-            else f"give the beam {relative_change(value)}"
-        )
-        return MovedNumber(d.tolerance, place, f"{place} {off} in the mean")
+        if d.tolerance == "hit_position_m":
+            return MovedNumber(d.tolerance, place, f"mean position of the {place}", f"{1e3 * value:+.2f} mm")
+        return MovedNumber(d.tolerance, place, f"force of the {place}", text)
     if d.tolerance in ("stiffness_field", "mass_field"):
-        # A share a cos(k pi x / L): a at the clamp, then k changes of sign.
-        what, k = "bending stiffness" if d.tolerance == "stiffness_field" else "mass per length", int(d.at) + 1
-        along = f"at the clamp, changing sign {TIMES.get(k, f'{k} times')} along the beam"
-        return MovedNumber(d.tolerance, f"cos {k} pi x / L", f"{what} {relative_change(value)} {along}")
+        quantity = "bending stiffness" if d.tolerance == "stiffness_field" else "mass per length"
+        wave = f"cos {int(d.at) + 1} pi x / L"
+        return MovedNumber(d.tolerance, wave, f"{quantity}, as {wave} along the beam,", text)
     if d.tolerance == "damper_n_s_per_m":
-        return MovedNumber(d.tolerance, f"{d.at:.3f} m", f"damper of {value:+.2g} N s/m at {d.at:.3f} m")
-    said = {
-        "clamp_compliance": f"root turns by {value:.2g} L/EI",
-        "shaker_mass_kg": f"{1e3 * value:+.2f} g at the shaker",
-        "stinger_rotation": f"stinger holds the rotation with {value:+.2g} EI/L",
-        "stiffness_drift": f"bending stiffness drifts by {relative_change(value)}",
-    }
-    return MovedNumber(d.tolerance, "", said[d.tolerance])
+        return MovedNumber(d.tolerance, f"{d.at:.3f} m", f"damping to ground at {d.at:.3f} m", f"{value:+.2g} N s/m")
+    quantity, text = {
+        "clamp_compliance": ("rotational compliance of the clamp", f"= {value:.2g} L/EI"),
+        "shaker_mass_kg": ("mass at the shaker", f"{1e3 * value:+.2f} g"),
+        "stinger_rotation": ("rotational stiffness of the stinger", f"{value:+.2g} EI/L"),
+        "stiffness_drift": ("drift of bending stiffness", text),
+    }[d.tolerance]
+    return MovedNumber(d.tolerance, "", quantity, text)

@@ -1,13 +1,19 @@
 """The experiment that would distinguish what this campaign cannot."""
 
+from collections.abc import Sequence
+
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import Verdict
+from modallab.core.diagnosis import Found, Verdict
 from modallab.gap.model.fit import Fit
 from modallab.twin.effects import model_of
 
 
 def next_experiment(
-    verdict: Verdict, ranked: list[tuple[Fit, float]], campaign: Campaign, nonlinear: bool = False
+    verdict: Verdict,
+    ranked: list[tuple[Fit, float]],
+    campaign: Campaign,
+    nonlinear: bool = False,
+    seen: Sequence[Found] = (),
 ) -> str:
     """One sentence on what to do next.
 
@@ -16,12 +22,15 @@ def next_experiment(
         ranked: explanations with their probabilities.
         campaign: the records.
         nonlinear: whether these records show already that the bench does not answer in proportion.
+        seen: effects that the records show without any model; the simulation cannot contain them.
     """
     if verdict == "no_gap":
-        return "None: the twin and the bench agree to within the noise."
+        return "Nothing: the simulation and the bench agree to within the noise."
     if verdict == "unknown":
         # What was fitted and explains nothing is no ground for advice.
         return _step_for_unknown(campaign, nonlinear)
+    if seen:
+        return model_of(seen[0].effect).experiment
     likely = [f for f, p in ranked if p > 0.05 and f.problem.candidates]
     if len(likely) > 1:
         first, second = ({c.effect for c in f.problem.candidates} for f in likely[:2])
@@ -31,7 +40,9 @@ def next_experiment(
         if separating:
             return min(separating, key=lambda r: r.rank).experiment
         return f"Separate {' from '.join(sorted(differ))}: strike at a point where only one of them moves."
-    return "Put the effect into the simulated bench, or correct it on the real one, and repeat the campaign."
+    return (
+        "Put the effect into the simulation (modallab gap apply) or remove it from the bench, and repeat the campaign."
+    )
 
 
 def _step_for_unknown(campaign: Campaign, nonlinear: bool) -> str:

@@ -17,7 +17,7 @@ MOSTLY = 0.8
 """Share of the squares that the bands named must hold."""
 
 
-def where_gap_lies(
+def gap_location(
     verdict: Verdict,
     found: Sequence[Found],
     withheld: Sequence[str],
@@ -76,12 +76,12 @@ def _stage_and_rows(
         return location.stage, list(location.channels), location.tests, list(location.why)
     kind = kind_of(withheld[0])
     rows = [*prepared.noisy, *(c.row for c in prepared.clipped)]
-    return kind.stage, rows, kind.tests, ["The records show it without any model."]
+    return kind.stage, rows, kind.tests, ["The records show the effect without any model."]
 
 
 def _reasons_of_place(lead: Found, location: GapLocation | None, choice: Choice) -> list[str]:
     if location is None:
-        return ["The records show it without any model."]
+        return ["The records show the effect without any model."]
     if location.stage == lead.stage or not choice.fit.problem.candidates:
         return list(location.why)
     residual_says = f"The tests on the residual alone pointed at the {location.stage}: {' '.join(location.why)}"

@@ -19,7 +19,7 @@ from modallab.core.frozen import Frozen
 from modallab.core.hold_out import MIXED, HoldOut
 from modallab.core.places import rows_of, x_m_of
 from modallab.core.progress import part_of_progress
-from modallab.gap.conditioning.noise import believed_noise
+from modallab.gap.conditioning.noise import noise_of_rig_file
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.design.prediction import Records, predict_records, with_records
 from modallab.gap.diagnosis import diagnose
@@ -125,7 +125,7 @@ def simulation_as_measured(campaign: Campaign, records: Records) -> Campaign:
     """What a simulation predicts, as if it had been measured: with the noise of the rig's converter."""
     volts = records_in_volts(with_records(campaign, records))
     rng = np.random.default_rng(SEED)
-    noise = believed_noise(campaign.rig, campaign.blocks)
+    noise = noise_of_rig_file(campaign.rig, campaign.blocks)
     force = campaign.rig.force_channel.index
 
     def noisy(block: Block) -> Block:

@@ -16,7 +16,13 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.records import records_in_volts, usable_records
-from modallab.gap.conditioning.reduce import force_amplitude, frequency_on_line, reduce_blocks, rise_of, wide_hit
+from modallab.gap.conditioning.reduce import (
+    force_amplitude,
+    frequency_on_line,
+    hit_with_filter_ringing,
+    onset_of_sines,
+    reduce_blocks,
+)
 from modallab.gap.design.prediction import Records, clock_of, with_records
 from modallab.gap.model.fit import all_rows
 from modallab.gap.model.tolerances import with_tolerances
@@ -85,7 +91,7 @@ def _simulate_record(simulate: Simulate, rig: Rig, block: Block, ratio: float, f
 
 
 def _hit_force(signals: Signals, times: int) -> Real:
-    force = windowed_force(signals.force, wide_hit(signals))
+    force = windowed_force(signals.force, hit_with_filter_ringing(signals))
     return np.asarray(resample(force, len(force) * times), dtype=np.float64)
 
 
@@ -93,7 +99,7 @@ def _sine_force(signals: Signals, block: Block, ratio: float, times: int) -> Rea
     """The sine from where it began to rise to the end of the block."""
     dt = 1 / block.rate_hz
     f0 = frequency_on_line(block.frequency_hz or 0.0, block.n_samples, dt) * ratio
-    rise = rise_of([block])
+    rise = onset_of_sines([block])
     before = round(float(rise.history_s[0]) / dt) * times
     t = (np.arange(before + block.n_samples * times) - before) * dt / times
     along = np.clip((t + rise.history_s[0]) / max(float(rise.ramp_s[0]), 1e-9), 0.0, 1.0)

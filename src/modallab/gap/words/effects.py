@@ -40,16 +40,15 @@ def effect_names(effects: Sequence[str]) -> str:
 def effect_in_words(found: Found, channels: Sequence[str] = ()) -> str:
     """An effect with its place, its numbers and its probability; channels by number where their names are not given."""
     numbers = [_with_value(found, p) for p in kind_of(found.effect).parameters]
-    beside = "; ".join(
-        [*([", ".join(numbers)] if numbers else []), f"probability {probability_text(found.probability)}"]
-    )
+    beside = "; ".join([*numbers, f"probability {probability_text(found.probability)}"])
     return f"{' '.join(filter(None, (model_of(found.effect).spoken, place_in_words(found, channels))))} ({beside})"
 
 
 def _with_value(found: Found, parameter: Parameter) -> str:
     if parameter.name in found.not_known:
-        return f"{parameter.name} not known"
-    return f"{parameter.name} = {parameter_in_words(found, parameter)[0]}"
+        return f"{parameter.in_words} not known"
+    value, interval = parameter_in_words(found, parameter)
+    return f"{parameter.in_words} {value}{f', 95 %: {interval}' if interval else ''}"
 
 
 def parameter_in_words(found: Found, parameter: Parameter) -> tuple[str, str]:
@@ -113,7 +112,7 @@ def spoken_change(change: FoundChange) -> str:
 
 def with_numbers(change: FoundChange) -> str:
     """The same with its numbers, their intervals and its probability."""
-    numbers = (f"{name} = {value} ({interval})" for name, value, interval in numbers_of(change))
+    numbers = (f"{name} {value} ({interval})" for name, value, interval in numbers_of(change))
     return f"{spoken_change(change)}: {', '.join(numbers)}, probability {probability_text(change.probability)}"
 
 
@@ -137,9 +136,12 @@ def position_of_change(change: FoundChange) -> tuple[float, float, float] | None
 def numbers_of(change: FoundChange) -> list[tuple[str, str, str]]:
     """Name, value and 95 % interval of each number; a direction in which a sensor cannot be moved is left out."""
     kind = kind_of(change.effect)
-    units = {p.name: p.unit for p in (*kind.parameters, kind.at_points) if p is not None}
+    known = {p.name: p for p in (*kind.parameters, kind.at_points) if p is not None}
     return [
-        (name, *_change_in_words(value, change.interval[name], units.get(name, "m")))
+        (
+            known[name].in_words if name in known else name,
+            *_change_in_words(value, change.interval[name], known[name].unit if name in known else "m"),
+        )
         for name, value in change.parameters.items()
         if value or len(set(change.interval[name])) > 1
     ]

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 from modallab.core.diagnosis import Diagnosis, Found, Gap, Percent
 from modallab.core.digits import list_in_words, part_of, percent_text, probability_text, three_digits
+from modallab.core.effects import kind_of
 from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.gap.simulations.compare import SimulationComparison
-from modallab.gap.words.effects import effect_in_words, with_numbers
+from modallab.gap.words.effects import effect_in_words, parameter_in_words, with_numbers
 
 KNOWN = 2.0
 """Factor from before to after that is no matter of tolerances."""
@@ -27,7 +28,7 @@ def verdict_sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
         # What no force predicts, and the rig's revisions know, no twin takes away; it is no gap any more.
         known = gap.before > KNOWN * gap.after
         left = f"{gap.after:.2f} noise units with what its revisions know" if known else f"{gap.before:.2f} noise units"
-        return f"Twin and bench agree to within the {within}: the gap is {left}, the floor 1."
+        return f"Simulation and bench agree to within the {within}: the gap is {left}; 1 is noise alone."
     if diagnosis.verdict == "unknown":
         where = diagnosis.where
         at = f" on {', '.join(where.channels)}" if 0 < len(where.channels) < 4 else ""
@@ -42,7 +43,7 @@ def verdict_sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
 
 
 def _closes_gap(share: float | None) -> str:
-    return "" if share is None else f", which closes {part_of(share)} of it on records held out"
+    return "" if share is None else f", which closes {part_of(share)} of it on records that no fit has seen"
 
 
 def _behaviour_sentence(diagnosis: Diagnosis) -> str:
@@ -66,7 +67,7 @@ def gap_in_percent(gap: Gap) -> str:
         if share is not None and _resonant_and_other(share)
     ]
     whole = f"In percent of the response, at resonance and away from it: {'; '.join(parts)}." if parts else ""
-    return " ".join(s for s in (whole, own_error(gap)) if s)
+    return " ".join(s for s in (whole, unexplained_sentence(gap)) if s)
 
 
 def _resonant_and_other(share: Percent) -> str:
@@ -78,7 +79,7 @@ def share_of_response(share: float | None) -> str:
     return percent_text(None if share is None else max(share, NEXT_TO_NOTHING))
 
 
-def own_error(gap: Gap) -> str:
+def unexplained_sentence(gap: Gap) -> str:
     """What is left of the records beyond noise, in one sentence; "" where it is not known."""
     left = gap.discrepancy
     if left is None:
@@ -129,7 +130,7 @@ def sentence_of_simulation(found: SimulationComparison) -> str:
 
 
 def _records_verdict(found: SimulationComparison) -> str:
-    return f"{len(found.records)} records held out"
+    return f"{len(found.records)} records that no fit has seen"
 
 
 def _differences_in_words(found: SimulationComparison) -> list[str]:
@@ -144,4 +145,5 @@ def _differences_in_words(found: SimulationComparison) -> list[str]:
 
 
 def _numbers_in_words(found: Found) -> str:
-    return ", ".join(f"{name} = {value:.4g}" for name, value in found.parameters.items()) or "another"
+    numbers = [f"{p.in_words} {parameter_in_words(found, p)[0]}" for p in kind_of(found.effect).parameters]
+    return ", ".join(numbers) or "another"

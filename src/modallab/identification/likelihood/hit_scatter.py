@@ -49,7 +49,7 @@ def factors_by_scatter(fit: LikelihoodFit, misfit: float) -> Real:
         misfit: the residual over the noise before the hits; NaN where that is not known.
     """
     scores, known = _pulls_by_output(fit)
-    hits = _scatter_of_clusters(fit, scores_pull(fit, scores).sum(axis=2), known.sum(axis=2))
+    hits = _scatter_of_clusters(fit, influence_of_scores(fit, scores).sum(axis=2), known.sum(axis=2))
     least = 1 / max(1.0, misfit) if np.isfinite(misfit) else 1.0
     found = np.where(hits.far(1.0), hits.factor, np.clip(hits.factor, least, 1.0))
     found = np.where(hits.enough, found, 1.0).reshape(-1, 2)
@@ -64,7 +64,7 @@ def damping_bias(fit: LikelihoodFit) -> Real:
 
     Errors of the force that a fit also searches take up a part.
     """
-    pulls, shares = hit_pulls(fit)
+    pulls, shares = hit_influences(fit)
     square = np.sum(pulls**2 / np.maximum(shares, np.finfo(float).tiny), axis=0)[::2]
     at, grid = fit.point.parameters, fit.problem.blocks[0].excitation.grid
     return np.asarray(square * decay_bias(at.omega * at.zeta, grid.n * grid.dt) / at.omega, np.float64)
@@ -89,7 +89,7 @@ def _factors_of_outputs(fit: LikelihoodFit, scores: Real, known: Real, hits: "_S
 
     The errors of a hit's force, which all outputs feel, pull nothing in all: what outputs say of them is left out.
     """
-    outputs = _scatter_of_clusters(fit, _sum_by_cluster(scores_pull(fit, scores)), _sum_by_cluster(known))
+    outputs = _scatter_of_clusters(fit, _sum_by_cluster(influence_of_scores(fit, scores)), _sum_by_cluster(known))
     together = np.where(hits.far(outputs.ratio), hits.factor, outputs.factor)
     return np.where(outputs.enough, together, 1.0)
 
@@ -131,17 +131,17 @@ def _scatter_of_clusters(fit: LikelihoodFit, pulls: Real, known: Real) -> _Scatt
     return _Scatter(np.sum(pulls**2, axis=0) / spare / np.maximum(stated, np.finfo(float).tiny), freedom)
 
 
-def hit_pulls(fit: LikelihoodFit) -> tuple[Real, Real]:
+def hit_influences(fit: LikelihoodFit) -> tuple[Real, Real]:
     """By how much each hit moves omega and zeta of every mode, and its share of what is known of them.
 
     Returns:
         (hits, 2 modes) pulls, which add up to about nothing; (hits, 2 modes) shares, which add up to 1.
     """
     scores, known = _pulls_by_output(fit)
-    return scores_pull(fit, scores).sum(axis=2), _shares_of_knowledge(known.sum(axis=2))
+    return influence_of_scores(fit, scores).sum(axis=2), _shares_of_knowledge(known.sum(axis=2))
 
 
-def scores_pull(fit: LikelihoodFit, scores: Real) -> Real:
+def influence_of_scores(fit: LikelihoodFit, scores: Real) -> Real:
     """(hits, 2 modes, outputs) of scores of that shape."""
     return np.einsum("hpo,pq->hqo", scores, fit.refined.covariance.poles)
 

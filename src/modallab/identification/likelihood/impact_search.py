@@ -9,7 +9,7 @@ from modallab.identification.likelihood.out_of_band import (
     RESIDUAL_POWERS,
     STAND_INS,
     StartPoles,
-    stand_ins_after,
+    edges_of_stand_ins,
     with_stand_ins,
 )
 from modallab.identification.likelihood.projection import LikelihoodProblem, SearchParameters
@@ -63,7 +63,7 @@ def search_again(
     """The kept modes once more; of a beam that looked at rest with what its sensors cannot have seen."""
     at = fit.point.parameters
     poles = -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep]
-    begin = with_stand_ins(poles, band[1], stand_ins_after(at.omega, band[1]), START_ZETA)
+    begin = with_stand_ins(poles, band[1], edges_of_stand_ins(at.omega, band[1]), START_ZETA)
     if unknown.state_sigma is None:
         kept = residual_motion_sigma(fit, unknown.grid, unknown.impulse)[:, keep]
         nothing = LEAST * np.repeat(unknown.impulse[:, None], begin.stand_ins, axis=1)

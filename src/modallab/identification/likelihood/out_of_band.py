@@ -57,7 +57,7 @@ def with_stand_ins(
     return StartPoles(omega, zeta, prior, len(multiples))
 
 
-def stand_ins_after(omega: NDArray[np.float64], top_hz: float) -> tuple[float, ...]:
+def edges_of_stand_ins(omega: NDArray[np.float64], top_hz: float) -> tuple[float, ...]:
     """Multiples of the upper edge at which stand-ins begin again: where a fit has moved them to, if that is above.
 
     Args:

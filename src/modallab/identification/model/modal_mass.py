@@ -43,7 +43,7 @@ def unit_mass_shapes(
     """
     check_constants(constants, sigma, output_points, input_points)
     driving = output_points if driving is None else driving
-    unavailable = why_unavailable(output_points, input_points, driving)
+    unavailable = reason_without_unit_mass(output_points, input_points, driving)
     if unavailable:
         return UnitMassShapes(None, None, unavailable)
     rows = [None if p is None else _index_of_point(driving, p) for p in input_points]
@@ -70,7 +70,7 @@ def check_constants(
         )
 
 
-def why_unavailable(
+def reason_without_unit_mass(
     output_points: Sequence[int | None],
     input_points: Sequence[int | None],
     driving: Sequence[int | None] | None = None,

@@ -35,7 +35,7 @@ class FitReadings:
     apparent: NDArray[np.float64]
 
 
-def seen_by(fit: LikelihoodFit) -> FitReadings:
+def readings_of_fit(fit: LikelihoodFit) -> FitReadings:
     """What a model takes of a fit."""
     constants, sigma = fit.modal_constants
     return FitReadings(constants, sigma, residual_coefficients(fit), _apparent_misfit(fit, constants))
@@ -82,7 +82,7 @@ def model_of_fit(
         seen: of points that disagree, what is not that of the fit.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
-    used = seen or seen_by(fit)
+    used = seen or readings_of_fit(fit)
     constants, of_parts = used.constants, used.sigma_of_parts
     output_points, driving = tuple(c.point for c in rig.responses), driving_points(rig)
     ascending = np.flatnonzero(keep)[np.argsort(at.omega[keep])]

@@ -39,7 +39,7 @@ AT_EDGE = 0.03
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class SeenMode:
+class ObservedMode:
     """A pole as one order saw it, and later the mode that it stands for.
 
     Attributes:
@@ -99,7 +99,7 @@ SSI_COV = PoleMethod(_lags_for_outputs, Subspace)
 PLSCF = PoleMethod(lambda outputs: (LAGS,), HalfSpectra)
 
 
-def modes_of_band(band: BandCovariances, scale: Real, method: PoleMethod) -> list[SeenMode]:
+def modes_of_band(band: BandCovariances, scale: Real, method: PoleMethod) -> list[ObservedMode]:
     """The modes of one band.
 
     Args:
@@ -121,7 +121,7 @@ def modes_of_band(band: BandCovariances, scale: Real, method: PoleMethod) -> lis
 
 def _poles_of_all_sizes(
     band: BandCovariances, scale: Real, method: PoleMethod, seconds: float
-) -> Iterator[list[SeenMode]]:
+) -> Iterator[list[ObservedMode]]:
     """The poles of every order of every size that the records are long enough for."""
     sizes = method.lags(len(band.records[0]))
     for lags in sizes:
@@ -140,7 +140,7 @@ def _poles_of_all_sizes(
             yield [replace(mode, order=order) for mode in modes]
 
 
-def _group_poles(looks: Sequence[Sequence[SeenMode]]) -> Iterator[list[SeenMode]]:
+def _group_poles(looks: Sequence[Sequence[ObservedMode]]) -> Iterator[list[ObservedMode]]:
     """Poles that are one, at most one of each look; the best known pole gathers first."""
     free = [(n, m) for n, look in enumerate(looks) for m in look]
     free.sort(key=lambda item: item[1].relative)
@@ -157,11 +157,11 @@ def _group_poles(looks: Sequence[Sequence[SeenMode]]) -> Iterator[list[SeenMode]
         free = [item for k, item in enumerate(free) if k not in nearest.values()]
 
 
-def _pole_distance(one: SeenMode, other: SeenMode) -> float:
+def _pole_distance(one: ObservedMode, other: ObservedMode) -> float:
     return float(max(abs(one.value[0] / other.value[0] - 1), abs(one.value[1] - other.value[1])))
 
 
-def _confidence_of_group(group: Sequence[SeenMode], looks: int, seconds: float) -> float:
+def _confidence_of_group(group: Sequence[ObservedMode], looks: int, seconds: float) -> float:
     best = min(group, key=lambda m: m.relative)
     omega, zeta = best.value
     # Of one mode that answers white noise, without any other noise, 1 / (zeta omega T) is the least relative variance.
@@ -169,14 +169,14 @@ def _confidence_of_group(group: Sequence[SeenMode], looks: int, seconds: float) 
     return len(group) / looks * max(0.0, 1 - (worse / UNKNOWN) ** 2)
 
 
-def _well_known(group: Sequence[SeenMode], least_order: int) -> SeenMode:
+def _well_known(group: Sequence[ObservedMode], least_order: int) -> ObservedMode:
     """Of one pole at several orders, the one that stands for it."""
     high = [mode for mode in group if mode.order >= least_order] or list(group)
     ordered = sorted(high, key=lambda m: float(m.sigma[0]))
     return ordered[int(WELL_KNOWN * len(ordered))]
 
 
-def _seen_mode(at: OrderPolesWithSlopes, r: int, scale: Real, length_s: float) -> SeenMode:
+def _seen_mode(at: OrderPolesWithSlopes, r: int, scale: Real, length_s: float) -> ObservedMode:
     pole, moved = at.poles[r], at.moved[:, r]
     omega = abs(pole)
     by_omega = np.real(np.conj(pole) * moved) / omega
@@ -188,7 +188,7 @@ def _seen_mode(at: OrderPolesWithSlopes, r: int, scale: Real, length_s: float) -
     shapes_moved = at.shapes_moved[:, r] * scale
     spread = np.sqrt(np.sum(np.abs(shapes_moved - shapes_moved.mean(axis=0)) ** 2, axis=0) / count)
     largest = shape[np.argmax(np.abs(shape))]
-    return SeenMode(
+    return ObservedMode(
         np.array([omega, -pole.real / omega]), wider * sigma, shape / largest, wider * spread / np.abs(largest)
     )
 
@@ -204,7 +204,7 @@ def _sigma_factor(segments: int, decay: float, length_s: float) -> float:
     return float(student / np.sqrt(1 - alike))
 
 
-def shapes_agree(one: SeenMode, other: SeenMode) -> bool:
+def shapes_agree(one: ObservedMode, other: ObservedMode) -> bool:
     """Whether the shapes of two poles may be one."""
     cross = abs(np.vdot(one.shape, other.shape)) ** 2
     return bool(cross >= LIKE * np.vdot(one.shape, one.shape).real * np.vdot(other.shape, other.shape).real)

@@ -9,7 +9,7 @@ from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.progress import report_progress
 from modallab.identification.response_only.covariances import covariances_by_band
-from modallab.identification.response_only.looks import SSI_COV, PoleMethod, SeenMode, modes_of_band, shapes_agree
+from modallab.identification.response_only.looks import SSI_COV, ObservedMode, PoleMethod, modes_of_band, shapes_agree
 from modallab.identification.response_only.periodic import (
     LOBE,
     STRETCHES,
@@ -87,9 +87,9 @@ def response_modes(
 
 def _find_modes(
     still: Sequence[Real], rate_hz: float, band_hz: tuple[float, float], method: PoleMethod
-) -> list[SeenMode]:
+) -> list[ObservedMode]:
     scale = np.sqrt(np.mean(np.concatenate(still, axis=1) ** 2, axis=1))
-    found: list[SeenMode] = []
+    found: list[ObservedMode] = []
     parts = list(covariances_by_band([r / scale[:, None] for r in still], rate_hz, band_hz))
     for k, band in enumerate(parts):
         report_progress(k / len(parts), f"{band.low_hz:.3g} to {band.high_hz:.3g} Hz")
@@ -97,7 +97,7 @@ def _find_modes(
     return _each_once(found)
 
 
-def _periodic_lines(record: Real, rate_hz: float, band_hz: tuple[float, float], modes: Sequence[SeenMode]) -> Real:
+def _periodic_lines(record: Real, rate_hz: float, band_hz: tuple[float, float], modes: Sequence[ObservedMode]) -> Real:
     """(lines,) Hz of periodic excitation: poles that are lines, and lines that no pole stands for."""
     scaled = record / np.sqrt(np.mean(record**2, axis=1, keepdims=True))
     asked = [(m.value[0] / (2 * np.pi), line_at(scaled, rate_hz, m.value[0] / (2 * np.pi), m.value[1])) for m in modes]
@@ -113,7 +113,7 @@ def _line_width(records: Sequence[Real], rate_hz: float) -> float:
     return LOBE * STRETCHES * rate_hz / max(r.shape[1] for r in records)
 
 
-def _is_line(mode: SeenMode, lines: Real, near: float) -> bool:
+def _is_line(mode: ObservedMode, lines: Real, near: float) -> bool:
     """Whether a pole is what a wandering line left: as narrow as what was taken out, and in its place."""
     frequency = mode.value[0] / (2 * np.pi)
     return bool(mode.value[1] * frequency < near and not _far_from_others(frequency, lines, near))
@@ -133,7 +133,7 @@ def _each_line(lines: Real, records: Sequence[Real], rate_hz: float) -> Real:
     return np.sort(taken)
 
 
-def _modes_as_arrays(modes: Sequence[SeenMode], lines: Real) -> ResponseModes:
+def _modes_as_arrays(modes: Sequence[ObservedMode], lines: Real) -> ResponseModes:
     value, sigma = np.array([m.value for m in modes]), np.array([m.sigma for m in modes])
     return ResponseModes(
         frequency_hz=value[:, 0] / (2 * np.pi),
@@ -162,9 +162,9 @@ def _check_records(records: Sequence[Real], rate_hz: float, band_hz: tuple[float
         raise DataError("a response is not finite, or does not move", remedy="leave that channel out")
 
 
-def _each_once(modes: Sequence[SeenMode]) -> list[SeenMode]:
+def _each_once(modes: Sequence[ObservedMode]) -> list[ObservedMode]:
     """Of poles that two bands found for one mode, the better known."""
-    taken: list[SeenMode] = []
+    taken: list[ObservedMode] = []
     for mode in sorted(modes, key=lambda m: float(m.sigma[0] / m.value[0])):
         if all(abs(mode.value[0] / other.value[0] - 1) > TWICE or not shapes_agree(mode, other) for other in taken):
             taken.append(mode)

@@ -153,7 +153,7 @@ def proportional_damping(model: ModalModel) -> AssumptionVerdict:
     worst = int(np.argmax(deviation - limits))
     value, limit = float(deviation[worst]), float(limits[worst])
     _require_a_limit(
-        value, limit, MOST_PHASE_RAD, f"noise alone turns the points of a mode by {np.degrees(limit):.2g} degrees"
+        value, limit, MOST_PHASE_RAD, f"noise alone changes the phases of a mode by {np.degrees(limit):.2g} degrees"
     )
     words = (
         f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) move {np.degrees(value):.2g} degrees out "

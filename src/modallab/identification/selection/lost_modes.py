@@ -15,7 +15,7 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.out_of_band import stand_ins_after
+from modallab.identification.likelihood.out_of_band import edges_of_stand_ins
 from modallab.identification.selection.prune import MAX_ZETA, MIN_SIGNIFICANCE, is_mode
 from modallab.identification.start.stabilisation import OrderPoles, StabilityLimits, stable_poles
 
@@ -37,7 +37,7 @@ FROM_ESTIMATOR = (
 )
 
 
-def own_share(fit: LikelihoodFit) -> Real:
+def unshared_power(fit: LikelihoodFit) -> Real:
     """(poles,) share of the power within each pole's width that it explains and no other pole or residual term does.
 
     The residues of all others are solved for again, in closed form.
@@ -59,7 +59,7 @@ def own_share(fit: LikelihoodFit) -> Real:
     return found
 
 
-def with_lost(
+def restore_lost_modes(
     frf: Frf, fit: LikelihoodFit, keep: NDArray[np.bool_], orders: Sequence[OrderPoles], band_hz: tuple[float, float]
 ) -> tuple[LikelihoodFit, NDArray[np.bool_], tuple[str, ...]]:
     """The fit with the modes that it has lost, which of its poles are modes, and a note where the search lost them.
@@ -84,7 +84,7 @@ def with_lost(
         if not likely.size:
             return fit, keep, ()
         again = fit_frf(frf, np.concatenate([kept, likely]))
-        known = is_mode(again, band_hz) & (own_share(again) > SHARE)
+        known = is_mode(again, band_hz) & (unshared_power(again) > SHARE)
         if known.sum() > kept.size + max(0, stand.size - 1):
             return _fit_without(frf, again, known, band_hz)
         if not stand.size:
@@ -129,7 +129,7 @@ def _fit_without(
         return fit, known, ()
     at = fit.point.parameters
     again = fit_frf(
-        frf, _complex_poles(at.omega[known], at.zeta[known]), stand_ins=stand_ins_after(at.omega, band_hz[1])
+        frf, _complex_poles(at.omega[known], at.zeta[known]), stand_ins=edges_of_stand_ins(at.omega, band_hz[1])
     )
     keep = is_mode(again, band_hz)
     return (again, keep, ()) if keep.sum() >= known.sum() else (fit, known, ())
@@ -142,7 +142,7 @@ def _poles_that_explain(frf: Frf, kept: Complex128, lost: Complex128, least: flo
         n = kept.size + lost.size
         constants, sigma = (v[:n].reshape(n, -1) for v in fit.modal_constants)
         seen = np.max(np.abs(constants) / np.maximum(np.abs(sigma), 1e-300), axis=1) > MIN_SIGNIFICANCE
-        share = np.where(seen, own_share(fit)[:n], 0.0)[kept.size :]
+        share = np.where(seen, unshared_power(fit)[:n], 0.0)[kept.size :]
         if share.min() > least:
             break
         lost = np.delete(lost, int(np.argmin(share)))

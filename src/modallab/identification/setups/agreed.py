@@ -11,12 +11,18 @@ from modallab.core.frf import Frf
 from modallab.identification.likelihood.equations import ParameterCovariance
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.out_of_band import stand_ins_after
+from modallab.identification.likelihood.out_of_band import edges_of_stand_ins
 from modallab.identification.likelihood.projection import sum_of_squares
-from modallab.identification.model.modal_model import FitReadings, seen_by
+from modallab.identification.model.modal_model import FitReadings, readings_of_fit
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.setups.merge import MergedModes, merge_modes
-from modallab.identification.setups.roving import PointPoles, point_name, poles_at_points, roved_axis, seen_alone
+from modallab.identification.setups.roving import (
+    PointPoles,
+    modes_of_each_point,
+    point_name,
+    poles_at_points,
+    roved_axis,
+)
 from modallab.identification.setups.scatter import CommonPoles, common_poles, setups_with_other_frequencies
 
 LEAST_POINTS = 6
@@ -63,7 +69,7 @@ def agreed_modes(frf: Frf, fit: LikelihoodFit, options: IdentificationOptions) -
     if found.centre.shape[0] == 0:
         return None
     try:
-        stand_ins = stand_ins_after(fit.point.parameters.omega, float(frf.frequency_hz[-1]))
+        stand_ins = edges_of_stand_ins(fit.point.parameters.omega, float(frf.frequency_hz[-1]))
         points = poles_at_points(frf, found.centre, _spread_of_points(found), stand_ins)
         common = common_poles(points.values, points.variance)
         alone = min(frf.values.shape[:2]) == 1
@@ -103,7 +109,7 @@ def _merge_points(frf: Frf, fit: LikelihoodFit, options: IdentificationOptions) 
     asked = np.unique(np.linspace(0, n_points - 1, min(n_points, ASKED)).astype(int)).tolist()
     order = options.max_order or int(np.clip(ORDERS_A_MODE * fit.point.parameters.omega.size, LEAST_ORDER, MOST_ORDER))
     order = min(order, max(2, frf.frequency_hz.size // 2 - 1))
-    return merge_modes(seen_alone(frf, asked, options.method, order, SIGNIFICANCE), len(asked)), len(asked)
+    return merge_modes(modes_of_each_point(frf, asked, options.method, order, SIGNIFICANCE), len(asked)), len(asked)
 
 
 def _spread_of_points(found: MergedModes) -> Real:
@@ -118,7 +124,7 @@ def _agreed_model(
     at_common = fit_frf(frf, start, 0, stand_ins=stand_ins)
     covariance = ParameterCovariance.of_poles(np.diag(np.append(common.sigma**2, np.zeros(2 * len(stand_ins)))))
     axis = 1 + roved_axis(frf)
-    each = [seen_by(f) for f in points.fits]
+    each = [readings_of_fit(f) for f in points.fits]
     constants = np.concatenate([one.constants for one in each], axis=axis)
     # A pole that moves by a part of its half-width leaves as much of the mode to its neighbours.
     between = np.append(common.between[:, 0] / (zeta * omega), np.zeros(len(stand_ins)))

@@ -66,7 +66,7 @@ class ModesOfPoint:
     signature: Complex128
 
 
-def seen_alone(frf: Frf, points: Sequence[int], method: str, order: int, significance: float) -> ModesOfPoint:
+def modes_of_each_point(frf: Frf, points: Sequence[int], method: str, order: int, significance: float) -> ModesOfPoint:
     """What each of these points finds by itself, whatever the others say.
 
     Args:

@@ -87,7 +87,7 @@ def _check_curve(frequency_hz: Real, amplitude: Real) -> None:
         )
 
 
-def reading_near(frequency_hz: Real, amplitude: Real, requested_hz: float) -> float:
+def half_power_near(frequency_hz: Real, amplitude: Real, requested_hz: float) -> float:
     """Half-power damping ratio of the peak that belongs to a mode at `requested_hz`.
 
     It climbs from the nearest line to the top of its hill, and reads there.

@@ -17,7 +17,7 @@ APART = 0.2
 POWERS = (0, 2, 4)
 
 
-def with_missing(frf: Frf, poles: NDArray[np.complex128], band_hz: tuple[float, float]) -> NDArray[np.complex128]:
+def add_missing_poles(frf: Frf, poles: NDArray[np.complex128], band_hz: tuple[float, float]) -> NDArray[np.complex128]:
     """The poles, and up to four more, each where it lowers the misfit most, while it lowers it much.
 
     Misfit is relative to each line's level, so that a resonance does not outweigh all other lines.

@@ -21,7 +21,7 @@ AROUND = np.array([(f, z) for f in (-1, 0, 1) for z in (-1, 0, 1) if f or z], dt
 def polish_poles(frf: Frf, poles: Complex128, band_hz: tuple[float, float]) -> Complex128:
     """The poles at the least misfit near them, if it is much less than theirs; else the poles as they are.
 
-    Misfit is that of `with_missing`. What still decays in the blocks is in the FRF as well: a small gain says nothing.
+    Misfit is that of `add_missing_poles`. The FRF holds what still decays in the blocks too: a small gain says nothing.
     One pole after the other steps to the best of the eight places around it; where none is better, the steps halve.
 
     Args:

@@ -52,7 +52,7 @@ def draw_mobility(axes: Axes, check: Verification, output: int, input_: int, par
     """The three curves of one point, as amplitude, real part or another part of the complex number."""
     few = check.measured.frequency_hz.size <= FEW
     curves: tuple[tuple[Frf, str, dict[str, Any]], ...] = (
-        (check.untruncated, "the model, no block", {"color": style.SOFT, "linewidth": 0.7, "linestyle": "-"}),
+        (check.untruncated, "the model itself", {"color": style.SOFT, "linewidth": 0.7, "linestyle": "-"}),
         (check.measured, "measured", _measured_style(few)),
         (check.regenerated, "regenerated through the same block", _regenerated_style(few)),
     )
@@ -71,9 +71,9 @@ def draw_residual(axes: Axes, check: Verification, output: int, input_: int) -> 
     few = check.measured.frequency_hz.size <= FEW
     options: dict[str, Any] = {"marker": "v", "linestyle": "none", "markersize": 4} if few else {"linewidth": 0.9}
     axes.plot(check.measured.frequency_hz, zero_as_gap(left), color=style.SECOND, label="residual", **options)
-    # Two decades below the curves are enough to see a residual that matters, and leave these their height.
+    # Three decades below the curves are enough to see a residual that matters, and leave these their height.
     seen = left[left > 0]
-    axes.set_ylim(max(low / 100, min(low, float(seen.min()) / 2 if seen.size else low)), high)
+    axes.set_ylim(max(low / 1000, min(low, float(seen.min()) / 2 if seen.size else low)), high)
 
 
 def _measured_style(few: bool) -> dict[str, Any]:

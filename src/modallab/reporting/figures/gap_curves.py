@@ -16,7 +16,7 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.rig import Channel
 from modallab.core.units import SI_UNIT
 from modallab.gap.model.predicted_records import predict_record
-from modallab.gap.report.calibrated import believed_twin, diagnosed_twin
+from modallab.gap.report.calibrated import diagnosed_twin, twin_of_rig_file
 from modallab.reporting.figures import style
 from modallab.signals.hit import windowed_force
 from modallab.signals.signals import Signals, to_signals
@@ -54,7 +54,7 @@ def gap_curves(diagnosis: Diagnosis, campaign: Campaign) -> Figure | None:
     Panels: the FRF from the hits that are off most, on the worst channel and at the driving point, or on the channel
     next to worst; one of those hits, and the sine block that is off most, in time, each with its residual beside it.
     """
-    twins = believed_twin(campaign.rig), diagnosed_twin(diagnosis, campaign.rig, of_others=False)
+    twins = twin_of_rig_file(campaign.rig), diagnosed_twin(diagnosis, campaign.rig, of_others=False)
     ranked = _worst_rows(diagnosis.gap.by_channel, [c.name for c in campaign.rig.responses])
     if not ranked:
         return None

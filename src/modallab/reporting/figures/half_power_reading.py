@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from modallab.core.digits import short_number
-from modallab.identification.start.half_power import reading_near
+from modallab.identification.start.half_power import half_power_near
 from modallab.reporting.compare import ComparedMode, ModeReading
 from modallab.reporting.figures import style
 from modallab.reporting.figures.damping import paper_value
@@ -63,7 +63,7 @@ def half_power_readings(
     if hann:
         velocity = velocity * np.sin(pi * np.arange(n) / n) ** 2
     lines = np.fft.rfftfreq(n, block_s / n).astype(np.float64)
-    return np.array([reading_near(lines, a, frequency_hz) for a in np.abs(np.fft.rfft(velocity))])
+    return np.array([half_power_near(lines, a, frequency_hz) for a in np.abs(np.fft.rfft(velocity))])
 
 
 def _draw_marks(axes: Axes, mode: ComparedMode, reading: ModeReading, papers: bool) -> None:

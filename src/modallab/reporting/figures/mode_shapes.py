@@ -105,7 +105,7 @@ def _draw_frame(axes: Axes, rig: Rig) -> None:
 
 
 COLUMNS = 3
-LOOKS = (("the one", style.MEASURED, "-"), ("the other", style.MODEL, "--"))
+LOOKS = (("first model", style.MEASURED, "-"), ("second model", style.MODEL, "--"))
 
 
 def paired_shapes(found: ModelCorrelation, rig: Rig) -> Figure:

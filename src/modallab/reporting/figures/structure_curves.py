@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.frf import Frf
-from modallab.gap.modal.diagnosis import Explained
+from modallab.gap.modal.diagnosis import ComparisonOutcome
 from modallab.gap.modal.free import Free
 from modallab.modification.synthesis import outside_band_receptances, receptances_of_model
 from modallab.reporting.figures import style
@@ -35,7 +35,7 @@ class _Curves:
     after_said: str
 
 
-def structure_curves(explained: Explained, records: Frf | None) -> Figure:
+def structure_curves(explained: ComparisonOutcome, records: Frf | None) -> Figure:
     """Mobility of the outputs that miss most, each at the driven point where it does.
 
     Args:
@@ -54,7 +54,7 @@ def structure_curves(explained: Explained, records: Frf | None) -> Figure:
     return figure
 
 
-def worst_outputs(explained: Explained) -> list[tuple[int, int]]:
+def worst_outputs(explained: ComparisonOutcome) -> list[tuple[int, int]]:
     """(output, input) of the outputs with the widest gap within the tolerances, the widest first."""
     free, base = explained.free, explained.judged.base
     square = np.mean(free.missed(base.u, base.change) ** 2, axis=0)
@@ -62,7 +62,7 @@ def worst_outputs(explained: Explained) -> list[tuple[int, int]]:
     return [(int(o), int(np.argmax(square[o]))) for o in order]
 
 
-def _mobility_curves(explained: Explained) -> _Curves:
+def _mobility_curves(explained: ComparisonOutcome) -> _Curves:
     free, c = explained.free, explained.free.of
     hz = _frequencies(free)
     s = np.asarray(2j * np.pi * hz)

@@ -4,7 +4,7 @@ from math import isfinite
 
 import numpy as np
 
-from modallab.core.digits import significant_digits
+from modallab.core.digits import NONE, probability_text, significant_digits
 from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, paragraph
@@ -21,7 +21,7 @@ def assumptions_section(content: ReportContent) -> Section:
         if outcome.assessment is not None and outcome.model is not None:
             parts += _assumptions_of_test(outcome, outcome.assessment)
             absent += [
-                f"{_name_of_test(outcome)}: {name} was not judged: {_first_sentence(why)}"
+                f"{_name_of_test(outcome)}: {name} was not judged: {_first_sentence(why)}."
                 for name, why in _reasons_list(outcome)
             ]
     if not parts:
@@ -71,10 +71,10 @@ def _modes_table(outcome: OutcomeOfTest, found: ModelAssessment) -> Markup:
         (
             str(r + 1),
             significant_digits(float(f), 4),
-            _number(found.confidence[r]),
+            probability_text(found.confidence[r]),
             _number(found.mpc[r]),
-            _number(np.degrees(found.mpd_rad[r])),
-            _number(others[r].max()),
+            f"{np.degrees(found.mpd_rad[r]):.3f}",
+            _number(others[r].max()) if len(others) > 1 else NONE,
         )
         for r, f in enumerate(outcome.model.frequency_hz)
     ]

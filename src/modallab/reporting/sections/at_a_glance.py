@@ -9,7 +9,7 @@ from modallab.core.digits import four_places, in_sigmas, list_in_words, signific
 from modallab.reporting.compare import ComparedMode, agreement_verdict
 from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.markup import Markup, html_element
-from modallab.reporting.sections.summary import MATCH, compare_tests, how_far
+from modallab.reporting.sections.summary import MATCH, compare_tests, largest_differences
 
 DOUBTFUL = 0.5
 """A mode of a lower confidence may be noise, or what the model leaves unexplained."""
@@ -47,12 +47,12 @@ def _modes_known(modes: tuple[ComparedMode, ...]) -> Iterator[tuple[bool, str]]:
             f"{significant_digits(max(zeta), 2)} %"
         )
         yield True, f"Natural frequencies are {claim} (one standard deviation)."
-    doubted = [significant_digits(m.frequency_hz) for m in modes if _confidence_line(m) < DOUBTFUL]
+    doubted = [significant_digits(m.frequency_hz) for m in modes if _best_confidence(m) < DOUBTFUL]
     if doubted:
         yield False, f"Doubtful: {list_in_words(doubted)} Hz, of a confidence below {DOUBTFUL:g}."
 
 
-def _confidence_line(mode: ComparedMode) -> float:
+def _best_confidence(mode: ComparedMode) -> float:
     found = [r.confidence for r in mode.readings if isfinite(r.confidence)]
     return max(found, default=1.0)
 
@@ -62,14 +62,9 @@ def _repeated_line(outcome: OutcomeOfTest) -> Iterator[tuple[bool, str]]:
         return
     found = np.nan_to_num(outcome.verification.frac, nan=0.0)
     good = bool(found.min() >= MATCH)
-    claim = "repeats what was measured" if good else "does not repeat what was measured at all points"
-    yield (
-        good,
-        (
-            f"The model {claim} in {_name_of_test(outcome)}: FRAC {four_places(found.min())} to "
-            f"{four_places(found.max())}."
-        ),
-    )
+    claim = "The model repeats" if good else "At some points the model does not repeat"
+    frac = f"FRAC is {'at least' if good else 'down to'} {four_places(found.min())}"
+    yield good, f"{claim} what was measured in {_name_of_test(outcome)}: {frac}."
 
 
 def _tests_agree(modes: tuple[ComparedMode, ...]) -> Iterator[tuple[bool, str]]:
@@ -77,11 +72,11 @@ def _tests_agree(modes: tuple[ComparedMode, ...]) -> Iterator[tuple[bool, str]]:
     apart = [d for _, *both in pairs for d in both if isfinite(d)]
     if apart:
         one, other = (r.test for r in pairs[0][0].readings[:2])
-        most = f"at most {in_sigmas(max(apart))} apart"
+        most = in_sigmas(max(apart))
         if agreement_verdict(max(apart)) == "agree":
-            yield True, f"The {one} and the {other} test agree: {most}."
+            yield True, f"The {one} and the {other} test agree: they differ by at most {most}."
             return
-        text = f"The {one} and the {other} test differ, {most}: {how_far(modes)}."
+        text = f"The {one} and the {other} test differ by up to {most}: {largest_differences(modes)}."
         driven = {one, other} - {"impact", None}
         if "impact" in (one, other) and driven:
             text += f" In the {driven.pop()} test the shaker hangs on the structure, which shifts its modes."

@@ -143,14 +143,17 @@ def _table_by_point(
 
 
 def _residuals_table(model: ModalModel) -> Markup:
+    # As powers of s alone, the coefficients span sixty decades.
+    size = (2 * np.pi * model.band_hz[1]) ** np.array(model.residual_powers, float)
+    unit = f"ω₁ = 2π · {three_digits(model.band_hz[1])} rad/s"
     return join_markup(
         html_table(
-            f"Residuals, {_force_of_input(model, k)}, as coefficients of s to a power, in m/N s to minus that power",
+            f"Residuals, {_force_of_input(model, k)}: coefficients of the powers of s/ω₁ in m/N, with {unit}",
             ("response", *(f"power {p}" for p in model.residual_powers)),
             [
                 (
                     _point_of_output(model, j),
-                    *(scientific_text(float(model.residuals[t, j, k])) for t in range(len(model.residual_powers))),
+                    *(scientific_text(float(value)) for value in size * model.residuals[:, j, k]),
                 )
                 for j in range(len(model.outputs))
             ],

@@ -7,6 +7,7 @@ from modallab.core.digits import (
     in_sigmas,
     list_in_words,
     probability_text,
+    relative_change,
     relative_difference,
     significant_digits,
     to_places_of_sigma,
@@ -38,8 +39,9 @@ def modes_section(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Se
             "mode stands above what noise, or what the model leaves unexplained, could pass for: 0 is at the limit, 1 "
             "far above."
         ),
-        _too_sure(modes),
-        _unseen_modes(content, modes),
+        _drift_sentence(content),
+        _understated_uncertainty(modes),
+        _modes_not_found(content, modes),
         _notes_list(content),
         _agreement_sentence(modes),
     ]
@@ -49,7 +51,7 @@ def modes_section(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Se
     return Section("modes", "The modes", join_markup(parts), absent)
 
 
-def _unseen_modes(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Markup | None:
+def _modes_not_found(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Markup | None:
     """Modes that lie in the band of a test that did not find them."""
     lines: list[Markup] = []
     for model in content.models:
@@ -112,15 +114,25 @@ def _difference_from_truth(value: float, sigma: float, truth: float, drift: floa
     return join_markup([to_places_of_sigma(truth, sigma), html_element("br"), html_element("small", error)])
 
 
-def _too_sure(modes: tuple[ComparedMode, ...]) -> Markup | None:
+def _drift_sentence(content: ReportContent) -> Markup | None:
+    if content.truth is None or not content.truth.drift:
+        return None
+    drift = relative_change(content.truth.drift)
+    return paragraph(
+        f"True values are those at the start; the bench's stiffness then drifts by {drift}. The σ beside an error "
+        "allows for that."
+    )
+
+
+def _understated_uncertainty(modes: tuple[ComparedMode, ...]) -> Markup | None:
     """Where the truth shows that a stated uncertainty is too small."""
-    off = [f"mode {m.number} ({r.test or 'FRFs'})" for m in modes for r in m.readings if _half_power_error(r)]
+    off = [f"mode {m.number} ({r.test or 'FRFs'})" for m in modes for r in m.readings if _is_off_truth(r)]
     if not off:
         return None
     return paragraph(f"More than 3 σ off the truth: {list_in_words(off)}. There the stated uncertainty is too small.")
 
 
-def _half_power_error(reading: ModeReading) -> bool:
+def _is_off_truth(reading: ModeReading) -> bool:
     gaps = (
         joint_deviations(
             reading.frequency_hz,
@@ -141,8 +153,8 @@ def _agreement_sentence(modes: tuple[ComparedMode, ...]) -> Markup | None:
     rows = [
         (
             str(m.number),
-            _differing_modes(m.readings[0].frequency_hz, m.readings[1].frequency_hz, f),
-            _differing_modes(m.readings[0].damping, m.readings[1].damping, z),
+            _difference_text(m.readings[0].frequency_hz, m.readings[1].frequency_hz, f),
+            _difference_text(m.readings[0].damping, m.readings[1].damping, z),
             agreement_verdict(max(f, z)),
         )
         for m, f, z in pairs
@@ -158,5 +170,5 @@ def _agreement_sentence(modes: tuple[ComparedMode, ...]) -> Markup | None:
     )
 
 
-def _differing_modes(a: float, b: float, gap: float) -> str:
+def _difference_text(a: float, b: float, gap: float) -> str:
     return relative_difference(b, a) + (f" ({in_sigmas(gap)})" if isfinite(gap) else "")

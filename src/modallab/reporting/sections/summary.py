@@ -65,7 +65,7 @@ def _mismatch_note(content: ReportContent) -> str:
         for o, f in checks
         if f < MATCH
     ]
-    return f"; the model does not repeat {list_in_words(bad)} at all points" if bad else ""
+    return f"; at some points the model does not repeat {list_in_words(bad)}" if bad else ""
 
 
 def _modes_in_words(modes: tuple[ComparedMode, ...]) -> str:
@@ -96,10 +96,10 @@ def _agreement_sentence(modes: tuple[ComparedMode, ...]) -> str:
         return f"; {tests} agree within their uncertainty"
     if found == "borderline":
         return f"; {tests} agree but for one value that lies {in_sigmas(max(gaps))} apart"
-    return f"; {tests} disagree, {how_far(modes)}"
+    return f"; {tests} disagree, {largest_differences(modes)}"
 
 
-def how_far(modes: tuple[ComparedMode, ...]) -> str:
+def largest_differences(modes: tuple[ComparedMode, ...]) -> str:
     """How far two tests are apart at most, as people compare them first: in percent."""
     pairs = [m.readings[:2] for m in modes if len(m.readings) > 1]
     hz, zeta = (
@@ -111,5 +111,5 @@ def how_far(modes: tuple[ComparedMode, ...]) -> str:
     )
     return (
         f"frequencies by up to {significant_digits(100 * hz, 2)} %, damping ratios by up to "
-        f"{significant_digits(100 * zeta, 2)} %"
+        f"{significant_digits(100 * zeta, 2)} % of their value"
     )

@@ -44,8 +44,8 @@ def verification_section(content: ReportContent) -> Section:
 _METHOD = (
     "The model is asked to play the test again: its response to the measured force is cut into the same blocks and "
     "treated in the same way, then compared with what was measured. FRAC says how well the two curves match: 1 is a "
-    "perfect match, 0 is none. The thin line is the mobility of the model itself. It has higher and sharper peaks "
-    "than any block of this length can show."
+    "perfect match, 0 is none. The thin line is the mobility of the model itself, without a block: it has higher "
+    "and sharper peaks than any block of this length can show."
 )
 
 
@@ -61,7 +61,7 @@ def _verification_of_test(content: ReportContent, outcome: OutcomeOfTest, check:
     output = farthest_sensor(content.rig, check.measured.outputs)
     where = sensor_label(check.measured.outputs[output], check.measured.output_points[output])
     named = where[0].lower() + where[1:]
-    spread = f"FRAC from {four_places(known.min())} to {four_places(known.max())}"
+    spread = f"FRAC is at least {four_places(known.min())}"
     alone = len(check.measured.outputs) == 1
     one = captioned_figure(
         one_point(check, output, worst),

@@ -22,7 +22,7 @@ from modallab.service import api
 from modallab.service.api.access import COOKIE, Guard
 from modallab.service.api.asyncapi import asyncapi_of
 from modallab.service.api.blocks import SAMPLE_HEADERS
-from modallab.service.api.compression import Gzip, HeadAsGet
+from modallab.service.api.compression import Gzip, HeadRequests
 from modallab.service.api.described import METHODS, describe_operations, describe_schemas, operations_of_document
 from modallab.service.api.events import EventFeed
 from modallab.service.api.operator_page import mount_page
@@ -92,7 +92,7 @@ def _add_middleware(app: FastAPI, settings: Settings) -> None:
         origins=settings.cors,
         file_bytes=settings.file_bytes,
     )
-    app.add_middleware(HeadAsGet)
+    app.add_middleware(HeadRequests)
     if settings.cors:
         # Outermost: a browser asks whether it may before it sends a token.
         app.add_middleware(

@@ -23,7 +23,7 @@ class Gzip:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass on."""
-        if scope["type"] != "http" or not takes_gzip(Headers(scope=scope).get("accept-encoding", "")):
+        if scope["type"] != "http" or not accepts_gzip(Headers(scope=scope).get("accept-encoding", "")):
             await self._app(scope, receive, send)
             return
         head: Message | None = None
@@ -42,7 +42,7 @@ class Gzip:
         await self._app(scope, receive, compressed)
 
 
-def takes_gzip(accepted: str) -> bool:
+def accepts_gzip(accepted: str) -> bool:
     """Whether the header `Accept-Encoding` names gzip, or anything, and does not rule it out (`q=0`)."""
     weights: dict[str, float] = {}
     for part in accepted.lower().split(","):
@@ -76,7 +76,7 @@ async def _compress_body(head: Message, message: Message) -> Message:
     return {**message, "body": small}
 
 
-class HeadAsGet:
+class HeadRequests:
     """Asks for GET, and sends the head only."""
 
     def __init__(self, app: ASGIApp) -> None:

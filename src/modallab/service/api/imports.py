@@ -15,7 +15,7 @@ from modallab.core.documents.campaigns import CampaignNew, CampaignView, Name, N
 from modallab.core.errors import DataError
 from modallab.core.units import Test
 from modallab.formats.arrays.array_map import ArrayMap, parse_map
-from modallab.formats.asked import ASKED, Asked, Kind
+from modallab.formats.asked import ASKED, ImportOption, Kind
 from modallab.formats.format import Format
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import CallerOf, Operator, ServiceOf, set_etag
@@ -41,7 +41,7 @@ _KINDS: dict[Kind, Any] = {
 BODY = {"required": True, "content": {FILE: {"schema": {"type": "string", "format": "binary"}}}}
 
 
-def _parameter(name: str, one: Asked) -> inspect.Parameter:
+def _parameter(name: str, one: ImportOption) -> inspect.Parameter:
     kind = list[_KINDS[one.kind]] if one.several else _KINDS[one.kind]
     # Numbers keep the name that says their unit.
     called = one.called if one.called and one.kind not in ("number", "count") else name

@@ -10,7 +10,7 @@ from typing import Annotated, TypeVar
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 from pydantic import ValidationError
 
-from modallab.acquisition.process.idle_scope import idle_name
+from modallab.acquisition.process.idle_scope import idle_ring_name
 from modallab.core.documents.rigs import StopAsked
 from modallab.core.errors import ModallabError
 from modallab.service.api.events import EventFeed
@@ -93,7 +93,7 @@ async def _show_samples(socket: WebSocket, chosen: ViewSelection, idle: bool) ->
     rigs: dict[str, str] = {}
     if idle:
         states = await asyncio.to_thread(service.control.states)
-        rigs = {idle_name(state.bench): state.id for state in states if chosen.rig in ("", state.id)}
+        rigs = {idle_ring_name(state.bench): state.id for state in states if chosen.rig in ("", state.id)}
         chosen = replace(chosen, idle=tuple(rigs))
 
     def rig_of(run: str) -> str:

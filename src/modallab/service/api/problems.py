@@ -16,7 +16,7 @@ from modallab.acquisition.monitor.run_states import IllegalTransitionError
 from modallab.acquisition.process.trip import TrippedError
 from modallab.core.documents.pages import Problem
 from modallab.core.errors import DatabaseLostError, ModallabError
-from modallab.core.field_errors import short_of_wrong_entries
+from modallab.core.field_errors import is_short_by_wrong_entries
 
 LOG = logging.getLogger(__name__)
 MEDIA_TYPE = "application/problem+json"
@@ -171,7 +171,7 @@ async def _not_valid(_request: Request, error: Exception) -> Response:
     found = tuple(
         {"where": ".".join(str(part) for part in one["loc"]), "what": _detail_of_error(one)}
         for one in details
-        if not short_of_wrong_entries(one, details)
+        if not is_short_by_wrong_entries(one, details)
     )
     remedy = "put right what `errors` names; every request and its fields stand at /docs"
     return problem_response(

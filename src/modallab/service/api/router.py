@@ -42,7 +42,7 @@ def make_router(tag: str, *, files: bool = False) -> APIRouter:
 
 
 @dataclass(frozen=True, slots=True)
-class KeptAnswer:
+class StoredAnswer:
     """What a request was answered with."""
 
     status: int
@@ -58,7 +58,7 @@ class IdempotencyKeys:
         self._engine = engine
         self._boot = boot
 
-    def claim(self, key: str, request: bytes) -> KeptAnswer | None:
+    def claim(self, key: str, request: bytes) -> StoredAnswer | None:
         """Claim a key for a request; the answer, if it was answered within `KEY_LIFE`.
 
         Raises:
@@ -77,7 +77,7 @@ class IdempotencyKeys:
             if found["request"] != digest:
                 raise key_of_another()
             if found["status"] is not None:
-                return KeptAnswer(found["status"], dict(found["headers"]), found["body"])
+                return StoredAnswer(found["status"], dict(found["headers"]), found["body"])
             if found["boot"] == self._boot:
                 raise ConflictError(
                     "the first request with this key is being answered", where="Idempotency-Key", remedy="ask again"
@@ -85,7 +85,7 @@ class IdempotencyKeys:
             connection.execute(update(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key).values(boot=self._boot))
         return None
 
-    def keep(self, key: str, answer: KeptAnswer) -> None:
+    def keep(self, key: str, answer: StoredAnswer) -> None:
         """Keep the answer for whoever asks again."""
         values = {"status": answer.status, "headers": answer.headers, "body": answer.body}
         with write_transaction(self._engine) as connection:
@@ -268,7 +268,7 @@ async def answer_once(request: Request, body: bytes, answer: Callable[[], Awaita
         raise
     if response.status_code < 400 and "no-store" not in response.headers.get("cache-control", ""):
         headers = {name: response.headers[name] for name in KEPT if name in response.headers}
-        given = KeptAnswer(response.status_code, headers, bytes(response.body).decode())
+        given = StoredAnswer(response.status_code, headers, bytes(response.body).decode())
         await run_in_threadpool(keys.keep, key, given)
     else:
         await run_in_threadpool(keys.forget, key)

@@ -48,10 +48,10 @@ def export_campaign(service: Service, campaign: str, format_: str) -> ExportedFi
     if not runs:
         raise ConflictError("there is no ended, valid run with good blocks", where=campaign, remedy="record one first")
     whole, name = campaign_of(service.store, runs), f"{campaign}{used.endings[0]}"
-    return written_apart(service, name, lambda path: write_export(whole, path, format_))
+    return export_to_own_folder(service, name, lambda path: write_export(whole, path, format_))
 
 
-def written_apart(service: Service, name: str, write: Callable[[Path], Sequence[str] | None]) -> ExportedFile:
+def export_to_own_folder(service: Service, name: str, write: Callable[[Path], Sequence[str] | None]) -> ExportedFile:
     """A file in a folder of its own; a folder as a zip.
 
     Args:

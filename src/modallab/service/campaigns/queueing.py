@@ -14,7 +14,7 @@ from modallab.service.records.archived import Archive
 from modallab.service.records.event_log import EventTopic
 from modallab.service.records.run_queue import RunQueue
 from modallab.service.rigs.control import ControllerState
-from modallab.service.rigs.queue_runner import why_not_begun
+from modallab.service.rigs.queue_runner import reason_not_to_begin
 from modallab.storage.durable import planned_blocks
 
 HIT_S = 15.0
@@ -53,7 +53,7 @@ def queue_view(service: Service, rig: ControllerState, *, ended: bool = False) -
         rig=rig.id,
         paused=rig.id in paused,
         reason=paused.get(rig.id, ""),
-        waits_for="" if waiting is None else why_not_begun(waiting, rig, trip, consent),
+        waits_for="" if waiting is None else reason_not_to_begin(waiting, rig, trip, consent),
         consent=consent,
         remaining_s=sum(item.estimated_s for item in items),
         items=(*items, *(queue.ended(rig.id, ENDED) if ended else ())),

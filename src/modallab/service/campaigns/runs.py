@@ -3,7 +3,7 @@
 import numpy as np
 from sqlalchemy import select
 
-from modallab.core.documents.messages import VerdictGiven
+from modallab.core.documents.messages import BlockJudged
 from modallab.core.documents.runs import Accept, BlockView, Drop, RunView, Verdict
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
@@ -11,7 +11,7 @@ from modallab.service.jobs.background import AfterRun
 from modallab.service.records import audit
 from modallab.service.records.archived import Archive, set_aside_view
 from modallab.service.records.event_log import EventTopic
-from modallab.service.rigs.control import legal_after
+from modallab.service.rigs.control import legal_next_states
 from modallab.storage.engine import read_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.records import ENDED, BlockRecord, RunRecord
@@ -52,7 +52,7 @@ def run_view(service: Service, run: str) -> RunView:
         reason=record.reason,
         code="" if entry is None else entry.code,
         valid=record.valid,
-        legal=legal_after(record.state),
+        legal=legal_next_states(record.state),
         plan=record.plan,
         operator="" if entry is None else entry.operator,
         continues=None if entry is None else entry.continues,
@@ -151,7 +151,7 @@ def judge_block(
         run, n, accepted=verdict.accepted, reason=verdict.reason or word, operator=operator, utc=utc_now()
     )
     audit.enter_action(service.engine, operator, "verdict", f"{run}/{n}", verdict.model_dump())
-    given = VerdictGiven(run=run, n=n, operator=operator, accepted=verdict.accepted, reason=verdict.reason)
+    given = BlockJudged(run=run, n=n, operator=operator, accepted=verdict.accepted, reason=verdict.reason)
     service.log.append(given.kind, EventTopic(entry.rig, entry.campaign, run), given.model_dump())
     AfterRun(service.store, service.jobs).judged(run)
 

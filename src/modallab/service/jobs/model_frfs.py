@@ -5,7 +5,7 @@ import numpy as np
 from modallab.core.documents.model_use import PredictedFrf
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.units import Test
-from modallab.service.campaigns.export import ExportedFile, written_apart
+from modallab.service.campaigns.export import ExportedFile, export_to_own_folder
 from modallab.service.context import Service
 from modallab.service.jobs.model_use import known_of_campaign
 
@@ -84,4 +84,6 @@ def export_predicted_frf(
     from modallab.formats.frf_file import rig_of, write_frf
 
     _, found = _predicted_frf(service, campaign, test, outputs, inputs, quantity, lines)
-    return written_apart(service, f"{campaign}-model{ending}", lambda path: write_frf(path, found, rig_of(found)))
+    return export_to_own_folder(
+        service, f"{campaign}-model{ending}", lambda path: write_frf(path, found, rig_of(found))
+    )

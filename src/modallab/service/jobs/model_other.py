@@ -89,7 +89,7 @@ def free_bands_of(service: Service, campaign: str, new: ChangeForFreeBandNew) ->
         NotFoundError: no such campaign, or no model of this test.
         DataError: edges that do not rise or lie beyond the model's band, or a point that the model does not know.
     """
-    from modallab.modification.free_band import kept_free
+    from modallab.modification.free_band import changes_for_free_band
 
     known = known_of_campaign(service, campaign, new.test)
     answers = tuple(
@@ -101,7 +101,7 @@ def free_bands_of(service: Service, campaign: str, new: ChangeForFreeBandNew) ->
             stays=a.stays or None,
             stays_hz=a.stays_hz if a.stays else None,
         )
-        for a in kept_free(known, (new.low_hz, new.high_hz), new.by, new.at or known.sensors)
+        for a in changes_for_free_band(known, (new.low_hz, new.high_hz), new.by, new.at or known.sensors)
     )
     return ChangesForFreeBandView(test=known.model.test, answers=answers)
 

@@ -99,7 +99,7 @@ def _mobility(known: "KnownStructure", changed: "KnownStructure", pair: PairNew)
 
 def _addition(service: Service, new: ChangeNew) -> "AttachedPart":
     from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
-    from modallab.modification.coupled import Coupled
+    from modallab.modification.coupled import CouplingToStructure
 
     if isinstance(new, ElementNew):
         return Element(new.at, new.to, new.mass_kg, new.spring_n_per_m, new.damper_n_s_per_m)
@@ -108,7 +108,7 @@ def _addition(service: Service, new: ChangeNew) -> "AttachedPart":
     if isinstance(new, CouplingNew):
         other = known_of_campaign(service, new.campaign, None)
         sign = -1 if new.remove else 1
-        return Coupled(other.structure, new.pairs, new.joint_n_per_m, sign, samples=other.samples)
+        return CouplingToStructure(other.structure, new.pairs, new.joint_n_per_m, sign, samples=other.samples)
     return RigidLink(new.at, new.to)
 
 

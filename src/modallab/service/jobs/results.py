@@ -95,7 +95,12 @@ def diagnosis_of_campaign(service: Service, campaign: str) -> DiagnosisView:
         found = Diagnosis.model_validate(_document(job))
     except ValidationError as error:
         raise _unreadable_result(job) from error
-    return DiagnosisView(**_about_job(service, job), diagnosis=found)
+    # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
+    from modallab.gap.words.verdicts import verdict_sentence
+
+    channels = service.store.catalogue.run(job.inputs[0]).rig.channels
+    sentence = verdict_sentence(found, [channel.name for channel in channels])
+    return DiagnosisView(**_about_job(service, job), sentence=sentence, diagnosis=found)
 
 
 def comparison_of_runs(service: Service, one: str, other: str) -> ComparisonView:

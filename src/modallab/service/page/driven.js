@@ -14,7 +14,7 @@ export function sayState([large, small], prompt, state, under) {
   const { done = 0, total = 0, what = "" } = state.progress ?? {};
   prompt.dataset.mood = MOODS[state.state] ?? "waiting";
   say(large, state.state === "acquiring" && what ? what.replace(/^level /, "") : WORDS[state.state] ?? state.state);
-  say(small, state.failed ? `${sentence(state.failed.what)} ${sentence(state.failed.remedy || "look at the bench")}` : state.ended ? sentence(state.reason || "all that the plan asks for is recorded") : state.state === "acquiring" && total ? under(done, total) : "");
+  say(small, state.failed ? `${sentence(state.failed.what)} ${sentence(state.failed.remedy || "look at the bench")}` : state.ended ? sentence(state.reason || "everything in the plan is recorded") : state.state === "acquiring" && total ? under(done, total) : "");
 }
 
 /** How far it is, and about how long it still takes. */

@@ -29,7 +29,7 @@ export function described(found) {
   const numbers = elements.flatMap(({ parameters, interval }) => Object.entries(parameters).map(([name, value]) => [spaced(name), number(value), range(interval[name])]));
   if (x !== null) numbers.unshift(["place, m from the clamp", number(x), range(between)]);
   return panel("What it behaves like", h("p", {}, `The gap behaves like ${says.replace(/,+$/, "")}.`),
-    shrunk.closed !== null && h("p", {}, h("strong", {}, `That closes ${closed(shrunk.closed)} of it`), ` on ${shrunk.held_out.length} records that no fit has seen: from ${number(shrunk.before, 3)} to ${number(shrunk.after, 3)} noise units. It is no cause: something else may behave alike.`),
+    shrunk.closed !== null && h("p", {}, h("strong", {}, `That closes ${closed(shrunk.closed)} of it`), ` on ${shrunk.held_out.length} records that no fit has seen: from ${number(shrunk.before, 3)} to ${number(shrunk.after, 3)} noise units. It need not be the cause: another change may behave alike.`),
     table("Its numbers, in SI units", ["Number", ["Value", "n"], ["95 % interval", "n"]], numbers),
     alternatives.length > 0 && h("ul", { class: "plainlist" }, alternatives.map((other) => h("li", {}, `${sentence(other.says)} It leaves ${number(other.gap, 3)} noise units.`))));
 }
@@ -54,9 +54,9 @@ function bar(share) {
 
 /** Explanations, the likeliest first, and how probable a cause without a name is. */
 export function candidates(found, unknown) {
-  const rows = found.slice(0, 8).map((one) => [spaced(one.effects.join(" and ")) || "none", bar(one.probability), `${number(one.gap, 3)}`]);
+  const rows = found.slice(0, 8).map((one) => [spaced(one.effects.join(" and ")) || "none", bar(Math.min(one.probability, 0.99)), `${number(one.gap, 3)}`]);
   if (unknown !== null && found.length) rows.push(["a cause without a name", bar(unknown), "–"]);
-  return panel("Candidates", found.length ? table("Candidates with their probability", ["Explanation", "Probability", ["Gap it leaves", "n"]], rows) : h("p", { class: "muted" }, "There are none."));
+  return panel("Candidates", found.length ? table("Candidates with their probability", ["Explanation", "Probability", ["Gap left", "n"]], rows) : h("p", { class: "muted" }, "There are none."));
 }
 
 /** By channel, on a logarithmic scale that begins at noise alone. */
@@ -70,5 +70,5 @@ export function residuals({ by_channel: before, after_by_channel: after }) {
 }
 
 /** What the gap is made of. */
-export const budget = (found) => panel("Budget", found ? [table("Parts of the gap", ["Part", "Share", ["Sigmas", "n"]], found.rows.slice(0, 12).map((row) => [`${spaced(row.name).replaceAll("+", " and ")}${row.place ? `, ${row.place}` : ""}`, bar(row.share), row.sigmas === null ? "–" : row.sigmas.toFixed(1)])),
-  h("p", { class: "muted" }, "Numbers whose shares cancel stand together, with what stays."), h("ul", { class: "plainlist" }, found.calibrate.map((one) => h("li", {}, sentence(one))))] : h("p", { class: "muted" }, "This diagnosis has none."));
+export const budget = (found) => panel("Budget of the gap", found ? [table("Parts of the gap", ["Part", "Share", ["Off [σ]", "n"]], found.rows.slice(0, 12).map((row) => [row.said, bar(row.share), row.sigmas === null ? "–" : (Math.round(10 * row.sigmas) / 10 || 0).toFixed(1).replace("-", "−")])),
+  h("p", { class: "muted" }, "Deviations whose shares cancel are summed in one row."), h("ul", { class: "plainlist" }, found.calibrate.map((one) => h("li", {}, sentence(one))))] : h("p", { class: "muted" }, "This diagnosis has none."));

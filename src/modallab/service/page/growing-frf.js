@@ -43,7 +43,7 @@ export class GrowingFrf {
     const x = axisOf(about.frequency_hz);
     const part = (kind, output, value) => Array.from({ length: lines }, (_, n) => value(2 * ((kind * outputs + output) * lines + n)));
     const series = about.outputs.map((name, n) => ({ label: `${name}${about.output_points[n] ? ` at ${about.output_points[n]}` : ""}`, ...look(n) }));
-    this.averages.textContent = `${about.averages} averages, ${unit(about.unit)}`;
+    this.averages.textContent = `${about.averages} ${about.averages === 1 ? "average" : "averages"}, ${unit(about.unit)}`;
     this.amplitude.draw(series, [x, ...series.map((_, output) => positive(part(0, output, (at) => Math.hypot(values[at], values[at + 1]))))]);
     this.coherence.element.hidden = !about.coherence || about.averages < 2;
     if (!this.coherence.element.hidden) this.coherence.draw(series, [x, ...series.map((_, output) => part(1, output, (at) => values[at]))]);

@@ -5,9 +5,11 @@ export function number(value, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size >= 1e5 || size < 1e-4) return value.toExponential(digits - 1).replace(/e(.*)$/, (_, power) => `·10${raised(power)}`);
-  return value.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
+  if (size >= 1e5 || size < 1e-4) return minus(value.toExponential(digits - 1).replace(/e(.*)$/, (_, power) => `·10${raised(power)}`));
+  return minus(value.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size)))));
 }
+
+const minus = (text) => text.replace(/^-/, "−");
 
 const raised = (power) => [...power].map((one) => (one === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[one] ?? "")).join("");
 

@@ -6,7 +6,7 @@ import { number } from "./numbers.js";
 
 const HEIGHT = 320;
 /** Width of a frequency on the axis, with room beside it. */
-const TICK_PX = 80;
+const TICK_PX = 60;
 const NEAR_PX = 14;
 
 /** Poles by order, over the mode indicator; a click or the list below chooses poles for a model by hand. */
@@ -67,7 +67,10 @@ export class Stabilisation {
     context.fillText("Order", 4, 13);
     context.fillText("Hz", this.width - 24, HEIGHT - 26);
     const ticks = Math.max(2, Math.min(10, Math.floor(this.width / TICK_PX)));
-    for (let n = 0; n <= ticks; n += 1) { const at = this.low + ((this.high - this.low) * n) / ticks; context.fillText(number(at, 3), this.x(at) - 16, HEIGHT - 10); }
+    const least = (this.high - this.low) / ticks;
+    const ten = 10 ** Math.floor(Math.log10(least));
+    const step = ten * [1, 2, 5, 10].find((one) => one * ten >= least);
+    for (let at = Math.ceil(this.low / step) * step; at <= this.high; at += step) context.fillText(String(Number(at.toPrecision(4))), this.x(at) - 12, HEIGHT - 10);
     for (const one of new Set([this.orders[0], Math.round((this.orders[0] + this.orders[1]) / 2), this.orders[1]])) context.fillText(String(one), 14, this.y(one) + (one === this.orders[1] ? 12 : 5));
     this.drawIndicator(context, lines, cmif[0]);
     context.strokeStyle = colour("accent");

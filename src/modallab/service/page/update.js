@@ -1,10 +1,10 @@
-/** Correct the beam of the rig file, or matrices, by a test: which numbers it believes, and which the test says. */
+/** Correct the beam of the rig file, or matrices, by a test: the numbers of the rig file, and those that the test gives. */
 
 import { post } from "./api.js";
 import { button, h, panel, put, show, table } from "./dom.js";
 import { number, uncertain } from "./numbers.js";
 
-const LOCAL = { "": ["nothing more", 0], mass: ["a mass at", 0.05], spring: ["a spring to ground at", 1000] };
+const LOCAL = { "": ["nothing else", 0], mass: ["a mass at", 0.05], spring: ["a spring to ground at", 1000] };
 
 export class Update {
   constructor(campaign, model) {
@@ -16,8 +16,8 @@ export class Update {
     this.file = h("input", { type: "file", accept: ".json,application/json" });
     this.found = h("div", { role: "status" });
     this.element = panel(`Finite-element model, ${name}`,
-      h("p", { class: "buttons" }, h("span", {}, "Estimate E, density, thickness and joint of the rig file's beam, and"), this.kind, this.at, h("label", {}, "mode that only checks: ", this.out)),
-      h("p", { class: "buttons" }, h("label", {}, "or of matrices (JSON, as the API takes them): ", this.file), button("Estimate", () => this.estimate())), this.found);
+      h("p", { class: "buttons" }, h("span", {}, "Estimate Young's modulus, density, thickness and clamp of the rig file's beam, and"), this.kind, this.at, h("label", {}, "mode left out of the fit, to check it: ", this.out)),
+      h("p", { class: "buttons" }, h("label", {}, "Or estimate the parameters of your own stiffness and mass matrices (JSON file, format as in the API): ", this.file), button("Estimate", () => this.estimate())), this.found);
   }
 
   async estimate() {
@@ -31,10 +31,10 @@ export class Update {
   }
 
   fill(found) {
-    const parameters = Object.entries(found.parameters).map(([name, one]) => [one.unit ? `${name} [${one.unit}]` : name, number(one.believed, 5), number(one.found, 5), `${number(one.interval[0], 5)} to ${number(one.interval[1], 5)}`, one.determined ? "yes" : "no"]);
+    const parameters = Object.entries(found.parameters).map(([name, one]) => [`${name.replaceAll("_", " ")}${one.unit ? ` [${one.unit}]` : ""}`, number(one.believed, 5), number(one.found, 5), `${number(one.interval[0], 5)} to ${number(one.interval[1], 5)}`, one.determined ? "yes" : "no"]);
     const off = (hz, n) => number(100 * (hz / found.measured_hz[n] - 1), 3);
-    const modes = found.measured_hz.map((hz, n) => [n + 1, uncertain(hz, this.model.frequency_sigma_hz[n]), off(found.before_hz[n], n), off(found.after_hz[n], n), number(found.mac_after[n], 3), found.held_out.includes(n + 1) ? "only checks" : ""]);
-    put(this.found, table("Parameters", [["Parameter"], ["Believed", "n"], ["Found", "n"], ["95 % interval", "n"], ["Determined"]], parameters),
+    const modes = found.measured_hz.map((hz, n) => [n + 1, uncertain(hz, this.model.frequency_sigma_hz[n]), off(found.before_hz[n], n), off(found.after_hz[n], n), number(found.mac_after[n], 3), found.held_out.includes(n + 1) ? "not in the fit" : ""]);
+    put(this.found, table("Parameters", [["Parameter"], ["Rig file", "n"], ["Found", "n"], ["95 % interval", "n"], ["Determined"]], parameters),
       table("Modes of the model", [["Mode", "n"], ["Measured [Hz]", "n"], ["Before [%]", "n"], ["After [%]", "n"], ["MAC", "n"], [""]], modes), h("p", { class: "muted" }, found.notes.join(" ")));
   }
 }

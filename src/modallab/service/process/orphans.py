@@ -16,7 +16,7 @@ Known = tuple[int, float, bool]
 """The system's number of a process, when it began, and whether it leaves by itself once its owner is dead."""
 
 
-class Orphans:
+class ProcessList:
     """The list of one data folder. Only who holds the folder's lock may use it."""
 
     def __init__(self, folder: Path) -> None:

@@ -23,7 +23,7 @@ from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
 from modallab.service.process.connections import raise_limit
-from modallab.service.process.orphans import Orphans
+from modallab.service.process.orphans import ProcessList
 from modallab.service.process.ports import bound_socket, port_taken_error
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.tls import server_context
@@ -73,7 +73,7 @@ class ServiceSupervisor:
         self._closing = Flag()
         self._closed = Flag()
         self.store, self._lock = _locked_store(settings.data)
-        self._orphans = Orphans(settings.data)
+        self._orphans = ProcessList(settings.data)
         self._orphans.end_all()
         self._counter: CallServer | None = None
         boot = secrets.token_hex(8)

@@ -49,7 +49,7 @@ class ControlAnswer:
 
 
 @dataclass(frozen=True, slots=True)
-class SignOfLife:
+class ProcessHeartbeat:
     """The REST process lives."""
 
 
@@ -157,7 +157,7 @@ class RemoteControl:
         while not self._lost.wait(BEAT_S):
             try:
                 with self._sending:
-                    self._connection.send(SignOfLife())
+                    self._connection.send(ProcessHeartbeat())
             except OSError:
                 return
 
@@ -180,7 +180,7 @@ class CallServer:
     def _hear(self) -> None:
         try:
             while True:
-                message: ControlCall | SignOfLife = self._connection.recv()
+                message: ControlCall | ProcessHeartbeat = self._connection.recv()
                 self.received_s = time.monotonic()
                 self.began = True
                 if isinstance(message, ControlCall):

@@ -158,10 +158,10 @@ class Archive:
 
 def set_aside_entry(connection: Connection, kind: Kind, name: str) -> SetAsideEntry | None:
     """How a campaign or a run was set aside by itself; None if it was not."""
-    return asides_of(connection, kind, [name]).get(name)
+    return set_aside_notes(connection, kind, [name]).get(name)
 
 
-def asides_of(connection: Connection, kind: Kind, names: Sequence[str]) -> dict[str, SetAsideEntry]:
+def set_aside_notes(connection: Connection, kind: Kind, names: Sequence[str]) -> dict[str, SetAsideEntry]:
     """How those of these campaigns or runs were set aside that were, by name."""
     query = select(SET_ASIDE).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.id.in_(names))
     rows = connection.execute(query).mappings()

@@ -100,7 +100,7 @@ class EventLog:
             return
         try:
             with write_transaction(self._engine) as connection:
-                one_at_a_time(connection)
+                lock_event_numbers(connection)
                 connection.execute(insert(EVENTS), rows)
         except StorageError:
             return
@@ -119,7 +119,7 @@ def _event_view(row: RowMapping) -> EventView:
     return event.model_copy(update={"kind": kind, "content": event.content | {"kind": kind}})
 
 
-def one_at_a_time(connection: Connection) -> None:
+def lock_event_numbers(connection: Connection) -> None:
     """Numbers must become visible in their order, or a reader would pass by one; SQLite has one writer anyway."""
     if connection.dialect.name == "postgresql":
         connection.execute(text("LOCK TABLE events IN EXCLUSIVE MODE"))

@@ -12,7 +12,7 @@ from modallab.core.documents.campaigns import CampaignChange, CampaignNew, Campa
 from modallab.jobs import Job
 from modallab.service.errors import ChangedError, IdempotencyError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.archived import asides_of, bring_back, left_out, set_aside_view
+from modallab.service.records.archived import bring_back, left_out, set_aside_notes, set_aside_view
 from modallab.storage.engine import next_number, read_transaction, write_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS, RUN_KEYS
@@ -254,7 +254,7 @@ def _campaigns(connection: Connection, names: Sequence[str]) -> list[CampaignVie
     """Those of these names that there are, in this order; asked for all at once, since a list is long."""
     query = select(CAMPAIGNS).where(CAMPAIGNS.c.id.in_(names))
     rows = {row["id"]: row for row in connection.execute(query).mappings()}
-    asides = asides_of(connection, "campaign", names)
+    asides = set_aside_notes(connection, "campaign", names)
     recorded = (
         select(CAMPAIGN_RUNS.c.campaign, CAMPAIGN_RUNS.c.run)
         .where(CAMPAIGN_RUNS.c.campaign.in_(names))

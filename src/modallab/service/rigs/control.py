@@ -138,7 +138,7 @@ class Control(Protocol):
         ...
 
 
-def legal_after(state: RunState) -> tuple[RunState, ...]:
+def legal_next_states(state: RunState) -> tuple[RunState, ...]:
     """States that may follow."""
     return tuple(sorted(TRANSITIONS[state]))
 
@@ -160,7 +160,7 @@ def transition_error(state: RunState, what: str) -> IllegalTransitionError:
     """What to raise when a run cannot do `what` in its state."""
     return IllegalTransitionError(
         f"a run that is {state} cannot {what}",
-        remedy=f"legal: {', '.join(legal_after(state)) or 'none, it has ended'}",
+        remedy=f"legal: {', '.join(legal_next_states(state)) or 'none, it has ended'}",
     )
 
 

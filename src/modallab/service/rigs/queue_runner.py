@@ -20,7 +20,7 @@ from modallab.service.rigs.run_log import RunLog
 from modallab.storage.records import ENDED
 
 
-def why_not_begun(item: QueueItem, state: ControllerState, trip: Trip | None, consent: ConsentView | None) -> str:
+def reason_not_to_begin(item: QueueItem, state: ControllerState, trip: Trip | None, consent: ConsentView | None) -> str:
     """Why an item cannot begin now; "" if it can.
 
     A shaker never starts by itself unless who holds the lease has consented to this very item, and an impact test waits
@@ -116,7 +116,7 @@ class QueueRunner:
             self._pause(item.rig, "the rig's process was started again since its operator has consented")
             return
         given = None if consent is None else consent.view
-        if why_not_begun(item, state, self._controllers.trip(item.rig), given) or not self._may_begin():
+        if reason_not_to_begin(item, state, self._controllers.trip(item.rig), given) or not self._may_begin():
             return
         if consent is not None and self._queue.claim(item.id):
             self._begin(item, consent)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.runs import Fault, SampleRuns, runs_where
+from modallab.signals.faults.runs import Fault, SampleRuns, stretches_where
 
 WINDOW, VALUES = 16, 8
 """Samples of a window, and different values in it from which on no chance repeats it."""
@@ -22,7 +22,7 @@ def copies(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real) -
     lag = _lag(rows[key])
     if not lag:
         return ()
-    found: SampleRuns = runs_where((rows[:, lag:] == rows[:, :-lag]).all(axis=0)).longer(WINDOW)
+    found: SampleRuns = stretches_where((rows[:, lag:] == rows[:, :-lag]).all(axis=0)).longer(WINDOW)
     moving = [k for k in range(found.first.size) if np.unique(rows[key, found.first[k] : found.stop[k]]).size >= VALUES]
     if np.median(np.abs(rows[key, lag:] - rows[key, :-lag])) < MOVES * float(np.median(steps[key])):
         return ()

@@ -9,7 +9,7 @@ below, even if all tops are as high.
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.runs import Fault, SampleRuns, runs_where
+from modallab.signals.faults.runs import Fault, SampleRuns, stretches_where
 
 LEAST_RUN = 3
 """Equal samples in a row: two may stand astride any top."""
@@ -44,16 +44,16 @@ def flat_tops(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fau
 
 
 def _cut_off(row: Real, top: float, step: float, height: float) -> SampleRuns:
-    found = _is_sharp(row, top, step, runs_where(row == top).longer(LEAST_RUN), SHARP)
+    found = _is_sharp(row, top, step, stretches_where(row == top).longer(LEAST_RUN), SHARP)
     if found.first.size:
         return found
     if _is_crowded(row, top, step):
-        return runs_where(row >= top - step / 2)
+        return stretches_where(row >= top - step / 2)
     # How much noise there is behind the stage is not known: a flat top is flat in one of these bands.
     widest = NOISY_TOPS * height + step
     band = max(step, widest / WIDTHS)
     while found.length.sum() < NOISY_LEAST and band <= widest:
-        found = _is_sharp(row, top, band, runs_where(row >= top - band).longer(LEAST_RUN), NOISY_SHARP)
+        found = _is_sharp(row, top, band, stretches_where(row >= top - band).longer(LEAST_RUN), NOISY_SHARP)
         band *= 2
     return found if found.length.sum() >= NOISY_LEAST else SampleRuns(found.first[:0], found.stop[:0])
 

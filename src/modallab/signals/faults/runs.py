@@ -36,7 +36,7 @@ class SampleRuns:
         return SampleRuns(self.first[kept], self.stop[kept])
 
 
-def runs_where(holds: NDArray[np.bool_]) -> SampleRuns:
+def stretches_where(holds: NDArray[np.bool_]) -> SampleRuns:
     """The stretches in which (n,) holds."""
     edges = np.flatnonzero(np.diff(holds.astype(np.int8), prepend=0, append=0))
     return SampleRuns(edges[::2], edges[1::2])
@@ -44,7 +44,7 @@ def runs_where(holds: NDArray[np.bool_]) -> SampleRuns:
 
 def equal_runs(row: Real) -> SampleRuns:
     """The stretches of at least two equal samples."""
-    pairs = runs_where(row[1:] == row[:-1])
+    pairs = stretches_where(row[1:] == row[:-1])
     return SampleRuns(pairs.first, pairs.stop + 1)
 
 

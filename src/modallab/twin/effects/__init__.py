@@ -76,7 +76,7 @@ def apply_effect(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return change(twin, effect, rig)
 
 
-def with_known(twin: Twin, rig: Rig) -> Twin:
+def with_revision_effects(twin: Twin, rig: Rig) -> Twin:
     """The twin with the effects that the rig's revisions know."""
     for effect in rig.known_effects:
         twin = apply_effect(twin, effect, rig)

@@ -17,7 +17,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "ac_coupling",
         "sensor",
-        (Parameter("corner_hz", "Hz", 1e-3, 20.0),),
+        (Parameter("corner_hz", "Hz", 1e-3, 20.0, spoken="corner frequency"),),
         "all",
         "every accelerometer passes a first-order high-pass, -3 dB at corner_hz",
     ),

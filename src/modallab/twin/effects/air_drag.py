@@ -28,7 +28,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "air_drag",
         "structure",
-        (Parameter("c2_total", "N s^2/m^2", 1e-2, 1e3),),
+        (Parameter("c2_total", "N s^2/m^2", 1e-2, 1e3, spoken="coefficient of quadratic drag"),),
         "all",
         "a drag c2_total/L |v| v per length along the beam",
         linear=False,

@@ -43,7 +43,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "breathing_crack",
         "structure",
-        (Parameter("EI_loss_open", "", 1e-4, 0.95),),
+        (Parameter("EI_loss_open", "", 1e-4, 0.95, spoken="loss of bending stiffness while open"),),
         "x",
         "a stiffness loss about x while the curvature is positive, none while it is negative",
         linear=False,

@@ -17,7 +17,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "channel_skew",
         "acquisition",
-        (Parameter("seconds_per_channel", "s", 1e-9, 2e-4),),
+        (Parameter("seconds_per_channel", "s", 1e-9, 2e-4, spoken="delay per channel"),),
         "all",
         "row k of the converter is sampled k seconds_per_channel later than row 0, the force",
     ),

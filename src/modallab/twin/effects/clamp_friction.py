@@ -45,9 +45,9 @@ MODEL = EffectModel(
         "clamp_friction",
         "structure",
         (
-            Parameter("k_slip", "N m/rad", 2.0, 200.0, "EI/L"),
-            Parameter("k_stick", "N m/rad", 10.0, 2000.0, "EI/L"),
-            Parameter("moment_limit", "N m", 1e-6, 1e-1, "EI/L"),
+            Parameter("k_slip", "N m/rad", 2.0, 200.0, "EI/L", spoken="stiffness while slipping"),
+            Parameter("k_stick", "N m/rad", 10.0, 2000.0, "EI/L", spoken="stiffness while sticking"),
+            Parameter("moment_limit", "N m", 1e-6, 1e-1, "EI/L", spoken="friction moment"),
         ),
         "root",
         "the root turns against k_slip and, beside it, k_stick - k_slip in series with a slider (Jenkins)",

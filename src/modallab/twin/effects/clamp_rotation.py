@@ -7,7 +7,7 @@ from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import FreeNumber, spread_logarithmically
 from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
-from modallab.twin.structure import ROOT, believed_root
+from modallab.twin.structure import ROOT, root_of_rig_file
 
 SOFT = 0.01
 """Stiffness of the root in EI / L, below which nothing stands any more."""
@@ -30,7 +30,7 @@ def _own_deviations(effect: Effect, rig: Rig) -> float:
     assert rig.beam is not None
     turned = rig.beam.bending_stiffness_n_m2 / rig.beam.length_m / effect.parameters["k_rot"]
     # Where the rig file states a spring, what it states is "about" so much.
-    stated = believed_root(rig.beam)
+    stated = root_of_rig_file(rig.beam)
     return in_tolerances(turned, ROOT * stated if stated else rig.tolerance.clamp_compliance)
 
 
@@ -38,7 +38,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "clamp_rotation",
         "structure",
-        (Parameter("k_rot", "N m/rad", 2.0, 2e5, "EI/L"),),
+        (Parameter("k_rot", "N m/rad", 2.0, 2e5, "EI/L", spoken="rotational stiffness"),),
         "root",
         "the root turns against a spring k_rot",
     ),

@@ -29,7 +29,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "clamp_translation",
         "structure",
-        (Parameter("k_trans", "N/m", 20.0, 2e6, "EI/L^3"),),
+        (Parameter("k_trans", "N/m", 20.0, 2e6, "EI/L^3", spoken="translational stiffness"),),
         "root",
         "the root shifts across the beam against a spring k_trans, its rotation held",
     ),

@@ -35,7 +35,10 @@ MODEL = EffectModel(
     kind=EffectKind(
         "clearance",
         "structure",
-        (Parameter("k_contact", "N m/rad", 1.0, 500.0, "EI/L"), Parameter("gap", "rad", 1e-6, 1e-2)),
+        (
+            Parameter("k_contact", "N m/rad", 1.0, 500.0, "EI/L", spoken="stiffness in contact"),
+            Parameter("gap", "rad", 1e-6, 1e-2, spoken="free play"),
+        ),
         "root",
         "a free play at the root: beyond the gap a spring k_contact takes over",
         linear=False,

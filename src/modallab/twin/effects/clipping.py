@@ -7,7 +7,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "clipping",
         "sensor",
-        (Parameter("fraction_of_peak", "", 0.02, 0.999),),
+        (Parameter("fraction_of_peak", "", 0.02, 0.999, spoken="share of the peak that is left"),),
         "channel",
         "one channel is cut at fraction_of_peak of what it would reach",
         linear=False,

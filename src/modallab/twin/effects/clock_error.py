@@ -5,7 +5,7 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import FreeNumber, both_signs
+from modallab.twin.candidate import FreeNumber, values_of_both_signs
 from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
 
 QUARTZ = 5e-5
@@ -24,7 +24,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "clock_error",
         "acquisition",
-        (Parameter("relative", "", 1e-6, 0.1, signed=True),),
+        (Parameter("relative", "", 1e-6, 0.1, signed=True, spoken="relative error of the rate"),),
         "all",
         "the converter's true rate is (1 + relative) times the stated one",
     ),
@@ -35,7 +35,9 @@ MODEL = EffectModel(
     once=True,
     search=EffectSearch(
         rank=150,
-        slots=lambda _: (FreeNumber("relative", "plain", both_signs(1e-4, 0.04, 7), 0.01, low=-0.1, high=0.1),),
+        slots=lambda _: (
+            FreeNumber("relative", "plain", values_of_both_signs(1e-4, 0.04, 7), 0.01, low=-0.1, high=0.1),
+        ),
         needs="sine",
         tolerance=ReplacedTolerance(is_clock=True, deviations=_own_deviations),
     ),

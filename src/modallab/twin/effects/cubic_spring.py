@@ -23,7 +23,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "cubic_spring",
         "structure",
-        (Parameter("k3", "N/m^3", 1e2, 1e10),),
+        (Parameter("k3", "N/m^3", 1e2, 1e10, spoken="cubic stiffness"),),
         "x",
         "a spring to ground at x with the force k3 w^3",
         linear=False,

@@ -7,7 +7,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "floor_vibration",
         "excitation",
-        (Parameter("rms_acc", "m/s^2", 1e-4, 10.0),),
+        (Parameter("rms_acc", "m/s^2", 1e-4, 10.0, spoken="rms acceleration"),),
         "base",
         "the base shakes with the acceleration rms_acc",
     ),

@@ -23,7 +23,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "ground_spring",
         "structure",
-        (Parameter("k", "N/m", 1e-4, 100.0, "EI/L^3"),),
+        (Parameter("k", "N/m", 1e-4, 100.0, "EI/L^3", spoken="stiffness"),),
         "x",
         "a spring to ground at x (a cable)",
     ),

@@ -5,7 +5,7 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import FreeNumber, both_signs
+from modallab.twin.candidate import FreeNumber, values_of_both_signs
 from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, in_tolerances
 
 
@@ -15,7 +15,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     length = beam.length_m
-    return (FreeNumber("dx", "plain", both_signs(2e-3 * length, 0.06 * length, 4), 0.01),)
+    return (FreeNumber("dx", "plain", values_of_both_signs(2e-3 * length, 0.06 * length, 4), 0.01),)
 
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
@@ -26,7 +26,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "hit_position",
         "excitation",
-        (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True),),
+        (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True, spoken="offset"),),
         "hit",
         "every hit lands dx farther from the clamp than said",
         tests=("impact",),

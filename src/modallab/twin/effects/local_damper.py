@@ -29,7 +29,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "local_damper",
         "structure",
-        (Parameter("c", "N s/m", 1e-5, 10.0, "sqrt(EI m/L^3)"),),
+        (Parameter("c", "N s/m", 1e-5, 10.0, "sqrt(EI m/L^3)", spoken="damping coefficient"),),
         "x",
         "a viscous damper to ground at x",
     ),

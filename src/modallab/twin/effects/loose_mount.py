@@ -27,7 +27,10 @@ MODEL = EffectModel(
     kind=EffectKind(
         "loose_mount",
         "sensor",
-        (Parameter("hz", "Hz", 50.0, 5e3), Parameter("zeta", "", 1e-3, 0.3)),
+        (
+            Parameter("hz", "Hz", 50.0, 5e3, spoken="resonance frequency"),
+            Parameter("zeta", "", 1e-3, 0.3, spoken="damping ratio"),
+        ),
         "channel",
         "one accelerometer stands on a mount with a resonance at hz and the damping ratio zeta",
     ),

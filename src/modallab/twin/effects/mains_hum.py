@@ -7,7 +7,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "mains_hum",
         "acquisition",
-        (Parameter("volts", "V", 1e-5, 1.0), Parameter("hz", "Hz", 50.0, 60.0)),
+        (Parameter("volts", "V", 1e-5, 1.0, spoken="amplitude"), Parameter("hz", "Hz", 50.0, 60.0, spoken="frequency")),
         "all",
         "a sine at the mains frequency hz on every row, its amplitude volts (0.5 + 0.1 k) in row k",
     ),

@@ -7,7 +7,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "noisy_channel",
         "sensor",
-        (Parameter("factor", "", 1.3, 1000.0),),
+        (Parameter("factor", "", 1.3, 1000.0, spoken="factor of the noise"),),
         "channel",
         "the noise of one channel is factor times the converter's",
     ),

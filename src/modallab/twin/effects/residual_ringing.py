@@ -7,7 +7,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "residual_ringing",
         "excitation",
-        (Parameter("fraction", "", 1e-4, 3.0),),
+        (Parameter("fraction", "", 1e-4, 3.0, spoken="ringing before the hit, as a share of the response to it"),),
         "impact",
         "the beam still rings from before when the hit falls",
         tests=("impact",),

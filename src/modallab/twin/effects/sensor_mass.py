@@ -27,7 +27,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "sensor_mass",
         "structure",
-        (Parameter("mass_each", "kg", 1e-6, 0.1, "m"),),
+        (Parameter("mass_each", "kg", 1e-6, 0.1, "m", spoken="mass of each sensor"),),
         "all",
         "a point mass at every accelerometer",
     ),

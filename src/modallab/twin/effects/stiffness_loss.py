@@ -22,10 +22,10 @@ MODEL = EffectModel(
     kind=EffectKind(
         "stiffness_loss",
         "structure",
-        (Parameter("EI_loss", "", 1e-4, 0.95),),
+        (Parameter("EI_loss", "", 1e-4, 0.95, spoken="loss of bending stiffness"),),
         "x",
         "EI falls by the share EI_loss at x and by less about it, as exp(-((x - x0) / (0.04 L))^2) (a crack)",
-        at_points=Parameter("k", "N/m", 1e-4, 0.95, "EI/L^3"),
+        at_points=Parameter("k", "N/m", 1e-4, 0.95, "EI/L^3", spoken="stiffness"),
     ),
     rank=80,
     spoken="stiffness loss",

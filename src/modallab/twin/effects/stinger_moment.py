@@ -28,7 +28,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "stinger_moment",
         "excitation",
-        (Parameter("k_rot", "N m/rad", 1e-3, 1e3, "EI/L"),),
+        (Parameter("k_rot", "N m/rad", 1e-3, 1e3, "EI/L", spoken="rotational stiffness"),),
         "shaker",
         "the stinger holds the rotation of the shaker point with a spring k_rot",
         tests=("sine",),

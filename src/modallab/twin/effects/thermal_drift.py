@@ -5,7 +5,7 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import FreeNumber, both_signs
+from modallab.twin.candidate import FreeNumber, values_of_both_signs
 from modallab.twin.effect_model import EffectModel, EffectSearch, ReplacedTolerance, RivalEffect, in_tolerances
 
 
@@ -21,7 +21,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "thermal_drift",
         "structure",
-        (Parameter("EI_drift", "", 1e-5, 0.3, signed=True),),
+        (Parameter("EI_drift", "", 1e-5, 0.3, signed=True, spoken="change of bending stiffness"),),
         "none",
         "EI has changed by the share EI_drift at the last record, about evenly over the order of time",
     ),
@@ -32,7 +32,9 @@ MODEL = EffectModel(
     once=True,
     search=EffectSearch(
         rank=80,
-        slots=lambda _: (FreeNumber("EI_drift", "plain", both_signs(1e-3, 0.12, 10), 0.01, low=-0.4, high=0.4),),
+        slots=lambda _: (
+            FreeNumber("EI_drift", "plain", values_of_both_signs(1e-3, 0.12, 10), 0.01, low=-0.4, high=0.4),
+        ),
         # A bench warms neither evenly nor by a curve that its records show between them.
         inexact=0.02,
         tolerance=ReplacedTolerance(

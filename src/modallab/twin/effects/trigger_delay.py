@@ -17,7 +17,7 @@ MODEL = EffectModel(
     kind=EffectKind(
         "trigger_delay",
         "acquisition",
-        (Parameter("seconds", "s", 1e-8, 5e-3),),
+        (Parameter("seconds", "s", 1e-8, 5e-3, spoken="delay"),),
         "all",
         "the force is stamped seconds late: beside its sample stands an acceleration of seconds later",
     ),

@@ -5,7 +5,7 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import FreeNumber, both_signs
+from modallab.twin.candidate import FreeNumber, values_of_both_signs
 from modallab.twin.effect_model import EffectModel, EffectSearch
 
 STABLE = 2.2
@@ -24,11 +24,13 @@ def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     axial = beam.bending_stiffness_n_m2 / beam.length_m**2
     per_length = axial / beam.length_m**2
     return (
-        FreeNumber("tension", "plain", both_signs(0.2 * axial, 2 * axial, 3), scale=axial, low=-STABLE * axial),
+        FreeNumber(
+            "tension", "plain", values_of_both_signs(0.2 * axial, 2 * axial, 3), scale=axial, low=-STABLE * axial
+        ),
         FreeNumber(
             "bedding",
             "plain",
-            both_signs(0.5 * per_length, 7 * per_length, 3),
+            values_of_both_signs(0.5 * per_length, 7 * per_length, 3),
             scale=per_length,
             low=-BEDDED * per_length,
         ),
@@ -48,7 +50,7 @@ MODEL = EffectModel(
         "given are none",
     ),
     rank=20,
-    spoken="a force all along the beam that follows its shape",
+    spoken="an axial force or an elastic bedding along the beam",
     change=_change,
     moves_poles=True,
     once=True,

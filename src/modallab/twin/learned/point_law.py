@@ -6,7 +6,7 @@ from math import pi
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
-from modallab.twin.candidate import FreeNumber, along_beam, both_signs, spread_logarithmically
+from modallab.twin.candidate import FreeNumber, along_beam, spread_logarithmically, values_of_both_signs
 from modallab.twin.effect_model import EffectModel, EffectSearch
 
 
@@ -27,9 +27,11 @@ def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     stiffness, mass = beam.bending_stiffness_n_m2 / beam.length_m**3, beam.mass_kg
     # A spring that pulls away from rest must leave the beam stable: at its tip it may take 3 EI/L^3 off.
     return (
-        FreeNumber("k", "plain", both_signs(stiffness, 100 * stiffness, 2), scale=stiffness, low=-2.5 * stiffness),
+        FreeNumber(
+            "k", "plain", values_of_both_signs(stiffness, 100 * stiffness, 2), scale=stiffness, low=-2.5 * stiffness
+        ),
         FreeNumber("c", "log", spread_logarithmically(1e-2 * (stiffness * mass) ** 0.5, (stiffness * mass) ** 0.5, 3)),
-        FreeNumber("m", "plain", both_signs(0.01 * mass, 0.1 * mass, 2), scale=0.1 * mass, low=-0.1 * mass),
+        FreeNumber("m", "plain", values_of_both_signs(0.01 * mass, 0.1 * mass, 2), scale=0.1 * mass, low=-0.1 * mass),
         FreeNumber(
             "hung_m", "log", spread_logarithmically(0.003 * mass, 0.3 * mass, 3), low=1e-6 * mass, high=3 * mass
         ),

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.places import AllChannels
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Mount, Twin
-from modallab.twin.candidate import FreeNumber, both_signs, spread_logarithmically
+from modallab.twin.candidate import FreeNumber, spread_logarithmically, values_of_both_signs
 from modallab.twin.effect_model import EffectModel, EffectSearch
 
 
@@ -30,7 +30,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
     return (
         FreeNumber("gain", "plain", (0.8, 1.2), none=1.0),
-        FreeNumber("delay", "plain", both_signs(1e-4, 1e-3, 2), scale=1e-3),
+        FreeNumber("delay", "plain", values_of_both_signs(1e-4, 1e-3, 2), scale=1e-3),
         FreeNumber("low_pass_hz", "log", spread_logarithmically(15.0, 1500.0, 6), low=1.0, high=1e6),
         FreeNumber("high_pass_hz", "log", spread_logarithmically(0.1, 10.0, 4), low=1e-4, high=100.0),
         FreeNumber("mount_hz", "log", spread_logarithmically(40.0, 4000.0, 8), low=20.0, high=1e5),

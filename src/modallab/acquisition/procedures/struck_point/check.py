@@ -34,7 +34,7 @@ the beam is another than believed it is near to none, and nothing follows."""
 
 
 @dataclass(frozen=True, slots=True)
-class Struck:
+class HitLocation:
     """What one hit says of where it landed.
 
     Attributes:
@@ -44,14 +44,18 @@ class Struck:
         reasons: why it is rejected; empty if it may count.
     """
 
-    looks_like: int = 0
+    nearest_point: int = 0
     distance: float = float("nan")
     scale: float = float("nan")
     reasons: tuple[str, ...] = ()
 
     def facts(self) -> dict[str, float]:
         """For the catalogue."""
-        found = {"looks_like_point": float(self.looks_like), "point_distance": self.distance, "hit_scale": self.scale}
+        found = {
+            "looks_like_point": float(self.nearest_point),
+            "point_distance": self.distance,
+            "hit_scale": self.scale,
+        }
         return {name: value for name, value in found.items() if value and not np.isnan(value)}
 
 
@@ -95,7 +99,7 @@ class StruckPointCheck:
         """Places in the rig of the channels that are looked at."""
         return tuple(sorted({*self.channels, *(self.expected.channels if self.expected is not None else ())}))
 
-    def look(self, name: str, point: int, answer: Answer) -> Struck:
+    def look(self, name: str, point: int, answer: Answer) -> HitLocation:
         """Hold a hit against all that is known; `name` is that of its record should it be rejected."""
         look = self._measure(answer)
         self.looks[name] = look
@@ -104,7 +108,7 @@ class StruckPointCheck:
             return by_modes or self._by_frfs(point, look)
         # Measured against measured: what is wrong with the bench is in both. The model may know more points by name.
         by_frfs = self._by_frfs(point, look)
-        return by_modes if by_frfs.reasons and by_modes.looks_like != point else by_frfs
+        return by_modes if by_frfs.reasons and by_modes.nearest_point != point else by_frfs
 
     def keep(self, looked_at: str, name: str, point: int) -> None:
         """The hit that was looked at under one name counts, at this point, and its record has the other."""
@@ -130,7 +134,7 @@ class StruckPointCheck:
         found = participation(answer, self.expected)
         return _Look(frf, found.modes, found.shape)
 
-    def _by_modes(self, point: int, look: _Look) -> Struck | None:
+    def _by_modes(self, point: int, look: _Look) -> HitLocation | None:
         expected = self.expected
         if expected is None or len(look.modes) < FEWEST_MODES or point not in expected.points:
             return None
@@ -170,10 +174,10 @@ class StruckPointCheck:
         count = np.sum(~np.isnan(seen), axis=0)
         return np.where(count > 0, np.nansum(seen, axis=0) / np.maximum(count, 1), believed)
 
-    def _by_frfs(self, point: int, look: _Look) -> Struck:
+    def _by_frfs(self, point: int, look: _Look) -> HitLocation:
         away = self.frfs.distances(look.frf)
         if point not in away:
-            return Struck()
+            return HitLocation()
         return _judge_point(point, away, self.frfs.scale(look.frf, point), FAR_BY_FRFS, self.frfs.hits_at(point))
 
 
@@ -181,7 +185,7 @@ def _scale_of_shape(shape: Real, known: Real) -> float:
     return float(shape @ known / (known @ known))
 
 
-def _judge_point(point: int, away: dict[int, float], scale: float, far: float, struck: int) -> Struck:
+def _judge_point(point: int, away: dict[int, float], scale: float, far: float, struck: int) -> HitLocation:
     nearest = min(away, key=lambda p: away[p])
     own = away[point]
     reasons: list[str] = []
@@ -198,4 +202,4 @@ def _judge_point(point: int, away: dict[int, float], scale: float, far: float, s
             f"{100 * own:.0f} % off the {struck} before at point {point}, at most {100 * far:.0f} %: struck beside the"
             " point, or something touched the structure"
         )
-    return Struck(nearest, own, scale, tuple(reasons))
+    return HitLocation(nearest, own, scale, tuple(reasons))

@@ -15,7 +15,7 @@ export function show(view, signal) {
   const condition = panel("Condition");
   const live = h("p", { class: "muted", "aria-live": "polite" });
   put(view, h("h1", {}, "Bench"), condition, panel("Channels", live,
-    table("Channels with their live levels", [["Channel"], ["Point", "n"], ["Unit"], ["Last 6 s", "wide"], ["Level of full scale"], ["Peak", "n"], ["Noise", "n"], ["Bias", "n"], ["Full scale", "n"], ["State"], ["Calibrated"]],
+    table("Channels with their live levels", [["Channel"], ["Point", "n"], ["Unit"], ["Last 6 s", "wide"], ["Level of full scale"], ["Peak", "n"], ["Noise, rms", "n"], ["Bias", "n"], ["Full scale", "n"], ["State"], ["Calibrated"]],
       [...rows.values()].map(({ cells }) => cells))));
   watch(() => put(condition, condition.firstChild, state()), signal);
   const strips = new LiveStrips(lab.description, lab.rig.id, throttled(() => draw(), signal), signal);
@@ -31,7 +31,7 @@ export function show(view, signal) {
 }
 
 function sayLive(element, strips) {
-  if (strips.fresh) say(element, `Live at ${number(strips.about.rate_hz, 5)} Hz${strips.about.run ? ` from run ${strips.about.run}` : ", nothing is recorded"}.`);
+  if (strips.fresh) say(element, `Live at ${number(strips.about.rate_hz, 4)} Hz${strips.about.run ? ` from run ${strips.about.run}` : ", nothing is recorded"}.`);
   else say(element, "There are no live samples now; there are while a run is on.");
 }
 
@@ -77,6 +77,6 @@ const WORDS = { starting: "its bench is being opened", idle: "ready", running: "
 const fact = (name, value, mood, size) => h("div", { class: size }, h("dt", {}, name), h("dd", { class: mood }, value));
 
 function tripped({ cause, reason }) {
-  return h("div", { class: "alarm", role: "status" }, h("p", {}, h("strong", {}, `Stopped: ${cause}. `), reason, ". Look at the bench before it may move again."),
+  return h("div", { class: "alarm", role: "status" }, h("p", {}, h("strong", {}, `Stopped: ${cause} `), reason, ". Look at the bench before it may move again."),
     button("I have looked: reset", () => command(`rigs/${lab.rig.id}/reset`, { reason: "reset on the operator's page" })));
 }

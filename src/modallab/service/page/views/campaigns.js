@@ -15,7 +15,7 @@ let chosen = [];
 export async function show(view, signal) {
   const [list, detail, compared] = [h("div"), h("div"), h("div")];
   const text = h("input", { id: "search", type: "search", oninput: () => fill().catch(showError) });
-  put(view, h("h1", {}, "Campaigns"), panel("Recorded", h("div", { class: "field" }, h("label", { for: "search" }, "Name or note"), text), list, importer(fill)), detail, compared);
+  put(view, h("h1", {}, "Campaigns"), panel("Recorded", h("div", { class: "field" }, h("label", { for: "search" }, "Search by name or note"), text), list, importer(fill)), detail, compared);
 
   async function fill() {
     const found = (await get(`campaigns?limit=50&text=${encodeURIComponent(text.value)}`)).items;
@@ -36,7 +36,7 @@ export async function show(view, signal) {
     const format = h("select", { "aria-label": "Format of the file" }, FORMATS.map((one) => h("option", {}, one)));
     put(compared);
     put(detail, panel(campaign.name, campaign.note && h("p", {}, campaign.note),
-      table("Runs", ["", "Run", "Test", "State", ["Good blocks", "n"], ["Rate", "n"], "By", "Why"], runs.map((run, n) => [boxes[n], run.id, run.test, `${run.state}${run.valid ? "" : ", invalid"}`, `${run.accepted} of ${run.blocks}`, run.rate_hz ? `${number(run.rate_hz, 5)} Hz` : "–", run.operator, run.reason])),
+      table("Runs", ["", "Run", "Test", "State", ["Good blocks", "n"], ["Rate", "n"], "By", "Why"], runs.map((run, n) => [boxes[n], run.id, run.test, `${run.state}${run.valid ? "" : ", invalid"}`, `${run.accepted} of ${run.blocks}`, run.rate_hz ? `${number(run.rate_hz, 4)} Hz` : "–", run.operator, run.reason])),
       h("p", { class: "buttons" }, button("Compare two runs", async () => {
         if (chosen.length !== 2) throw new Error("Two runs are needed: choose them in the table, of this campaign or another.");
         await compare(compared, chosen, signal);

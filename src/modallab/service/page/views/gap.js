@@ -36,31 +36,26 @@ async function draw(place, campaign, signal) {
   const diagnose = (text) => button(text, async () => follow((await post(`campaigns/${id}/diagnoses`)).id));
   if (jobs.open) follow(jobs.open.id).catch((error) => { waiting.textContent = error.detail ?? ""; });
   if (!jobs.done) { put(place, panel("No diagnosis yet", waiting, bar, !jobs.open && h("p", { class: "buttons" }, diagnose("Diagnose")))); return; }
-  const { diagnosis, current, runs } = await get(`campaigns/${id}/gap`);
+  const { diagnosis, sentence: said, current, runs } = await get(`campaigns/${id}/gap`);
   if (signal.aborted) return;
   put(place, waiting, bar, !current && h("p", { class: "alarm" }, "The accepted blocks have changed since: compute the diagnosis again.", diagnose("Diagnose again")),
-    verdict(diagnosis, campaign, runs), h("div", { class: "pair" }, where(diagnosis.where), shrink(diagnosis.shrink)), described(diagnosis.described), candidates(diagnosis.candidates, diagnosis.unknown), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
+    verdict(said, diagnosis, campaign, runs), h("div", { class: "pair" }, where(diagnosis.where), shrink(diagnosis.shrink)), described(diagnosis.described), candidates(diagnosis.candidates, diagnosis.unknown), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
 }
 
-function verdict({ verdict: found, effects, gap, next_experiment: next, notes }, campaign, runs) {
+function verdict(said, { verdict: found, effects, gap, next_experiment: next, notes }, campaign, runs) {
   return h("section", { class: "panel", "aria-label": "Verdict" }, h("p", { class: "verdict" }, VERDICTS[found]),
-    effects.map((one) => h("p", {}, h("strong", {}, spaced(one.effect)), `${place(one)}, probability ${number(one.probability, 2)}: `, parameters(one))),
-    h("p", {}, `The gap is ${number(gap.before, 3)} noise units${effects.length ? `, and ${number(gap.after, 3)} with ${effects.length > 1 ? "these effects" : "this effect"} in the model` : ""}; 1 is noise alone.${effects.length ? " Numbers are in SI units." : ""}`),
-    next && h("p", {}, h("strong", {}, "Next experiment: "), sentence(spaced(next))), notes.length > 0 && h("ul", { class: "plainlist" }, notes.map((note) => h("li", {}, spaced(note)))),
+    h("p", {}, said),
+    effects.length > 0 && h("p", {}, `With ${effects.length > 1 ? "these effects" : "this effect"} in the simulation ${number(gap.after, 3)} noise units are left; 1 is noise alone.`),
+    next && h("p", {}, h("strong", {}, "Next: "), sentence(spaced(next))), notes.length > 0 && h("ul", { class: "plainlist" }, notes.map((note) => h("li", {}, spaced(note)))),
     h("p", { class: "buttons" }, found === "known" && button("Put this into the simulation", () => apply(campaign.id), { class: "main" }),
       runs.filter(kindOf).map((run) => h("a", { class: "button", href: `#/${kindOf(run)}/${run}` }, `Run the ${kindOf(run)} test again`)),
       h("a", { href: `/api/v1/campaigns/${campaign.id}/diagnosis`, target: "_blank", rel: "noopener" }, "The whole diagnosis as a page")));
 }
 
-/** Where an effect along the beam acts, as the end of a name. */
-const place = ({ place: { x_m: at }, not_known: open = {} }) => at === undefined ? "" : open.x ? " somewhere along the beam" : ` at ${number(at, 3)} m`;
-
 const spaced = (text) => text.replaceAll("_", " ");
 
 /** What a run tested stands in its name; the page has no view for other tests. */
 const kindOf = (run) => /-(impact|sine)-/.exec(run)?.[1];
-
-const parameters = ({ parameters: found, interval, not_known: open = {} }) => Object.entries(found).map(([name, value]) => open[name] ? `${spaced(name)} not known (${open[name]})` : `${spaced(name)} = ${number(value)}${interval[name] ? ` (95 %: ${number(interval[name][0])} to ${number(interval[name][1])})` : ""}`).join(", ");
 
 /** The next revision of the rig; the view shows it in the history as soon as the bench is open again. */
 async function apply(campaign) {

@@ -29,7 +29,7 @@ function prompt(state) {
   switch (state.phase) {
     case "ready": return [`Strike ${where}`, hit, "ready"];
     case "waiting": return ["Wait", resting(state.rest), "waiting"];
-    case "decide": return ["Does it count?", "Accept with A, undo with U", "early"];
+    case "decide": return ["Does it count?", "A: it counts. U: it does not.", "early"];
     case "paused": return ["Paused", "Go on with P", "waiting"];
     case "done": return ["Done", "Everything in the plan is recorded.", "good"];
     case "failed": return ["Ended early", failure(state), "rejected"];
@@ -70,8 +70,8 @@ function parts(place, signal, id) {
     undo: () => order(id, "drop", { n: meantBlock(state, true), reason: "undone by the operator" }),
     pause: () => common.pause(),
   };
-  const accept = button("Accept it all the same (A)", acts.accept, { "aria-keyshortcuts": "a" });
-  const undo = button("Undo the last good hit (U)", acts.undo, { "aria-keyshortcuts": "u" });
+  const accept = button("", acts.accept, { "aria-keyshortcuts": "a" });
+  const undo = button("", acts.undo, { "aria-keyshortcuts": "u" });
   const loud = h("input", { type: "checkbox", id: "sound", checked: sound.on, onchange: ({ target }) => { sound.on = target.checked; } });
   const pulse = new Pulse(id, signal);
   const modes = new ModesSoFar(id, signal, () => count());
@@ -105,6 +105,8 @@ function parts(place, signal, id) {
     say(why, reason);
     beam.show(state.phase === "ready" || state.phase === "waiting" ? state.point : null, state.counts, state.plan.hits);
     count();
+    say(accept, state.phase === "decide" ? "It counts (A)" : "Accept the rejected hit (A)");
+    say(undo, state.phase === "decide" ? "It does not count (U)" : "Undo the last good hit (U)");
     accept.hidden = state.ended;
     undo.hidden = state.ended;
     accept.disabled = meantBlock(state, false) === undefined || !["rejected", "decide", "ready", "waiting"].includes(state.phase);

@@ -74,7 +74,7 @@ function modelPart(campaign, { model, frac, assessment }, curves, shapes, identi
 
 function trust(frac, assessment, model) {
   const values = (frac ?? []).flat().filter(Number.isFinite);
-  return [values.length ? h("p", {}, `FRAC of the regenerated FRFs: ${Math.min(...values).toFixed(4)} to ${Math.max(...values).toFixed(4)}.`) : null,
+  return [values.length ? h("p", {}, `FRAC of the regenerated FRFs: at least ${Math.min(...values).toFixed(4)}.`) : null,
     h("ul", { class: "plainlist" }, (assessment?.verdicts ?? []).map((one) => h("li", { class: one.holds ? "" : "bad" }, `${one.holds ? "Holds" : "Does not hold"}: ${one.words}`)), model.notes.map((note) => h("li", {}, note)))];
 }
 

@@ -16,7 +16,7 @@ _TESTLAB = ".y_values.values"
 _DIRECTION = re.compile(r":\+?[XYZS]$", re.IGNORECASE)
 
 
-def implied(arrays: Arrays, texts: Texts, rig: Rig | None, where: str) -> tuple[Arrays, Texts, ArrayMap | None]:
+def names_in_file(arrays: Arrays, texts: Texts, rig: Rig | None, where: str) -> tuple[Arrays, Texts, ArrayMap | None]:
     """The arrays and texts with the names that the file gives to channels, and what its FRFs are, as it says it.
 
     Args:

@@ -9,7 +9,7 @@ from modallab.core.rig import Rig
 from modallab.identification.model.modal_mass import driving_points
 
 
-def telling_point(model: ModalModel, rig: Rig, hits: dict[int, int], target: Precision) -> int | None:
+def most_informative_point(model: ModalModel, rig: Rig, hits: dict[int, int], target: Precision) -> int | None:
     """The point where one more hit brings the worst known mode nearest to its target; None where no point is known.
 
     What a hit tells of a mode goes with the square of the mode's shape at its point, whatever the sensors. The shapes
