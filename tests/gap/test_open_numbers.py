@@ -54,7 +54,7 @@ def opened(rig: Rig) -> Found:
 
 def test_the_sentence_says_no_number_that_is_not_known(rig: Rig) -> None:
     said = verdict_sentence(made_diagnosis(rig).model_copy(update={"effects": [opened(rig)]}))
-    assert "cubic spring somewhere along the beam (k3 not known;" in said
+    assert "cubic spring somewhere along the beam (cubic stiffness not known;" in said
     assert "6.6" not in said
 
 
