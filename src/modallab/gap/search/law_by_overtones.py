@@ -6,10 +6,9 @@ makes them on records it has not seen is named, though what it does at the sines
 
 from dataclasses import replace
 
-import numpy as np
-
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
+from modallab.gap.inference.evidence import explains
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
@@ -27,7 +26,7 @@ OVERTONE_SHARE = 0.8
 def named_by_overtones(
     bench: Bench, choice: Choice, levels: list[Level], prepared: PreparedCampaign, unseen: Reduced
 ) -> Choice:
-    """The choice with the law that makes the overtones, where nothing explains the gap and nothing else matters.
+    """The choice with the law that makes the overtones, where a beam within its tolerances follows the lines as well.
 
     Args:
         bench: what was searched.
@@ -41,14 +40,14 @@ def named_by_overtones(
     fit = levels[-1].fits[0]
     if (
         not has_stepped_law(fit)
+        or not explains(fit)
         or not _matters(fit, unseen)
         or overtones_closed(fit, prepared, unseen) < OVERTONE_SHARE
     ):
         return choice
     others = tuple(f for f in (*levels[-1].fits[1:], *choice.rivals) if effect_names(f) != effect_names(fit))
     best = min(fit, beam_of_hits(bench, fit), key=lambda f: f.cost)
-    # The evidence of the lines does not count the overtones, which nothing but such a law makes.
-    return Choice(levels[0].base, best, others, True, False, nameless=np.inf)
+    return Choice(levels[0].base, best, others, True, False)
 
 
 def _matters(fit: Fit, unseen: Reduced) -> bool:
