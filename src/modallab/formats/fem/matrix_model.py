@@ -52,7 +52,7 @@ class MatrixModel:
         """
         for name in ("stiffness", "mass"):
             whole = symmetric(getattr(self, name), name, self.title)
-            by = {n: symmetric(a, n, self.title) for n, a in getattr(self, f"{name}_by").items()}
+            by = {n: symmetric(a, n, self.title) for n, a in getattr(self, f"{name}_slopes").items()}
             for n, matrix in by.items():
                 if matrix.shape != whole.shape:
                     raise DataError(
@@ -61,7 +61,7 @@ class MatrixModel:
                         remedy="give all matrices over the same freedoms",
                     )
             object.__setattr__(self, name, whole)
-            object.__setattr__(self, f"{name}_by", by)
+            object.__setattr__(self, f"{name}_slopes", by)
 
     @property
     def names(self) -> tuple[str, ...]:
