@@ -71,7 +71,7 @@ class Parser(argparse.ArgumentParser):
     def _of_unknown(self, words: str) -> tuple[str, str]:
         first = words.split()[0].partition("=")[0]
         near = get_close_matches(first, re.findall(r"--[\w-]+", self._usage()), n=1) if first[0] == "-" else []
-        what = f"{self.prog} has no place for {words!r}"
+        what = f"{self.prog} does not take {words!r}"
         if near:
             return what, f"did you mean {near[0]}? {self._help()}"
         return what, f"put quotation marks around what holds blanks; {self._help()}"

@@ -120,7 +120,7 @@ def paired_shapes(found: ModelCorrelation, rig: Rig) -> Figure:
         for n, (panel, (i, j), hz) in enumerate(zip(axes, found.pairs, found.frequency_hz, strict=True)):
             motions = [motion_at_points(rig, found.freedoms, shapes[n]) for shapes in found.shapes]
             _draw_motions(panel, rig, motions)
-            panel.set_title(f"{i + 1}: {hz[0]:.5g} Hz, {j + 1}: {hz[1]:.5g} Hz, MAC {found.mac[i, j]:.3f}")
+            panel.set_title(f"Modes {i + 1} and {j + 1}: {hz[0]:.4g} and {hz[1]:.4g} Hz, MAC {found.mac[i, j]:.3f}")
         style.figure_legend(figure, [Line2D([], [], color=c, linestyle=dash, label=name) for name, c, dash in LOOKS])
     return figure
 
