@@ -8,9 +8,8 @@ row is an output of a record. Its error is a share of the record over the lines 
 with which the seen records predict it without a model: by their FRF of the same point. A sample of a hit, or a line of
 the others, is inside if it differs by less than the stated 95 % of the model, of how hits scatter and of the noise.
 
-No force was recorded before a block, so that what still moves at its start is nobody's prediction. Sines are recorded
-when it has decayed. A pseudo-random wave never lets it: the generator's clock is another one than the converter's, and
-no block holds whole periods. There the model's free decays that fit best are taken off both errors.
+No force was recorded before a block, so that what still moves at its start is nobody's prediction: blocks are recorded
+when it has decayed, and those of waves are cut as the generator's own clock would have.
 """
 
 import sys
@@ -26,13 +25,16 @@ from by_seed import measure
 from modallab.core.block import Block, Campaign
 from modallab.core.plan import BLOCK_S, BroadbandPlan, ImpactPlan, SinePlan
 from modallab.core.rig import Tolerance
+from modallab.frf.drive_clock import cut_to_own_clock
 from modallab.modification.known import KnownStructure
 from modallab.notebook.recording import Recording
 from modallab.signals.signals import Signals, to_signals_of
 
 FIRST_SEED, SEEN_HITS, SEEN_WAVES, PERIODS = 7414, 3, 2, 40
 HITS = ImpactPlan(points=(10, 6, 3), hits=5)
-RANDOM = BroadbandPlan(signal="pseudo-random", band_hz=(3, 400), levels_v={"low": 0.5}, blocks=12, blocks_per_wave=3)
+RANDOM = BroadbandPlan(
+    signal="pseudo-random", band_hz=(3, 400), levels_v={"low": 0.5}, blocks=12, blocks_per_wave=3, settle_s=40
+)
 SINES = SinePlan(
     frequencies_hz=tuple(n / BLOCK_S for n in (5, 13, 31, 55, 89, 140)), levels_v={"low": 0.2, "high": 0.4}, settle_s=40
 )
@@ -59,7 +61,9 @@ def cases(seed: int) -> Iterator[Case]:
     groups: dict[str, dict[object, list[Block]]] = defaultdict(lambda: defaultdict(list))
     for b in whole.blocks:
         groups[b.test][b.drive_point if b.test == "impact" else b.name.rsplit("_", 1)[0]].append(b)
-    waves = [to_signals_of(own, whole.rig) for own in groups["pseudo-random"].values()]
+    waves = [
+        cut_to_own_clock(to_signals_of(own, whole.rig), RANDOM.band_hz) for own in groups["pseudo-random"].values()
+    ]
     hits = [to_signals_of(own, whole.rig) for own in groups["impact"].values()]
     sines = [to_signals_of(own, whole.rig) for own in groups["sine"].values()]
     seen = [s for own in waves[:SEEN_WAVES] for s in own]
@@ -109,29 +113,14 @@ def compared(case: Case, held: Signals, repeats: Sequence[Signals]) -> tuple[np.
     force, record = at(held.force), at(held.responses)
     pairs = [(at(r.responses), at(r.force)) for r in repeats]
     repeated = force * sum(r * f.conj() for r, f in pairs) / sum(np.abs(f) ** 2 for _, f in pairs)
-    off = [at(motion(case.known, held)) - record, repeated - record]
-    if case.kind == "pseudo-random":
-        decays = at(free_decays(case.known, held))
-        off = [without(one, decays) for one in off]
+    off = at(motion(case.known, held)) - record
     size = np.linalg.norm(record, axis=1)
     inside = samples_inside if case.kind == "impact" else lines_inside
-    predicted, floor = (np.linalg.norm(one, axis=1) / size for one in off)
-    return predicted, floor, inside(case.known, held, lines, off[0])
-
-
-def free_decays(known: KnownStructure, held: Signals) -> np.ndarray:
-    """(2 modes, outputs, samples) acceleration of each mode left to itself, from two states."""
-    decays = np.exp(known.poles[:, None] * np.arange(held.force.size) / held.rate_hz)
-    shapes = known.structure.psi @ known.structure.columns(known.sensors) * known.poles[:, None] ** 2
-    moved = shapes[:, :, None] * decays[:, None]
-    return np.concatenate([moved.real, moved.imag])
-
-
-def without(off: np.ndarray, decays: np.ndarray) -> np.ndarray:
-    """(outputs, lines) without the decays (decays, outputs, lines) that fit best."""
-    each = decays.reshape(len(decays), -1).T
-    states, *_ = np.linalg.lstsq(np.concatenate([each.real, each.imag]), np.append(off.real, off.imag), rcond=None)
-    return off - np.tensordot(states, decays, 1)
+    return (
+        np.linalg.norm(off, axis=1) / size,
+        np.linalg.norm(repeated - record, axis=1) / size,
+        inside(case.known, held, lines, off),
+    )
 
 
 def samples_inside(known: KnownStructure, held: Signals, lines: np.ndarray, off: np.ndarray) -> np.ndarray:
@@ -147,7 +136,10 @@ def samples_inside(known: KnownStructure, held: Signals, lines: np.ndarray, off:
 
 def lines_inside(known: KnownStructure, held: Signals, lines: np.ndarray, off: np.ndarray) -> np.ndarray:
     """(outputs,) share of the lines of a record of whole periods."""
-    hz, spectrum = np.fft.rfftfreq(held.force.size, 1 / held.rate_hz), np.fft.rfft([held.force, *held.responses], axis=1)
+    hz, spectrum = (
+        np.fft.rfftfreq(held.force.size, 1 / held.rate_hz),
+        np.fft.rfft([held.force, *held.responses], axis=1),
+    )
     frf = known.frf(hz[lines], known.sensors, [held.block.drive_point], "inertance")
     assert frf.variance is not None
     undriven = (hz > UNDRIVEN * hz[-1]) & (hz < (1 + UNDRIVEN) / 2 * hz[-1])
