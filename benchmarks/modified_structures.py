@@ -161,9 +161,7 @@ def rows_of(seed: int) -> list[list[object]]:
     other = bench.with_added(kind, size, point, added)
     before = bench.identified(bench.frfs())
     predicted = (
-        KnownStructure(before, bench.rig.model_copy(update={"tolerance": TOLERANCE}))
-        .with_changes([added])
-        .modes
+        KnownStructure(before, bench.rig.model_copy(update={"tolerance": TOLERANCE})).with_changes([added]).modes
     )
     return beside(kind, seed, size, point, before, predicted, other.exact())
 

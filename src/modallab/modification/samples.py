@@ -4,7 +4,6 @@ What the model's own standard deviations say of noise is the smaller part. Sensi
 their points, change modal constants by what the rig file states of them.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
