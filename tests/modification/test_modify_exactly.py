@@ -8,6 +8,7 @@ from chain import BARE, OTHER, Chain
 from scipy import linalg
 
 from modallab.core.errors import DataError
+from modallab.formats.frf_file import bare_rig
 from modallab.modification.attachments import AttachedPart, Element, RigidLink, TunedAbsorber
 from modallab.modification.coupled import Coupled
 from modallab.modification.free_band import kept_free
@@ -204,6 +205,34 @@ def test_what_is_uncertain_of_two_structures_has_nothing_in_common() -> None:
         drawn.append(KnownStructure(model).samples.poles[:, 0].imag)
     assert abs(np.corrcoef(drawn[0], drawn[1])[0, 1]) < 0.3
     np.testing.assert_array_equal(drawn[0], drawn[2])
+
+
+def test_a_mode_that_one_hit_made_is_as_uncertain_as_one_hit() -> None:
+    model = BARE.model()
+    rig = bare_rig(model.outputs, model.output_points, model.input_points, "inertance")
+    tolerance = rig.tolerance.model_copy(update={"sensitivity": 0.0, "hit_gain": 0.01})
+    shares = np.full((model.n_modes, len(model.input_points), 4), 0.25)
+    shares[1] = np.array([1.0, 0.0, 0.0, 0.0])
+    known = KnownStructure(
+        model.model_copy(update={"hit_shares": shares}), rig.model_copy(update={"tolerance": tolerance})
+    )
+    at = model.input_points[0] - 1
+    constants = known.samples.psi[:, :, at] ** 2
+    off = np.std(np.abs(constants), axis=0) / np.abs(constants.mean(axis=0))
+    np.testing.assert_allclose(off[:2], [0.005, 0.01], rtol=0.15)
+
+
+def test_frfs_without_residual_terms_are_those_of_the_modes() -> None:
+    held = BARE.model()
+    more = held.model_copy(
+        update={"residuals": 1e-6 * np.ones((1, 4, len(held.input_points))), "residual_powers": (0,)}
+    )
+    alone, known = KnownStructure(held), KnownStructure(more)
+    added = [Element(3, mass=0.4)]
+    for one, other in ((known, alone), (known.with_changes(added), alone.with_changes(added))):
+        bare, expected = one.without_residual_terms.frf(HZ).values, other.frf(HZ).values
+        np.testing.assert_allclose(bare, expected, rtol=1e-9)
+        assert not np.allclose(one.frf(HZ).values, expected, rtol=1e-3)
 
 
 def _matrices(chain: Chain) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -25,7 +25,7 @@ FREEDOMS = tuple((p, "z") for p in (1, 2, 3, 4))
 
 def parts(band: tuple[float, float] | None = None, after: tuple[float, float] | None = None) -> ModalParticipation:
     known = KnownStructure(BARE.model())
-    return modal_participation(known.structure, known.samples.first(5), 1, 3, "velocity", band, after)
+    return modal_participation(known, 1, 3, "velocity", band, after)
 
 
 def test_shares_over_a_band_are_the_projections_of_the_modes_on_the_whole() -> None:

@@ -126,6 +126,12 @@ class KnownStructure:
         """Without what hangs on it."""
         return KnownStructure(self.model, self.rig)
 
+    @property
+    def without_residual_terms(self) -> "KnownStructure":
+        """Of its modes alone, with the same changes."""
+        bare = self.model.model_copy(update={"residuals": 0 * self.model.residuals})
+        return KnownStructure(bare, self.rig).with_changes([*self.taken, *self.changes])
+
     def with_changes(self, changes: Sequence[AttachedPart]) -> "KnownStructure":
         """With more hung on it.
 

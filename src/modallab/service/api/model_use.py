@@ -41,6 +41,15 @@ router = make_router("model-use")
 OfTest = Annotated[Test | None, Query(description="Whose model; left out: the first.")]
 At = Annotated[int, Query(ge=1, description="Point of the force.")]
 Hz = Annotated[float | None, Query(gt=0, allow_inf_nan=False, description="Edge of the band; left out: the model's.")]
+Seconds = Annotated[
+    float | None,
+    Query(
+        ge=0,
+        le=1e6,
+        allow_inf_nan=False,
+        description="Of a time after a hit, instead of a band; one number for both is an instant.",
+    ),
+]
 Points = Annotated[list[int] | None, Query(max_length=100, description="Points; repeat it for several.")]
 Motion = Literal["displacement", "velocity", "acceleration"]
 
@@ -54,9 +63,10 @@ def frfs_of_query(
     lines: Annotated[
         int, Query(ge=2, le=4000, description="Evenly over the band of the model; more are added about each mode.")
     ] = 1000,
+    residual_terms: Annotated[bool, Query(description="Whether what lies outside the band counts.")] = True,
 ) -> FrfsAsked:
     """FRFs as the query names them."""
-    return FrfsAsked(campaign, test, outputs, inputs, quantity, lines)
+    return FrfsAsked(campaign, test, outputs, inputs, quantity, lines, residual_terms)
 
 
 FrfsOfQuery = Annotated[FrfsAsked, Depends(frfs_of_query)]
@@ -71,13 +81,24 @@ def get_participation(
     test: OfTest = None,
     low_hz: Hz = None,
     high_hz: Hz = None,
+    begin_s: Seconds = None,
+    end_s: Seconds = None,
     quantity: Annotated[Motion, Query(description="Of the motion.")] = "velocity",
 ) -> ParticipationView:
-    """Which modes make the response at a point to an even force: the share of each."""
-    if (low_hz is None) != (high_hz is None):
-        raise DataError("one edge of the band is missing", where="low_hz, high_hz", remedy="give both, or neither")
-    band = () if low_hz is None or high_hz is None else (low_hz, high_hz)
-    return participation_of(service, campaign, test, at, of, quantity, band)
+    """Which modes make the response at a point to an even force, or after a hit: the share of each."""
+    band, after = both_or_neither("low_hz, high_hz", low_hz, high_hz), both_or_neither("begin_s, end_s", begin_s, end_s)
+    return participation_of(service, campaign, test, at, of, quantity, band, after)
+
+
+def both_or_neither(where: str, low: float | None, high: float | None) -> tuple[float, float] | None:
+    """Two ends, or none.
+
+    Raises:
+        DataError: one of them is missing.
+    """
+    if (low is None) != (high is None):
+        raise DataError(f"one of {where} is missing", where=where, remedy="give both, or neither")
+    return None if low is None or high is None else (low, high)
 
 
 @router.get("/campaigns/{campaign}/model/nodes", responses=documented_responses(404))

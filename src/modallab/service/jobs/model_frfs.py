@@ -23,6 +23,7 @@ class FrfsAsked:
         inputs: points of the force; None for those driven.
         quantity: receptance, mobility or inertance.
         lines: evenly over the band.
+        residual_terms: whether what lies outside the band counts.
     """
 
     campaign: str
@@ -31,6 +32,7 @@ class FrfsAsked:
     inputs: list[int] | None
     quantity: FrfQuantity
     lines: int
+    residual_terms: bool
 
 
 def frf_of(service: Service, asked: FrfsAsked) -> PredictedFrf:
@@ -58,7 +60,8 @@ def _predicted_frf(service: Service, asked: FrfsAsked) -> tuple[Test | None, Frf
 
     known = known_of_campaign(service, asked.campaign, asked.test)
     hz = lines_with_peaks(known.model.band_hz, asked.lines, known.poles)
-    return known.model.test, known.frf(hz, asked.outputs, asked.inputs, asked.quantity)
+    whole = known if asked.residual_terms else known.without_residual_terms
+    return known.model.test, whole.frf(hz, asked.outputs, asked.inputs, asked.quantity)
 
 
 def export_predicted_frf(service: Service, asked: FrfsAsked, ending: str) -> ExportedFile:
