@@ -15,6 +15,7 @@ from modallab.modification.free_band import kept_free
 from modallab.modification.inverse import By, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
 from modallab.modification.modified import passive_damping
+from modallab.modification.remainder import intervals_of_rest
 from modallab.modification.structure import structure_of
 from modallab.reporting.modified_table import modified_rows
 
@@ -118,15 +119,11 @@ def test_two_structures_coupled_are_one_and_taken_apart_again_are_two(joint: flo
 
 @pytest.mark.parametrize("gain", [1.0, 1.01])
 def test_a_measured_part_taken_away_leaves_the_rest_and_no_pole_of_its_antiresonances(gain: float) -> None:
-    whole = [np.zeros((5, 5)) for _ in range(3)]
-    for both, a, b in zip(whole, _matrices(BARE), _matrices(OTHER), strict=True):
-        both[:4, :4] += a
-        both[3:, 3:] += b
     part = OTHER.model()
     part = part.model_copy(update={"modal_constants": gain * part.modal_constants})
     unsure = KnownStructure(part.model_copy(update={"modal_constant_sigma": 0.01 * np.abs(part.modal_constants)}))
     taken = Coupled(unsure.structure, [(4, 1)], sign=-1, samples=unsure.samples)
-    both = Chain(*whole).model()
+    both = _joined(OTHER).model()
     on_it = {"outputs": both.outputs[:4], "output_points": (1, 2, 3, 4), "residuals": both.residuals[:, :4]}
     arrays = {name: getattr(both, name)[:, :4] for name in ("modal_constants", "modal_constant_sigma")}
     rest = KnownStructure(both.model_copy(update=on_it | arrays)).with_changes([taken])
@@ -163,15 +160,18 @@ def test_two_joints_that_move_apart_grow_errors_as_the_worse_of_them() -> None:
     assert max(alone) <= both * (1 + 1e-9)
 
 
+def test_modes_of_the_rest_lie_between_those_of_both() -> None:
+    """A change of rank one: modes of the two apart and those of both take turns."""
+    low, high = intervals_of_rest(structure_of(_joined(OTHER).model()), structure_of(OTHER.model())).T
+    own = np.sort(BARE.poles().imag)
+    assert np.all((low < own) & (own <= high))
+
+
 def test_a_table_says_that_what_nearly_makes_the_whole_is_not_to_be_taken_away() -> None:
     heavy = Chain(50 * OTHER.mass, 50 * OTHER.damping, 50 * OTHER.stiffness)
     said = []
     for part in (OTHER, heavy):
-        whole = [np.zeros((5, 5)) for _ in range(3)]
-        for both, a, b in zip(whole, _matrices(BARE), _matrices(part), strict=True):
-            both[:4, :4] += a
-            both[3:, 3:] += b
-        joined = KnownStructure(Chain(*whole).model())
+        joined = KnownStructure(_joined(part).model())
         rest = joined.with_changes([Coupled(structure_of(part.model()), [(4, 1)], sign=-1)])
         said.append(modified_rows(rest, []).caption)
     assert ["Do not use" in caption for caption in said] == [False, True]
@@ -237,6 +237,15 @@ def test_frfs_without_residual_terms_are_those_of_the_modes() -> None:
 
 def _matrices(chain: Chain) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return chain.mass, chain.damping, chain.stiffness
+
+
+def _joined(part: Chain) -> Chain:
+    """The chain with a part held to its last point."""
+    whole = [np.zeros((5, 5)) for _ in range(3)]
+    for both, a, b in zip(whole, _matrices(BARE), _matrices(part), strict=True):
+        both[:4, :4] += a
+        both[3:, 3:] += b
+    return Chain(*whole)
 
 
 def _parallel(s: np.ndarray) -> np.ndarray:
