@@ -90,7 +90,7 @@ export class Workbench {
       const change = await this.change(kind, at, size);
       this.changes.push(change);
       this.draw();
-      // What is refused does not hang there.
+      // What is rejected does not hang there.
       if (!await this.predict()) { this.changes.splice(this.changes.indexOf(change), 1); this.draw(); }
     } catch (error) { show(error); }
   }
