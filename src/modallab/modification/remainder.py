@@ -88,7 +88,7 @@ def _fit_remainder(
     """The rest by values and samples of what they are off by."""
     # Half of the samples weigh, the others tell what that leaves: else deviations come out too small.
     fit = CommonPoleFit(s, values, CorrelatedErrors.of(off[::2], values))
-    return fit.rest(fit.poles(start, within), both, at, off[1::2])
+    return fit.rest(fit.poles(start, within), within, both, at, off[1::2])
 
 
 def known_values(both: Structure, part: Structure, at: Real, of: Real) -> tuple[Complex, Complex]:
@@ -148,8 +148,7 @@ class CommonPoleFit:
 
     def poles(self, start: Complex, within: Real) -> Complex:
         """(poles,) that fit best, each within its interval (poles, 2)."""
-        low = np.append(np.log(within[:, 0]), np.zeros(len(start)))
-        high = np.append(np.log(within[:, 1]), np.ones(len(start)))
+        low, high = _bounds(within)
         x = np.clip(_numbers_of_poles(start), low, high)
         found = least_squares(self._misfit, x, self._slopes, (low, high), x_scale="jac", max_nfev=DEFAULT.steps).x
         return _poles_of_numbers(found)
@@ -187,7 +186,7 @@ class CommonPoleFit:
         double = np.concatenate([up, up]), np.concatenate([down, down])
         return double[0] * along[:, None, None] + double[1] * along.conj()[:, None, None]
 
-    def rest(self, poles: Complex, both: Structure, at: Real, off: Complex) -> "Remainder":
+    def rest(self, poles: Complex, within: Real, both: Structure, at: Real, off: Complex) -> "Remainder":
         """The structure of these poles, with samples of it."""
         q, found = self._solved(poles)
         x = _numbers_of_poles(poles)
@@ -197,7 +196,7 @@ class CommonPoleFit:
         misfit = float(left @ left) / max(1, len(left) - whole.shape[1])
         moved = (np.linalg.pinv(whole) @ self.errors.whitened(off)).T * np.sqrt(max(1.0, misfit))
         linear = found.reshape(-1) + moved[:, : found.size]
-        varied = np.array([_poles_of_numbers(x + one) for one in moved[:, found.size :]])
+        varied = np.array([_poles_of_numbers(one) for one in np.clip(x + moved[:, found.size :], *_bounds(within))])
         highest = float(np.abs(self.s).max())
         return Remainder(
             _samples_of_structure(both, at, poles[None], found[None], highest).one(0),
@@ -225,6 +224,11 @@ class Remainder:
 def _numbers_of_poles(poles: Complex) -> Real:
     """Log frequency and damping of each pole."""
     return np.concatenate([np.log(poles.imag), -poles.real / poles.imag])
+
+
+def _bounds(within: Real) -> tuple[Real, Real]:
+    """Of the numbers of poles that lie within intervals (poles, 2)."""
+    return np.append(np.log(within[:, 0]), np.zeros(len(within))), np.append(np.log(within[:, 1]), np.ones(len(within)))
 
 
 def _poles_of_numbers(x: Real) -> Complex:

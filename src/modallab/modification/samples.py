@@ -112,10 +112,11 @@ def _off_points(model: ModalModel, rig: Rig, nominal: Structure, noise: Any, cou
         shapes = shapes_of(model, rig)
     except DataError:
         return np.zeros((1, *model.modal_constants.shape), np.complex128)
-    slopes = np.array([shapes.slopes(f)[0] for f in nominal.freedoms])
+    # (freedoms, 2, modes): a surface has two directions.
+    slopes = np.array([shapes.slopes(f) for f in nominal.freedoms])
     rows, columns = places_of(model, nominal)
-    sensor = rig.tolerance.position_m * noise((count, len(rows)))
-    hit = rig.tolerance.hit_position_m * _mean_of_hits(model, noise, count)
+    sensor = rig.tolerance.position_m * noise((count, len(rows), 2))
+    hit = rig.tolerance.hit_position_m * np.stack([_mean_of_hits(model, noise, count) for _ in range(2)], axis=-1)
     both = (shapes.seen + shapes.driven) / 2
-    at_outputs = np.einsum("so,or,ri->sroi", sensor, slopes[rows], both[:, columns])
-    return np.asarray(at_outputs + np.einsum("sri,ro,ir->sroi", hit, both[:, rows], slopes[columns]))
+    at_outputs = np.einsum("soj,ojr,ri->sroi", sensor, slopes[rows], both[:, columns])
+    return np.asarray(at_outputs + np.einsum("srij,ro,ijr->sroi", hit, both[:, rows], slopes[columns]))
