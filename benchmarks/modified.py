@@ -51,7 +51,7 @@ def rows_of(seed: int) -> list[list[object]]:
     tests = [ml.simulate("link", e, seed=seed, tolerances="usual", plan=PLAN, progress=False) for e in effects]
     bare, changed = (ml.identify(test, "impact", progress=False) for test in tests)
     rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
-    known = KnownStructure(bare.modal, rig, [PLAN.hits] * len(PLAN.points))
+    known = KnownStructure(bare.modal, rig)
     after = known.with_changes([Element(point, **{kind: size})]).modes
     return beside(kind, seed, size, point, bare.modal, after, changed.modal)
 

@@ -150,7 +150,8 @@ class Bench:
     def identified(self, measured: ml.MeasuredFrf) -> ModalModel:
         """The model of FRFs."""
         found = ml.identify(measured, progress=False).modal
-        return found.model_copy(update={"outputs": tuple(c.name for c in self.rig.channels[1:])})
+        shares = np.full((found.n_modes, len(self.hits), HITS), 1 / HITS)
+        return found.model_copy(update={"outputs": tuple(c.name for c in self.rig.channels[1:]), "hit_shares": shares})
 
 
 def rows_of(seed: int) -> list[list[object]]:
@@ -160,9 +161,7 @@ def rows_of(seed: int) -> list[list[object]]:
     other = bench.with_added(kind, size, point, added)
     before = bench.identified(bench.frfs())
     predicted = (
-        KnownStructure(before, bench.rig.model_copy(update={"tolerance": TOLERANCE}), [HITS] * 2)
-        .with_changes([added])
-        .modes
+        KnownStructure(before, bench.rig.model_copy(update={"tolerance": TOLERANCE})).with_changes([added]).modes
     )
     return beside(kind, seed, size, point, before, predicted, other.exact())
 

@@ -68,7 +68,7 @@ def rows_of(seed: int) -> list[list[object]]:
     """The wanted frequencies of one bench."""
     bare = ml.identify(ml.simulate(seed=seed, tolerances="usual", plan=PLAN, progress=False), "impact", progress=False)
     rig = bare.campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
-    known = KnownStructure(bare.modal, rig, [PLAN.hits] * len(PLAN.points))
+    known = KnownStructure(bare.modal, rig)
     rng = np.random.default_rng(seed)
     return [row(seed, known, *drawn(rng, bare.modal.frequency_hz)) for _ in range(WANTED)]
 

@@ -7,6 +7,7 @@ import pytest
 
 from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.impact import identify_impact
+from modallab.identification.model.hit_shares import with_hit_shares
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.selection.pre_trigger_noise import model_error
 from modallab.signals.signals import to_signals_of
@@ -171,3 +172,24 @@ def test_what_no_linear_modes_explain_is_said():
     model, fit = identify_impact(distorted, rig, IdentificationOptions(band_hz=(2.9, 400.0)))
     assert model_error(fit, distorted) > 1.1
     assert any("pre-trigger noise" in note for note in model.notes)
+
+
+def test_each_hit_has_the_share_of_its_force_in_the_modes():
+    """Equal at low frequencies, where impulses alone count; at the highest mode the shortest hit has most."""
+    system = bench.modes(np.random.default_rng(7))
+    blocks = []
+    for width in (4e-3, 8e-3):
+        samples = np.vstack([force := bench.pulse(2048, 2000.0, 0.05, width, 0.4 / width), np.zeros((2, 2048))])
+        samples[1:] = bench.respond(system, force, 5, 2000.0)[:2]
+        blocks.append(bench.block(f"impact_p05_{len(blocks)}", "impact", len(blocks), 2000.0, samples, 5))
+    hits = to_signals_of(blocks, bench.rig(2))
+    _, model, _ = identified(1)
+    low = model.model_copy(update={"frequency_hz": np.array([2.0, 100.0, 180.0])})
+    shares = with_hit_shares(low, [hits]).hit_shares
+    assert shares.shape == (3, 1, 2)
+    np.testing.assert_allclose(shares.sum(axis=2), 1)
+    np.testing.assert_allclose(shares[0], 0.5, atol=0.01)
+    # The spectrum of a cosine pulse: sin(x) / (x (1 - (x / pi)^2)), x = pi f width.
+    x = np.pi * 180.0 * np.array([4e-3, 8e-3])
+    power = (np.sin(x) / (x * (1 - (x / np.pi) ** 2))) ** 2
+    np.testing.assert_allclose(shares[2, 0], power / power.sum(), atol=0.01)

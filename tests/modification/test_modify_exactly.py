@@ -8,12 +8,14 @@ from chain import BARE, OTHER, Chain
 from scipy import linalg
 
 from modallab.core.errors import DataError
+from modallab.formats.frf_file import rig_without_places
 from modallab.modification.attachments import AttachedPart, Element, RigidLink, TunedAbsorber
 from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.free_band import changes_for_free_band
 from modallab.modification.inverse import By, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
 from modallab.modification.modified import passive_damping
+from modallab.modification.remainder import intervals_of_rest
 from modallab.modification.structure import structure_of
 from modallab.reporting.modified_table import modified_rows
 
@@ -117,15 +119,11 @@ def test_two_structures_coupled_are_one_and_taken_apart_again_are_two(joint: flo
 
 @pytest.mark.parametrize("gain", [1.0, 1.01])
 def test_a_measured_part_taken_away_leaves_the_rest_and_no_pole_of_its_antiresonances(gain: float) -> None:
-    whole = [np.zeros((5, 5)) for _ in range(3)]
-    for both, a, b in zip(whole, _matrices(BARE), _matrices(OTHER), strict=True):
-        both[:4, :4] += a
-        both[3:, 3:] += b
     part = OTHER.model()
     part = part.model_copy(update={"modal_constants": gain * part.modal_constants})
     unsure = KnownStructure(part.model_copy(update={"modal_constant_sigma": 0.01 * np.abs(part.modal_constants)}))
     taken = CouplingToStructure(unsure.structure, [(4, 1)], sign=-1, samples=unsure.samples)
-    both = Chain(*whole).model()
+    both = _joined(OTHER).model()
     on_it = {"outputs": both.outputs[:4], "output_points": (1, 2, 3, 4), "residuals": both.residuals[:, :4]}
     arrays = {name: getattr(both, name)[:, :4] for name in ("modal_constants", "modal_constant_sigma")}
     rest = KnownStructure(both.model_copy(update=on_it | arrays)).with_changes([taken])
@@ -164,15 +162,18 @@ def test_two_joints_that_move_apart_grow_errors_as_the_worse_of_them() -> None:
     assert max(alone) <= both * (1 + 1e-9)
 
 
+def test_modes_of_the_rest_lie_between_those_of_both() -> None:
+    """A change of rank one: modes of the two apart and those of both take turns."""
+    low, high = intervals_of_rest(structure_of(_joined(OTHER).model()), structure_of(OTHER.model())).T
+    own = np.sort(BARE.poles().imag)
+    assert np.all((low < own) & (own <= high))
+
+
 def test_a_table_says_that_what_nearly_makes_the_whole_is_not_to_be_taken_away() -> None:
     heavy = Chain(50 * OTHER.mass, 50 * OTHER.damping, 50 * OTHER.stiffness)
     said = []
     for part in (OTHER, heavy):
-        whole = [np.zeros((5, 5)) for _ in range(3)]
-        for both, a, b in zip(whole, _matrices(BARE), _matrices(part), strict=True):
-            both[:4, :4] += a
-            both[3:, 3:] += b
-        joined = KnownStructure(Chain(*whole).model())
+        joined = KnownStructure(_joined(part).model())
         rest = joined.with_changes([CouplingToStructure(structure_of(part.model()), [(4, 1)], sign=-1)])
         said.append(modified_rows(rest, []).caption)
     assert ["Do not use" in caption for caption in said] == [False, True]
@@ -208,8 +209,45 @@ def test_what_is_uncertain_of_two_structures_has_nothing_in_common() -> None:
     np.testing.assert_array_equal(drawn[0], drawn[2])
 
 
+def test_a_mode_that_one_hit_made_is_as_uncertain_as_one_hit() -> None:
+    model = BARE.model()
+    rig = rig_without_places(model.outputs, model.output_points, model.input_points, "inertance")
+    tolerance = rig.tolerance.model_copy(update={"sensitivity": 0.0, "hit_gain": 0.01})
+    shares = np.full((model.n_modes, len(model.input_points), 4), 0.25)
+    shares[1] = np.array([1.0, 0.0, 0.0, 0.0])
+    known = KnownStructure(
+        model.model_copy(update={"hit_shares": shares}), rig.model_copy(update={"tolerance": tolerance})
+    )
+    at = model.input_points[0] - 1
+    constants = known.samples.psi[:, :, at] ** 2
+    off = np.std(np.abs(constants), axis=0) / np.abs(constants.mean(axis=0))
+    np.testing.assert_allclose(off[:2], [0.005, 0.01], rtol=0.15)
+
+
+def test_frfs_without_residual_terms_are_those_of_the_modes() -> None:
+    held = BARE.model()
+    more = held.model_copy(
+        update={"residuals": 1e-6 * np.ones((1, 4, len(held.input_points))), "residual_powers": (0,)}
+    )
+    alone, known = KnownStructure(held), KnownStructure(more)
+    added = [Element(3, mass=0.4)]
+    for one, other in ((known, alone), (known.with_changes(added), alone.with_changes(added))):
+        bare, expected = one.without_residual_terms.frf(HZ).values, other.frf(HZ).values
+        np.testing.assert_allclose(bare, expected, rtol=1e-9)
+        assert not np.allclose(one.frf(HZ).values, expected, rtol=1e-3)
+
+
 def _matrices(chain: Chain) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return chain.mass, chain.damping, chain.stiffness
+
+
+def _joined(part: Chain) -> Chain:
+    """The chain with a part held to its last point."""
+    whole = [np.zeros((5, 5)) for _ in range(3)]
+    for both, a, b in zip(whole, _matrices(BARE), _matrices(part), strict=True):
+        both[:4, :4] += a
+        both[3:, 3:] += b
+    return Chain(*whole)
 
 
 def _parallel(s: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from scipy.linalg import expm
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
+from modallab.core.rig import Point
 from modallab.formats.frf_file import rig_without_places
 from modallab.modification.deflection import mode_deflection, motion_in_space, operating_deflection
 from modallab.modification.known import KnownStructure
@@ -25,7 +26,7 @@ FREEDOMS = tuple((p, "z") for p in (1, 2, 3, 4))
 
 def parts(band: tuple[float, float] | None = None, after: tuple[float, float] | None = None) -> ModalParticipation:
     known = KnownStructure(BARE.model())
-    return modal_participation(known.structure, known.samples.first(5), 1, 3, "velocity", band, after)
+    return modal_participation(known, 1, 3, "velocity", band, after)
 
 
 def test_shares_over_a_band_are_the_projections_of_the_modes_on_the_whole() -> None:
@@ -105,6 +106,22 @@ def string(modes: int = 4, points: int = 9) -> tuple[ModalModel, KnownStructure]
         }
     )
     return model, KnownStructure(model, rig_without_places(model.outputs, range(1, points + 1), [1], "inertance"))
+
+
+def test_a_sensor_on_a_plate_is_off_in_both_directions() -> None:
+    """One mode rises across and one along: a sensor off its point reads either otherwise."""
+    x, y = (v.ravel() for v in np.meshgrid(*[np.linspace(0, 0.4, 4)] * 2, indexing="ij"))
+    phi = np.stack([1 + 3 * x, 1 + 3 * y])
+    model, known = string(2, x.size)
+    model = model.model_copy(update={"modal_constants": (phi[:, :, None] * phi[:, None, :1]).astype(np.complex128)})
+    rig = known.stated_rig
+    points = tuple(Point(id=p.id, x_m=float(a), y_m=float(b)) for p, a, b in zip(rig.points, x, y, strict=True))
+    tolerance = rig.tolerance.model_copy(update={"sensitivity": 0.0, "position_m": 1e-3})
+    moved = KnownStructure(model, rig.model_copy(update={"points": points, "tolerance": tolerance})).samples.psi
+    # Of either point 3e-3 over its own shape, that of the driving point included.
+    expected = 3e-3 * np.sqrt(1 / phi[:, 1:] ** 2 + 1 / phi[:, :1] ** 2)
+    off = np.std(np.abs(moved[:, :, 1:] / moved[:, :, :1]), axis=0) / (phi[:, 1:] / phi[:, :1])
+    np.testing.assert_allclose(np.mean(off / expected, axis=1), 1, atol=0.4)
 
 
 def test_nodes_between_points_lie_where_the_shape_is_zero() -> None:

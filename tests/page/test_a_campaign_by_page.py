@@ -160,8 +160,18 @@ def test_a_click_on_a_point_hangs_a_mass_there(recorded: Watched) -> None:
     with recorded.page.expect_download() as saved:
         recorded.page.click("text=Save the plan")
     plan = saved.value.path().read_text()
-    assert "Mass 0.05 kg at 10" in plan
+    assert "mass 0.05 kg at 10" in plan
     assert '"kind":"impact"' in plan
+
+
+def test_the_best_absorber_of_a_mode_is_hung_by_a_click(recorded: Watched) -> None:
+    recorded.view("Model")
+    # What an earlier click hung there stays.
+    recorded.page.wait_for_selector(".work .pick")
+    recorded.page.select_option("#work-impact-kind", "absorber")
+    recorded.page.select_option("select[aria-label='Mode that the absorber is for']", "2")
+    recorded.page.click(".work .pick[aria-label='Add at point 10'] circle")
+    recorded.page.wait_for_selector(".plainlist li:has-text('absorber 0.05 kg')")
 
 
 def test_a_shape_turns_and_a_finite_element_model_is_corrected(recorded: Watched) -> None:

@@ -88,6 +88,9 @@ def _frf(actions: Commands) -> Any:
     command.add_argument(
         "--quantity", choices=("receptance", "mobility", "inertance"), default="mobility", help="what is written"
     )
-    command.add_argument("--lines", type=int, default=1000, metavar="N", help="evenly over the band (default: 1000)")
+    command.add_argument(
+        "--lines", type=int, default=1000, metavar="N", help="evenly over the band, beside those about each mode"
+    )
+    command.add_argument("--modes-alone", action="store_true", help="without what lies outside the band")
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help=".uff, .mat or .h5")
     return command

@@ -22,8 +22,9 @@ from modallab.reporting.motion_table import motion_document, motion_rows
 
 def frf(known: KnownStructure, arguments: argparse.Namespace) -> None:
     """FRFs as a file."""
-    f = lines_with_peaks(known.model.band_hz, arguments.lines)
-    found = known.frf(f, arguments.outputs, arguments.inputs, arguments.quantity)
+    f = lines_with_peaks(known.model.band_hz, arguments.lines, known.poles)
+    whole = known.without_residual_terms if arguments.modes_alone else known
+    found = whole.frf(f, arguments.outputs, arguments.inputs, arguments.quantity)
     write_frf(arguments.out, found, rig_of(found))
     outputs, inputs, lines = found.values.shape
     summary = f"{found.quantity}: {outputs} outputs, {inputs} inputs, {lines} lines: {arguments.out}"

@@ -11,7 +11,7 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.modification.deflection import Deflection, mode_deflection, motion_in_space, operating_deflection
 from modallab.modification.freedoms import freedoms_of
-from modallab.modification.known import FRF_SAMPLES, KnownStructure
+from modallab.modification.known import KnownStructure
 from modallab.modification.nodes import places_of_modes
 from modallab.modification.participation import modal_participation
 from modallab.reporting.understood_table import (
@@ -26,9 +26,7 @@ def show_participation(known: KnownStructure, arguments: argparse.Namespace) -> 
     """Each mode's share of a response."""
     a = arguments
     band, after = (None if given is None else (given[0], given[1]) for given in (a.band, a.after))
-    found = modal_participation(
-        known.between([a.of], [a.at]), known.samples.first(FRF_SAMPLES), a.at, a.of, a.quantity, band, after
-    )
+    found = modal_participation(known, a.at, a.of, a.quantity, band, after)
     show_rows(a, participation_rows(found, known.model.frequency_hz.tolist()))
     names = ("share", "share_sigma", "alone")
     _write(a, {name: getattr(found, name).tolist() for name in names} | {"outside": found.outside})

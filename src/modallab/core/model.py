@@ -95,6 +95,7 @@ class ModalModel(Frozen):
         operating_shapes: (modes, outputs) of unknown scale, 1 at the largest, where no force was measured; else None.
         operating_shape_sigma: (modes, outputs) of the complex number, or None.
         backbone: how the modes go with their amplitude, where records of several levels show that they do.
+        hit_shares: (modes, inputs, hits) of each hit in the modal constants of its input; None where there were none.
     """
 
     format_version: Literal[1] = MODEL
@@ -123,6 +124,7 @@ class ModalModel(Frozen):
     operating_shapes: ComplexArray | None = Field(default=None, exclude_if=is_absent)
     operating_shape_sigma: RealArray | None = Field(default=None, exclude_if=is_absent)
     backbone: Backbone | None = Field(default=None, exclude_if=is_absent)
+    hit_shares: RealArray | None = Field(default=None, exclude_if=is_absent)
 
     @property
     def n_modes(self) -> int:

@@ -19,6 +19,7 @@ from modallab.identification.likelihood.hit_blocks import Groups, line_blocks
 from modallab.identification.likelihood.hit_scatter import factors_by_scatter
 from modallab.identification.likelihood.impact_search import fit_of_estimate
 from modallab.identification.likelihood.search import NOT_SETTLED
+from modallab.identification.model.hit_shares import with_hit_shares
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.readings import floor_of_block, half_power_readings
@@ -62,7 +63,8 @@ def identify_impact(
         fit = fit_of_estimate(unknown, poles, groups, band)
         keep = chosen_modes(fit, band, options, first=True)
         readings = _half_power_of_modes(fit, groups, rig, band, keep)
-        return without_sigma(model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method)), fit
+        rough = without_sigma(model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method))
+        return with_hit_shares(rough, groups), fit
     found = HitSearch(unknown, groups, signals, band, options).found(frf, estimate, poles)
     fit, keep, ratio = found.fit, found.keep, found.misfit
     if not np.any(keep):
@@ -77,7 +79,8 @@ def identify_impact(
     notes = (*notes, *_scatter_notes(factors[keep]))
     fit = replace(fit, by_scatter=factors)
     readings = _half_power_of_modes(fit, groups, rig, band, keep)
-    return model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method), fit
+    model = model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method)
+    return with_hit_shares(model, groups), fit
 
 
 def _scatter_notes(factors: NDArray[np.float64]) -> tuple[str, ...]:

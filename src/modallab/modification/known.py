@@ -43,7 +43,6 @@ class KnownStructure:
         self,
         model: ModalModel,
         rig: Rig | None = None,
-        hits: Sequence[int] | None = None,
         changes: Sequence[AttachedPart] = (),
     ) -> None:
         """Look up what the model knows.
@@ -51,13 +50,12 @@ class KnownStructure:
         Args:
             model: with a driving point, or it says nothing of pairs of points that were not measured.
             rig: of the recordings.
-            hits: (inputs,) over how many hits each input was averaged.
             changes: what hangs on it.
 
         Raises:
             DataError: an output or input without a point.
         """
-        self.model, self.rig, self.hits, self.changes = model, rig, hits, tuple(changes)
+        self.model, self.rig, self.changes = model, rig, tuple(changes)
         self.taken: tuple[CouplingToStructure, ...] = ()
         self._measured = structure_of(model, rig)
 
@@ -100,7 +98,7 @@ class KnownStructure:
     @cached_property
     def samples(self) -> Structure:
         """(samples, ...) structures that the model leaves possible."""
-        return samples_of(self.model, self.rig, self.hits)
+        return samples_of(self.model, self.rig)
 
     @cached_property
     def attached(self) -> StructureWithAttachments:
@@ -126,7 +124,13 @@ class KnownStructure:
     @property
     def alone(self) -> "KnownStructure":
         """Without what hangs on it."""
-        return KnownStructure(self.model, self.rig, self.hits)
+        return KnownStructure(self.model, self.rig)
+
+    @property
+    def without_residual_terms(self) -> "KnownStructure":
+        """Of its modes alone, with the same changes."""
+        bare = self.model.model_copy(update={"residuals": 0 * self.model.residuals})
+        return KnownStructure(bare, self.rig).with_changes([*self.taken, *self.changes])
 
     def with_changes(self, changes: Sequence[AttachedPart]) -> "KnownStructure":
         """With more hung on it.
@@ -139,7 +143,7 @@ class KnownStructure:
             () if self.changes else tuple(c for c in changes if isinstance(c, CouplingToStructure) and c.measured_part)
         )
         kept = (c for c in changes if c not in away)
-        more = KnownStructure(self.model, self.rig, self.hits, (*self.changes, *kept))
+        more = KnownStructure(self.model, self.rig, (*self.changes, *kept))
         more._measured, more.taken, more.__dict__["samples"] = self._measured, self.taken, self.samples
         for part in away:
             more._take(part)
@@ -241,7 +245,7 @@ class KnownStructure:
 
     def _sampled(self, structure: Structure) -> "KnownStructure":
         """One of the structures that are possible, with the same changes."""
-        one = KnownStructure(self.model, self.rig, self.hits, self.changes)
+        one = KnownStructure(self.model, self.rig, self.changes)
         one._measured = structure
         one.__dict__["samples"] = None
         if not self.changes:

@@ -12,6 +12,7 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.units import DERIVATIVE, Quantity
+from modallab.modification.known import FRF_SAMPLES, KnownStructure
 from modallab.modification.structure import At, Structure
 
 EVEN = 400
@@ -48,8 +49,7 @@ class ModalParticipation:
 
 
 def modal_participation(
-    structure: Structure,
-    samples: Structure,
+    known: KnownStructure,
     at: At,
     of: At,
     quantity: Quantity = "velocity",
@@ -59,8 +59,7 @@ def modal_participation(
     """The parts of a response to an even spectrum of force, or to a hit.
 
     Args:
-        structure: as the model has it.
-        samples: (samples, ...) of it, for the deviation.
+        known: the structure.
         at: point of the force.
         of: point of the motion.
         quantity: displacement, velocity or acceleration.
@@ -68,8 +67,9 @@ def modal_participation(
         after_s: begin and end of a time after a hit, twice the same number for an instant; instead of a band.
 
     Raises:
-        DataError: a band or a time that cannot be, or a point that the model does not know.
+        DataError: a band or a time that cannot be, a point that the model does not know, or no driving point.
     """
+    structure, samples = known.between([of], [at]), known.samples.first(FRF_SAMPLES)
     if quantity not in DERIVATIVE:
         raise DataError(f"no motion is called {quantity!r}", remedy=f"use one of {', '.join(DERIVATIVE)}")
     if band_hz is not None and after_s is not None:

@@ -4,9 +4,13 @@ The direct formula subtracts two receptances at the joint. Wherever the part is 
 nearly equal: each antiresonance of the part becomes two poles that no structure has. So the rest is fitted instead,
 where nothing cancels. At a pole s of both, shape psi, the part takes the force -psi_c / H_part(s), hence
 H_rest,xc(s) = -H_part(s) psi_x / psi_c. At a pole of the part alone it takes none, hence H_rest,xc(s) = H_both,xc(s).
-Fitted are common poles and residues: first by vector fitting (Gustavsen, Semlyen, IEEE Trans. Power Delivery 14 (1999),
-1052), then by variable projection (Golub, Pereyra, Inverse Problems 19 (2003), R1) in generalised least squares. Errors
-of a sensitivity are common to all poles: samples of both models give their covariance.
+Fitted are common poles and residues, by variable projection (Golub, Pereyra, Inverse Problems 19 (2003), R1) in
+generalised least squares. Errors of a sensitivity are common to all poles: samples of both models give their
+covariance.
+
+One joint holds two structures together by one condition, so that between two neighbouring poles of both there is one
+of the part or one of the rest (Golub, SIAM Review 15 (1973), 318, of a change of rank one). Each pole of the rest is
+looked for in its own interval: free ones were lost to errors of a single value.
 """
 
 from dataclasses import dataclass, replace
@@ -21,6 +25,8 @@ from modallab.modification.outside_band import complete_residuals
 from modallab.modification.settings import DEFAULT
 from modallab.modification.structure import Structure, squared_shape_sum
 
+LOOKED_AT = 200
+"""Frequencies in each interval, to begin with."""
 ROUNDING = float(np.sqrt(np.finfo(float).eps))
 """Of a value: what its deviation at least is, where models are given without any."""
 
@@ -41,9 +47,8 @@ def remainder_of_structure(
     Raises:
         DataError: the part has as many modes as both together.
     """
-    # Coupled at one joint, both have one motion less than the two apart.
-    count = len(both.poles) - len(part.poles) + 1
-    if count < 1:
+    within = intervals_of_rest(both, part)
+    if not len(within):
         raise DataError(
             f"{len(part.poles)} modes of the part are more than leave any of {len(both.poles)}",
             remedy="identify both in the same band",
@@ -51,21 +56,39 @@ def remainder_of_structure(
     s, values = known_values(both, part, at, of)
     places, varied_values = known_values(samples, varied, at, of)
     off = varied_values - values
-    rest = _fit_remainder(s, values, off, _start_poles(s, count), both, at)
+    rest = _fit_remainder(s, values, off, _start_poles(within, both, part, at, of), within, both, at)
     # Poles of the samples are off as well, and with them where values are known.
     left = off - rest.receptance_of_joint(places, at) + rest.receptance_of_joint(s, at)
-    return _fit_remainder(s, values, left, rest.structure.poles, both, at, begin=False)
+    return _fit_remainder(s, values, left, rest.structure.poles, within, both, at)
+
+
+def intervals_of_rest(both: Structure, part: Structure) -> Real:
+    """(poles, 2) rad/s between which each pole of the rest lies: neighbouring poles of both with none of the part."""
+    own, taken = np.sort(both.poles.imag), part.poles.imag
+    ends = np.concatenate([[0.0], own, [np.inf]])
+    between = np.stack([ends[:-1], ends[1:]], axis=1)
+    alone = ~np.any((taken > between[:, :1]) & (taken <= between[:, 1:]), axis=1)
+    # A structure that moves freely has its lowest pole at 0, which the term in s^-2 is.
+    alone[0] &= not np.any(both.residual[..., np.array(both.powers) == -2, :, :])
+    return np.clip(between[alone], own[0] / DEFAULT.far, own[-1] * DEFAULT.far)
+
+
+def _start_poles(within: Real, both: Structure, part: Structure, at: Real, of: Real) -> Complex:
+    """(poles,) where the direct formula, which is wrong by much at single frequencies, is largest in each interval."""
+    omega = np.geomspace(within[:, 0], within[:, 1], LOOKED_AT + 2)[1:-1]
+    own, taken = (one.receptance(1j * omega.ravel(), b, b).reshape(omega.shape) for one, b in ((both, at), (part, of)))
+    largest = np.argmax(np.abs(1 / (1 / own - 1 / taken)), axis=0)
+    damped = float(np.median(-both.poles.real / both.poles.imag))
+    return omega[largest, np.arange(len(within))] * (1j - damped)
 
 
 def _fit_remainder(
-    s: Complex, values: Complex, off: Complex, start: Complex, both: Structure, at: Real, *, begin: bool = True
+    s: Complex, values: Complex, off: Complex, start: Complex, within: Real, both: Structure, at: Real
 ) -> "Remainder":
     """The rest by values and samples of what they are off by."""
     # Half of the samples weigh, the others tell what that leaves: else deviations come out too small.
-    errors = CorrelatedErrors.of(off[::2], values)
-    fit = CommonPoleFit(s, values, errors)
-    poles = relocate_poles(s, values / errors.scale, 1 / errors.scale, start) if begin else start
-    return fit.rest(fit.poles(poles), both, at, off[1::2])
+    fit = CommonPoleFit(s, values, CorrelatedErrors.of(off[::2], values))
+    return fit.rest(fit.poles(start, within), within, both, at, off[1::2])
 
 
 def known_values(both: Structure, part: Structure, at: Real, of: Real) -> tuple[Complex, Complex]:
@@ -74,12 +97,6 @@ def known_values(both: Structure, part: Structure, at: Real, of: Real) -> tuple[
     shapes = -at_poles * both.psi
     alone = both.receptance(part.poles, None, at)[..., 0]
     return np.concatenate([both.poles, part.poles], axis=-1), np.concatenate([shapes, alone], axis=-2)
-
-
-def _start_poles(s: Complex, count: int) -> Complex:
-    by_frequency = s[np.argsort(s.imag)]
-    # Not at a value itself: there the basis is infinite.
-    return 1.003 * by_frequency[np.linspace(0, len(s) - 1, count).round().astype(int)]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -122,34 +139,6 @@ def pole_basis(s: Complex, poles: Complex, powers: tuple[int, ...]) -> Complex:
     return np.concatenate([up + down, 1j * (up - down), *terms], axis=1)
 
 
-def relocate_poles(s: Complex, scaled: Complex, weights: Real, poles: Complex) -> Complex:
-    """(poles,) that fit (points, freedoms) values over their deviations, by vector fitting."""
-    for _ in range(DEFAULT.relocations):
-        own, common = pole_basis(s, poles, DEFAULT.powers), pole_basis(s, poles, ())
-        left, right = [], []
-        for value, weight in zip(scaled.T, weights.T, strict=True):
-            rows = np.column_stack([own * weight[:, None], -value[:, None] * common, value])
-            _, whole = np.linalg.qr(np.concatenate([rows.real, rows.imag]))
-            r = whole[own.shape[1] :]
-            left.append(r[:, own.shape[1] : -1])
-            right.append(r[:, -1])
-        found = np.linalg.lstsq(np.concatenate(left), np.concatenate(right), rcond=None)[0]
-        zeros = _zeros_of_weights(poles, found)
-        if len(zeros) != len(poles) or np.allclose(zeros, poles, rtol=1e-6, atol=0):
-            break
-        poles = zeros
-    return -np.abs(poles.real) + 1j * poles.imag
-
-
-def _zeros_of_weights(poles: Complex, weights: Real) -> Complex:
-    """Of 1 + the sum of poles by real and imaginary parts of their weights."""
-    n = len(poles)
-    a = np.block([[np.diag(poles.real), np.diag(poles.imag)], [-np.diag(poles.imag), np.diag(poles.real)]])
-    a -= np.outer(np.concatenate([np.full(n, 2.0), np.zeros(n)]), weights)
-    zeros = np.linalg.eigvals(a)
-    return np.sort_complex(zeros[zeros.imag > 0] * -1j) * 1j
-
-
 class CommonPoleFit:
     """Receptances from the joint by common poles, in generalised least squares."""
 
@@ -157,14 +146,12 @@ class CommonPoleFit:
         self.s, self.values, self.errors = s, values, errors
         self.right = errors.whitened(values)
 
-    def poles(self, start: Complex) -> Complex:
-        """(poles,) that fit best, by rising frequency."""
-        n, edges = len(start), np.log([np.abs(self.s).min() / DEFAULT.far, np.abs(self.s).max() * DEFAULT.far])
-        low, high = np.repeat([edges[0], 0.0], n), np.repeat([edges[1], 1.0], n)
+    def poles(self, start: Complex, within: Real) -> Complex:
+        """(poles,) that fit best, each within its interval (poles, 2)."""
+        low, high = _bounds(within)
         x = np.clip(_numbers_of_poles(start), low, high)
         found = least_squares(self._misfit, x, self._slopes, (low, high), x_scale="jac", max_nfev=DEFAULT.steps).x
-        poles = _poles_of_numbers(found)
-        return poles[np.argsort(poles.imag)]
+        return _poles_of_numbers(found)
 
     def _columns(self, columns: Complex) -> Real:
         """Whitened (values, freedoms columns): each freedom has coefficients of its own."""
@@ -199,7 +186,7 @@ class CommonPoleFit:
         double = np.concatenate([up, up]), np.concatenate([down, down])
         return double[0] * along[:, None, None] + double[1] * along.conj()[:, None, None]
 
-    def rest(self, poles: Complex, both: Structure, at: Real, off: Complex) -> "Remainder":
+    def rest(self, poles: Complex, within: Real, both: Structure, at: Real, off: Complex) -> "Remainder":
         """The structure of these poles, with samples of it."""
         q, found = self._solved(poles)
         x = _numbers_of_poles(poles)
@@ -209,7 +196,7 @@ class CommonPoleFit:
         misfit = float(left @ left) / max(1, len(left) - whole.shape[1])
         moved = (np.linalg.pinv(whole) @ self.errors.whitened(off)).T * np.sqrt(max(1.0, misfit))
         linear = found.reshape(-1) + moved[:, : found.size]
-        varied = np.array([_poles_of_numbers(x + one) for one in moved[:, found.size :]])
+        varied = np.array([_poles_of_numbers(one) for one in np.clip(x + moved[:, found.size :], *_bounds(within))])
         highest = float(np.abs(self.s).max())
         return Remainder(
             _samples_of_structure(both, at, poles[None], found[None], highest).one(0),
@@ -237,6 +224,11 @@ class Remainder:
 def _numbers_of_poles(poles: Complex) -> Real:
     """Log frequency and damping of each pole."""
     return np.concatenate([np.log(poles.imag), -poles.real / poles.imag])
+
+
+def _bounds(within: Real) -> tuple[Real, Real]:
+    """Of the numbers of poles that lie within intervals (poles, 2)."""
+    return np.append(np.log(within[:, 0]), np.zeros(len(within))), np.append(np.log(within[:, 1]), np.ones(len(within)))
 
 
 def _poles_of_numbers(x: Real) -> Complex:

@@ -4,7 +4,6 @@ What the model's own standard deviations say of noise is the smaller part. Sensi
 their points, change modal constants by what the rig file states of them.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -29,15 +28,12 @@ RESOLVED_HZ = 1e-5
 """Frequencies that differ by less are of the same model, computed on another machine."""
 
 
-def samples_of(
-    model: ModalModel, rig: Rig | None = None, hits: Sequence[int] | None = None, count: int = COUNT
-) -> Structure:
+def samples_of(model: ModalModel, rig: Rig | None = None, count: int = COUNT) -> Structure:
     """Structures (samples, ...) that the model and the tolerances of its rig leave possible.
 
     Args:
         model: with its standard deviations; what has none is taken as exact.
         rig: with tolerances, axes and places; None where nothing is known of them.
-        hits: (inputs,) over how many hits each input was averaged, as their places differ.
         count: how many; the same model gives the same samples.
 
     Raises:
@@ -53,7 +49,7 @@ def samples_of(
     constants = model.modal_constants + _add_noise(model, noise, count)
     constants = constants * _uncertain_gains(model, rig, noise, count)
     if rig is not None:
-        constants = constants + _off_points(model, rig, nominal, hits, noise, count)
+        constants = constants + _off_points(model, rig, nominal, noise, count)
     rows, columns = places_of(model, nominal)
     sampled = [
         modes_of(h, np.maximum(z, 0), a, rows, columns, len(nominal.freedoms))
@@ -89,31 +85,38 @@ def _add_noise(model: ModalModel, noise: Any, count: int) -> Complex:
 
 
 def _uncertain_gains(model: ModalModel, rig: Rig | None, noise: Any, count: int) -> Real:
-    """(samples, 1, outputs, inputs) factors by what sensitivities and hits are uncertain by."""
+    """(samples, modes, outputs, inputs) factors by what sensitivities and hits are uncertain by."""
     tolerance = Tolerance() if rig is None else rig.tolerance
     scale = model.scale_uncertainty
     usual = np.full(len(model.outputs), tolerance.sensitivity)
     responses = usual if scale is None else np.where(np.isfinite(scale.responses), scale.responses, usual)
     force = FORCE_SHARE * tolerance.sensitivity if scale is None or scale.force is None else scale.force
-    of_force = force * noise((count, 1)) + tolerance.hit_gain * noise((count, len(model.input_points)))
+    of_force = force * noise((count, 1, 1)) + tolerance.hit_gain * _mean_of_hits(model, noise, count)
     return np.asarray(
-        (1 + responses * noise((count, len(model.outputs))))[:, None, :, None] * (1 + of_force)[:, None, None, :]
+        (1 + responses * noise((count, len(model.outputs))))[:, None, :, None] * (1 + of_force)[:, :, None, :]
     )
 
 
-def _off_points(
-    model: ModalModel, rig: Rig, nominal: Structure, hits: Sequence[int] | None, noise: Any, count: int
-) -> Complex:
+def _mean_of_hits(model: ModalModel, noise: Any, count: int) -> Real:
+    """(samples, modes, inputs) what differs from hit to hit by 1, in the mean over the hits that each mode is of."""
+    shares = model.hit_shares
+    if shares is None:
+        # As of one hit.
+        shares = np.ones((model.n_modes, len(model.input_points), 1))
+    return np.asarray(np.einsum("rih,sih->sri", shares, noise((count, *shares.shape[1:]))))
+
+
+def _off_points(model: ModalModel, rig: Rig, nominal: Structure, noise: Any, count: int) -> Complex:
     """(samples, modes, outputs, inputs) what sensors and hits beside their points add to modal constants."""
     try:
         shapes = shapes_of(model, rig)
     except DataError:
         return np.zeros((1, *model.modal_constants.shape), np.complex128)
-    slopes = np.array([shapes.slopes(f)[0] for f in nominal.freedoms])
+    # (freedoms, 2, modes): a surface has two directions.
+    slopes = np.array([shapes.slopes(f) for f in nominal.freedoms])
     rows, columns = places_of(model, nominal)
-    several = np.sqrt(np.ones(len(columns)) if hits is None else np.maximum(hits, 1))
-    sensor = rig.tolerance.position_m * noise((count, len(rows)))
-    hit = rig.tolerance.hit_position_m / several * noise((count, len(columns)))
+    sensor = rig.tolerance.position_m * noise((count, len(rows), 2))
+    hit = rig.tolerance.hit_position_m * np.stack([_mean_of_hits(model, noise, count) for _ in range(2)], axis=-1)
     both = (shapes.seen + shapes.driven) / 2
-    at_outputs = np.einsum("so,or,ri->sroi", sensor, slopes[rows], both[:, columns])
-    return np.asarray(at_outputs + np.einsum("si,ro,ir->sroi", hit, both[:, rows], slopes[columns]))
+    at_outputs = np.einsum("soj,ojr,ri->sroi", sensor, slopes[rows], both[:, columns])
+    return np.asarray(at_outputs + np.einsum("srij,ro,ijr->sroi", hit, both[:, rows], slopes[columns]))

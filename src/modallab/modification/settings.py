@@ -16,9 +16,8 @@ class RemainderSettings:
             a few samples is singular.
         widest: deviations of a sample that count. Beyond, a shape goes through zero at the joint, and its sample is off
             by any amount: without a bound the worst FRAC of those plates was 0.90.
-        far: by which factor a pole may lie beyond all values. It then stands for what is out of the band; a wider
+        far: by which factor a pole may lie beyond all of both. It then stands for what is out of the band; a wider
             bound gave the same in six times the time.
-        relocations: of poles by vector fitting, at most. It ends when they rest; eight gave the same for the plates.
         steps: of the search that follows, at most. Without a bound the same came out in three times the time.
     """
 
@@ -27,7 +26,6 @@ class RemainderSettings:
     own: float = 0.01
     widest: float = 3.0
     far: float = 10.0
-    relocations: int = 30
     steps: int = 50
 
 

@@ -53,6 +53,8 @@ class ModelUses:
         outputs: Sequence[At] | None = None,
         inputs: Sequence[At] | None = None,
         quantity: FrfQuantity = "mobility",
+        *,
+        residual_terms: bool = True,
     ) -> MeasuredFrf:
         """FRFs at measured pairs of points and at others, with their variance; `save` writes them for other programs.
 
@@ -61,12 +63,13 @@ class ModelUses:
             outputs: points, or (point, axis); None for all that have a sensor.
             inputs: points; None for those that were driven.
             quantity: receptance, mobility or inertance.
+            residual_terms: whether what lies outside the band counts; without it FRFs are those of the modes alone.
 
         Raises:
             DataError: frequencies that do not ascend, a point that the model does not know, or no driving point.
         """
-        found = self.known.frf(np.asarray(f), outputs, inputs, quantity)
-        return MeasuredFrf.of(found)
+        known = self.known if residual_terms else self.known.without_residual_terms
+        return MeasuredFrf.of(known.frf(np.asarray(f), outputs, inputs, quantity))
 
     def response(
         self,

@@ -7,7 +7,7 @@ from modallab.core.frf import Frf
 from modallab.core.units import Quantity
 from modallab.modification.deflection import Deflection, mode_deflection, motion_in_space, operating_deflection
 from modallab.modification.freedoms import freedoms_of
-from modallab.modification.known import FRF_SAMPLES, KnownStructure
+from modallab.modification.known import KnownStructure
 from modallab.modification.nodes import ModePlaces, places_of_modes
 from modallab.modification.participation import ModalParticipation, modal_participation
 from modallab.modification.structure import At
@@ -87,11 +87,8 @@ class ModelBehaviour:
         Raises:
             DataError: a band or a time that cannot be, a point that the model does not know, or no driving point.
         """
-        known = self.known
-        found = modal_participation(
-            known.between([of], [at]), known.samples.first(FRF_SAMPLES), at, of, quantity, band, after_s
-        )
-        return DisplayedResult(found, *participation_rows(found, known.model.frequency_hz.tolist()))
+        found = modal_participation(self.known, at, of, quantity, band, after_s)
+        return DisplayedResult(found, *participation_rows(found, self.known.model.frequency_hz.tolist()))
 
     def nodes(self) -> DisplayedResult[ModePlaces]:
         """Where each mode moves most and where its nodes are: where to hit, and where to mount.

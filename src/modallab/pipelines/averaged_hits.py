@@ -20,6 +20,7 @@ from modallab.identification.frf_model import NOT_FROM_RECORDS, identify_frf
 from modallab.identification.impact import default_band, start_frf
 from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.likelihood.fit import LikelihoodFit
+from modallab.identification.model.hit_shares import with_hit_shares
 from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import Signals
 
@@ -42,7 +43,8 @@ def identify_averaged_hits(
     found, fit = identify_frf(frf, rig, options)
     note = f"Identified from {options.frf} of the hits at each point, and not from their records."
     notes = tuple(note for note in found.notes if note != NOT_FROM_RECORDS)
-    return found.model_copy(update={"test": "impact", "notes": (note, *notes)}), fit, frf
+    model = found.model_copy(update={"test": "impact", "notes": (note, *notes)})
+    return with_hit_shares(model, groups), fit, frf
 
 
 def distortions_of(signals: Sequence[Signals], model: ModalModel) -> Distortions | UndrivenDistortions:

@@ -66,7 +66,7 @@ def measured_modes(known: KnownStructure) -> ModeData:
     hz, shapes = _real_modes(structure.poles[None], structure.psi[None])
     size = np.sqrt(np.mean(shapes[0] ** 2, axis=1, keepdims=True))
     count = max(FEWEST, PER_NUMBER * (hz.size + shapes.size))
-    many = samples_of(known.model, known.rig, known.hits, count)
+    many = samples_of(known.model, known.rig, count)
     sampled_hz, sampled = _real_modes(many.poles, many.psi)
     sign = np.sign(np.sum(sampled * shapes, axis=2, keepdims=True))
     off = np.concatenate([np.log(sampled_hz / hz), ((sign * sampled - shapes) / size).reshape(count, -1)], axis=1)

@@ -304,6 +304,8 @@ def test_a_model_is_put_to_use(lab: Lab, campaign: str) -> None:
     with lab.client() as client:
         shares = client.get(f"{at}/participation", params={"at": 10, "of": 3, "low_hz": 3, "high_hz": 200}).json()
         assert sum(shares["share"]) + shares["outside"] == pytest.approx(1)
+        later = client.get(f"{at}/participation", params={"at": 10, "of": 3, "begin_s": 0.5, "end_s": 0.5}).json()
+        assert later["share"][0] > shares["share"][0]
         assert any("point 10" in said for said in client.get(f"{at}/nodes").json()["advice"])
         shape = client.get(f"{at}/deflection", params={"hz": 30, "at": 10}).json()
         assert len(shape["points"]) == len(shape["values"]["re"]) == len(shape["sigma"])

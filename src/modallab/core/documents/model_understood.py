@@ -12,7 +12,8 @@ class ParticipationView(Frozen):
         at: point of the force.
         of: point of the motion.
         quantity: of the motion.
-        band_hz: of an even force.
+        band_hz: of an even force; null over a time.
+        after_s: begin and end of the time after a hit; null over a band.
         frequency_hz: (modes,) of each mode.
         share: (modes,) of the whole; below 0 against the others.
         share_sigma: (modes,) one standard deviation.
@@ -24,7 +25,8 @@ class ParticipationView(Frozen):
     at: int
     of: int
     quantity: Quantity
-    band_hz: tuple[float, float]
+    band_hz: tuple[float, float] | None
+    after_s: tuple[float, float] | None
     frequency_hz: RealArray
     share: RealArray
     share_sigma: RealArray

@@ -24,6 +24,7 @@ BY_MODE = (
     "half_power_floor",
     "operating_shapes",
     "operating_shape_sigma",
+    "hit_shares",
 )
 """What a model holds of each mode."""
 

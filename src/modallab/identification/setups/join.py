@@ -60,6 +60,7 @@ def join_setups(found: Sequence[SetUpModel], modes: Places, compared: Sequence[C
         half_power=np.median([m.half_power[at] for m, at in zip(models, modes, strict=True)], axis=0),
         half_power_floor=np.median([m.half_power_floor[at] for m, at in zip(models, modes, strict=True)], axis=0),
         notes=_notes_on_setups(found, modes, compared),
+        hit_shares=None if models[0].hit_shares is None else models[0].hit_shares[modes[0]],
     )
 
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from fastapi import Body, Query, Response
+from fastapi import Body, Depends, Query, Response
 from fastapi.responses import FileResponse
 
 from modallab.core.documents.model_change import ModificationNew, ModifiedView
@@ -31,7 +31,7 @@ from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.roles import role_needed
 from modallab.service.api.router import make_router
-from modallab.service.jobs.model_frfs import export_predicted_frf, frf_of
+from modallab.service.jobs.model_frfs import FrfsAsked, export_predicted_frf, frf_of
 from modallab.service.jobs.model_other import absorber_of, correlation_of, free_bands_of, tunings_of
 from modallab.service.jobs.model_understood import deflection_of, nodes_of, participation_of, shapes_of
 from modallab.service.jobs.model_update import updated_parameters
@@ -41,11 +41,35 @@ router = make_router("model-use")
 OfTest = Annotated[Test | None, Query(description="Whose model; left out: the first.")]
 At = Annotated[int, Query(ge=1, description="Point of the force.")]
 Hz = Annotated[float | None, Query(gt=0, allow_inf_nan=False, description="Edge of the band; left out: the model's.")]
-Points = Annotated[list[int] | None, Query(max_length=100, description="Points; repeat it for several.")]
-Lines = Annotated[
-    int, Query(ge=2, le=4000, description="Evenly over the band of the model; more are added about each mode.")
+Seconds = Annotated[
+    float | None,
+    Query(
+        ge=0,
+        le=1e6,
+        allow_inf_nan=False,
+        description="Of a time after a hit, instead of a band; one number for both is an instant.",
+    ),
 ]
+Points = Annotated[list[int] | None, Query(max_length=100, description="Points; repeat it for several.")]
 Motion = Literal["displacement", "velocity", "acceleration"]
+
+
+def frfs_of_query(
+    campaign: str,
+    test: OfTest = None,
+    outputs: Points = None,
+    inputs: Points = None,
+    quantity: Annotated[FrfQuantity, Query(description="Of the FRFs.")] = "mobility",
+    lines: Annotated[
+        int, Query(ge=2, le=4000, description="Evenly over the band of the model; more are added about each mode.")
+    ] = 1000,
+    residual_terms: Annotated[bool, Query(description="Whether what lies outside the band counts.")] = True,
+) -> FrfsAsked:
+    """FRFs as the query names them."""
+    return FrfsAsked(campaign, test, outputs, inputs, quantity, lines, residual_terms)
+
+
+FrfsOfQuery = Annotated[FrfsAsked, Depends(frfs_of_query)]
 
 
 @router.get("/campaigns/{campaign}/model/participation", responses=documented_responses(404))
@@ -57,13 +81,24 @@ def get_participation(
     test: OfTest = None,
     low_hz: Hz = None,
     high_hz: Hz = None,
+    begin_s: Seconds = None,
+    end_s: Seconds = None,
     quantity: Annotated[Motion, Query(description="Of the motion.")] = "velocity",
 ) -> ParticipationView:
-    """Which modes make the response at a point to an even force: the share of each."""
-    if (low_hz is None) != (high_hz is None):
-        raise DataError("one edge of the band is missing", where="low_hz, high_hz", remedy="give both, or neither")
-    band = () if low_hz is None or high_hz is None else (low_hz, high_hz)
-    return participation_of(service, campaign, test, at, of, quantity, band)
+    """Which modes make the response at a point to an even force, or after a hit: the share of each."""
+    band, after = both_or_neither("low_hz, high_hz", low_hz, high_hz), both_or_neither("begin_s, end_s", begin_s, end_s)
+    return participation_of(service, campaign, test, at, of, quantity, band, after)
+
+
+def both_or_neither(where: str, low: float | None, high: float | None) -> tuple[float, float] | None:
+    """Two ends, or none.
+
+    Raises:
+        DataError: one of them is missing.
+    """
+    if (low is None) != (high is None):
+        raise DataError(f"one of {where} is missing", where=where, remedy="give both, or neither")
+    return None if low is None or high is None else (low, high)
 
 
 @router.get("/campaigns/{campaign}/model/nodes", responses=documented_responses(404))
@@ -91,17 +126,9 @@ def get_deflection(
 
 
 @router.get("/campaigns/{campaign}/model/frf", responses=documented_responses(404))
-def get_model_frf(
-    campaign: str,
-    service: ServiceOf,
-    test: OfTest = None,
-    outputs: Points = None,
-    inputs: Points = None,
-    quantity: Annotated[FrfQuantity, Query(description="Of the FRFs.")] = "mobility",
-    lines: Lines = 1000,
-) -> PredictedFrf:
+def get_model_frf(service: ServiceOf, asked: FrfsOfQuery) -> PredictedFrf:
     """FRFs of the model between points, measured pairs or not, with their deviation."""
-    return frf_of(service, campaign, test, outputs, inputs, quantity, lines)
+    return frf_of(service, asked)
 
 
 @router.get(
@@ -110,18 +137,13 @@ def get_model_frf(
     responses={200: {"content": {FILE: {"schema": BINARY}}}} | documented_responses(404, 507),
 )
 def export_model_frf(
-    campaign: str,
     service: ServiceOf,
+    asked: FrfsOfQuery,
     to: Annotated[Literal["uff", "mat", "hdf5"], Query(description="UFF 58, MATLAB's, or a campaign file.")] = "uff",
-    test: OfTest = None,
-    outputs: Points = None,
-    inputs: Points = None,
-    quantity: Annotated[FrfQuantity, Query(description="Of the FRFs.")] = "mobility",
-    lines: Lines = 1000,
 ) -> FileResponse:
     """The same FRFs as a file that other programs read; `mat` holds their deviation."""
     ending = {"uff": ".uff", "mat": ".mat", "hdf5": ".h5"}[to]
-    return file_response(export_predicted_frf(service, campaign, test, outputs, inputs, quantity, lines, ending))
+    return file_response(export_predicted_frf(service, asked, ending))
 
 
 @router.post(

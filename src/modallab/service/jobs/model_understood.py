@@ -47,26 +47,33 @@ def shapes_of(service: Service, campaign: str, test: Test | None) -> ShapesView:
 
 
 def participation_of(
-    service: Service, campaign: str, test: Test | None, at: int, of: int, quantity: Quantity, band_hz: tuple[float, ...]
+    service: Service,
+    campaign: str,
+    test: Test | None,
+    at: int,
+    of: int,
+    quantity: Quantity,
+    band_hz: tuple[float, float] | None,
+    after_s: tuple[float, float] | None,
 ) -> ParticipationView:
-    """Which modes make the response at a point.
+    """Which modes make the response at a point, over a band or a time after a hit.
 
     Raises:
         NotFoundError: no such campaign, or no model of this test.
-        DataError: a band outside the model's, a point that it does not know, or no driving point.
+        DataError: a band outside the model's, a time that cannot be, a point that it does not know, or no driving
+            point.
     """
-    from modallab.modification.known import FRF_SAMPLES
     from modallab.modification.participation import modal_participation
 
     known = known_of_campaign(service, campaign, test)
-    band = (band_hz[0], band_hz[1]) if band_hz else None
-    found = modal_participation(known.between([of], [at]), known.samples.first(FRF_SAMPLES), at, of, quantity, band)
+    found = modal_participation(known, at, of, quantity, band_hz, after_s)
     return ParticipationView(
         test=known.model.test,
         at=at,
         of=of,
         quantity=quantity,
-        band_hz=found.band_hz or known.model.band_hz,
+        band_hz=found.band_hz,
+        after_s=found.after_s,
         frequency_hz=known.model.frequency_hz,
         share=found.share,
         share_sigma=found.share_sigma,

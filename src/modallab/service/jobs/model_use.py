@@ -1,6 +1,5 @@
 """The newest model of a campaign put to use. What it needs takes seconds to import, so it is imported when used."""
 
-from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -194,10 +193,7 @@ def known_of_campaign(service: Service, campaign: str, test: Test | None) -> "Kn
     key = (found.job, found.model.test, found.runs)
     if key in _READY:
         return _READY[key]
-    rows = [row.note for run in found.runs for row in service.store.catalogue.blocks(run)]
-    hits = Counter(note.drive_point for note in rows if note.accepted and note.test == "impact")
-    counted = [max(1, hits[point]) if found.model.test == "impact" else 1 for point in found.model.input_points]
-    known = KnownStructure(found.model, service.store.catalogue.run(found.runs[0]).rig, counted)
+    known = KnownStructure(found.model, service.store.catalogue.run(found.runs[0]).rig)
     while len(_READY) >= KEPT:
         _READY.pop(next(iter(_READY)))
     return _READY.setdefault(key, known)

@@ -1,4 +1,4 @@
-/** A workbench: hang masses, springs and dampers on a modelled structure by clicking on its points, and see what they do. */
+/** A workbench: hang masses, springs, dampers, absorbers on a modelled structure by clicking on its points, and see what they do. */
 
 import { get, post } from "./api.js";
 import { Chart, look, positive } from "./charts.js";
@@ -6,7 +6,14 @@ import { button, h, panel, put, show, svg, table } from "./dom.js";
 import { number, uncertain } from "./numbers.js";
 import { Moving3D, motions } from "./shape.js";
 
-const SIZES = { mass_kg: ["Mass", "kg", 0.05], spring_n_per_m: ["Spring to ground", "N/m", 1000], damper_n_s_per_m: ["Damper to ground", "N s/m", 1] };
+/** What can be hung there: its name, the unit and first value of its size, none of a rigid hold. */
+const KINDS = {
+  mass_kg: ["Mass", "kg", 0.05],
+  spring_n_per_m: ["Spring to ground", "N/m", 1000],
+  damper_n_s_per_m: ["Damper to ground", "N s/m", 1],
+  absorber: ["Best absorber of a mode", "kg", 0.05],
+  link: ["Rigid hold to ground", "", ""],
+};
 const WIDTH = 640, HEIGHT = 150, EDGE = 30;
 
 /** What hangs on each structure: the view is filled anew whenever something was computed. */
@@ -19,10 +26,10 @@ export class Workbench {
     Object.assign(this, { campaign, model, shapes, changes: HUNG.get(key), before: motions(shapes.motion), after: null });
     const id = `work-${model.test ?? "frf"}`;
     this.known = [...new Set([...model.output_points, ...model.input_points])].filter((point) => point !== null);
-    this.kind = h("select", { id: `${id}-kind`, onchange: () => { this.size.value = String(SIZES[this.kind.value][2]); this.unit.textContent = SIZES[this.kind.value][1]; } },
-      Object.entries(SIZES).map(([value, [text]]) => h("option", { value }, text)));
+    this.kind = h("select", { id: `${id}-kind`, onchange: () => this.choose() }, Object.entries(KINDS).map(([value, [text]]) => h("option", { value }, text)));
     this.size = h("input", { id: `${id}-size`, type: "number", step: "any", value: "0.05" });
     this.unit = h("span", {}, "kg");
+    this.calmed = h("select", { "aria-label": "Mode that the absorber is for", hidden: true }, model.frequency_hz.map((hz, n) => h("option", { value: n + 1 }, `mode ${n + 1}: ${number(hz, 5)} Hz`)));
     const points = (selected) => h("select", { onchange: () => this.predict() }, this.known.map((point) => h("option", { value: point, selected: point === selected }, String(point))));
     this.at = points(model.input_points[0]);
     this.of = points(model.input_points[0]);
@@ -37,7 +44,7 @@ export class Workbench {
     this.moving = h("div", { hidden: true }, new Moving3D("Shapes before and after", shapes, () => this.pair(), signal).element,
       h("p", { class: "buttons" }, h("label", {}, "Shape of mode ", this.mode), h("span", { class: "muted" }, "grey: before; in colour: after")));
     this.element = panel(`Workbench, ${model.test ?? "FRFs"}`,
-      h("p", { class: "buttons" }, h("label", { for: this.kind.id }, "Add"), this.kind, h("label", { for: this.size.id, class: "hidden" }, "Size"), this.size, this.unit, h("span", { class: "muted" }, "at a point: click on it")),
+      h("p", { class: "buttons" }, h("label", { for: this.kind.id }, "Add"), this.kind, h("label", { for: this.size.id, class: "hidden" }, "Size"), this.size, this.unit, this.calmed, h("span", { class: "muted" }, "at a point: click on it")),
       this.drawing, this.list,
       h("p", { class: "buttons" }, h("label", {}, "Force at ", this.at), h("label", {}, "motion of ", this.of)),
       this.chart.element, this.moving, this.modes,
@@ -66,15 +73,33 @@ export class Workbench {
       svg("circle", { class: `point${held.has(id) ? " next" : ""}`, cx: x, cy: y, r: held.has(id) ? 11 : 8 }), svg("text", { x, y: y + 27 }, String(id))));
     const line = clamp ? svg("line", { class: "body", x1: clamp.x, y1: clamp.y, x2: Math.max(...places.map(({ x }) => x)), y2: clamp.y }) : null;
     put(this.drawing, svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "beam work", role: "group", "aria-label": "Points of the structure" }, line, marks));
-    put(this.list, this.changes.map((one, n) => h("li", {}, words(one), " ", button("Remove", () => { this.changes.splice(n, 1); this.draw(); return this.predict(); }))));
   }
 
-  add(at) {
-    const size = Number(this.size.value);
-    if (!Number.isFinite(size) || size === 0) { show({ message: "the size is no number", remedy: "type a number other than 0" }); return; }
-    this.changes.push({ kind: "element", at, [this.kind.value]: size });
-    this.draw();
-    this.predict();
+  choose() {
+    const [, unit, first] = KINDS[this.kind.value];
+    this.size.value = String(first);
+    this.unit.textContent = unit;
+    this.size.hidden = !unit;
+    this.calmed.hidden = this.kind.value !== "absorber";
+  }
+
+  async add(at) {
+    const size = Number(this.size.value), kind = this.kind.value;
+    if (kind !== "link" && (!Number.isFinite(size) || size === 0)) { show({ message: "the size is no number", remedy: "type a number other than 0" }); return; }
+    try {
+      const change = await this.change(kind, at, size);
+      this.changes.push(change);
+      this.draw();
+      // What is rejected does not hang there.
+      if (!await this.predict()) { this.changes.splice(this.changes.indexOf(change), 1); this.draw(); }
+    } catch (error) { show(error); }
+  }
+
+  async change(kind, at, size) {
+    if (kind === "link") return { kind, at };
+    if (kind !== "absorber") return { kind: "element", at, [kind]: size };
+    const found = await post(`campaigns/${this.campaign}/model/absorbers`, { test: this.model.test, mode: Number(this.calmed.value), at, mass_kg: size });
+    return { kind, at, mass_kg: size, frequency_hz: found.frequency_hz, damping_ratio: found.damping_ratio };
   }
 
   /** What the changes do; of several clicks in a row the last one counts. */
@@ -84,17 +109,20 @@ export class Workbench {
     const { campaign, model: { test }, at: { value: at }, of: { value: of } } = this;
     try {
       if (!this.changes.length) {
-        this.moving.hidden = true; this.after = null; put(this.said); put(this.modes, h("p", { class: "muted" }, "Nothing is added yet."));
+        this.moving.hidden = true; this.after = null; put(this.said); put(this.list); put(this.modes, h("p", { class: "muted" }, "Nothing is added yet."));
         const { frequency_hz: hz, values: { re: [[re]], im: [[im]] } } = await get(`campaigns/${campaign}/model/frf?outputs=${of}&inputs=${at}${test ? `&test=${test}` : ""}`);
         if (asked === this.asked) this.chart.draw([{ label: "before", ...look(0) }], [hz, size({ re, im })]);
-        return;
+        return true;
       }
       const found = await post(`campaigns/${campaign}/model/modifications`, { test, changes: this.changes, frf: { at: Number(at), of: Number(of) }, check: this.against.value || null });
       if (asked === this.asked) this.fill(found);
-    } catch (error) { show(error); }
+      return true;
+    } catch (error) { show(error); return false; }
   }
 
   fill(found) {
+    this.words = found.changes;
+    put(this.list, found.changes.map((one, n) => h("li", {}, one, " ", button("Remove", () => { this.changes.splice(n, 1); this.draw(); return this.predict(); }))));
     this.chart.draw([{ label: "before", ...look(0) }, { label: "after", ...look(1) }], [found.frf.frequency_hz, size(found.frf.before), size(found.frf.after)]);
     const heads = [["Mode", "n"], ["Before [Hz]", "n"], ["After [Hz]", "n"], ["Shift [%]", "n"], ["Damping after [%]", "n"]];
     const rows = found.frequency_hz.map((hz, n) => {
@@ -128,7 +156,7 @@ export class Workbench {
 
   /** An impact test at the points that were driven, named for what is to be hung there. */
   save() {
-    const name = this.changes.map(words).join(", ") || "nothing added";
+    const name = (this.changes.length && this.words ? this.words : ["nothing added"]).join(", ");
     const plan = { kind: "impact", points: [...new Set(this.model.input_points)] };
     const link = h("a", { href: URL.createObjectURL(new Blob([`# ${name}\n${JSON.stringify(plan)}\n`], { type: "application/yaml" })), download: "check-the-change.yaml" });
     link.click();
@@ -137,9 +165,3 @@ export class Workbench {
 }
 
 function size({ re, im }) { return positive(re.map((value, n) => Math.hypot(value, im[n]))); }
-
-function words(change) {
-  const [kind] = Object.keys(SIZES).filter((one) => one in change);
-  const [text, unit] = SIZES[kind];
-  return `${text} ${change[kind]} ${unit} at ${change.at}`;
-}
