@@ -27,9 +27,12 @@ DRIVEN = ("--drive-point", "1")
 def between(name: str) -> tuple[Drawn, list[np.ndarray], Record]:
     """A structure, rows whose last begins half a sample later, and what is right had it begun with the others."""
     d = drawn(name)
-    fine = Drawn(d.modes, 2 * d.rate, 2 * d.n, d.seed).hit()
-    right = Record(fine.force[::2], fine.a1[::2], fine.a2[::2], d.rate)
-    return d, [right.force, right.a1, fine.a2[1::2]], right
+    # Only what a converter's filter has left below half of the rate is known between its samples.
+    spectra = np.fft.rfft(Drawn(d.modes, 2 * d.rate, 2 * d.n, d.seed).hit().rows, 4 * d.n)
+    passed = np.clip(20 * (0.5 - np.linspace(0, 1, spectra.shape[1])), 0, 1)
+    fine = np.fft.irfft(spectra * passed)[:, : 2 * d.n]
+    right = Record(*fine[:, ::2], d.rate)
+    return d, [right.force, right.a1, fine[2, 1::2]], right
 
 
 def aligned(right: Record) -> Callable[[Path], str]:

@@ -168,4 +168,4 @@ def negative_frequencies(folder: Path, d: Drawn) -> Known:
     both = [np.r_[h[::-1].conj(), 0, h] for h in half.values]
     names = "f [Hz],a1 re [m/s²/N],a1 im [m/s²/N],a2 re [m/s²/N],a2 im [m/s²/N]"
     files = save(folder, [names, *cells(",", f, both[0].real, both[0].imag, both[1].real, both[1].imag)])
-    return Known(files, frf=KnownFrf(half.frequency, half.values), rejected="(?i)negative|below 0|below zero|minus")
+    return Known(files, frf=KnownFrf(half.frequency, half.values), rejected="begin at -")

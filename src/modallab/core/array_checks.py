@@ -37,6 +37,7 @@ _TRANSPOSE = "transpose it: one row per channel, one column per sample"
 _RECORD_AGAIN = "look at the recording there; leave this record out, or record it again"
 _MEND = "check sensor, cable and input, and record again; or leave the channel out of both rig and recording"
 _PHASE = "export the FRF as complex numbers (real and imaginary part)"
+_HALF = "give the lines up to half of the sampling rate only"
 
 
 def check_signals(
@@ -122,6 +123,8 @@ def _frf_findings(name: str, frf: NDArray[np.complex128]) -> list[_Finding]:
     # One line may be real by chance, as the line at 0 Hz is.
     if frf.shape[-1] > 1 and not frf.imag.any():
         return [_Finding(f"channel {name}: its FRF is {_real_kind(frf.real)}: the phase is missing", _PHASE)]
+    if any(part.shape[-1] > 2 and np.allclose(part, part[:, ::-1].conj()) for part in (frf, frf[:, 1:])):
+        return [_Finding(f"channel {name}: the upper half of its FRF mirrors the lower, as over a whole FFT", _HALF)]
     return []
 
 
