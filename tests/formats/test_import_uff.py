@@ -230,7 +230,7 @@ CASES: list[tuple[str, list[dict[str, Any]], str]] = [
     ("magnitude only", spoilt(np.abs(receptances()[1])), "channel a02: its FRF is magnitude only"),
     ("real part only", spoilt(receptances()[1].real), "channel a02: its FRF is real at every line"),
     ("NaN", spoilt(np.full(64, np.nan + 0j)), "channel a02: 64 lines of its FRF are NaN or infinite"),
-    ("dead", spoilt(np.zeros(64, complex)), "channel a02: its FRF is zero at every line"),
+    ("mirror", spoilt(np.r_[receptances()[1][:32], receptances()[1][31::-1].conj()]), "mirrors the lower"),
     ("repeated", spoilt(axis=REPEATED, abscissa_spacing=0), "the frequency axis does not ascend"),
     ("descending", spoilt(axis=LINES[::-1]), "the frequency axis descends"),
     ("other lines", spoilt(x=LINES * 2), "set 2: its lines are not those of set 1"),
@@ -252,6 +252,13 @@ CASES: list[tuple[str, list[dict[str, Any]], str]] = [
 @pytest.mark.parametrize(("sets", "words"), [c[1:] for c in CASES], ids=[c[0] for c in CASES])
 def test_bad_frfs_are_rejected_by_name(tmp_path: Path, sets: list[dict[str, Any]], words: str) -> None:
     assert words in rejected(DataError, write_uff(tmp_path / "frf.uff", *sets))
+
+
+def test_a_dead_output_among_frfs_is_left_out_by_name(tmp_path: Path) -> None:
+    campaign = import_sources([write_uff(tmp_path / "frf.uff", *spoilt(np.zeros(64, complex)))], RIG)
+    assert campaign.frfs[0].outputs == ("a01", "a03")
+    np.testing.assert_allclose(campaign.frfs[0].values[:, 0], receptances()[[0, 2]], rtol=1e-9)
+    assert "channel a02: its FRF is zero at every line, and left out" in campaign.provenance["notes"]
 
 
 def test_bad_time_records_are_rejected_by_name(tmp_path: Path) -> None:

@@ -5,9 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from modallab.core.array_checks import identical_channels
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
+from modallab.core.frf import Frf
 from modallab.core.progress import count_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
@@ -63,7 +66,7 @@ def import_sources(
     errors, parts = Collected(), list[Campaign]()
     for path, own in zip(count_progress(map(Path, paths), len(paths), "files"), each, strict=True):
         with errors:
-            parts.append(_driven_at(_windowed(_checked(_read(path, rig, own)), own), own))
+            parts.append(_driven_at(_windowed(_checked(_living(_read(path, rig, own))), own), own))
     errors.done()
     blocks = _in_order([block for part in parts for block in part.blocks])
     frfs = [frf for part in parts for frf in part.frfs]
@@ -152,6 +155,18 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
             remedy="import the campaign file (hdf5), or give a rig file with the shaker that drove alone",
         )
     return campaign
+
+
+def _living(campaign: Campaign) -> Campaign:
+    """The campaign without the outputs whose FRFs are zero at every line, where others are not."""
+    frfs, notes = list[Frf](), [campaign.provenance["notes"]] if "notes" in campaign.provenance else []
+    for frf in campaign.frfs:
+        alive = frf.values.any(axis=(1, 2))
+        dead = [name for name, moves in zip(frf.outputs, alive, strict=True) if not moves]
+        frfs.append(frf.of_rows(np.flatnonzero(alive)) if dead and alive.any() else frf)
+        notes += [f"channel {name}: its FRF is zero at every line, and left out" for name in dead]
+    said = {"notes": "\n".join(notes)} if notes else {}
+    return replace(campaign, frfs=tuple(frfs), provenance={**campaign.provenance, **said})
 
 
 def _checked(campaign: Campaign) -> Campaign:
