@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from drawn import Drawn, draws
-from known import DISPLACEMENT, PLAIN, VELOCITY, G, Known, KnownFrf
+from known import DISPLACEMENT, VELOCITY, G, Known, KnownFrf
 from lvm_cases import head, segment
 from lvm_cases import save as save_lvm
 from seventh_table_cases import at, cells, rows_of
