@@ -1,4 +1,4 @@
-"""An eleventh draw: containers beside those that are read, times as others count them, and FRFs over other abscissae."""
+"""An eleventh draw: containers beside those that are read, times in other words, and FRFs over other abscissae."""
 
 import json
 import struct
@@ -13,11 +13,11 @@ from known import DISPLACEMENT, Known
 from lvm_cases import head, segment
 from lvm_cases import save as save_lvm
 from seventh_cases import NAMES, functions, waved
-from seventh_table_cases import at, cells, rows_of
+from seventh_table_cases import at, cells, rows_of, slow
 from tdms_cases import A1, A2, FORCE, text, thing
 from tdms_cases import save as save_tdms
 from tdms_cases import segment as tdms_segment
-from tenth_cases import DRIVEN, HEAD, in_microseconds
+from tenth_cases import DRIVEN, HEAD
 from text_cases import save
 from uff_written import Function, nodes_2411, shapes_55, text_58
 from uff_written import save as save_uff
@@ -54,7 +54,7 @@ def negatives_in_brackets(folder: Path, d: Drawn) -> Known:
 @draws("eleventh")
 def clock_of_an_audio_editor(folder: Path, d: Drawn) -> Known:
     """Times as 0h00m00.000488s."""
-    d = in_microseconds(d)
+    d = slow(d)
     r = d.hit()
     rows = rows_of(r, lambda i: f"0h{i / d.rate // 60:02.0f}m{i / d.rate % 60:09.6f}s")
     return Known(save(folder, [HEAD.replace(" [s]", ""), *rows]), (r,), rejected="0h00m00")
@@ -141,7 +141,7 @@ def tdms_index_alone(folder: Path, d: Drawn) -> Known:
 @draws("eleventh")
 def matlab_clock_texts(folder: Path, d: Drawn) -> Known:
     """Times as rows of characters, 28-Nov-2026 10:00:00.000488 as datestr writes them, in a cell array."""
-    d = in_microseconds(d)
+    d = slow(d)
     r = d.hit()
     times = np.array([f"{at(i, d.rate, '2026-11-28T10:00:00'):%d-%b-%Y %H:%M:%S.%f}" for i in range(d.n)], object)
     scipy.io.savemat(folder / "case.mat", {"time": times[:, None], "force": r.force, "a1": r.a1, "a2": r.a2})
@@ -151,7 +151,7 @@ def matlab_clock_texts(folder: Path, d: Drawn) -> Known:
 @draws("eleventh")
 def matlab_ticks(folder: Path, d: Drawn) -> Known:
     """Whole microseconds as time_us, whose name says the unit."""
-    d = in_microseconds(d)
+    d = slow(d)
     r = d.hit()
     ticks = np.round(1e6 * r.time).astype("i8")
     scipy.io.savemat(folder / "case.mat", {"time_us": ticks, "force": r.force, "a1": r.a1, "a2": r.a2})

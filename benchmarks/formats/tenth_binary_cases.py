@@ -12,11 +12,11 @@ from array_cases import wave
 from drawn import Drawn, draws
 from known import RATE, VOLTS, Known, KnownFrf
 from seventh_cases import frfs, functions, waved
-from seventh_table_cases import at
+from seventh_table_cases import at, slow
 from tdms_cases import A1, A2, FORCE, thing
 from tdms_cases import save as save_tdms
 from tdms_cases import segment as tdms_segment
-from tenth_cases import DRIVEN, in_microseconds
+from tenth_cases import DRIVEN
 from uff_written import Function, binary_58, nodes_2411, shapes_55, text_58
 from uff_written import save as save_uff
 
@@ -183,7 +183,7 @@ def numpy_pickled(folder: Path, d: Drawn) -> Known:
 @draws("tenth")
 def npz_dates(folder: Path, d: Drawn) -> Known:
     """Times as datetime64 of microseconds."""
-    d = in_microseconds(d)
+    d = slow(d)
     r = d.hit()
     times = np.array([at(i, d.rate, "2026-11-28T23:59:59.5") for i in range(d.n)], "datetime64[us]")
     np.savez(folder / "case.npz", time=times, force=r.force, a1=r.a1, a2=r.a2)

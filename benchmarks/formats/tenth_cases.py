@@ -1,6 +1,5 @@
 """A tenth draw, text: measurement files, loggers, telephones and typographic numbers, and FRFs over both halves."""
 
-import datetime as dt
 from pathlib import Path
 
 import numpy as np
@@ -8,16 +7,11 @@ from drawn import Drawn, draws
 from known import DISPLACEMENT, VELOCITY, G, Known, KnownFrf
 from lvm_cases import head, segment
 from lvm_cases import save as save_lvm
-from seventh_table_cases import at, cells, rows_of
+from seventh_table_cases import at, cells, rows_of, slow
 from text_cases import save
 
 DRIVEN = ("--drive-point", "1")
 HEAD = "time [s],force [N],a1 [m/s^2],a2 [m/s^2]"
-
-
-def in_microseconds(d: Drawn) -> Drawn:
-    """With a step that a clock of microseconds writes whole."""
-    return Drawn(d.modes, float(1e6 / round(1e6 / d.rate)), d.n, d.seed)
 
 
 @draws("tenth")
@@ -45,7 +39,7 @@ def lvm_over_midnight(folder: Path, d: Drawn) -> Known:
 @draws("tenth")
 def iso_basic(folder: Path, d: Drawn) -> Known:
     """Times in the basic format of ISO 8601, without hyphens and colons."""
-    d = in_microseconds(d)
+    d = slow(d)
     r = d.hit()
     rows = rows_of(r, lambda i: f"{at(i, d.rate, '2026-11-28T23:59:59.5'):%Y%m%dT%H%M%S.%f}")
     reason = r"20261128T235959\.5"
@@ -59,14 +53,14 @@ def pandas_nanoseconds(folder: Path, d: Drawn) -> Known:
 
     def times(i: int) -> str:
         whole, part = divmod(round(1e9 * i / d.rate), 10**9)
-        return f"{dt.datetime(2026, 11, 28, 10) + dt.timedelta(seconds=whole):%Y-%m-%d %H:%M:%S}.{part:09d}"
+        return f"{at(whole, 1.0, '2026-11-28T10:00:00'):%Y-%m-%d %H:%M:%S}.{part:09d}"
 
     return Known(save(folder, [",force,a1,a2", *rows_of(r, times)]), (r,), tolerance=1e-4)
 
 
 @draws("tenth")
 def testing_machine(folder: Path, d: Drawn) -> Known:
-    """A servohydraulic controller's text: a line of signs parted by |, facts, names, units `sec` and `m/sec^2`, tabs."""
+    """A servohydraulic controller's text: signs parted by |, facts, names, units `Sec` and `m/Sec^2`, tabs."""
     r = d.hit()
     top = ["MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A", "", "Data Header:\tData Acquisition: Timed", "Station Name:\tbeam.cfg"]
     top += [f"Time:\t{d.n / d.rate:.6f}\tSec\t11/28/2026 10:00:00 AM", "", "Data Acquisition:\tTimed"]
@@ -139,7 +133,7 @@ def gulf_coast_logger(folder: Path, d: Drawn) -> Known:
 @draws("tenth")
 def hours_minutes_seconds(folder: Path, d: Drawn) -> Known:
     """Time over three columns: h, min, s; the minute changes within the record."""
-    d = in_microseconds(d)
+    d = slow(d)
     r = d.hit()
     rows = rows_of(r, lambda i: f"{at(i, d.rate, '2026-11-28T10:59:59.5'):%H;%M;%S.%f}", ";")
     return Known(save(folder, ["h;min;s;force [N];a1 [m/s²];a2 [m/s²]", *rows]), (r,), rejected=r"(?i)\bmin\b|\bh\b")

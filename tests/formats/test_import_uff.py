@@ -92,12 +92,14 @@ def test_an_opposite_direction_turns_the_sign(tmp_path: Path) -> None:
     assert block.scale.tolist() == [1.0, -1.0, -1.0, -1.0]
 
 
-def test_a_channel_that_comes_again_begins_the_next_hit(tmp_path: Path) -> None:
+@pytest.mark.parametrize("apart", [True, False])
+def test_a_channel_that_comes_again_is_of_the_next_hit(tmp_path: Path, apart: bool) -> None:
     sets = []
     for seed in (1, 2, 3):
         force, response = hit(2, seed=seed)
         sets.append(uff_set(force, times(), 1, ordinate_spec_data_type=13, ordinate_axis_units_lab="N"))
         sets.append(uff_set(response, times(), 1))
+    sets = sets if apart else [*sets[::2], *sets[1::2]]
     campaign = import_sources([write_uff(tmp_path / "hits.uff", *sets)], plain_rig())
     assert [(b.name, b.order) for b in campaign.blocks] == [("hits_1", 0), ("hits_2", 1), ("hits_3", 2)]
     np.testing.assert_allclose(campaign.blocks[2].samples, hit(2, seed=3), rtol=1e-10)
