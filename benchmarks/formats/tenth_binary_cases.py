@@ -44,7 +44,7 @@ def uff_general_quantity(folder: Path, d: Drawn) -> Known:
 
 @draws("tenth")
 def uff_hits_by_sequence(folder: Path, d: Drawn) -> Known:
-    """Two hits told apart by the version number alone: both forces, then both first responses, and so on."""
+    """Two hits that differ in the version number alone: both forces, then both first responses, and so on."""
     hits = [d.hit(1), d.hit(2)]
     lines = []
     for pair in zip(*(functions(r, double=True) for r in hits), strict=True):

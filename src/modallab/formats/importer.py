@@ -5,8 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from modallab.core.array_checks import identical_channels
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
@@ -161,9 +159,9 @@ def _living(campaign: Campaign) -> Campaign:
     """The campaign without the outputs whose FRFs are zero at every line, where others are not."""
     frfs, notes = list[Frf](), [campaign.provenance["notes"]] if "notes" in campaign.provenance else []
     for frf in campaign.frfs:
-        alive = frf.values.any(axis=(1, 2))
-        dead = [name for name, moves in zip(frf.outputs, alive, strict=True) if not moves]
-        frfs.append(frf.of_rows(np.flatnonzero(alive)) if dead and alive.any() else frf)
+        alive = [k for k, row in enumerate(frf.values) if row.any()]
+        frfs.append(frf.of_rows(alive) if 0 < len(alive) < len(frf.outputs) else frf)
+        dead = [name for k, name in enumerate(frf.outputs) if k not in alive]
         notes += [f"channel {name}: its FRF is zero at every line, and left out" for name in dead]
     said = {"notes": "\n".join(notes)} if notes else {}
     return replace(campaign, frfs=tuple(frfs), provenance={**campaign.provenance, **said})
