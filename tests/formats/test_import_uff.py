@@ -51,7 +51,7 @@ def read_frf(path: Path, rig: Rig = RIG) -> Frf:
 
 def test_an_analysers_binary_file_reads_as_recorded() -> None:
     first, second = read_functions(DATA / "analyser_58b.uff").functions
-    assert (first.node, first.direction, first.unit, first.kind) == (1, 3, "m/s2", 1)
+    assert (first.node, first.direction, first.unit, first.kind) == (1, 3, "m/s^2", 1)
     assert (second.node, len(second.values)) == (2, 1024)
     single = [0.08014834, 0.00711253, 0.08974795]
     np.testing.assert_allclose(first.values[:3], single, rtol=1e-6)
