@@ -63,7 +63,7 @@ def identify_impact(
         keep = chosen_modes(fit, band, options, first=True)
         readings = _half_power_of_modes(fit, groups, rig, band, keep)
         return without_sigma(model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method)), fit
-    found = HitSearch(unknown, groups, signals, band, options).found(frf, estimate, poles)
+    found = HitSearch(unknown, groups, signals, band, options).found(frf, poles)
     fit, keep, ratio = found.fit, found.keep, found.misfit
     if not np.any(keep):
         raise IdentificationError(
