@@ -9,6 +9,7 @@ Ends with 1 if any is wrong. `FOLDER` keeps the files, and the table lists the o
 import argparse
 import contextlib
 import csv
+import importlib
 import io
 import os
 import re
@@ -17,33 +18,16 @@ import tempfile
 import warnings
 from pathlib import Path
 
-import array_cases  # noqa: F401
-import clock_cases  # noqa: F401
-import damaged_cases  # noqa: F401
-import eighth_cases  # noqa: F401
-import fifth_cases  # noqa: F401
-import fourth_cases  # noqa: F401
-import frf_cases  # noqa: F401
-import lvm_cases  # noqa: F401
-import ninth_binary_cases  # noqa: F401
-import ninth_cases  # noqa: F401
 import numpy as np
-import second_binary_cases  # noqa: F401
-import second_text_cases  # noqa: F401
-import sep005_cases  # noqa: F401
-import seventh_cases  # noqa: F401
-import seventh_table_cases  # noqa: F401
-import sixth_cases  # noqa: F401
-import tdms_cases  # noqa: F401
-import text_cases  # noqa: F401
-import third_cases  # noqa: F401
-import uff_cases  # noqa: F401
 from known import CASES, Case, Known, KnownFrf, Record
 
 from modallab.cli import main
 from modallab.core.block import Campaign
 from modallab.formats import read_campaign
 from modallab.signals.signals import to_signals
+
+for module in sorted(Path(__file__).parent.glob("*_cases.py")):
+    importlib.import_module(module.stem)
 
 OUTCOMES = ("right", "rejected", "untrue", "WRONG")
 

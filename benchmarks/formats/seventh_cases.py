@@ -8,8 +8,8 @@ import h5py
 import numpy as np
 import scipy.io
 from array_cases import GUID, chunk
-from drawn import Drawn, drawn, modes
-from known import PLAIN, VELOCITY, G, Known, KnownFrf, Record, case
+from drawn import Drawn, draws, modes
+from known import PLAIN, VELOCITY, G, Known, KnownFrf, Record
 from lvm_cases import head, number, segment
 from lvm_cases import save as save_lvm
 from tdms_cases import A1, A2, FORCE, Time, prop, scaled, text, thing
@@ -49,20 +49,18 @@ def frfs(right: KnownFrf, kind: int = ACCELERATION, unit: str = "m/s^2", nodes=(
     return [Function(h, response=n, **common) for n, h in zip(nodes, right.values, strict=True)]
 
 
-@case("seventh")
-def lvm_shorter_last_channel(folder: Path) -> Known:
+@draws("seventh")
+def lvm_shorter_last_channel(folder: Path, d: Drawn) -> Known:
     """X_Columns Multi; the last channel has seven samples less, as Samples says."""
-    d = drawn("lvm_shorter_last_channel")
     record = d.hit()
     rows = [record.force, record.a1, record.a2[:-7]]
     files = save_lvm(folder, head(columns="Multi") + segment(rows, "Multi", **steps(d)))
     return Known(files, (record.part(0, -7),), check=modes(d))
 
 
-@case("seventh")
-def lvm_absolute_x(folder: Path) -> Known:
+@draws("seventh")
+def lvm_absolute_x(folder: Path, d: Drawn) -> Known:
     """Three segments with a header each, X0 in seconds since 1904 in X_Columns One, decimal comma, Newtons and g."""
-    d = drawn("lvm_absolute_x")
     records = [d.hit(k) for k in (1, 2, 3)]
     lines = head(decimal=",", multi="Yes")
     for k, r in enumerate(records):
@@ -71,68 +69,62 @@ def lvm_absolute_x(folder: Path) -> Known:
         at = part.index("***End_of_Header***\t\t\t") + 2
         part[at:-1] = [f"{x0 + i / d.rate:.6f}".replace(".", ",") + row for i, row in enumerate(part[at:-1])]
         lines += [row if not row.startswith("X0") else "X0" + f"\t{x0},000000" * 3 for row in part]
-    return Known(save_lvm(folder, lines), tuple(records), check=modes(d))
+    return Known(save_lvm(folder, lines), tuple(records))
 
 
-@case("seventh")
-def lvm_smallest_header(folder: Path) -> Known:
+@draws("seventh")
+def lvm_smallest_header(folder: Path, d: Drawn) -> Known:
     """Only what the specification requires: no units, no Delta_X, LabVIEW's own names, said by the user."""
-    d = drawn("lvm_smallest_header")
     r = d.hit()
     lines = ["LabVIEW Measurement", "Separator\tTab", "Multi_Headings\tNo", "***End_of_Header***", ""]
     lines += ["Channels\t3", f"Samples\t{d.n}\t{d.n}\t{d.n}", "***End_of_Header***"]
     lines += ["X_Value\tUntitled\tUntitled 1\tUntitled 2\tComment"]
     lines += ["\t".join(["", *(number(v) for v in row)]) for row in r.rows.T]
     said = ("--variable", "force=Untitled", "a1=Untitled 1", "a2=Untitled 2", "--rate", str(d.rate))
-    return Known(save_lvm(folder, lines), (r,), options=(*DRIVEN, *said), check=modes(d))
+    return Known(save_lvm(folder, lines), (r,), options=(*DRIVEN, *said))
 
 
-@case("seventh")
-def lvm_special_between_segments(folder: Path) -> Known:
+@draws("seventh")
+def lvm_special_between_segments(folder: Path, d: Drawn) -> Known:
     """A special block stands between two segments, after the first one's rows."""
-    d = drawn("lvm_special_between_segments")
     special = ["***Start_Special***", "NI Fuse\t2", "0.0\t1.0\t2.0\t3.0", "***End_Special***", ""]
     lines = head(multi="Yes") + segment(list(d.hit(1).rows), **steps(d)) + special
     lines += segment(list(d.hit(2).rows), **steps(d))
     return Known(save_lvm(folder, lines), (d.hit(1), d.hit(2)), check=modes(d))
 
 
-@case("seventh")
-def lvm_volts(folder: Path) -> Known:
+@draws("seventh")
+def lvm_volts(folder: Path, d: Drawn) -> Known:
     """Y_Unit_Label Volts and mV; the rig knows 10 mV a unit, and g."""
-    d = drawn("lvm_volts")
     r = d.hit()
     rows = [r.force * 0.01, r.a1 / G * 10, r.a2 / G * 10]
     lines = head() + segment(rows, units=("Volts", "mV", "mV"), **steps(d))
-    return Known(save_lvm(folder, lines), (r,), rig=PER_G, check=modes(d))
+    return Known(save_lvm(folder, lines), (r,), rig=PER_G)
 
 
-@case("seventh")
-def lvm_nan(folder: Path) -> Known:
+@draws("seventh")
+def lvm_nan(folder: Path, d: Drawn) -> Known:
     """One cell holds NaN."""
-    d = drawn("lvm_nan")
     lines = head() + segment(list(d.hit().rows), **steps(d))
     cells = lines[900].split("\t")
     lines[900] = "\t".join([*cells[:2], "NaN", *cells[3:]])
     return Known(save_lvm(folder, lines), rejected="(?i)nan|missing")
 
 
-@case("seventh")
-def uff_blank_words(folder: Path) -> Known:
+@draws("seventh")
+def uff_blank_words(folder: Path, d: Drawn) -> Known:
     """Identification lines are empty, trailing blanks are cut off, exponents are D, inertances in double precision."""
-    d = drawn("uff_blank_words")
     right = d.frf()
     lines = [
         line.replace("NONE", "    ").replace("one function of a case", "") for line in text_58(frfs(right, double=True))
     ]
     lines = [line.replace("E+", "D+").replace("E-", "D-").rstrip() for line in lines]
-    return Known(save_uff(folder, lines), frf=right, check=modes(d))
+    return Known(save_uff(folder, lines), frf=right)
 
 
-@case("seventh")
-def uff_two_references_drafted(folder: Path) -> Known:
+@draws("seventh")
+def uff_two_references_drafted(folder: Path, d: Drawn) -> Known:
     """58b, big-endian, mobilities to points 1 and 2, no rig."""
-    d = drawn("uff_two_references_drafted")
     f = d.lines
     h = d.motion(f, 1, (0, 1))
     sets = []
@@ -142,10 +134,9 @@ def uff_two_references_drafted(folder: Path) -> Known:
     return Known(save_uff(folder, b"".join(binary_58(s, big=True) for s in sets)), check=modes(d), rig=None, options=())
 
 
-@case("seventh")
-def uff_nodes_of_three_digits(folder: Path) -> Known:
+@draws("seventh")
+def uff_nodes_of_three_digits(folder: Path, d: Drawn) -> Known:
     """Nodes 101 and 102 along X, FRFs, coherences and auto spectra, no rig."""
-    d = drawn("uff_nodes_of_three_digits")
     right = d.frf()
     nodes = ((101, 1), (102, 1))
     ones = KnownFrf(right.frequency, np.full_like(right.values, 0.999).real.astype(float))
@@ -158,45 +149,41 @@ def uff_nodes_of_three_digits(folder: Path) -> Known:
     return Known(save_uff(folder, text_58(sets)), check=modes(d), rig=None, options=())
 
 
-@case("seventh")
-def uff_records_without_nodes(folder: Path) -> Known:
+@draws("seventh")
+def uff_records_without_nodes(folder: Path, d: Drawn) -> Known:
     """Records of node 0 without a direction; their names stand in the first identification line only."""
-    d = drawn("uff_records_without_nodes")
     r = d.hit()
     lines = []
     for name, f in zip(NAMES, functions(r, nodes=((0, 0),) * 3, double=True), strict=True):
         one = text_58([f])
         one[2] = name
         lines += one
-    return Known(save_uff(folder, lines), (r,), check=modes(d))
+    return Known(save_uff(folder, lines), (r,))
 
 
-@case("seventh")
-def uff_exponents_of_three_digits(folder: Path) -> Known:
+@draws("seventh")
+def uff_exponents_of_three_digits(folder: Path, d: Drawn) -> Known:
     """Fortran leaves out the letter of an exponent of three digits: 1.23450-101."""
-    d = drawn("uff_exponents_of_three_digits")
     r = d.hit()
     force = r.force.copy()
     force[:20] = 0.0
     r = Record(force, r.a1, r.a2, r.rate)
     lines = text_58(functions(r))
     lines = [line.replace("  0.00000E+00", "  1.23450-101", 3) if k > 13 else line for k, line in enumerate(lines)]
-    return Known(save_uff(folder, lines), (r,), tolerance=1e-5, check=modes(d))
+    return Known(save_uff(folder, lines), (r,), tolerance=1e-5)
 
 
-@case("seventh")
-def uff_stars(folder: Path) -> Known:
+@draws("seventh")
+def uff_stars(folder: Path, d: Drawn) -> Known:
     """A number that did not fit its field: Fortran writes stars."""
-    d = drawn("uff_stars")
     lines = text_58(functions(d.hit()))
     lines[40] = lines[40][:13] + "*" * 13 + lines[40][26:]
     return Known(save_uff(folder, lines), rejected=r"\*\*\*")
 
 
-@case("seventh")
-def uff_2414_modes(folder: Path) -> Known:
+@draws("seventh")
+def uff_2414_modes(folder: Path, d: Drawn) -> Known:
     """Datasets 151, 15, 82 and normal modes in 2414, as a finite-element program writes them."""
-    d = drawn("uff_2414_modes")
     lines = header_151() + nodes_15([(1, 0.1, 0, 0), (2, 0.3, 0.05, 0)])
     lines += [EDGE, "    82", f"{1:10d}{2:10d}{7:10d}", "trace", f"{1:10d}{2:10d}", EDGE]
     for k, (f0, zeta, phi) in enumerate(d.modes, 1):
@@ -218,10 +205,9 @@ def uff_2414_modes(folder: Path) -> Known:
     return Known(save_uff(folder, lines), check=right, rig=None, options=())
 
 
-@case("seventh")
-def tdms_daqmx_polynomial(folder: Path) -> Known:
+@draws("seventh")
+def tdms_daqmx_polynomial(folder: Path, d: Drawn) -> Known:
     """Raw data of DAQmx: int32 with a polynomial a channel, two segments, the second without metadata."""
-    d = drawn("tdms_daqmx_polynomial")
     r = d.hit()
     slopes = [abs(row).max() / 2**30 for row in r.rows]
     counts = np.array([np.round(row / s - 1000) for row, s in zip(r.rows, slopes, strict=True)]).astype("<i4")
@@ -239,13 +225,12 @@ def tdms_daqmx_polynomial(folder: Path) -> Known:
     data = tdms_segment(objects, counts[:, :half].T.tobytes()) + tdms_segment(
         [], counts[:, half:].T.tobytes(), new=False
     )
-    return Known(save_tdms(folder, data), (r,), check=modes(d), rejected="(?i)daqmx")
+    return Known(save_tdms(folder, data), (r,), rejected="(?i)daqmx")
 
 
-@case("seventh")
-def tdms_of_modules(folder: Path) -> Known:
+@draws("seventh")
+def tdms_of_modules(folder: Path, d: Drawn) -> Known:
     """Channels cDAQ1Mod1/ai0 to ai2, a start time of each, the third two samples later; said with --variable."""
-    d = drawn("tdms_of_modules")
     r = d.hit()
     rows = [r.force, r.a1, r.a2[2:]]
     paths = [f"/'Log'/'cDAQ1Mod1/ai{k}'" for k in range(3)]
@@ -261,10 +246,9 @@ def tdms_of_modules(folder: Path) -> Known:
     return Known(save_tdms(folder, data), (r.part(2),), options=(*DRIVEN, *said), check=modes(d))
 
 
-@case("seventh")
-def wav_24_in_32(folder: Path) -> Known:
+@draws("seventh")
+def wav_24_in_32(folder: Path, d: Drawn) -> Known:
     """Extensible: 24 valid bits in containers of 32, chunks JUNK and bext before; volts of sensors of 10 mV a unit."""
-    d = drawn("wav_24_in_32")
     r = d.hit()
     volts = np.column_stack([r.force * 0.01, r.a1 / G * 0.01, r.a2 / G * 0.01])
     full = 2.0 ** np.ceil(np.log2(abs(volts).max()))
@@ -275,13 +259,12 @@ def wav_24_in_32(folder: Path) -> Known:
     body += chunk(b"fmt ", form + struct.pack("<H", 1) + GUID) + chunk(b"data", counts)
     (folder / "case.wav").write_bytes(b"RIFF" + struct.pack("<I", len(body)) + body)
     rig = PER_G.replace("0.01", repr(float(0.01 / full)))
-    return Known(("case.wav",), (r,), rig=rig, options=(*DRIVEN, "--volts"), check=modes(d))
+    return Known(("case.wav",), (r,), rig=rig, options=(*DRIVEN, "--volts"))
 
 
-@case("seventh")
-def matlab_of_bk(folder: Path) -> Known:
+@draws("seventh")
+def matlab_of_bk(folder: Path, d: Drawn) -> Known:
     """Channel_1_Data with Channel_1_Header.SignalName, .Unit and .SampleFrequency; File_Header beside them."""
-    d = drawn("matlab_of_bk")
     r = d.hit()
     content = {"File_Header": {"NumberOfChannels": "3", "Date": "29-03-2026", "SampleFrequency": str(d.rate)}}
     for k, (name, unit, row) in enumerate(zip(NAMES, ("N", "g", "g"), (r.force, r.a1 / G, r.a2 / G), strict=True), 1):
@@ -293,13 +276,12 @@ def matlab_of_bk(folder: Path) -> Known:
         *(f"{n}=Channel_{k}_Data" for k, n in enumerate(NAMES, 1)),
         "rate=Channel_1_Header.SampleFrequency",
     )
-    return Known(("case.mat",), (r,), rig=PER_G, options=(*DRIVEN, *said), check=modes(d))
+    return Known(("case.mat",), (r,), rig=PER_G, options=(*DRIVEN, *said))
 
 
-@case("seventh")
-def matlab_73_struct_array(folder: Path) -> Known:
+@draws("seventh")
+def matlab_73_struct_array(folder: Path, d: Drawn) -> Known:
     """Version 7.3: a structure array of three channels, whose fields are references."""
-    d = drawn("matlab_73_struct_array")
     r = d.hit()
     with h5py.File(folder / "case.mat", "w", userblock_size=512) as file:
         held = file.create_group("#refs#")
@@ -325,26 +307,24 @@ def matlab_73_struct_array(folder: Path) -> Known:
     block = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, Created on: Sun Mar 29 10:00:00 2026 HDF5 schema 1.00 ."
     with (folder / "case.mat").open("r+b") as out:
         out.write(block.ljust(116) + b"\0" * 8 + struct.pack("<H", 0x0200) + b"IM")
-    return Known(("case.mat",), (r,), check=modes(d), rejected="(?i)map|variable|channel")
+    return Known(("case.mat",), (r,), rejected="(?i)map|variable|channel")
 
 
-@case("seventh")
-def hdf5_counts_with_gain(folder: Path) -> Known:
+@draws("seventh")
+def hdf5_counts_with_gain(folder: Path, d: Drawn) -> Known:
     """int16 datasets with attributes gain and offset, unit and dt: counts are not numbers of the unit."""
-    d = drawn("hdf5_counts_with_gain")
     r = d.hit()
     with h5py.File(folder / "case.h5", "w") as file:
         for name, unit, row in zip(NAMES, UNITS, r.rows, strict=True):
             gain = abs(row).max() / 32000
             file[name] = np.round(row / gain).astype("i2")
             file[name].attrs.update({"unit": np.bytes_(unit), "dt": 1 / d.rate, "gain": gain, "offset": 0.0})
-    return Known(("case.h5",), (r,), tolerance=3e-5, check=modes(d), rejected="(?i)gain|whole|count|scale")
+    return Known(("case.h5",), (r,), tolerance=3e-5, rejected="(?i)gain|whole|count|scale")
 
 
-@case("seventh")
-def hdf5_nan_block(folder: Path) -> Known:
+@draws("seventh")
+def hdf5_nan_block(folder: Path, d: Drawn) -> Known:
     """HDF5 (samples, channels) with a block of NaN in one of two responses."""
-    d = drawn("hdf5_nan_block")
     rows = d.hit().rows.copy()
     rows[2, 700:732] = np.nan
     with h5py.File(folder / "case.h5", "w") as file:
@@ -354,20 +334,18 @@ def hdf5_nan_block(folder: Path) -> Known:
     return Known(("case.h5",), rejected="(?i)a2.*nan|nan.*a2|a2.*missing|missing.*a2")
 
 
-@case("seventh")
-def velocities_of_a_laser(folder: Path) -> Known:
+@draws("seventh")
+def velocities_of_a_laser(folder: Path, d: Drawn) -> Known:
     """Records of velocity in mm/s in a universal file, the rig says m/s."""
-    d = drawn("velocities_of_a_laser")
     r = d.hit(derivatives=1)
     sets = functions(Record(r.force, r.a1 * 1e3, r.a2 * 1e3, r.rate), ("N", "mm/s", "mm/s"), double=True)
     sets = [s if k == 0 else Function(**{**s.__dict__, "ordinate": (MOVING, "mm/s")}) for k, s in enumerate(sets)]
-    return Known(save_uff(folder, text_58(sets)), (r,), rig=VELOCITY, check=modes(d))
+    return Known(save_uff(folder, text_58(sets)), (r,), rig=VELOCITY)
 
 
-@case("seventh")
-def uff_receptance_drafted(folder: Path) -> Known:
+@draws("seventh")
+def uff_receptance_drafted(folder: Path, d: Drawn) -> Known:
     """Receptances in single precision and mm/N, no rig."""
-    d = drawn("uff_receptance_drafted")
     right = d.frf("receptance")
     scaled_up = KnownFrf(right.frequency, right.values * 1e3, "receptance")
     return Known(save_uff(folder, text_58(frfs(scaled_up, DISPLACEMENT, "mm"))), check=modes(d), rig=None, options=())

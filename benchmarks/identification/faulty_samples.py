@@ -5,7 +5,7 @@
 FOLDER holds hammer_5hits (five hits, one accelerometer) and uff/MPSTD*.uff (four accelerations), as pyFRF and pyuff
 publish them. Each draw spoils one channel of one record, of most or of all, as the chain of a bench does, from a random
 time on. Named: what the import or the sound part of the records says holds channel and time. Modes, of the first draws
-of hits: those of the sound records, and none beside.
+of hits: those of the sound records, how many of them within three of their sigmas, and none beside.
 """
 
 import argparse
@@ -29,8 +29,11 @@ from modallab.pipelines.response_only import identify_chosen
 from modallab.pipelines.sound import undamaged_records
 
 Real = NDArray[np.float64]
-SAME, NEAR = 0.005, 0.02
-"""A mode is the same within SAME; a time is named within NEAR of the record."""
+SAME, SIGMAS, NEAR = 0.005, 3.0, 0.02
+"""A mode is the same within SAME, and as it was within SIGMAS; a time is named within NEAR of the record."""
+
+HEAD = ("number", "set", "kind", "channel", "records", "first_record", "first_s", "named", "modes", "kept", "others",
+        "within", "said")  # fmt: skip
 
 
 def flat_tops(row: Real, first: int, rng: np.random.Generator) -> Real:
@@ -112,11 +115,12 @@ def said_of(campaign: Campaign) -> str:
 
 
 def identified(campaign: Campaign, options: IdentificationOptions) -> Real:
-    """Frequencies; none where the records are rejected."""
+    """(2, modes) frequencies and their sigmas; none where the records are rejected."""
     try:
-        return np.asarray(identify_chosen(campaign, options).identified[0].model.frequency_hz)
+        model = identify_chosen(campaign, options).identified[0].model
     except ModallabError:
-        return np.zeros(0)
+        return np.zeros((2, 0))
+    return np.array([model.frequency_hz, model.frequency_sigma_hz])
 
 
 def spoil(campaign: Campaign, rng: np.random.Generator) -> tuple[Campaign, str, str, list[tuple[str, float]], int]:
@@ -157,7 +161,7 @@ def main() -> None:
     parser.add_argument("--csv", type=Path)
     a = parser.parse_args()
     sets = [(make.__name__, *make(a.folder)) for make in (hammer, ambient)]
-    right = identified(*sets[0][1:]) if a.modes else np.zeros(0)
+    right = identified(*sets[0][1:]) if a.modes else np.zeros((2, 0))
     for name, campaign, _ in sets:
         print(name, said_of(campaign) or "sound", flush=True)
     rows = []
@@ -166,32 +170,23 @@ def main() -> None:
         name, campaign, options = sets[int(rng.integers(2))]
         spoilt, kind, channel, where, count = spoil(campaign, rng)
         said, tried = said_of(spoilt), name == "hammer" and sum(r[8] > 0 for r in rows) < a.modes
-        found, known = (identified(spoilt, options), right) if tried else (np.zeros(0), np.zeros(0))
+        (found, sigma), (known, own) = (
+            identified(spoilt, options) if tried else np.zeros((2, 0)),
+            right[:, : 99 * tried],
+        )
         near = np.abs(found[:, None] / known - 1) < SAME
+        within = np.abs(found[:, None] - known) < SIGMAS * np.hypot(sigma[:, None], own)
         named = names_it(said, channel, where, campaign)
         row = (number, name, kind, channel, count, where[0][0], f"{where[0][1]:.4g}", int(named), known.size,
-               int(near.any(axis=0).sum()), int((~near.any(axis=1)).sum()))  # fmt: skip
+               int(near.any(axis=0).sum()), int((~near.any(axis=1)).sum()), int(within.any(axis=0).sum()))  # fmt: skip
         rows.append((*row, said))
         print(*row, "" if named else said[:300], flush=True)
     print("named", sum(r[7] for r in rows), "of", len(rows), "; modes kept", sum(r[9] for r in rows), "of",
-          sum(r[8] for r in rows), "; others", sum(r[10] for r in rows))  # fmt: skip
+          sum(r[8] for r in rows), ", within sigmas", sum(r[11] for r in rows), "; others",
+          sum(r[10] for r in rows))  # fmt: skip
     if a.csv:
         with a.csv.open("w", newline="") as file:
-            head = [
-                "number",
-                "set",
-                "kind",
-                "channel",
-                "records",
-                "first_record",
-                "first_s",
-                "named",
-                "modes",
-                "kept",
-                "others",
-                "said",
-            ]
-            csv.writer(file, lineterminator="\n").writerows([head, *rows])
+            csv.writer(file, lineterminator="\n").writerows([HEAD, *rows])
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
 """Does a plan with more points and hits find every mode that a part of it finds?
 
-    OPENBLAS_NUM_THREADS=1 python benchmarks/identification/more_data.py --seeds 10 [--sizes 1 3 10] --out FOLDER
+    OPENBLAS_NUM_THREADS=1 python benchmarks/identification/more_data.py --seeds 10 [--points 10 6 3] [--sizes 1 3 10]
+        [--benches usual] --out FOLDER
 
-For every seed, on the ideal bench and on one put together as in a lab, `--hits` hits at each of ten points are recorded
-once, and plans of 1 to 10 points and of fewer hits are cut out of them. A mode that a plan finds and a larger one,
-which holds all of its hits, does not find is lost. Prints the modes lost and those that are none, and writes
-FOLDER/more_data.csv.
+For every seed, on the ideal bench and on one put together as in a lab, `--hits` hits at each of the points are recorded
+once, and plans of fewer points and of fewer hits are cut out of them. By default the points are those of the page's own
+plan; 10 6 3 are those of the command's and the notebook's. A mode that a plan finds and a larger one, which holds all
+of its hits, does not find is lost. Prints the modes lost and those that are none, and writes FOLDER/more_data.csv.
 """
 
 import argparse
@@ -23,20 +24,19 @@ from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import truth_of
 
-POINTS = tuple(range(10, 0, -1))
 SAME = 1e-3
 
 
-def recorded(folder: Path, seed: int, tolerances: str, most: int) -> Campaign:
-    path = folder / f"{tolerances}_{seed}_{most}.h5"
+def recorded(folder: Path, seed: int, tolerances: str, points: tuple[int, ...], most: int) -> Campaign:
+    path = folder / f"{tolerances}_{seed}_{len(points)}_{most}.h5"
     if not path.exists():
-        plan = ImpactPlan(points=POINTS, hits=most)
+        plan = ImpactPlan(points=points, hits=most)
         ml.simulate(seed=seed, tolerances=tolerances, plan=plan, progress=False).save(path)  # type: ignore[arg-type]
     return read_campaign(path)
 
 
-def part(campaign: Campaign, points: int, hits: int) -> Campaign:
-    of = [[b for b in campaign.blocks if b.drive_point == p][:hits] for p in POINTS[:points]]
+def part(campaign: Campaign, points: tuple[int, ...], hits: int) -> Campaign:
+    of = [[b for b in campaign.blocks if b.drive_point == p][:hits] for p in points]
     return replace(campaign, blocks=tuple(b for blocks in of for b in blocks))
 
 
@@ -49,24 +49,26 @@ def main() -> None:
     arguments.add_argument("--seeds", type=int, default=10)
     arguments.add_argument("--first", type=int, default=1)
     arguments.add_argument("--hits", type=int, default=10)
+    arguments.add_argument("--points", type=int, nargs="+", default=list(range(10, 0, -1)))
+    arguments.add_argument("--benches", nargs="+", default=["none", "usual"])
     arguments.add_argument("--sizes", type=int, nargs="+", default=[1, 2, 3, 5, 7, 10], help="of plans: points, hits")
     arguments.add_argument("--out", type=Path, required=True)
     asked = arguments.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
     sizes = [h for h in asked.sizes if h <= asked.hits]
+    counts = [p for p in asked.sizes if p <= len(asked.points)]
     with (asked.out / "more_data.csv").open("w", newline="") as file:
         out = csv.writer(file)
         out.writerow(["seed", "tolerances", "points", "hits", "modes", "lost_hz", "spurious_hz"])
         for seed in range(asked.first, asked.first + asked.seeds):
-            for tolerances in ("none", "usual"):
-                campaign = recorded(asked.out, seed, tolerances, asked.hits)
+            for tolerances in asked.benches:
+                campaign = recorded(asked.out, seed, tolerances, tuple(asked.points), asked.hits)
                 true = truth_of(campaign).frequency_hz
                 found: dict[tuple[int, int], np.ndarray] = {}
-                for points in asked.sizes:
+                for points in counts:
                     for hits in sizes:
-                        model = (
-                            identify_campaign(part(campaign, points, hits), IdentificationOptions()).identified[0].model
-                        )
+                        cut = part(campaign, tuple(asked.points[:points]), hits)
+                        model = identify_campaign(cut, IdentificationOptions()).identified[0].model
                         smaller = [f for (p, h), f in found.items() if p <= points and h <= hits]
                         known = np.concatenate([*smaller, np.empty(0)])
                         real = known[[not unlike(np.array([f]), true) for f in known]] if known.size else known

@@ -20,8 +20,8 @@ from modallab.gap.design.prediction import predict_records
 from modallab.gap.diagnosis import diagnose
 from modallab.identification import IdentificationOptions
 from modallab.pipelines.identify import IdentifiedTest, identify_campaign
-from modallab.signals.checks import overloaded_channels
 from modallab.signals.conversion import unit_per_si
+from modallab.signals.faults.overload import overloaded_channels
 from modallab.signals.signals import to_signals, to_signals_of
 
 BAND = (3.0, 400.0)

@@ -121,6 +121,17 @@ def test_the_unit_beside_times_and_frequencies_is_used(tmp_path: Path) -> None:
     np.testing.assert_allclose(import_sources([path], RIG).frfs[0].frequency_hz, LINES)
 
 
+def test_times_are_dates_or_clock_texts_or_in_the_unit_that_ends_their_name(tmp_path: Path) -> None:
+    rows = hit(4)
+    ticks = np.arange(rows.shape[1]) * 500
+    dates = np.datetime64("2026-11-28T23:59:59.5", "us") + ticks
+    texts = np.array([str(date) for date in dates])
+    for axis, said in ((dates, "time"), (texts, "time"), (ticks, "time_us")):
+        np.savez(tmp_path / "a.npz", **dict(zip([*NAMES, said], [*rows, axis], strict=True)))
+        (block,) = import_sources([tmp_path / "a.npz"], RIG, ImportOptions(variables=(("time", said),))).blocks
+        assert block.rate_hz == pytest.approx(2000.0, rel=1e-9)
+
+
 def test_times_in_single_precision_are_as_even_as_their_digits(tmp_path: Path) -> None:
     rows = hit(4)
     path = save_5(tmp_path / "hit.mat", time=(100 + times()).astype("f4"), **dict(zip(NAMES, rows, strict=True)))

@@ -51,7 +51,7 @@ def read_frf(path: Path, rig: Rig = RIG) -> Frf:
 
 def test_an_analysers_binary_file_reads_as_recorded() -> None:
     first, second = read_functions(DATA / "analyser_58b.uff").functions
-    assert (first.node, first.direction, first.unit, first.kind) == (1, 3, "m/s2", 1)
+    assert (first.node, first.direction, first.unit, first.kind) == (1, 3, "m/s^2", 1)
     assert (second.node, len(second.values)) == (2, 1024)
     single = [0.08014834, 0.00711253, 0.08974795]
     np.testing.assert_allclose(first.values[:3], single, rtol=1e-6)
@@ -92,12 +92,14 @@ def test_an_opposite_direction_turns_the_sign(tmp_path: Path) -> None:
     assert block.scale.tolist() == [1.0, -1.0, -1.0, -1.0]
 
 
-def test_a_channel_that_comes_again_begins_the_next_hit(tmp_path: Path) -> None:
+@pytest.mark.parametrize("apart", [True, False])
+def test_a_channel_that_comes_again_is_of_the_next_hit(tmp_path: Path, apart: bool) -> None:
     sets = []
     for seed in (1, 2, 3):
         force, response = hit(2, seed=seed)
         sets.append(uff_set(force, times(), 1, ordinate_spec_data_type=13, ordinate_axis_units_lab="N"))
         sets.append(uff_set(response, times(), 1))
+    sets = sets if apart else [*sets[::2], *sets[1::2]]
     campaign = import_sources([write_uff(tmp_path / "hits.uff", *sets)], plain_rig())
     assert [(b.name, b.order) for b in campaign.blocks] == [("hits_1", 0), ("hits_2", 1), ("hits_3", 2)]
     np.testing.assert_allclose(campaign.blocks[2].samples, hit(2, seed=3), rtol=1e-10)
@@ -230,7 +232,7 @@ CASES: list[tuple[str, list[dict[str, Any]], str]] = [
     ("magnitude only", spoilt(np.abs(receptances()[1])), "channel a02: its FRF is magnitude only"),
     ("real part only", spoilt(receptances()[1].real), "channel a02: its FRF is real at every line"),
     ("NaN", spoilt(np.full(64, np.nan + 0j)), "channel a02: 64 lines of its FRF are NaN or infinite"),
-    ("dead", spoilt(np.zeros(64, complex)), "channel a02: its FRF is zero at every line"),
+    ("mirror", spoilt(np.r_[receptances()[1][:32], receptances()[1][31::-1].conj()]), "mirrors the lower"),
     ("repeated", spoilt(axis=REPEATED, abscissa_spacing=0), "the frequency axis does not ascend"),
     ("descending", spoilt(axis=LINES[::-1]), "the frequency axis descends"),
     ("other lines", spoilt(x=LINES * 2), "set 2: its lines are not those of set 1"),
@@ -252,6 +254,13 @@ CASES: list[tuple[str, list[dict[str, Any]], str]] = [
 @pytest.mark.parametrize(("sets", "words"), [c[1:] for c in CASES], ids=[c[0] for c in CASES])
 def test_bad_frfs_are_rejected_by_name(tmp_path: Path, sets: list[dict[str, Any]], words: str) -> None:
     assert words in rejected(DataError, write_uff(tmp_path / "frf.uff", *sets))
+
+
+def test_a_dead_output_among_frfs_is_left_out_by_name(tmp_path: Path) -> None:
+    campaign = import_sources([write_uff(tmp_path / "frf.uff", *spoilt(np.zeros(64, complex)))], RIG)
+    assert campaign.frfs[0].outputs == ("a01", "a03")
+    np.testing.assert_allclose(campaign.frfs[0].values[:, 0], receptances()[[0, 2]], rtol=1e-9)
+    assert "channel a02: its FRF is zero at every line, and left out" in campaign.provenance["notes"]
 
 
 def test_bad_time_records_are_rejected_by_name(tmp_path: Path) -> None:

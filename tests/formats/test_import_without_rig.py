@@ -134,6 +134,17 @@ def test_results_without_a_measurement_yield_geometry_in_metres_and_shapes(tmp_p
     assert not (tmp_path / "r.h5").exists()
 
 
+def test_hysteretic_damping_counts_half_and_deflections_under_a_load_are_no_modes(tmp_path: Path, capsys) -> None:
+    damped = SHAPE | {"modal_damp_his": 0.02}
+    forced = SHAPE | {"analysis_type": 5, "freq_step_n": 1}
+    assert (
+        main(["import", str(write(tmp_path / "r.uff", SQUARE, damped, forced)), "--out", str(tmp_path / "r.h5")]) == 0
+    )
+    (mode,) = json.loads((tmp_path / "r.json").read_text())["modes"]
+    assert mode["damping_ratio"] == pytest.approx(0.02)
+    assert "1 sets hold deflections under a load" in capsys.readouterr().out
+
+
 def test_a_psd_alone_is_rejected_in_one_sentence(tmp_path: Path, capsys) -> None:
     path = write_uff(tmp_path / "p.uff", uff_set(np.abs(hit(2)[1]), times(), 9))
     assert main(["import", str(path), "--out", str(tmp_path / "p.h5")]) == 2

@@ -154,6 +154,15 @@ def test_a_fault_is_named_with_its_channel(kind: str, fault: str) -> None:
         assert {f.channel for f in found} == {"a1"}
 
 
+def test_a_part_that_is_held_is_named_where_it_begins() -> None:
+    for seed in range(5):
+        rows = 1e-6 * counts(record("hit", seed, 1e-2), 16)
+        rows[0, 2500:] = held(rows[0], 5)[2500:]
+        (found,) = faults_of(block(rows), RIG)
+        assert (found.channel, found.what) == ("force", "values held for 5 samples, as a slower converter gives them")
+        assert abs(found.first_s - 2500 / RATE_HZ) < 40 / RATE_HZ
+
+
 def test_it_is_named_with_its_time() -> None:
     rows = record("random", 1)
     rows[1] = stopped(rows[1], 0.0, 10)

@@ -37,6 +37,8 @@ _TRANSPOSE = "transpose it: one row per channel, one column per sample"
 _RECORD_AGAIN = "look at the recording there; leave this record out, or record it again"
 _MEND = "check sensor, cable and input, and record again; or leave the channel out of both rig and recording"
 _PHASE = "export the FRF as complex numbers (real and imaginary part)"
+_ROUNDING = 1e-9
+_HALF = "give the lines up to half of the sampling rate only"
 
 
 def check_signals(
@@ -122,7 +124,15 @@ def _frf_findings(name: str, frf: NDArray[np.complex128]) -> list[_Finding]:
     # One line may be real by chance, as the line at 0 Hz is.
     if frf.shape[-1] > 1 and not frf.imag.any():
         return [_Finding(f"channel {name}: its FRF is {_real_kind(frf.real)}: the phase is missing", _PHASE)]
+    if _mirrors_itself(frf) or _mirrors_itself(frf[:, 1:]):
+        return [_Finding(f"channel {name}: the upper half of its FRF mirrors the lower, as over a whole FFT", _HALF)]
     return []
+
+
+def _mirrors_itself(frf: NDArray[np.complex128]) -> bool:
+    """Whether the upper half of the lines is the lower one, turned round and conjugated."""
+    off = np.abs(frf - frf[:, ::-1].conj()).max(initial=0.0)
+    return frf.shape[-1] > 2 and bool(off <= _ROUNDING * np.abs(frf).max())
 
 
 def _values_within(frf: NDArray[np.complex128]) -> bool:

@@ -66,7 +66,7 @@ def _stored_digit(numbers: NDArray[Any]) -> float:
 
 def whole_rate(rate_hz: float, slack_hz: float) -> float:
     """The whole number of Hz within `slack_hz` of a rate, if there is just one; else the rate itself."""
-    slack_hz = max(slack_hz, _SAME * rate_hz)
+    slack_hz += _SAME * rate_hz
     whole = np.ceil(rate_hz - slack_hz)
     return float(whole if whole > 0 and whole == np.floor(rate_hz + slack_hz) else rate_hz)
 

@@ -1,6 +1,7 @@
 """Frequency response functions as data."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -40,3 +41,15 @@ class Frf:
     variance: NDArray[np.float64] | None = None
     averages: tuple[int, ...] = ()
     damping_shift: float = 0.0
+
+    def of_rows(self, rows: Sequence[int]) -> "Frf":
+        """The FRFs of these outputs only, in this order."""
+        kept = list(rows)
+        return replace(
+            self,
+            values=self.values[kept],
+            outputs=tuple(self.outputs[row] for row in kept),
+            output_points=tuple(self.output_points[row] for row in kept),
+            coherence=None if self.coherence is None else self.coherence[kept],
+            variance=None if self.variance is None else self.variance[kept],
+        )

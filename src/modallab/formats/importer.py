@@ -8,6 +8,7 @@ from typing import Any
 from modallab.core.array_checks import identical_channels
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
+from modallab.core.frf import Frf
 from modallab.core.progress import count_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
@@ -63,7 +64,7 @@ def import_sources(
     errors, parts = ErrorCollection(), list[Campaign]()
     for path, own in zip(count_progress(map(Path, paths), len(paths), "files"), each, strict=True):
         with errors:
-            parts.append(_driven_at(_windowed(_checked(_read(path, rig, own)), own), own))
+            parts.append(_driven_at(_windowed(_checked(_living(_read(path, rig, own))), own), own))
     errors.done()
     blocks = _in_order([block for part in parts for block in part.blocks])
     frfs = [frf for part in parts for frf in part.frfs]
@@ -152,6 +153,18 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
             remedy="import the campaign file (hdf5), or give a rig file with the shaker that drove alone",
         )
     return campaign
+
+
+def _living(campaign: Campaign) -> Campaign:
+    """The campaign without the outputs whose FRFs are zero at every line, where others are not."""
+    frfs, notes = list[Frf](), [campaign.provenance["notes"]] if "notes" in campaign.provenance else []
+    for frf in campaign.frfs:
+        alive = [k for k, row in enumerate(frf.values) if row.any()]
+        frfs.append(frf.of_rows(alive) if 0 < len(alive) < len(frf.outputs) else frf)
+        dead = [name for k, name in enumerate(frf.outputs) if k not in alive]
+        notes += [f"channel {name}: its FRF is zero at every line, and left out" for name in dead]
+    said = {"notes": "\n".join(notes)} if notes else {}
+    return replace(campaign, frfs=tuple(frfs), provenance={**campaign.provenance, **said})
 
 
 def _checked(campaign: Campaign) -> Campaign:

@@ -6,13 +6,6 @@ from modallab.core.frf import UNIT, FrfQuantity
 from modallab.core.units import TO_SI, Quantity
 
 _ALIASES = {
-    "m/s/s": "m/s^2",
-    "m/sec^2": "m/s^2",
-    "mm/s2": "mm/s^2",
-    "mm/s**2": "mm/s^2",
-    "mm/s/s": "mm/s^2",
-    **{f"{foot}/{rest}": f"{foot}/s^2" for foot in ("in", "ft") for rest in ("s2", "s/s", "sec^2", "sec2")},
-    **{f"{foot}/sec": f"{foot}/s" for foot in ("in", "ft")},
     "inch": "in",
     "G": "g",
     "gn": "g",
@@ -22,10 +15,6 @@ _ALIASES = {
     "newtons": "N",
     "g's": "g",
     "Gs": "g",
-    "seconds": "s",
-    "second": "s",
-    "Second": "s",
-    "Seconds": "s",
     "lb": "lbf",
     "Lb": "lbf",
     "LBF": "lbf",
@@ -38,9 +27,7 @@ _ALIASES = {
     "volt": "V",
     "volts": "V",
     "v": "V",
-    "sec": "s",
     "S": "s",
-    "msec": "ms",
     **dict.fromkeys(("°", "Deg", "DEG", "degree", "Degree", "degrees", "Degrees"), "deg"),
     **dict.fromkeys(("Rad", "RAD", "radian", "Radian", "radians", "Radians"), "rad"),
 }
@@ -63,6 +50,8 @@ _FRF_OF: dict[Quantity, FrfQuantity] = {
 
 
 _RAISED = str.maketrans({"⁻": "-", "¹": "1", "³": "^3"})
+_SECONDS = re.compile(r"(?<![a-z])([mun]?)sec(?:ond)?s?(?=[^a-z]|$)", re.IGNORECASE)
+_SQUARED = re.compile(r"/s(?:/s|2)(?=[^\w^]|$)")
 _PER = re.compile(r"\s*[·⋅*. ]\s*([A-Za-z]+)\^?-\^?(\d)")
 """A factor with a negative exponent, as in m·s⁻²."""
 
@@ -76,7 +65,8 @@ def normal_unit(text: str) -> str:
     unit = re.sub(
         r"\s+", " ", text.strip().strip('"').replace("²", "^2").replace("**", "^").replace("/s\ufffd", "/s^2")
     )
-    unit = _PER.sub(_over, unit.translate(_RAISED))
+    unit = _PER.sub(_over, _SECONDS.sub(r"\1s", unit.translate(_RAISED)))
+    unit = _SQUARED.sub("/s^2", unit)
     if unit.startswith("(") and unit.endswith(")"):
         unit = unit[1:-1].strip()
     unit = _without_lost_brackets(unit)

@@ -50,6 +50,8 @@ def import_results(path: Path, out: Path) -> tuple[str, ...]:
         f"{path.name} holds no measurement: {len(points)} points, {len(lines)} lines and {len(found.modes)} modes",
         f"geometry and shapes: {out.with_suffix('.json')}",
     ]
+    if found.forced:
+        report.append(f"note: {found.forced} sets hold deflections under a load, which are no modes, and are left out")
     moving = [_moving_shape(n, mode, found) for n, mode in enumerate(found.modes[:MOST_SHAPES], 1)]
     if moving and len(points) > 1:
         write_shapes_page(out.with_suffix(".html"), path.stem, points, lines, moving, found.geometry.surfaces)

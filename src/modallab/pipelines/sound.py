@@ -2,14 +2,11 @@
 
 from collections.abc import Collection, Mapping, Sequence
 
-import numpy as np
-
 from modallab.core.array_checks import check_signals
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.error_list import ErrorCollection
-from modallab.signals.checks import overloaded_channels
 from modallab.signals.faults.found import faults_of
 from modallab.signals.faults.runs import Fault
 
@@ -37,7 +34,7 @@ def undamaged_records(
         with errors:
             check_signals(block.samples, block.channels, f"{campaign.source}, record {block.name}", force=force)
     errors.done()
-    faults = {b.name: found for b in blocks if (found := _all_faults(b, campaign.rig))}
+    faults = {b.name: found for b in blocks if (found := faults_of(b, campaign.rig))}
     spoilt = _spoilt_channels(faults, len(blocks), campaign.rig)
     left = {n: rest for n, found in faults.items() if (rest := tuple(f for f in found if f.channel not in spoilt))}
     sound = tuple(_without(b, spoilt) for b in blocks if b.name not in left)
@@ -53,17 +50,6 @@ def undamaged_records(
     ]
     notes += [f"Left out, because of faults in their samples: {_faults_in_words(left)}."] if left else []
     return sound, campaign.rig.without(spoilt), tuple(notes)
-
-
-def _all_faults(block: Block, rig: Rig) -> tuple[Fault, ...]:
-    over = overloaded_channels(block, rig)
-    return tuple(_overload(block, name) for name in over) or faults_of(block, rig)
-
-
-def _overload(block: Block, channel: str) -> Fault:
-    row = np.abs(block.samples[block.channels.index(channel)].astype(np.float64))
-    there = np.flatnonzero(row == row.max())
-    return Fault(channel, "reaches the converter's full scale", float(there[0] / block.rate_hz), there.size)
 
 
 def _spoilt_channels(faults: Mapping[str, tuple[Fault, ...]], records: int, rig: Rig) -> dict[str, tuple[int, str]]:

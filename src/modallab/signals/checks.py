@@ -10,7 +10,6 @@ from modallab.core.axis_checks import check_rate
 from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.signals.conversion import Conversion
 
 
 def check_rows(values: NDArray[Any], what: str = "record") -> None:
@@ -88,18 +87,3 @@ def check_positive(value: float, what: str) -> None:
     """
     if not (np.isfinite(value) and value > 0):
         raise DataError(f"{what} is {value}", remedy="give a finite number above 0")
-
-
-def overloaded_channels(block: Block, rig: Rig) -> tuple[str, ...]:
-    """Names of the channels that reach full scale in this block.
-
-    For whole counts full scale is the type's own end; for volts it is the channel's or the converter's range. What came
-    in engineering units from elsewhere has no full scale that is known. What the device itself reported counts as well.
-
-    Raises:
-        DataError: samples that are no records, parts that do not fit, or other channels than the rig's.
-    """
-    check_block(block, rig)
-    found = Conversion.of_block(block, rig).overload(block.samples)
-    reported = block.overload or (False,) * len(block.channels)
-    return tuple(name for name, over, flag in zip(block.channels, found, reported, strict=True) if over or flag)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.array_checks import check_frf, check_rate, check_time
+from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
@@ -75,7 +75,6 @@ def _frf(arrays: Arrays, array_map: ArrayMap, rig: Rig, options: ImportOptions, 
         found = in_order(array_named(arrays, array_map.coherence, where), axes, _FRF, sizes, f"{where}, coherence")
         coherence = share_of_one(found.astype(np.float64), where)
     lines, values, coherence = rising(lines, values, coherence)
-    check_frf(lines, values, names, where, even=False)
     inputs = array_map.inputs or ((options.drive_point,) if values.shape[1] == 1 else (None,) * values.shape[1])
     return Frf(
         frequency_hz=lines,

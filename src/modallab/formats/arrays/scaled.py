@@ -1,4 +1,4 @@
-"""Whole numbers of a converter beside which a file keeps their scale."""
+"""Arrays as numbers in their unit: whole numbers beside their scale, dates, and lengths of time."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -15,12 +15,13 @@ _UNCLEAR = ("gain", "scale", "factor", "slope", "lsb", "multiplier")
 
 
 def scaled_arrays(arrays: Mapping[str, NDArray[Any]], where: str) -> Mapping[str, NDArray[Any]]:
-    """The arrays, with `scale_factor` and `add_offset` of whole numbers applied.
+    """The arrays, with `scale_factor` and `add_offset` of whole numbers applied, and times in s from the first date.
 
     Raises:
         DataError: whole numbers have a scale beside them of which nothing says how it is meant.
     """
-    found = dict(arrays)
+    dates = [values.min() for values in arrays.values() if values.dtype.kind == "M" and values.size]
+    found = {key: _in_seconds(values, min(dates, default=None)) for key, values in arrays.items()}
     for key, values in arrays.items():
         if values.dtype.kind not in "iu" or values.size < 2:
             continue
@@ -37,6 +38,12 @@ def scaled_arrays(arrays: Mapping[str, NDArray[Any]], where: str) -> Mapping[str
                     remedy="save the numbers in their unit, or call the scale scale_factor (and add_offset)",
                 )
     return found
+
+
+def _in_seconds(values: NDArray[Any], first: Any) -> NDArray[Any]:
+    if values.dtype.kind not in "mM":
+        return values
+    return (values - first if values.dtype.kind == "M" else values) / np.timedelta64(1, "s")
 
 
 def _beside(arrays: Mapping[str, NDArray[Any]], key: str, name: str) -> float | None:

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from modallab.core.block import Campaign
 from modallab.core.rig import Rig
 from modallab.formats.arrays.arrays_draft import draft_arrays
@@ -10,6 +12,7 @@ from modallab.formats.arrays.named import FREQUENCY, TIME, Arrays, Texts, campai
 from modallab.formats.arrays.names_in_file import names_in_file
 from modallab.formats.arrays.scaled import scaled_arrays
 from modallab.formats.axis_units import is_of_frequency, is_of_time, to_hertz, to_seconds
+from modallab.formats.csv.clock_times import is_clock, seconds_of
 from modallab.formats.options import ImportOptions
 
 
@@ -19,7 +22,8 @@ def campaign_of_variables(arrays: Arrays, texts: Texts, path: Path, rig: Rig, op
     Raises:
         DataError: variables that are missing or do not fit.
     """
-    found, arrays = options.array_map, _abscissae(scaled_arrays(arrays, str(path)), texts, options)
+    found = options.array_map
+    arrays = _abscissae(scaled_arrays({**arrays, **_clocks(texts)}, str(path)), texts, options)
     if found is None and not options.variables:
         arrays, texts, found = names_in_file(arrays, texts, rig, str(path))
     if found is not None:
@@ -27,11 +31,17 @@ def campaign_of_variables(arrays: Arrays, texts: Texts, path: Path, rig: Rig, op
     return campaign_of_arrays(arrays, path.stem, rig, options, str(path), texts)
 
 
+def _clocks(texts: Texts) -> Arrays:
+    """The columns of clock times among texts, in s."""
+    found = {key: rows for key, rows in texts.items() if len(rows) > 1 and all(map(is_clock, rows))}
+    return {key: np.array(seconds_of(rows), np.float64) for key, rows in found.items()}
+
+
 def _abscissae(arrays: Arrays, texts: Texts, options: ImportOptions) -> Arrays:
     """The arrays, those of times in s and of frequencies in Hz where the file gives them another unit."""
     found, said = dict(arrays), dict(options.variables)
     for key, values in arrays.items():
-        unit = unit_beside(texts, key).partition(" since ")[0]
+        unit = unit_beside(texts, key).partition(" since ")[0] or key.rpartition("_")[2]
         for what, is_of, factor in ((TIME, is_of_time, to_seconds), (FREQUENCY, is_of_frequency, to_hertz)):
             if is_of(unit) and factor(unit) != 1 and (said.get(what) == key or usual_name({key: values}, what)):
                 found[key] = values * factor(unit)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 DAY_S = 86400
-_DATE = r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4}"
+_DATE = r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.](?:\d{1,2}|[A-Za-z]{3})[-/.]\d{2,4}"
 _CLOCK = r"(?P<h>\d{1,2}):(?P<m>\d\d)(?::(?P<s>\d\d))?(?:[.,](?P<f>\d+))?\s*(?P<half>[AaPp][Mm])?"
 _ZONE = r"\s*(?:Z|UTC|[+-]\d\d:?\d\d)?"
 _TIME = re.compile(rf"\s*(?:(?P<date>{_DATE})[T\s]\s*)?{_CLOCK}{_ZONE}\s*")
@@ -22,6 +22,11 @@ class _Moment:
 def is_time(cell: str) -> bool:
     """Whether a cell holds a time of the day or a date, or both: 10:00:01.5, 2026-11-26T10:00:01,5, 01:02 PM."""
     return cell[:1].isdigit() and (_TIME.fullmatch(cell) or _ONLY_DATE.fullmatch(cell)) is not None
+
+
+def is_clock(cell: str) -> bool:
+    """Whether a cell holds a time of the day, with a date or without one."""
+    return _TIME.fullmatch(cell) is not None
 
 
 def is_date(cell: str) -> bool:

@@ -16,6 +16,8 @@ _ENDS_WITH_UNIT = re.compile(rf"({_NUMBER})\s*([+-])\s*({_DIGITS})\s*\*?\s*[ijIJ
 _BEGINS_WITH_UNIT = re.compile(rf"({_NUMBER})\s*([+-])\s*[ijIJ]\s*\*?\s*({_DIGITS})")
 _OLD_EXPONENT = re.compile(r"(?<=[\d.])[dD](?=[+-]\d)")
 _ALONE = re.compile(rf"(?<![\w.,+-])({_NUMBER})\s*\*?\s*[ij](?!\w)")
+_BELOW_ZERO = re.compile(rf"(?<![\w.])\(({_DIGITS})\)")
+"""As accountants write it."""
 _LIKE_A_NUMBER = re.compile(
     r"\(?[+-]?[.,]?\d+(?:[.,'’\u00a0\u2009\u202f]\d+)*[.,]?(?: \d{3}(?:[.,]\d+)?)*"
     r"(?:[eE][+-]?\d+)?(?:[+-][\d.,eE+-]+j)?\)?"
@@ -31,6 +33,7 @@ def plain_numbers(line: str) -> str:
     if "D" in line or "d" in line:
         line = _OLD_EXPONENT.sub("E", line)
     if "(" in line:
+        line = _BELOW_ZERO.sub(r"-\1", line)
         line = _PAIR.sub(lambda m: f"{m[1]}{m[2] if m[2][0] in '+-' else '+' + m[2]}j", line)
     if "i" in line or "j" in line or "I" in line or "J" in line:
         line = _ENDS_WITH_UNIT.sub(r"\1\2\3j", line)

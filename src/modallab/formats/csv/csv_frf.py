@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.array_checks import check_frf
 from modallab.core.errors import DataError, FormatError
 from modallab.core.frf import UNIT, Frf, FrfQuantity
 from modallab.core.rig import Rig
@@ -51,7 +50,6 @@ def frf_of(table: Table, rig: Rig, where: str) -> Frf:
     _require_known(outputs, channels, where)
     frequency_hz = table.values[:, 0].copy()
     values = matrix("re") + 1j * matrix("im")
-    check_frf(frequency_hz, values, outputs, where, even=False)
     return Frf(
         frequency_hz=frequency_hz,
         values=values,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.array_checks import check_frf
+from modallab.core.array_checks import check_frequencies
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
@@ -142,7 +142,7 @@ def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> 
             remedy="give those of one quantity, and leave the channels of the other out with --ignore",
         )
     frequency_hz, values, coherence = rising(frequency_hz, values, _coherence(groups, outputs, points, where))
-    check_frf(frequency_hz, values, outputs, where, even=False, resolution_hz=table.resolution)
+    check_frequencies(frequency_hz, where, even=False, resolution_hz=table.resolution)
     return Frf(
         frequency_hz=frequency_hz,
         values=values,

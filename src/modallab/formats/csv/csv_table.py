@@ -145,7 +145,7 @@ def _columns(text: TextTable, where: str, said: str) -> tuple[list[_Column], boo
             raise _no_names(text, len(cells), where)
     blank = ("",) * len(cells)
     found = [_Column(k, *one) for k, one in enumerate(zip(names or blank, units or blank, cells, strict=True), start=1)]
-    found = _with_seconds(found)
+    found = _with_seconds(found, named=bool(names))
     found = [column for column in found if column.name or (not names and any(column.cells))]
     first = abscissa([c.name for c in found], [c.unit for c in found]) or 0
     return [found[first], *found[:first], *found[first + 1 :]], bool(names)
@@ -166,7 +166,7 @@ def _by_column(text: TextTable, where: str) -> list[Sequence[str]]:
     return list(zip(*([*row.cells, *[""] * (columns - len(row.cells))] for row in text.rows), strict=True))
 
 
-def _with_seconds(columns: Sequence[_Column]) -> list[_Column]:
+def _with_seconds(columns: Sequence[_Column], *, named: bool) -> list[_Column]:
     """With seconds, called time, where a column holds clock times, and a column of dates before it is left out."""
     found: list[_Column] = []
     for column in columns:
@@ -176,7 +176,7 @@ def _with_seconds(columns: Sequence[_Column]) -> list[_Column]:
         moments = column.cells
         if found and is_date(found[-1].cells[0]):
             moments = [f"{day} {clock}" for day, clock in zip(found.pop().cells, moments, strict=True)]
-        found.append(replace(column, name=column.name and "time", unit="s", cells=seconds_of(moments)))
+        found.append(replace(column, name="time" if named else "", unit="s", cells=seconds_of(moments)))
     return found
 
 

@@ -148,7 +148,7 @@ def decoded(path: Path) -> str:
         except UnicodeError:
             continue
         if "\0" not in text:
-            return text
+            return text.replace("\N{MINUS SIGN}", "-")
     raise FormatError("is no text", where=str(path), remedy="name a CSV file, or one of another known kind")
 
 

@@ -12,7 +12,6 @@ from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import without_singleton_axes
-from modallab.formats.arrays.named import campaign_of_arrays
 from modallab.formats.arrays.variables import campaign_of_variables
 from modallab.formats.options import ImportOptions
 
@@ -38,7 +37,7 @@ def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     array = _load(path)
     if array.dtype.names:
         fields = {name: array[name] for name in array.dtype.names}
-        return campaign_of_arrays(fields, path.stem, rig, options, where)
+        return campaign_of_variables(fields, {}, path, rig, options)
     _check_layout(array, rig, options, where)
     rate, samples = _split(array, rig, options, where)
     channels = tuple(channel.name for channel in rig.channels)

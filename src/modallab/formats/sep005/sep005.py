@@ -15,6 +15,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.formats.atomic import write_text
 from modallab.formats.block_facts import MARK, BlockFacts, facts_or_options, read_facts
+from modallab.formats.csv.csv_cells import number
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, cut_to_common_time, start_of, start_of_text
 from modallab.formats.uff.uff_lines import physical
@@ -97,6 +98,8 @@ def _check(series: object, where: str) -> None:
     if not isinstance(series, dict):
         raise FormatError("is no series", where=where, remedy=_REMEDY)
     content = cast("dict[str, Any]", series)
+    if isinstance(content.get("fs"), str):
+        content["fs"] = number(content["fs"])
     wrong = [key for key, kind in _NEEDED.items() if not isinstance(content.get(key), kind)]
     if not isinstance(content.get("fs"), float | int) and not isinstance(content.get("time"), list):
         wrong.append("fs or time")

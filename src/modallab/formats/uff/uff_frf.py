@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.array_checks import check_frequencies, check_frf
+from modallab.core.array_checks import check_frequencies
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
@@ -46,7 +46,6 @@ def read_frf(content: UniversalFile, rig: Rig, where: str) -> tuple[Frf, ...]:
     coherences = _place_all(content, 6, rig, where)
     names = tuple(channel.name for channel in outputs)
     lines, values, coherence = rising(lines, values, _coherence(coherences, outputs, inputs, len(lines), where))
-    check_frf(lines, values, names, where, even=False)
     return (
         Frf(
             frequency_hz=lines,

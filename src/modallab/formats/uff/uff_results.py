@@ -69,10 +69,11 @@ class NodeMode:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Results:
-    """What a universal file holds beside measurements."""
+    """What a universal file holds beside measurements; `forced` counts deflections under a load, which are no modes."""
 
     geometry: Geometry
     modes: tuple[NodeMode, ...]
+    forced: int = 0
 
 
 def read_results(path: Path) -> Results:
@@ -93,9 +94,10 @@ def read_results(path: Path) -> Results:
     edges = [*_traced(read_datasets(path, 82)), *(edge for e in elements for edge in _edges(*e))]
     faces = tuple(tuple(nodes) for descriptor, nodes in elements if _is_shell(descriptor, nodes, points))
     lines = dict.fromkeys((min(a, b), max(a, b)) for a, b in edges if a != b and a in points and b in points)
-    old = (_mode_55(c) for c in read_datasets(path, 55) if int(c["analysis_type"]) in (NORMAL, COMPLEX))
-    new = (_mode_2414(c) for c in read_datasets(path, 2414) if _is_mode(c))
-    return Results(Geometry(points, tuple(lines), faces), tuple(_turned(mode, nodes) for mode in (*old, *new)))
+    old, new = read_datasets(path, 55), read_datasets(path, 2414)
+    modes = [_mode_55(c) for c in old if _is_modal(c)] + [_mode_2414(c) for c in new if _is_mode(c)]
+    forced = sum(not _is_modal(c) for c in (*old, *new))
+    return Results(Geometry(points, tuple(lines), faces), tuple(_turned(mode, nodes) for mode in modes), forced)
 
 
 def _turned(mode: NodeMode, nodes: Nodes) -> NodeMode:
@@ -132,9 +134,13 @@ def _edges(descriptor: int, nodes: list[int]) -> Iterator[Edge]:
         yield nodes[-1], nodes[0]
 
 
+def _is_modal(content: Mapping[str, Any]) -> bool:
+    return int(content["analysis_type"]) in (NORMAL, COMPLEX)
+
+
 def _is_mode(content: Mapping[str, Any]) -> bool:
     return (
-        int(content["analysis_type"]) in (NORMAL, COMPLEX)
+        _is_modal(content)
         and int(content["result_type"]) in MOTION
         and int(content["dataset_location"]) == AT_NODES
         and ("data_at_node" in content or "x" in content)
@@ -143,7 +149,7 @@ def _is_mode(content: Mapping[str, Any]) -> bool:
 
 def _mode_55(content: Mapping[str, Any]) -> NodeMode:
     if int(content["analysis_type"]) == NORMAL:
-        frequency, damping = float(content["freq"]), float(content["modal_damp_vis"])
+        frequency, damping = float(content["freq"]), _damping(content["modal_damp_vis"], content["modal_damp_his"])
         mass = float(content["modal_m"])
     else:
         pole = complex(content["eig"])
@@ -158,7 +164,7 @@ def _mode_55(content: Mapping[str, Any]) -> NodeMode:
 def _mode_2414(content: Mapping[str, Any]) -> NodeMode:
     reals = [float(content[f"record12_field{k}"]) for k in range(1, 7)]
     if int(content["analysis_type"]) == NORMAL:
-        frequency, damping, mass = reals[1], reals[4], reals[3]
+        frequency, damping, mass = reals[1], _damping(*reals[4:6]), reals[3]
     else:
         mass = 0.0
         more = [float(content[f"record13_field{k}"]) for k in range(1, 3)]
@@ -182,6 +188,11 @@ def _motion(row: Any, *, pairs: bool) -> NDArray[np.complex128]:
     if pairs and not np.iscomplexobj(values):
         values = values[0::2] + 1j * values[1::2]
     return values[:3].astype(np.complex128)
+
+
+def _damping(viscous: float, hysteretic: float) -> float:
+    """The damping ratio of a normal mode: a hysteretic one dissipates at resonance as a viscous one of half of it."""
+    return float(viscous) + float(hysteretic) / 2
 
 
 def _of_pole(pole: complex) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Time records of a universal file, as blocks: a channel that comes again begins the next block."""
+"""Time records of a universal file, as blocks: the first record of each channel is of the first one, and so on."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -35,9 +35,10 @@ def read_blocks(
                 f"set {function.place} is a time record of complex numbers", where=where, remedy="export it as real"
             )
         match = match_channel(function, rig.channels, where)
-        if not groups or match.channel.name in groups[-1]:
+        before = sum(match.channel.name in group for group in groups)
+        if before == len(groups):
             groups.append({})
-        groups[-1][match.channel.name] = (function, match)
+        groups[before][match.channel.name] = (function, match)
     blocks: list[Block] = []
     notes: list[str] = []
     for order, group in enumerate(groups):

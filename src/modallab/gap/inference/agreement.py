@@ -62,7 +62,8 @@ class Agreement:
         if self.frequencies is not None and self.damping is not None and self.modes_differ:
             return (
                 f"Natural frequencies differ from the simulation by about {percent_text(self.frequencies)}, and "
-                f"damping ratios by {percent_text(self.damping)}. Check the clamp, added masses and the beam of the rig file."
+                f"damping ratios by {percent_text(self.damping)}. Check the clamp, added masses and the beam of the "
+                "rig file."
             )
         if not off:
             return (

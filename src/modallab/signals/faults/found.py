@@ -11,6 +11,7 @@ from modallab.signals.faults.dead import constant, dead
 from modallab.signals.faults.drift import drift
 from modallab.signals.faults.drop_outs import drop_outs
 from modallab.signals.faults.flat_tops import flat_tops
+from modallab.signals.faults.overload import overloads
 from modallab.signals.faults.repeats import repeated_values
 from modallab.signals.faults.runs import Fault, steps_of
 from modallab.signals.faults.spikes import find_spikes
@@ -20,7 +21,7 @@ LEAST_SAMPLES = 64
 
 
 def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
-    """Faults of the chain in a block's samples: dead channels, flat tops, held values, drop-outs, drift, lone values.
+    """Faults of the chain in a block: overloads, dead channels, flat tops, held values, drop-outs, drift, lone values.
 
     Each needs what no sound channel does, whatever its noise and resolution; limits are given with each kind.
 
@@ -28,8 +29,9 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
         block: finite samples (channels, n).
         rig: which channels are forces.
     """
-    if block.n_samples < LEAST_SAMPLES:
-        return ()
+    over = overloads(block, rig)
+    if over or block.n_samples < LEAST_SAMPLES:
+        return over
     rows = block.samples.astype(np.float64)
     steps = np.stack([steps_of(row) for row in rows])
     quantities = {channel.name: channel.quantity for channel in rig.channels}

@@ -6,7 +6,7 @@ Either puts images of the signal about each multiple of the slower rate, which l
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.runs import Fault, equal_runs
+from modallab.signals.faults.runs import Fault, SampleRuns, equal_runs
 
 MOVES = 32.0
 """Steps of the converter from which on a channel moves: by chance one of 80 samples then repeats another."""
@@ -33,15 +33,18 @@ def _holds_values(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple
     on_slope = (np.minimum(np.abs(before), np.abs(after)) >= MOVES * steps[runs.first]) & (before * after > 0)
     moves = np.abs(moves) / np.maximum(steps[1:], 1e-300)
     moving = moves[moves >= MOVES]
-    count = int(on_slope.sum())
-    if count < LEAST or not moving.size:
-        return ()
-    by_chance = 1 / float(np.median(moving))
-    if count / moving.size < max(MOST_BY_CHANCE * by_chance, LEAST_SHARE):
-        return ()
-    length = float(np.median(runs.length[on_slope]))
-    what = f"values held for {length:g} samples, as a slower converter gives them"
-    return (Fault(channel, what, float(runs.first[on_slope][0]) / rate_hz, int((runs.length[on_slope] - 1).sum())),)
+    by_chance = 1 / float(np.median(moving)) if moving.size else 1.0
+    for least in (3, 2):
+        held = SampleRuns(runs.first[on_slope], runs.stop[on_slope]).longer(least)
+        count = held.first.size
+        # Of a part of a record that is held, longer runs tell: by chance they are rarer by this power.
+        if count < max(LEAST, moving.size * max(MOST_BY_CHANCE * by_chance ** (least - 1), LEAST_SHARE)):
+            continue
+        length = float(np.median(held.length))
+        what = f"values held for {length:g} samples, as a slower converter gives them"
+        first = int(held.first[(held.length >= length).argmax()])
+        return (Fault(channel, what, first / rate_hz, int((held.length - 1).sum())),)
+    return ()
 
 
 def _joins_by_lines(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
