@@ -77,7 +77,8 @@ def _start_poles(within: Real, both: Structure, part: Structure, at: Real, of: R
     """(poles,) where the direct formula, which is wrong by much at single frequencies, is largest in each interval."""
     omega = np.geomspace(within[:, 0], within[:, 1], LOOKED_AT + 2)[1:-1]
     own, taken = (one.receptance(1j * omega.ravel(), b, b).reshape(omega.shape) for one, b in ((both, at), (part, of)))
-    apart = np.maximum(np.abs(taken - own), np.finfo(float).tiny)
+    # Where both answer alike the formula has no largest value; rounding bounds it.
+    apart = np.abs(taken - own) + ROUNDING**2 * (np.abs(own) + np.abs(taken)) + np.finfo(float).tiny
     largest = np.argmax(np.abs(own) / apart * np.abs(taken), axis=0)
     damped = float(np.median(-both.poles.real / both.poles.imag))
     return omega[largest, np.arange(len(within))] * (1j - damped)
