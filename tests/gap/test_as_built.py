@@ -86,7 +86,7 @@ def test_what_no_effect_explains_and_moves_nothing_that_matters_is_a_note(make: 
     found = diagnose(careless, allowed=only())
     assert found.verdict == "no_gap"
     assert any("No effect explains" in note for note in found.notes)
-    assert any("deviate more than the tolerances of the rig" in note for note in found.notes)
+    assert any("improbable under the rig's tolerances" in note for note in found.notes)
 
 
 def test_the_budget_is_whole_and_the_noise_is_small(sound: Diagnosis) -> None:

@@ -71,7 +71,8 @@ def test_the_next_revision_carries_it_and_so_does_its_bench(hung: tuple[Campaign
 @pytest.mark.thorough("diagnoses a whole campaign")
 def test_it_is_said_as_a_likeness(hung: tuple[Campaign, Diagnosis]) -> None:
     campaign, diagnosis = hung
-    assert "none of the known effects explains it. It behaves like a mass of" in verdict_sentence(diagnosis)
+    said = verdict_sentence(diagnosis)
+    assert "none of the known effects explains it, probability 0.99. It behaves like a mass of" in said
     page = render(diagnosis, campaign)
     assert "What it behaves like" in page
     assert "It is no cause" in page
