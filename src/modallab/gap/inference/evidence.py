@@ -154,12 +154,12 @@ def _squares_of_inexact_effects(fit: Fit) -> float:
         own = np.s_[first : first + len(candidate.slots)]
         search, linear = search_of(candidate.effect), model_of(candidate.effect).kind.linear
         in_hits = search.inexact if linear else search.law.inexact_in_hits
-        for inexact, rows in ((in_hits, every < hits), (search.inexact, every >= hits)):
-            if inexact and np.any(rows):
-                u = fit.u.copy()
-                u[own] = candidate.with_signature(u[own], 1 - inexact)
-                change = (fit.problem.residual(u) - fit.residual)[: 2 * every.size]
-                found += float(np.sum(change.reshape(2, -1)[:, rows] ** 2))
+        share = np.where(every < hits, in_hits, search.inexact)
+        for inexact in np.unique(share[share > 0]).tolist():
+            u = fit.u.copy()
+            u[own] = candidate.with_signature(u[own], 1 - inexact)
+            change = (fit.problem.residual(u) - fit.residual)[: 2 * every.size]
+            found += float(np.sum(change.reshape(2, -1)[:, share == inexact] ** 2))
         first = own.stop
     return found
 
