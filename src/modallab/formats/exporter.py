@@ -31,11 +31,11 @@ def write_export(campaign: Campaign, out: Path, format_: str, models: Sequence[M
     assert used.write is not None
     _require_place_of_forces(campaign, used)
     left_out = _without_place(campaign, used)
-    kept = models
-    if models and "modes" not in used.holds:
-        left_out.append(f"{format_} has no place for modal models; they were left out")
-        kept = ()
-    used.write(campaign, out, kept)
+    if "modes" in used.holds:
+        used.write(campaign, out, models)
+    else:
+        left_out += [f"{format_} has no place for modal models; they were left out"] if models else []
+        used.write(campaign, out)
     return tuple(left_out)
 
 

@@ -6,17 +6,17 @@ Each module of `modallab.formats.known` is one format. Its name is that of the f
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Literal
 
 from modallab.core.discovery import declaration_in_module, declared_names
 from modallab.core.errors import ConfigurationError, DataError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
     from pathlib import Path
 
     from modallab.core.block import Campaign
-    from modallab.core.model import ModalModel
     from modallab.core.rig import Rig
     from modallab.formats.options import ImportOptions
 
@@ -49,7 +49,7 @@ class Format:
         inside: the file by which a folder is taken for one of this format; "" if none is.
         read: a campaign of one file, on a rig, with what the user says of it.
         draft: the rig that a file was made on, as far as the file says; None if such files say nothing of it.
-        write: a campaign into a file or folder, with the models identified from it.
+        write: a campaign into a file or folder; where it holds modes, also the models identified from the campaign.
     """
 
     name: str = ""
@@ -66,7 +66,7 @@ class Format:
     inside: str = ""
     read: Callable[[Path, Rig, ImportOptions], Campaign] | None = None
     draft: Callable[[Path, ImportOptions], Rig] | None = None
-    write: Callable[[Campaign, Path, Sequence[ModalModel]], None] | None = None
+    write: Callable[..., None] | None = None
 
     def __post_init__(self) -> None:
         """Reject a declaration that lacks something.
@@ -85,6 +85,16 @@ class Format:
                 f"the format {self.name!r} does not declare {', '.join(missing)}",
                 remedy="complete its declaration; modallab.formats.format.Format says what each part is",
             )
+
+
+def deferred(place: str) -> Callable[..., Any]:
+    """A function of `modallab.formats`, as "module:name", whose module is imported when it is first called."""
+    module, _, name = place.partition(":")
+
+    def call(*arguments: Any) -> Any:
+        return getattr(import_module(f"modallab.formats.{module}"), name)(*arguments)
+
+    return call
 
 
 def all_formats() -> tuple[Format, ...]:

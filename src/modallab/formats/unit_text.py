@@ -1,7 +1,9 @@
 """Units as people and analysers write them, turned into those of `modallab.core.units`."""
 
+import math
 import re
 
+from modallab.core.errors import DataError
 from modallab.core.frf import UNIT, FrfQuantity
 from modallab.core.units import TO_SI, Quantity
 
@@ -54,6 +56,10 @@ _SECONDS = re.compile(r"(?<![a-z])([mun]?)sec(?:ond)?s?(?=[^a-z]|$)", re.IGNOREC
 _SQUARED = re.compile(r"/s(?:/s|2)(?=[^\w^]|$)")
 _PER = re.compile(r"\s*[·⋅*. ]\s*([A-Za-z]+)\^?-\^?(\d)")
 """A factor with a negative exponent, as in m·s⁻²."""
+_TIMES = {"": 1.0, "s": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_TIMES |= {"min": 60.0, "minutes": 60.0, "h": 3600.0, "hr": 3600.0, "hours": 3600.0, "d": 86400.0, "days": 86400.0}
+_FREQUENCIES = {"": 1.0, "hz": 1.0, "hertz": 1.0, "cps": 1.0, "cycles/s": 1.0, "khz": 1e3, "rad/s": 0.5 / math.pi}
+_FREQUENCIES |= {"cpm": 1 / 60, "cycles/min": 1 / 60, "1/min": 1 / 60}
 
 
 def _over(factor: re.Match[str]) -> str:
@@ -106,3 +112,38 @@ def frf_unit(numerator: str, denominator: str) -> tuple[FrfQuantity, float] | No
     if response not in _FRF_OF or denominator not in TO_SI["force"]:
         return None
     return _FRF_OF[response], TO_SI[response][numerator] / TO_SI["force"][denominator]
+
+
+def to_seconds(unit: str, where: str = "") -> float:
+    """What turns times in a unit into seconds; without a unit they are in s.
+
+    Raises:
+        DataError: it is no unit of time.
+    """
+    return _factor(unit, _TIMES, "time", "s, ms, us, ns, min, h or d", where)
+
+
+def to_hertz(unit: str, where: str = "") -> float:
+    """What turns frequencies in a unit into Hz; without a unit they are in Hz.
+
+    Raises:
+        DataError: it is no unit of frequency.
+    """
+    return _factor(unit, _FREQUENCIES, "frequency", "Hz, kHz, rad/s or cpm", where)
+
+
+def is_of_time(unit: str) -> bool:
+    """Whether a unit, which must be there, is one of time."""
+    return bool(unit) and normal_unit(unit).lower() in _TIMES
+
+
+def is_of_frequency(unit: str) -> bool:
+    """Whether a unit, which must be there, is one of frequency."""
+    return bool(unit) and normal_unit(unit).lower() in _FREQUENCIES
+
+
+def _factor(unit: str, known: dict[str, float], what: str, allowed: str, where: str) -> float:
+    factor = known.get(normal_unit(unit).lower())
+    if factor is None:
+        raise DataError(f"unit {unit!r} is no unit of {what}", where=where, remedy=f"use {allowed}")
+    return factor

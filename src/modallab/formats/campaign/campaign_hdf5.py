@@ -17,6 +17,7 @@ from modallab.formats.campaign import hdf5_version_1 as hdf5_counts
 from modallab.formats.campaign import hdf5_version_2 as hdf5_native
 from modallab.formats.campaign.hdf5_access import COPY_AGAIN, TypedAttributes, open_hdf5
 from modallab.formats.check_campaign import check_recordings, check_structure
+from modallab.formats.options import ImportOptions
 from modallab.formats.rig.mass_ratios_file import read_mass_ratios
 from modallab.formats.rig.rig_file import parse_rig, read_rig
 
@@ -58,6 +59,17 @@ def read_campaign(path: Path, rig: Rig | None = None, *, check: bool = True) -> 
     if check:
         check_recordings(campaign)
     return campaign
+
+
+def import_campaign(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
+    """A campaign file on a rig; records that name no drive point get that of the options.
+
+    Raises:
+        FormatError, DataError: as `read_campaign`.
+    """
+    campaign, point = read_campaign(path, rig), options.drive_point
+    blocks = (replace(b, drive_point=point) if b.drive_point is None else b for b in campaign.blocks)
+    return replace(campaign, blocks=tuple(blocks))
 
 
 def write_campaign(campaign: Campaign, path: Path) -> None:

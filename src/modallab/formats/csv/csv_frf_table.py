@@ -11,7 +11,6 @@ from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
-from modallab.formats.axis_units import to_hertz
 from modallab.formats.csv.csv_heads import is_frequency
 from modallab.formats.csv.csv_table import Table
 from modallab.formats.csv.frf_heading import (
@@ -23,10 +22,9 @@ from modallab.formats.csv.frf_heading import (
     reference_of,
     response_of,
 )
-from modallab.formats.frf_factor import assumed_factor, turned
-from modallab.formats.frf_lines import rising, share_of_one
+from modallab.formats.frf_conventions import assumed_factor, rising, share_of_one, turned
 from modallab.formats.options import ImportOptions
-from modallab.formats.unit_text import frf_unit, normal_unit
+from modallab.formats.unit_text import frf_unit, normal_unit, to_hertz
 
 Complex = NDArray[np.complex128]
 

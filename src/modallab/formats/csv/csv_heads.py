@@ -4,9 +4,8 @@ import re
 from collections.abc import Sequence
 
 from modallab.core.errors import DataError
-from modallab.formats.axis_units import is_of_frequency, is_of_time
 from modallab.formats.csv.csv_cells import head_cells, is_number
-from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
+from modallab.formats.unit_text import frf_unit, is_of_frequency, is_of_time, normal_unit, quantity_of
 
 _OF_PARTS = {"%", "deg", "rad", "dB"}
 _UNIT_TAG = re.compile(r"unit|einheit", re.IGNORECASE)

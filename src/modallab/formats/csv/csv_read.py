@@ -10,13 +10,13 @@ from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.formats.axis_units import to_seconds
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_frf import frf_of, is_frf
 from modallab.formats.csv.csv_frf_table import frf_of_table, holds_frfs
 from modallab.formats.csv.csv_heads import BY_OPTION, is_frequency, time_column
 from modallab.formats.csv.csv_table import Table, read_tables, side_by_side
 from modallab.formats.options import ImportOptions, units_of
+from modallab.formats.unit_text import to_seconds
 
 FASTEST_HZ = 1e7
 """No structure rings so fast that its records are sampled faster."""

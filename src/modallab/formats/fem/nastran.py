@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from modallab.core.errors import DataError, FormatError
-from modallab.formats.fem.nastran_grids import read_grids
 from modallab.formats.fem.node_modes import NodeModes
 
+_MODEL_ENDINGS = (".bdf", ".dat", ".nas")
 _DO = "ask for them: DISPLACEMENT(PRINT,PUNCH) = ALL in the case control of SOL 103"
 _NUMBER = r"[-+]?\d+\.\d*(?:[EeDd]?[-+]?\d+)?"
 _PRINTED = re.compile(rf"^\s*(\d+)\s+G\s+({_NUMBER})\s+({_NUMBER})\s+({_NUMBER})\s")
@@ -98,3 +98,41 @@ def _punched_rows(lines: Iterable[str]) -> Iterator[tuple[int, float, int, tuple
                 vectors = False
         elif vectors and line[17:18] == "G" and here[0]:
             yield here[0], here[1], int(line[:10]), (number(line[18:36]), number(line[36:54]), number(line[54:72]))
+
+
+def read_grids(results: Path) -> dict[int, tuple[float, float, float]]:
+    """Node -> x, y, z in the model's unit of length, from the model that is called like its results; {} if none is.
+
+    Raises:
+        DataError: a grid point is given in another coordinate system than the basic one.
+    """
+    model = next((results.with_suffix(end) for end in _MODEL_ENDINGS if results.with_suffix(end).exists()), None)
+    if model is None:
+        return {}
+    found: dict[int, tuple[float, float, float]] = {}
+    for fields in _grids(model.read_text(encoding="latin-1").splitlines()):
+        if fields[2].strip() not in ("", "0"):
+            raise DataError(
+                f"grid point {fields[1].strip()} is in coordinate system {fields[2].strip()}",
+                where=str(model),
+                remedy="give grid points in the basic system, or leave the model out: nodes are matched by number then",
+            )
+        x, y, z = (number(text) if text.strip() else 0.0 for text in fields[3:6])
+        found[int(fields[1])] = (x, y, z)
+    return found
+
+
+def _grids(lines: list[str]) -> Iterator[list[str]]:
+    """Fields of each GRID entry: of eight columns, of sixteen over two lines (GRID*), or between commas."""
+    for n, line in enumerate(lines):
+        entry = line.partition("$")[0]
+        if not entry.upper().startswith("GRID") or entry[4:5] not in (" ", "*", ","):
+            continue
+        if "," in entry:
+            fields = entry.split(",")
+        elif entry[4] == "*":
+            more = lines[n + 1] if n + 1 < len(lines) else ""
+            fields = [entry[:8], *(part[k : k + 16] for part in (entry, more) for k in range(8, 72, 16))]
+        else:
+            fields = [entry[k : k + 8] for k in range(0, 72, 8)]
+        yield [*fields, *[""] * 6]

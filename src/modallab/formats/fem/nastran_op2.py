@@ -15,7 +15,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError, FormatError, ModallabError
 from modallab.core.extras import require_package
-from modallab.formats.fem.nastran_grids import read_grids
+from modallab.formats.fem.nastran import read_grids
 from modallab.formats.fem.node_modes import NodeModes
 
 VECTORS = ("OUGV1", "BOUGV1", "OUG1", "BOPHIG", "OPHIG")

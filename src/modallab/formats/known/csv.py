@@ -1,43 +1,14 @@
 """CSV tables."""
 
-from __future__ import annotations
+from pathlib import Path
 
-from typing import TYPE_CHECKING
-
-from modallab.formats.format import Format
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from modallab.core.block import Campaign
-    from modallab.core.model import ModalModel
-    from modallab.core.rig import Rig
-    from modallab.formats.options import ImportOptions
+from modallab.formats.format import Format, deferred
 
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".asc")
 
 
 def _fits(head: bytes, path: Path) -> bool:
     return path.suffix.lower() in _ENDINGS or all(byte >= 32 or byte in b"\t\r\n\f" for byte in head)
-
-
-def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    from modallab.formats.csv.csv_read import read_csv
-
-    return read_csv(path, rig, options)
-
-
-def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None:
-    from modallab.formats.csv.csv_write import write_csv
-
-    write_csv(campaign, path, models)
-
-
-def _draft(path: Path, options: ImportOptions) -> Rig:
-    from modallab.formats.csv.csv_draft import draft_csv
-
-    return draft_csv(path, options)
 
 
 FORMAT = Format(
@@ -51,7 +22,7 @@ FORMAT = Format(
     priority=60,
     certain=False,
     fits=_fits,
-    read=_read,
-    draft=_draft,
-    write=_write,
+    read=deferred("csv.csv_read:read_csv"),
+    draft=deferred("csv.csv_draft:draft_csv"),
+    write=deferred("csv.csv_write:write_csv"),
 )

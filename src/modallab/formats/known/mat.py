@@ -1,17 +1,8 @@
 """MATLAB files."""
 
-from __future__ import annotations
+from pathlib import Path
 
-from typing import TYPE_CHECKING
-
-from modallab.formats.format import Format
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from modallab.core.block import Campaign
-    from modallab.core.rig import Rig
-    from modallab.formats.options import ImportOptions
+from modallab.formats.format import Format, deferred
 
 
 def _fits(head: bytes, path: Path) -> bool:
@@ -19,18 +10,6 @@ def _fits(head: bytes, path: Path) -> bool:
 
     # Version 4 has no mark; SciPy knows it by a zero where the others have text.
     return head.startswith(MARKS) or (path.suffix.lower() == ".mat" and 0 in head[:4])
-
-
-def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    from modallab.formats.arrays.mat import read_mat
-
-    return read_mat(path, rig, options)
-
-
-def _draft(path: Path, options: ImportOptions) -> Rig:
-    from modallab.formats.arrays.mat import draft_mat
-
-    return draft_mat(path, options)
 
 
 FORMAT = Format(
@@ -43,6 +22,6 @@ FORMAT = Format(
     asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz", "window_s", "variables", "array_map"),
     priority=5,
     fits=_fits,
-    read=_read,
-    draft=_draft,
+    read=deferred("arrays.mat:read_mat"),
+    draft=deferred("arrays.mat:draft_mat"),
 )

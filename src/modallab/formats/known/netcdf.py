@@ -1,17 +1,8 @@
 """What Rattlesnake streams."""
 
-from __future__ import annotations
+from pathlib import Path
 
-from typing import TYPE_CHECKING
-
-from modallab.formats.format import Format
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from modallab.core.block import Campaign
-    from modallab.core.rig import Rig
-    from modallab.formats.options import ImportOptions
+from modallab.formats.format import Format, deferred
 
 
 def _fits(head: bytes, path: Path) -> bool:
@@ -19,12 +10,6 @@ def _fits(head: bytes, path: Path) -> bool:
     from modallab.formats.campaign.hdf5_access import is_hdf5
 
     return is_hdf5(head) and is_rattlesnake(path)
-
-
-def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    from modallab.formats.arrays.netcdf import read_rattlesnake
-
-    return read_rattlesnake(path, rig, options)
 
 
 FORMAT = Format(
@@ -37,5 +22,5 @@ FORMAT = Format(
     asks=("test", "drive_point", "volts", "frequency_hz"),
     priority=7,
     fits=_fits,
-    read=_read,
+    read=deferred("arrays.netcdf:read_rattlesnake"),
 )

@@ -1,41 +1,12 @@
 """SEP005 time series of SDyPy, as JSON."""
 
-from __future__ import annotations
+from pathlib import Path
 
-from typing import TYPE_CHECKING
-
-from modallab.formats.format import Format
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from modallab.core.block import Campaign
-    from modallab.core.model import ModalModel
-    from modallab.core.rig import Rig
-    from modallab.formats.options import ImportOptions
+from modallab.formats.format import Format, deferred
 
 
 def _fits(head: bytes, path: Path) -> bool:
     return head.lstrip().startswith(b"[") and path.suffix.lower() == ".json"
-
-
-def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    from modallab.formats.sep005.sep005 import read_sep005
-
-    return read_sep005(path, rig, options)
-
-
-def _draft(path: Path, options: ImportOptions) -> Rig:
-    from modallab.formats.sep005.sep005_draft import draft_sep005
-
-    return draft_sep005(path, options)
-
-
-def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None:
-    from modallab.formats.sep005.sep005 import write_sep005
-
-    write_sep005(campaign, path)
 
 
 FORMAT = Format(
@@ -48,7 +19,7 @@ FORMAT = Format(
     asks=("test", "drive_point", "volts", "frequency_hz", "variables"),
     priority=40,
     fits=_fits,
-    read=_read,
-    draft=_draft,
-    write=_write,
+    read=deferred("sep005.sep005:read_sep005"),
+    draft=deferred("sep005.sep005:draft_sep005"),
+    write=deferred("sep005.sep005:write_sep005"),
 )

@@ -1,43 +1,14 @@
 """Universal files."""
 
-from __future__ import annotations
+from pathlib import Path
 
-from typing import TYPE_CHECKING
-
-from modallab.formats.format import Format
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from modallab.core.block import Campaign
-    from modallab.core.model import ModalModel
-    from modallab.core.rig import Rig
-    from modallab.formats.options import ImportOptions
+from modallab.formats.format import Format, deferred
 
 
 def _fits(head: bytes, path: Path) -> bool:
     from modallab.formats.uff.uff_functions import DELIMITER
 
     return head.lstrip().splitlines()[0].strip() == DELIMITER
-
-
-def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    from modallab.formats.uff.uff_read import read_uff
-
-    return read_uff(path, rig, options)
-
-
-def _draft(path: Path, options: ImportOptions) -> Rig:
-    from modallab.formats.uff.uff_draft import draft_uff
-
-    return draft_uff(path, options)
-
-
-def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None:
-    from modallab.formats.uff.uff_write import write_uff
-
-    write_uff(campaign, path, models)
 
 
 FORMAT = Format(
@@ -50,7 +21,7 @@ FORMAT = Format(
     asks=("test", "drive_point", "volts", "frequency_hz", "window_s"),
     priority=50,
     fits=_fits,
-    read=_read,
-    draft=_draft,
-    write=_write,
+    read=deferred("uff.uff_read:read_uff"),
+    draft=deferred("uff.uff_draft:draft_uff"),
+    write=deferred("uff.uff_write:write_uff"),
 )

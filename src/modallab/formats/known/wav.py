@@ -1,27 +1,12 @@
 """WAV files."""
 
-from __future__ import annotations
+from pathlib import Path
 
-from typing import TYPE_CHECKING
-
-from modallab.formats.format import Format
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from modallab.core.block import Campaign
-    from modallab.core.rig import Rig
-    from modallab.formats.options import ImportOptions
+from modallab.formats.format import Format, deferred
 
 
 def _fits(head: bytes, path: Path) -> bool:
     return head[:4] in (b"RIFF", b"RIFX", b"RF64") and head[8:12] == b"WAVE"
-
-
-def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    from modallab.formats.arrays.wav import read_wav
-
-    return read_wav(path, rig, options)
 
 
 FORMAT = Format(
@@ -34,5 +19,5 @@ FORMAT = Format(
     asks=("test", "drive_point", "volts", "frequency_hz"),
     priority=6,
     fits=_fits,
-    read=_read,
+    read=deferred("arrays.wav:read_wav"),
 )

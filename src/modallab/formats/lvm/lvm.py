@@ -10,7 +10,6 @@ from modallab.core.axis_checks import check_time, whole_rate
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.formats.axis_units import to_seconds
 from modallab.formats.csv.csv_draft import draft_csv
 from modallab.formats.csv.csv_read import read_csv, record_of
 from modallab.formats.csv.csv_table import Table
@@ -18,7 +17,7 @@ from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.lvm.lvm_read import LvmChannel, has_header, read_lvm
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, cut_to_common_time, start_of, start_of_text
-from modallab.formats.unit_text import normal_unit, quantity_of
+from modallab.formats.unit_text import normal_unit, quantity_of, to_seconds
 
 _SAME = 1e-4
 """Relative, of steps: columns of x are written with few digits too."""

@@ -16,10 +16,11 @@ from modallab.core.units import Quantity
 from modallab.formats.atomic import write_text
 from modallab.formats.block_facts import MARK, BlockFacts, facts_or_options, read_facts
 from modallab.formats.csv.csv_cells import number
+from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, cut_to_common_time, start_of, start_of_text
 from modallab.formats.uff.uff_lines import physical
-from modallab.formats.unit_text import normal_unit
+from modallab.formats.unit_text import normal_unit, quantity_of
 
 _QUANTITY: dict[Quantity, str] = {"force": "f", "acceleration": "a", "velocity": "v", "displacement": "d"}
 _AGREE, _SAME = 1e-3, 1e-9
@@ -192,3 +193,16 @@ def _block(
         first_sample=facts.first_sample,
     )
     return block, note
+
+
+def draft_sep005(path: Path, options: ImportOptions) -> Rig:
+    """The rig of a SEP005 file: the series of its first group, by their names and units.
+
+    Raises:
+        FormatError: no list of series.
+    """
+    drafts: list[DraftChannel] = []
+    for name, series in next(iter(series_of(path).values())).items():
+        unit = normal_unit(str(series["unit_str"]))
+        drafts.append(DraftChannel(name, quantity_of(unit), unit))
+    return rig_of(select_channels(drafts, options), path)

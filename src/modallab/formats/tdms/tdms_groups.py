@@ -6,9 +6,9 @@ import numpy as np
 
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
-from modallab.formats.axis_units import to_seconds
 from modallab.formats.csv.csv_heads import is_time_name
 from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup
+from modallab.formats.unit_text import to_seconds
 
 _SAME_NAMES = "say which is which with --variable CHANNEL=NAME, or choose a group with --group"
 

@@ -14,11 +14,12 @@ from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Channel, Rig
 from modallab.formats.block_facts import facts_or_options, read_facts
+from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, cut_to_common_time
-from modallab.formats.tdms.tdms_groups import chosen, is_time, listed, records_of, seconds_of_x, step_of
+from modallab.formats.tdms.tdms_groups import chosen, fastest, is_time, listed, records_of, seconds_of_x, step_of
 from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup, read_tdms_groups
-from modallab.formats.unit_text import normal_unit
+from modallab.formats.unit_text import normal_unit, quantity_of
 
 _UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription")
 
@@ -133,3 +134,21 @@ def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, wh
     else:
         raise DataError("says no wf_increment and holds no times", where=where, remedy="give the rate with --rate")
     return options.agreed(rate, where)
+
+
+def draft_tdms(path: Path, options: ImportOptions) -> Rig:
+    """The rig of a TDMS file: the channels of its fastest group, or of the chosen one, by their names and units.
+
+    Raises:
+        FormatError: no TDMS file, cut off or damaged.
+        DataError: it holds no samples.
+    """
+    groups = chosen(read_tdms_groups(path), options.group, str(path))
+    groups = tuple(g for g in groups if any(not is_time(c) for c in g.channels.values()))
+    if not groups:
+        raise DataError("holds nothing but times", where=str(path), remedy="export the records again")
+    drafts: list[DraftChannel] = []
+    for channel in fastest(groups, str(path)):
+        unit = unit_in_properties(channel)
+        drafts.append(DraftChannel(channel.name, quantity_of(unit), unit))
+    return rig_of(select_channels(drafts, options), path)

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import FormatError
-from modallab.formats.axis_units import to_hertz, to_seconds
 from modallab.formats.uff.uff_numbers import EXPORT_AGAIN, numbers
 from modallab.formats.uff.uff_sets import DELIMITER, FUNCTION_SET, HEAD_LINES, Form, RawSet, decoded, divide, form_of
-from modallab.formats.unit_text import normal_unit
+from modallab.formats.unit_text import normal_unit, to_hertz, to_seconds
 
 __all__ = ["DELIMITER", "KINDS", "Function", "UniversalFile", "read_datasets", "read_functions"]
 

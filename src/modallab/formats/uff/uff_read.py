@@ -1,16 +1,24 @@
 """Universal files: time records become blocks, FRFs an FRF matrix."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
-from modallab.core.block import Campaign
+import numpy as np
+
+from modallab.core.array_checks import check_rate, check_time
+from modallab.core.axis_checks import whole_rate
+from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
+from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.options import ImportOptions
+from modallab.formats.starts import cut_to_common_time, start_of
 from modallab.formats.uff.uff_frf import read_frf
-from modallab.formats.uff.uff_functions import KINDS, UniversalFile, read_functions
-from modallab.formats.uff.uff_time import read_blocks
+from modallab.formats.uff.uff_functions import KINDS, FileUnits, Function, UniversalFile, read_functions
+from modallab.formats.uff.uff_match import Match, known_point, match_channel, unit_of
 
 _USED = (1, 4, 6)
+_Group = dict[str, tuple[Function, Match]]
 
 
 def read_uff(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
@@ -22,7 +30,7 @@ def read_uff(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     """
     where = str(path)
     content = read_functions(path)
-    blocks, notes = read_blocks(content, path, rig, options)
+    blocks, notes = _read_blocks(content, path, rig, options)
     frfs = read_frf(content, rig, where)
     if not blocks and not frfs:
         raise DataError(
@@ -39,3 +47,108 @@ def read_uff(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 def _contents(content: UniversalFile) -> str:
     functions = [KINDS.get(f.kind, f"function of type {f.kind}") for f in content.functions if f.kind not in _USED]
     return ", ".join(dict.fromkeys([*functions, *(f"dataset {kind}" for kind in content.others)])) or "no sets"
+
+
+def _read_blocks(
+    content: UniversalFile, path: Path, rig: Rig, options: ImportOptions
+) -> tuple[tuple[Block, ...], tuple[str, ...]]:
+    """The time records as blocks: the first record of each channel is of the first one, and so on; and notes on them.
+
+    Raises:
+        DataError: complex or uneven records, channels missing or unequal in rate, or not recorded together.
+    """
+    where = str(path)
+    groups: list[_Group] = []
+    for function in (f for f in content.functions if f.kind == 1):
+        if np.iscomplexobj(function.values):
+            raise DataError(
+                f"set {function.place} is a time record of complex numbers", where=where, remedy="export it as real"
+            )
+        match = match_channel(function, rig.channels, where)
+        before = sum(match.channel.name in group for group in groups)
+        if before == len(groups):
+            groups.append({})
+        groups[before][match.channel.name] = (function, match)
+    blocks: list[Block] = []
+    notes: list[str] = []
+    for order, group in enumerate(groups):
+        name = path.stem if len(groups) == 1 else f"{path.stem}_{order + 1}"
+        block, note = _block(group, name, order, content.units, rig, options, where)
+        blocks.append(block)
+        notes += [f"{name}: {note}"] if note else []
+    return tuple(blocks), tuple(notes)
+
+
+def _block(
+    group: _Group, name: str, order: int, units: FileUnits | None, rig: Rig, options: ImportOptions, where: str
+) -> tuple[Block, str]:
+    _check_complete(group, rig, where)
+    parts = [group[channel.name] for channel in rig.channels]
+    functions = [function for function, _ in parts]
+    rate = _common_rate(functions, options, where)
+    samples, note = cut_to_common_time(
+        [np.asarray(f.values, dtype=np.float64) for f in functions],
+        [start_of(float(f.axis[0]), f.start_error) for f in functions],
+        rate,
+        [f"{channel.name} (set {f.place})" for channel, f in zip(rig.channels, functions, strict=True)],
+        where,
+    )
+    # Our own files carry the facts of a block in the last two identification lines.
+    facts = facts_or_options(
+        read_facts("".join(n for n in functions[0].names[3:5] if n != "NONE"), where), name, rate, options
+    )
+    block = Block(
+        name=facts.name,
+        test=facts.test,
+        order=order,
+        rate_hz=facts.rate_hz,
+        level=facts.level,
+        frequency_hz=facts.frequency_hz,
+        first_sample=facts.first_sample,
+        samples=samples,
+        scale=np.array([match.sign for _, match in parts], dtype=np.float64),
+        units=tuple(
+            unit_of(f, units, where) or options.unit(channel)
+            for f, channel in zip(functions, rig.channels, strict=True)
+        ),
+        channels=tuple(channel.name for channel in rig.channels),
+        drive_point=_drive_point(group, rig, options, where),
+    )
+    return block, note
+
+
+def _check_complete(group: _Group, rig: Rig, where: str) -> None:
+    missing = [channel.name for channel in rig.channels if channel.name not in group]
+    if missing:
+        places = ", ".join(str(function.place) for function, _ in group.values())
+        raise DataError(
+            f"no time record for channel {', '.join(missing)} beside sets {places}",
+            where=where,
+            remedy="export every channel of the rig, or leave these channels out of the rig",
+        )
+
+
+def _common_rate(functions: Sequence[Function], options: ImportOptions, where: str) -> float:
+    rates = {function.place: _rate(function, where) for function in functions}
+    if len(set(rates.values())) > 1:
+        text = ", ".join(f"set {place} {rate:g} Hz" for place, rate in rates.items())
+        raise DataError(f"the records differ in rate: {text}", where=where, remedy="export records of one rate")
+    return options.agreed(next(iter(rates.values())), where)
+
+
+def _rate(function: Function, where: str) -> float:
+    where = f"{where}, set {function.place}"
+    if not function.even:
+        return check_time(function.axis, where, resolution_s=function.axis_error)
+    step = float(function.axis[1] - function.axis[0]) if len(function.axis) > 1 else 0.0
+    if not step > 0:
+        raise DataError(f"the time step is {step:g} s", where=where, remedy="export the record with its time step")
+    return check_rate(whole_rate(1 / step, function.axis_error / step**2), where)
+
+
+def _drive_point(group: _Group, rig: Rig, options: ImportOptions, where: str) -> int | None:
+    if options.drive_point is not None or rig.force is None:
+        return options.drive_point
+    force = group[rig.force_channel.name][0]
+    nodes = [force.node, *(function.reference_node for function, _ in group.values())]
+    return known_point(next((node for node in nodes if node), 0), rig, where)

@@ -1,5 +1,8 @@
-"""What FRFs of a table or array are in: the units and directions of the rig's channel over those of its force."""
+"""How tables and arrays of others hold FRFs: units and directions of the rig's channels, order of lines, percent."""
 
+import numpy as np
+
+from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, FrfQuantity
 from modallab.core.rig import Channel, Rig
@@ -7,6 +10,7 @@ from modallab.core.units import DERIVATIVE, si_factor
 from modallab.signals.conversion import sign_of
 
 _QUANTITY: dict[int, FrfQuantity] = {order: quantity for quantity, order in DERIVATIVES.items()}
+_ROUNDING = 1e-6
 
 
 def assumed_factor(channel: Channel, rig: Rig, where: str) -> tuple[FrfQuantity, float]:
@@ -29,3 +33,27 @@ def assumed_factor(channel: Channel, rig: Rig, where: str) -> tuple[FrfQuantity,
 def turned(channel: Channel, rig: Rig) -> float:
     """1 or -1: what turns the FRF of a channel to the direction of the drive, as its records are turned."""
     return sign_of(rig, channel) * (1.0 if rig.force is None else sign_of(rig, rig.force))
+
+
+def rising(frequency_hz: Real, values: Complex128, coherence: Real | None) -> tuple[Real, Complex128, Real | None]:
+    """Lines (lines,), FRFs and coherences (outputs, inputs, lines) by rising frequency, of a sweep down too."""
+    if frequency_hz.size < 2 or not np.all(np.diff(frequency_hz) < 0):
+        return frequency_hz, values, coherence
+    turned = None if coherence is None else coherence[..., ::-1]
+    return frequency_hz[::-1], values[..., ::-1], turned
+
+
+def share_of_one(coherence: Real, where: str, unit: str = "") -> Real:
+    """Coherences, those in % as shares.
+
+    Raises:
+        DataError: they are not between 0 and 1.
+    """
+    share = coherence / 100 if unit == "%" else coherence
+    if not ((share >= 0) & (share <= 1 + _ROUNDING)).all():
+        raise DataError(
+            f"a coherence is not between 0 and 1: they reach {float(np.max(share)):.4g}",
+            where=where,
+            remedy="write [%] behind the names of columns in percent, or export the coherences again",
+        )
+    return np.minimum(share, 1.0)
