@@ -1,11 +1,17 @@
 """What a block is besides its samples, as one line of JSON that formats of others carry along in a remark."""
 
 import json
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Self, cast
 
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.errors import FormatError
+from modallab.core.rig import Rig
 from modallab.core.units import TESTS, Test
 from modallab.formats.options import ImportOptions
 
@@ -30,6 +36,27 @@ class BlockFacts:
     def of(cls, block: Block) -> Self:
         """The facts of a block."""
         return cls(**{name: getattr(block, name) for name in cls.__slots__})
+
+    def block(
+        self, samples: NDArray[Any], units: Sequence[str], rig: Rig, *, order: int = 0, scale: Real | None = None
+    ) -> Block:
+        """The record of these samples.
+
+        Args:
+            samples: (channels, n) of the rig's channels, in its order.
+            units: (channels,) of the samples after the scale.
+            rig: whose channels they are.
+            order: place among the records of a campaign.
+            scale: (channels,) unit per number; 1 where it is not given.
+        """
+        return Block(
+            samples=samples,
+            scale=np.ones(len(samples)) if scale is None else scale,
+            units=tuple(units),
+            channels=tuple(channel.name for channel in rig.channels),
+            order=order,
+            **{name: getattr(self, name) for name in self.__slots__},
+        )
 
     def text(self) -> str:
         """A line that `read_facts` understands."""
@@ -58,7 +85,7 @@ def read_facts(line: str, where: str) -> BlockFacts | None:
 
 
 def facts_or_options(facts: BlockFacts | None, name: str, rate_hz: float, options: ImportOptions) -> BlockFacts:
-    """The facts of a recording: its own remark, or what the user said of it.
+    """The facts of a recording: its own remark with the drive point that the user said, or all as the user said it.
 
     Raises:
         FormatError: the remark's rate is not that of the times.
@@ -71,7 +98,7 @@ def facts_or_options(facts: BlockFacts | None, name: str, rate_hz: float, option
             where=name,
             remedy="export it again, or remove the remark",
         )
-    return facts
+    return facts if options.drive_point is None else replace(facts, drive_point=options.drive_point)
 
 
 def _checked(content: dict[str, Any]) -> BlockFacts:

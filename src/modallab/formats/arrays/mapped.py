@@ -1,6 +1,7 @@
 """Records or FRFs from arrays, as a map says what they are."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, in_order
 from modallab.formats.arrays.channel_times import channel_times
+from modallab.formats.block_facts import facts_or_options
 from modallab.formats.frf_conventions import assumed_factor, rising, share_of_one, turned
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, normal_unit
@@ -147,20 +149,15 @@ def _blocks(
         )
         force = in_order(values, axes, ("records", "samples"), {"records": records, "samples": n}, where)
     place = {c.name: k for k, c in enumerate(rig.responses)}
+    rate = _rate(arrays, array_map, options, n, where)
+    units = [_unit(array_map, c, options) for c in rig.channels]
     for k in range(records):
         rows = [force[k] if c.quantity == "force" and force is not None else responses[k, place[c.name]]
                 for c in rig.channels]  # fmt: skip
-        yield Block(
-            name=name if records == 1 else f"{name}_{k + 1}",
-            test=options.test,
-            order=k,
-            rate_hz=_rate(arrays, array_map, options, n, where),
-            samples=np.ascontiguousarray(np.stack(rows), np.float64),
-            scale=np.ones(len(rows)),
-            units=tuple(_unit(array_map, c, options) for c in rig.channels),
-            channels=tuple(c.name for c in rig.channels),
-            drive_point=(array_map.inputs or (options.drive_point,))[0],
-            frequency_hz=options.frequency_hz,
+        samples = np.ascontiguousarray(np.stack(rows), np.float64)
+        facts = facts_or_options(None, name if records == 1 else f"{name}_{k + 1}", rate, options)
+        yield replace(facts, drive_point=(array_map.inputs or (options.drive_point,))[0]).block(
+            samples, units, rig, order=k
         )
 
 

@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_rate, check_time
-from modallab.core.block import Block, Campaign
+from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, listed
 from modallab.formats.arrays.channel_times import RATE_NAMES, STEP_NAMES, channel_times
 from modallab.formats.arrays.mapped import campaign_of_map
+from modallab.formats.block_facts import facts_or_options
 from modallab.formats.options import ImportOptions, units_of
 from modallab.formats.starts import cut_to_common_time
 from modallab.formats.unit_text import normal_unit
@@ -69,17 +70,8 @@ def campaign_of_arrays(
         return campaign_of_map(arrays, array_map, name, rig, options, where)
     found = {key: _find(arrays, key, options, where) for key in (TIME, RATE, STEP)}
     samples, rate, note = _record(arrays, found, rig, options, where)
-    block = Block(
-        name=name,
-        test=options.test,
-        order=0,
-        rate_hz=rate,
-        samples=samples,
-        scale=np.ones(len(samples)),
-        units=_units(rig, arrays, texts or {}, options, where),
-        channels=tuple(channel.name for channel in rig.channels),
-        drive_point=options.drive_point,
-        frequency_hz=options.frequency_hz,
+    block = facts_or_options(None, name, rate, options).block(
+        samples, _units(rig, arrays, texts or {}, options, where), rig
     )
     return Campaign(rig, (block,), provenance={"notes": f"{name}: {note}"} if note else {}, source=where)
 

@@ -77,20 +77,8 @@ def record_of(table: Table, rig: Rig, options: ImportOptions, name: str, where: 
     rate = _rate(table, names, time, options, where)
     units = [table.units[place] if table.units else "" for place in order]
     facts = facts_or_options(read_facts(table.remark, where), name, rate, options)
-    block = Block(
-        name=facts.name,
-        test=facts.test,
-        order=0,
-        rate_hz=facts.rate_hz,
-        level=facts.level,
-        frequency_hz=facts.frequency_hz,
-        first_sample=facts.first_sample,
-        samples=np.ascontiguousarray(table.values[:, order].T),
-        scale=np.ones(len(order)),
-        units=units_of(rig.channels, units, table.elsewhere, options, where),
-        channels=tuple(channel.name for channel in rig.channels),
-        drive_point=facts.drive_point if options.drive_point is None else options.drive_point,
-    )
+    samples = np.ascontiguousarray(table.values[:, order].T)
+    block = facts.block(samples, units_of(rig.channels, units, table.elsewhere, options, where), rig)
     return block, (f"columns {', '.join(left)} are no channels of the rig, and left out",) if left else ()
 
 

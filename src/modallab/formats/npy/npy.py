@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_rate, check_time
-from modallab.core.block import Block, Campaign
+from modallab.core.block import Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import without_singleton_axes
 from modallab.formats.arrays.variables import campaign_of_variables
+from modallab.formats.block_facts import facts_or_options
 from modallab.formats.options import ImportOptions
 
 _LAYOUT = "give an array of floating-point numbers: one row of times in s, then one row per channel in rig order"
@@ -40,19 +41,8 @@ def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         return campaign_of_variables(fields, {}, path, rig, options)
     _check_layout(array, rig, options, where)
     rate, samples = _split(array, rig, options, where)
-    channels = tuple(channel.name for channel in rig.channels)
-    block = Block(
-        name=path.stem,
-        test=options.test,
-        order=0,
-        rate_hz=rate,
-        samples=samples,
-        scale=np.ones(len(samples)),
-        units=tuple(options.unit(channel) for channel in rig.channels),
-        channels=channels,
-        drive_point=options.drive_point,
-        frequency_hz=options.frequency_hz,
-    )
+    units = [options.unit(channel) for channel in rig.channels]
+    block = facts_or_options(None, path.stem, rate, options).block(samples, units, rig)
     return Campaign(rig, (block,), source=where)
 
 

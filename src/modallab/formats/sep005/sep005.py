@@ -175,23 +175,9 @@ def _block(
     samples, note = cut_to_common_time([part["data"] for part in parts], starts, rate, names, f"{where}, group {name}")
     remark = str(parts[0].get("remark", ""))
     facts = facts_or_options(read_facts(remark, where) if remark.startswith(MARK) else None, name, rate, options)
-    block = Block(
-        name=facts.name,
-        test=facts.test,
-        order=order,
-        rate_hz=facts.rate_hz,
-        samples=samples,
-        scale=np.ones(len(names)),
-        units=tuple(
-            normal_unit(part["unit_str"]) or options.unit(channel)
-            for part, channel in zip(parts, rig.channels, strict=True)
-        ),
-        channels=names,
-        drive_point=facts.drive_point if options.drive_point is None else options.drive_point,
-        level=facts.level,
-        frequency_hz=facts.frequency_hz,
-        first_sample=facts.first_sample,
-    )
+    fitting = zip(parts, rig.channels, strict=True)
+    units = [normal_unit(part["unit_str"]) or options.unit(channel) for part, channel in fitting]
+    block = facts.block(samples, units, rig, order=order)
     return block, note
 
 

@@ -74,20 +74,9 @@ def _block(group: TdmsGroup, order: int, rig: Rig, options: ImportOptions, where
     rate = _rate(group, parts, options, where)
     samples, note = cut_to_common_time(*_rows(parts, where), rate, [part.name for part in parts], where)
     facts = facts_or_options(read_facts(group.description, where), group.name, rate, options)
-    block = Block(
-        name=facts.name,
-        test=facts.test,
-        order=order,
-        rate_hz=facts.rate_hz,
-        samples=samples,
-        scale=np.array([part.scale for part in parts]),
-        units=tuple(_unit(part, channel, options) for part, channel in zip(parts, rig.channels, strict=True)),
-        channels=tuple(channel.name for channel in rig.channels),
-        drive_point=facts.drive_point if options.drive_point is None else options.drive_point,
-        level=facts.level,
-        frequency_hz=facts.frequency_hz,
-        first_sample=facts.first_sample,
-    )
+    units = [_unit(part, channel, options) for part, channel in zip(parts, rig.channels, strict=True)]
+    scale = np.array([part.scale for part in parts])
+    block = facts.block(samples, units, rig, order=order, scale=scale)
     return block, note
 
 

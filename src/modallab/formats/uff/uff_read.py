@@ -1,6 +1,7 @@
 """Universal files: time records become blocks, FRFs an FRF matrix."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -97,23 +98,11 @@ def _block(
     facts = facts_or_options(
         read_facts("".join(n for n in functions[0].names[3:5] if n != "NONE"), where), name, rate, options
     )
-    block = Block(
-        name=facts.name,
-        test=facts.test,
-        order=order,
-        rate_hz=facts.rate_hz,
-        level=facts.level,
-        frequency_hz=facts.frequency_hz,
-        first_sample=facts.first_sample,
-        samples=samples,
-        scale=np.array([match.sign for _, match in parts], dtype=np.float64),
-        units=tuple(
-            unit_of(f, units, where) or options.unit(channel)
-            for f, channel in zip(functions, rig.channels, strict=True)
-        ),
-        channels=tuple(channel.name for channel in rig.channels),
-        drive_point=_drive_point(group, rig, options, where),
-    )
+    facts = replace(facts, drive_point=_drive_point(group, rig, options, where))
+    fitting = zip(functions, rig.channels, strict=True)
+    channel_units = [unit_of(f, units, where) or options.unit(channel) for f, channel in fitting]
+    signs = np.array([match.sign for _, match in parts], dtype=np.float64)
+    block = facts.block(samples, channel_units, rig, order=order, scale=signs)
     return block, note
 
 
