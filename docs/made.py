@@ -18,7 +18,7 @@ from typing import Any
 MARK = re.compile(r"^\*\(`docs/made\.py` writes `(\w+)(?: ([\w.]+))?` here\.\)\*$", re.MULTILINE)
 RAISED_ELSEWHERE = (
     "modallab.acquisition.process.rig_process",
-    "modallab.cli.demo_results",
+    "modallab.cli.demo",
     "modallab.cli.serve",
     "modallab.service.api.problems",
     "modallab_drivers.replay",

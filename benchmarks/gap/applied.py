@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from modallab.blind.again import diagnose_later
 from modallab.blind.answer import ANSWERS, Answer, read_answers
 from modallab.blind.outcome import true_name
+from modallab.blind.run import diagnose_later
 from modallab.blind.score import Trial
 from modallab.blind.seal import SEALED
 

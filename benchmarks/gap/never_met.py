@@ -17,9 +17,8 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import butter, iirnotch, lfilter
 
-from modallab.blind.draw import TrialDraw, make_trial
+from modallab.blind.draw import TrialDraw, drawn_rig, make_trial, with_other_mounting
 from modallab.blind.trial_bench import trial_bench
-from modallab.blind.trial_rigs import drawn_rig, with_other_mounting
 from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Tolerance

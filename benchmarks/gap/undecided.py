@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from modallab.blind.trial_rigs import drawn_rig, with_other_mounting
+from modallab.blind.draw import drawn_rig, with_other_mounting
 from modallab.core.effects import Effect, kind_of
 from modallab.core.plan import HitAcceptance, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance

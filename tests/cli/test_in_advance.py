@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from modallab.cli.in_advance import BackgroundResult
+from modallab.cli.demo import BackgroundResult
 
 
 def test_it_is_computed_while_the_caller_goes_on() -> None:

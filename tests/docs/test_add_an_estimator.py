@@ -13,7 +13,7 @@ from modallab.cli import main
 from modallab.core.errors import ConfigurationError, IdentificationError, JobError, ModallabError
 from modallab.formats import read_campaign, read_rig
 from modallab.identification import IdentificationOptions, estimator_names, estimators, find_estimator
-from modallab.pipelines.diagram import diagram_of
+from modallab.pipelines.curves import diagram_of
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import read_models
 from modallab.pipelines.parameters import parse_parameters

@@ -11,10 +11,9 @@ from exchange_rigs import beam_rig, plain_rig
 
 from modallab.core.errors import DataError, FormatError, ModallabError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
-from modallab.formats.format import readers
+from modallab.formats.format import readers, sniff
 from modallab.formats.importer import import_sources
 from modallab.formats.options import ImportOptions
-from modallab.formats.sniff import sniff
 
 RIG = beam_rig()
 

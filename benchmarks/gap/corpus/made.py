@@ -14,9 +14,8 @@ from structures import Material
 
 from corpus.campaigns import Entry
 from corpus.sealed import SEALED, unsealed
-from modallab.blind.draw import TrialDraw, make_trial
+from modallab.blind.draw import TrialDraw, drawn_rig, make_trial, with_other_mounting
 from modallab.blind.trial_bench import trial_bench
-from modallab.blind.trial_rigs import drawn_rig, with_other_mounting
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError

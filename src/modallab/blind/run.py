@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
+from datetime import date
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
-from modallab.blind.again import RepeatedCampaign, diagnose_later
 from modallab.blind.answer import ANSWERS, Answer, answer_all, compute_in_pool, read_answers
 from modallab.blind.draw import TrialDraw, draw_trials, make_trial
 from modallab.blind.outcome import BlindOutcome, sum_up_trials
@@ -16,9 +16,16 @@ from modallab.blind.request import BlindRequest
 from modallab.blind.score import Trial
 from modallab.blind.seal import SEALED, open_truth, publish_hashes, published_hashes, seal_truth, sealed_hash
 from modallab.core.block import Campaign
+from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import DataError, FormatError
+from modallab.core.hold_out import MIXED
 from modallab.core.progress import part_of_progress, report_progress
-from modallab.formats.campaign.campaign_hdf5 import write_campaign
+from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
+from modallab.gap.diagnosis import diagnose
+from modallab.gap.report.initial_gap import gap_before, gap_known, gap_unseen
+from modallab.gap.report.shrinkage import BARE, closed_share
+from modallab.gap.revisions.apply import with_diagnosis
+from modallab.twin.effects import model_of
 
 CAMPAIGNS = "campaigns"
 
@@ -155,9 +162,21 @@ def _anonymous(campaign: Campaign, name: str) -> Campaign:
     return replace(campaign, rig=rig, provenance={}, source="")
 
 
+class _RepeatedCampaign(NamedTuple):
+    """A diagnosis compared with a later campaign.
+
+    Attributes:
+        closed: share of the reducible gap that it closes there; None where there was next to none.
+        shut: whether that campaign has no gap to the simulation that carries the diagnosis.
+    """
+
+    closed: float | None
+    shut: bool
+
+
 def _later_campaigns_seen(
     folder: Path, found: Mapping[str, Answer], pool: Executor | None
-) -> dict[str, RepeatedCampaign]:
+) -> dict[str, _RepeatedCampaign]:
     known = [answer for answer in found.values() if answer.diagnosis.verdict == "known"]
     later = compute_in_pool(
         pool, lambda a: (_repeat_campaign, (_later_of(folder, a.name), a.diagnosis)), known, "later campaign"
@@ -165,11 +184,11 @@ def _later_campaigns_seen(
     return {answer.name: seen for answer, seen in later}
 
 
-def _repeat_campaign(what: tuple[Path, Any]) -> RepeatedCampaign:
+def _repeat_campaign(what: tuple[Path, Any]) -> _RepeatedCampaign:
     return diagnose_later(*what)
 
 
-def _trial_of_answer(answer: Answer, truth: list[dict[str, Any]], seen: RepeatedCampaign | None) -> Trial:
+def _trial_of_answer(answer: Answer, truth: list[dict[str, Any]], seen: _RepeatedCampaign | None) -> Trial:
     return Trial(
         answer.name,
         truth,
@@ -180,3 +199,20 @@ def _trial_of_answer(answer: Answer, truth: list[dict[str, Any]], seen: Repeated
         None if seen is None else seen.closed,
         None if seen is None else seen.shut,
     )
+
+
+def diagnose_later(later: Path, diagnosis: Diagnosis) -> _RepeatedCampaign:
+    """Hold a diagnosis that names effects against a later campaign on the same bench."""
+    campaign = read_campaign(later)
+    revised = replace(campaign, rig=with_diagnosis(campaign.rig, diagnosis, date.min))
+    before, after = _gaps_before_and_after(campaign, revised, diagnosis)
+    share = closed_share(before, after) if before**2 - 1 > BARE else None
+    return _RepeatedCampaign(share, diagnose(revised).verdict == "no_gap")
+
+
+def _gaps_before_and_after(campaign: Campaign, revised: Campaign, diagnosis: Diagnosis) -> tuple[float, float]:
+    """In noise units, on what a diagnosis measures its shrinkage on: records that its fits have not seen."""
+    if any(model_of(f.effect).search is None for f in diagnosis.effects):
+        # What no force predicts is in each record on its own.
+        return gap_before(campaign), gap_known(revised)
+    return gap_unseen(campaign, MIXED), gap_unseen(revised, MIXED)

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from modallab.core.budget import Budget
-from modallab.core.described import Alternative, Learned
+from modallab.core.effect import Alternative, Learned
 from modallab.core.effects import Effect, Stage
 from modallab.core.frozen import Frozen
 from modallab.core.places import Place, place_as_shares

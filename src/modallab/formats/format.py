@@ -1,16 +1,18 @@
-"""What a format of recordings declares of itself, and where those there are can be found.
+"""What a format of recordings declares of itself, which formats there are, and of which one a recording is.
 
-Each module of `modallab.formats.known` is one format. Its name is that of the file.
+Each module of `modallab.formats.known` is one format. Its name is that of the file. The content of a recording tells
+its format; where it does not, its ending does.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from modallab.core.discovery import declaration_in_module, declared_names
-from modallab.core.errors import ConfigurationError, DataError
+from modallab.core.errors import ConfigurationError, DataError, FormatError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from modallab.core.rig import Rig
     from modallab.formats.options import ImportOptions
 
+
 Part = Literal["records", "FRFs", "modes"]
 Option = Literal[
     "test", "rate_hz", "drive_point", "volts", "frequency_hz", "window_s", "variables", "array_map", "group", "columns"
@@ -27,6 +30,7 @@ Option = Literal[
 
 PACKAGE = "modallab.formats.known"
 """Where they are declared, one module each."""
+_HEAD_BYTES = 4096
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,3 +134,45 @@ def find_writer(name: str) -> Format:
 
 def _endings(endings: tuple[str, ...]) -> bool:
     return bool(endings) and all(e.startswith(".") and e == e.lower() and len(e) > 1 for e in endings)
+
+
+def sniff(path: Path) -> Format:
+    """The format of a recording.
+
+    Raises:
+        FormatError: missing, empty, a folder without a campaign, or of no known format.
+    """
+    if path.is_dir():
+        return _of_folder(path)
+    try:
+        with path.open("rb") as source:
+            head = source.read(_HEAD_BYTES)
+    except OSError as error:
+        raise FormatError(
+            f"cannot be read: {error.strerror or error}", where=str(path), remedy="check the name of the file"
+        ) from error
+    if not head.strip():
+        raise FormatError("is empty", where=str(path), remedy="copy the file again from where it was recorded")
+    return _of_content(head, path)
+
+
+def _of_folder(path: Path) -> Format:
+    held = [f for f in readers() if f.inside]
+    for known in held:
+        if (path / known.inside).is_file():
+            return known
+    names = " or ".join(f.inside for f in held)
+    raise FormatError(f"is a folder, without {names}", where=str(path), remedy="name the files in it, as folder/*.npy")
+
+
+def _of_content(head: bytes, path: Path) -> Format:
+    known = readers()
+    kinds = f"name a file of a known kind: {', '.join(f.title for f in sorted(known, key=lambda f: f.name))}"
+    for certain in (True, False):
+        for one in known:
+            if one.certain == certain and one.fits is not None and one.fits(head, path):
+                return one
+        for one in known:
+            if one.certain == certain and path.suffix.lower() in one.endings:
+                raise FormatError(f"is no {one.is_no}", where=str(path), remedy=kinds)
+    raise FormatError("is of no known kind", where=str(path), remedy=kinds)

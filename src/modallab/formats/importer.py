@@ -15,8 +15,8 @@ from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure
 from modallab.formats.draft import DraftChannel, select_channels, with_named_points
 from modallab.formats.error_list import ErrorCollection
+from modallab.formats.format import sniff
 from modallab.formats.options import COUNTED_HZ, ImportOptions, options_of
-from modallab.formats.sniff import sniff
 from modallab.signals.faults.found import faults_of
 
 _VOLTS = ("V", "mV")

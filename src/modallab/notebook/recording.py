@@ -11,9 +11,9 @@ from modallab.core.errors import FormatError, RigError
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import ArrayMap, map_of, read_map
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
+from modallab.formats.format import sniff
 from modallab.formats.importer import import_recordings
 from modallab.formats.rig.rig_file import read_rig
-from modallab.formats.sniff import sniff
 from modallab.notebook.arguments import path_for
 from modallab.notebook.shown import DisplayedTable
 

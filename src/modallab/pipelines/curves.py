@@ -5,9 +5,19 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
 from modallab.core.documents.models import CurvesView, DiagramView, TestCurves
+from modallab.core.errors import ModallabError
+from modallab.core.frf import Frf
+from modallab.core.units import BROADBAND
+from modallab.frf.broadband import blocks_of_one_level, broadband_frf
+from modallab.frf.estimate import group_by_point
+from modallab.identification.estimate import estimate_poles
+from modallab.identification.estimator import USUAL, find_estimator
+from modallab.identification.impact import start_frf
+from modallab.identification.selection.diagram import StabilisationData, stabilisation_diagram
+from modallab.identification.sine import START, highest_order, stepped_start
+from modallab.identification.start.stabilisation import StabilityLimits
 from modallab.modification.deflection import deviation_of_frf
-from modallab.pipelines.diagram import diagram_of
-from modallab.pipelines.identify import CampaignResult, IdentifiedTest
+from modallab.pipelines.identify import CampaignResult, IdentifiedTest, usable_blocks
 
 DIGITS = 6
 """Significant ones: these are to be drawn."""
@@ -53,3 +63,36 @@ def _complex_as_lists(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
 def _rounded_values(values: NDArray[np.float64]) -> NDArray[np.float64]:
     flat = [float(f"{value:.{DIGITS}g}") for value in values.ravel().tolist()]
     return np.array(flat, dtype=np.float64).reshape(values.shape)
+
+
+def diagram_of(campaign: Campaign, item: IdentifiedTest, frf: Frf | None = None) -> StabilisationData | str:
+    """The diagram, or why there is none.
+
+    Args:
+        campaign: the recordings.
+        item: a test's model; one of an estimator without orders is drawn beside the poles of the usual one.
+        frf: the FRF, if it came as such.
+    """
+    try:
+        seen, order, tolerance = _diagram_of_item(campaign, item, frf)
+        # What has no orders is drawn beside the poles of one that has.
+        method = item.model.method if find_estimator(item.model.method).order is not None else USUAL
+        return stabilisation_diagram(seen, estimate_poles(seen, method, order, tolerance).orders, tolerance)
+    except ModallabError as error:
+        return error.what
+
+
+def _diagram_of_item(
+    campaign: Campaign, item: IdentifiedTest, frf: Frf | None
+) -> tuple[Frf, int | None, StabilityLimits | None]:
+    if frf is not None:
+        return frf, None, None
+    if item.source == "impact":
+        signals, rig, _ = usable_blocks(campaign, campaign.of("impact"))
+        return start_frf(group_by_point(signals), rig, item.model.band_hz), None, None
+    if item.source in BROADBAND:
+        signals, rig, _ = usable_blocks(campaign, campaign.of(item.source))
+        return broadband_frf(blocks_of_one_level(signals), rig, item.model.band_hz), None, None
+    signals, rig, _ = usable_blocks(campaign, campaign.of("sine"))
+    seen = stepped_start(signals, rig, item.model.band_hz)
+    return seen, highest_order(seen), START

@@ -14,7 +14,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.frf.estimate import convert_frf, group_by_point, impact_frf
 from modallab.identification.setups.readings import SetUpReading
-from modallab.pipelines.diagram import diagram_of
+from modallab.pipelines.curves import diagram_of
 from modallab.pipelines.identify import CampaignResult, IdentifiedTest, UnidentifiedTest, usable_blocks
 from modallab.reporting.content import OutcomeOfTest, ReportContent, ReportedHit, TrueModes
 from modallab.reporting.figures.shape_data import example_block

@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab import __version__
 from modallab.formats.atomic import write_text
-from modallab.formats.sniff import sniff
+from modallab.formats.format import sniff
 from modallab.formats.uff.uff_functions import read_functions
 from modallab.formats.uff.uff_results import NodeMode, Results, read_results
 from modallab.reporting.figures.wireframe import MovingShape

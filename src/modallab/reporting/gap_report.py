@@ -3,9 +3,10 @@
 from pathlib import Path
 
 from modallab.core.block import Campaign
-from modallab.core.described import Learned
+from modallab.core.budget import Budget, BudgetRow
 from modallab.core.diagnosis import Diagnosis, Found, Percent
-from modallab.core.digits import probability_text, three_digits, with_interval
+from modallab.core.digits import part_of, probability_text, three_digits, with_interval
+from modallab.core.effect import Learned
 from modallab.core.effects import kind_of
 from modallab.core.places import x_m_of
 from modallab.core.rig import Rig
@@ -13,9 +14,9 @@ from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import revision_history
 from modallab.gap.words.effects import FROM_CLAMP, effect_names, interval_m, parameter_in_words, place_of
 from modallab.gap.words.verdicts import share_of_response, unexplained_sentence, verdict_sentence
+from modallab.reporting.bars import Bar, scaled_bars
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
-from modallab.reporting.gap_budget import budget_section
 from modallab.reporting.gap_candidates import candidates_section, closed_bar, residual_section, shrink_section
 from modallab.reporting.gap_page import captioned_picture, page_section, typeset_sentence, whole_page
 from modallab.reporting.markup import Markup, html_element, html_table
@@ -23,6 +24,17 @@ from modallab.reporting.revisions_report import revisions_section
 from modallab.reporting.sections.section import captioned_figure
 from modallab.twin.effect_model import NoChange
 from modallab.twin.effects import model_of
+
+_LEAST_SHARE = 0.005
+"""Share of the gap below which a part is left out of the table."""
+_LONGEST = 12
+"""Bars of a budget."""
+_COLOURS = {"tolerance": "measured", "effect": "warning", "model": "model", "noise": "soft"}
+_CAPTION = (
+    "Shares of the squares of measured less simulated as the rig file describes the bench; the response of each record "
+    "counts alike. Blue: deviations within the tolerances. Those whose shares cancel are summed in one row. "
+    "Tolerances below half a percent are left out."
+)
 
 
 def write_gap_report(path: Path, diagnosis: Diagnosis, campaign: Campaign) -> None:
@@ -47,7 +59,7 @@ def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
         shrink_section(diagnosis),
         _next_step_section(diagnosis),
         _curves_section(diagnosis, campaign),
-        budget_section(diagnosis),
+        _budget_section(diagnosis),
         candidates_section(diagnosis),
         residual_section(diagnosis),
         _revisions_section(campaign),
@@ -191,3 +203,51 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
         html_element("p", model_of(described.elements[0].element).experiment),
         html_element("ul", *others) if others else None,
     )
+
+
+def _budget_section(diagnosis: Diagnosis) -> Markup | None:
+    """Bars of the largest parts, what to calibrate first, and the table; None where there is no budget."""
+    budget = diagnosis.budget
+    if budget is None or not budget.rows:
+        return None
+    largest = [
+        Bar(typeset_sentence(r.said), r.share, part_of(r.share), _COLOURS[r.kind])
+        for r in _rows_shown(budget)[:_LONGEST]
+    ]
+    first = (
+        html_element("ul", *(html_element("li", typeset_sentence(line)) for line in budget.calibrate))
+        if budget.calibrate
+        else None
+    )
+    picture = captioned_picture(scaled_bars(largest, "Share of the gap of each part"), _CAPTION)
+    return page_section("Where it comes from", picture, first, _budget_table(budget), _usual_tolerances_note(budget))
+
+
+def _rows_shown(budget: Budget) -> list[BudgetRow]:
+    return [r for r in budget.rows if abs(r.share) > _LEAST_SHARE or r.kind in ("model", "noise", "effect")]
+
+
+def _budget_table(budget: Budget) -> Markup:
+    head = ["part", "share", "deviation [σ]", "mostly in"]
+    return html_table(
+        "Budget of the gap", head, [_budget_row(r) for r in _rows_shown(budget)], numeric=(1, 2), class_="wide"
+    )
+
+
+def _budget_row(row: BudgetRow) -> list[str]:
+    moved = "" if row.sigmas is None else f"{row.sigmas:+.1f}".replace("-", "\u2212")
+    return [typeset_sentence(row.said), part_of(row.share), moved, _where_mostly(row)]
+
+
+def _where_mostly(row: BudgetRow) -> str:
+    """Test, channel, band and mode with the most of a part."""
+    most = {division: max(by, key=lambda name: abs(by[name])) for division, by in row.by.items() if by}
+    spoken = {"test": "{} test", "channel": "{}", "band": "{} Hz", "mode": "mode {}"}
+    return ", ".join(spoken[division].format(name) for division, name in most.items()).replace("-", " to ")
+
+
+def _usual_tolerances_note(budget: Budget) -> Markup | None:
+    if not budget.usual:
+        return None
+    listed = ", ".join(f"{name} {value:g}" for name, value in budget.usual.items())
+    return html_element("p", f"The rig file states no tolerances. A lab's usual ones stand for them: {listed}.")

@@ -5,21 +5,27 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.core.digits import percent_text, probability_text
+from modallab.core.digits import percent_text, probability_text, significant_digits
 from modallab.core.frf import Frf
-from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
+from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis, PartOfGap
 from modallab.core.places import NamedChannel
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.modal.diagnosis import ComparisonOutcome
 from modallab.gap.words.effects import numbers_of, place_of_change, position_of_change, spoken_change, spoken_effect
 from modallab.gap.words.verdicts import sentence_by_model
+from modallab.reporting.figures import style
+from modallab.reporting.figures.log_bars import BarRow, BarScale, log_bars
 from modallab.reporting.figures.structure_curves import structure_curves
 from modallab.reporting.figures.structure_picture import MarkedPlaces, structure_picture
 from modallab.reporting.gap_page import captioned_picture, page_section, typeset_sentence, whole_page
 from modallab.reporting.markup import Markup, html_element, html_table
 from modallab.reporting.sections.section import captioned_figure
-from modallab.reporting.structure_parts import candidates_section, parts_section
+
+_SHARE = BarScale("rms of measured less predicted [% of the response]", 0.1, 10.0, "{:.2g} %".format)
+"""From a thousandth of the response."""
+_NAMES = ("as it came", "within tolerances", "with the change")
+_COLOURS = (style.SOFT, style.MEASURED, style.SECOND)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -64,9 +70,9 @@ def render(gap: StructureGap) -> str:
         _width_of_gap(gap),
         _place_of_gap(gap),
         _explanation_list(gap.diagnosis),
-        candidates_section(gap.explained),
+        _candidates_section(gap.explained),
         _curves_section(gap),
-        parts_section(gap.diagnosis),
+        _parts_section(gap.diagnosis),
         _not_compared_list(gap),
     )
 
@@ -179,3 +185,60 @@ def _not_compared_list(gap: StructureGap) -> Markup:
         "What was not looked at",
         html_element("ul", *(html_element("li", typeset_sentence(line)) for line in sentences)),
     )
+
+
+def _candidates_section(explained: ComparisonOutcome) -> Markup | None:
+    """Every explanation that was fitted, with its numbers, its probability and what it leaves; None without any."""
+    listed = explained.ranked
+    if not listed:
+        return None
+    found, judged = explained.diagnosis, explained.judged
+    left = [c.gap for c in found.candidates]
+    rows = [["no change", probability_text(judged.nothing), percent_text(found.before), ""]]
+    rows += [
+        [spoken_change(c), probability_text(c.probability), percent_text(gap), _numbers_of_change(c)]
+        for c, gap in zip(listed, left, strict=True)
+    ]
+    rows.append(["something without a name", probability_text(judged.unknown), "", f"most likely in {judged.where}"])
+    head = ["explanation", "probability", "leaves", "numbers (95 %)"]
+    known = found.verdict == "known"
+    caption = (
+        "Probabilities are of all that stands here, and add up to 1. One that leaves the percentage as it is may still "
+        "relieve the tolerances, which count as well."
+    )
+    none = "" if known else " Here none was needed, or none was enough, however probable it is beside the others."
+    return page_section(
+        "What else might explain it" if known else "What was tried",
+        html_table("The best of each kind, once fitted", head, rows, numeric=(1, 2), class_="wide"),
+        html_element("p", caption + none),
+    )
+
+
+def _numbers_of_change(change: FoundChange) -> str:
+    caption = (f"{name} {value}" + f" ({between})" * bool(between) for name, value, between in numbers_of(change))
+    return ", ".join(caption)
+
+
+def _parts_section(found: ModalDiagnosis) -> Markup | None:
+    """Two figures: the gap of each mode and of each channel."""
+    changed = found.after != found.before
+    figures = [
+        _budget_figure(parts, f"The gap {by}. {caption}", name, changed)
+        for parts, by, caption, name in (
+            (found.by_mode, "about each mode of the bench", "Each line counts for the mode nearest to it.", "modes"),
+            (found.by_channel, "of each channel", "Over all driven points.", "channels"),
+        )
+        if parts
+    ]
+    return page_section("Where it shrinks", *figures) if figures else None
+
+
+def _budget_figure(parts: list[PartOfGap], caption: str, name: str, changed: bool) -> Markup:
+    many = 3 if changed else 2
+    rows = [BarRow(_part_label(p), tuple(100 * v for v in (p.nominal, p.before, p.after)[:many])) for p in parts]
+    figure = log_bars(rows, _NAMES[:many], _COLOURS[:many], scale=_SHARE)
+    return captioned_figure(figure, name, caption, caption, columns=1)
+
+
+def _part_label(part: PartOfGap) -> str:
+    return part.name if part.frequency_hz is None else f"{significant_digits(part.frequency_hz, 3)} Hz"

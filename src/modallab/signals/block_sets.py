@@ -1,10 +1,13 @@
-"""What a set of blocks must be to make one test of one rig."""
+"""The blocks of one test of one rig: what they must be, and some of their channels."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from modallab.core.array_checks import check_signals
+from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.signals.faults.dead import constant
@@ -58,3 +61,36 @@ def _named_forces(signals: Signals) -> tuple[str, ...]:
     if len(signals.forces) == 1:
         return ("force",)
     return tuple(f"force at point {point}" for point in signals.block.driven_points)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ChosenOutputs:
+    """The forces and some outputs.
+
+    Attributes:
+        rig: with these channels only.
+        rows: where they stand in the whole rig's blocks.
+    """
+
+    rig: Rig
+    rows: tuple[int, ...]
+
+    @classmethod
+    def of(cls, rig: Rig, outputs: tuple[str, ...] = ()) -> Self:
+        """The outputs of these names, in the rig's order; all of them if none is named.
+
+        Raises:
+            DataError: there is no such output.
+        """
+        known = tuple(c.name for c in rig.responses)
+        unknown = sorted(set(outputs) - set(known))
+        if unknown:
+            raise DataError(f"there is no output {', '.join(unknown)}", remedy=f"choose from {', '.join(known)}")
+        forces = {rig.force_channel.index, *(c.index for c in rig.forces)}
+        chosen = [c for c in rig.channels if not outputs or c.name in outputs or c.index in forces]
+        kept = tuple(c.model_copy(update={"index": n}) for n, c in enumerate(chosen))
+        return cls(rig.model_copy(update={"channels": kept}), tuple(c.index for c in chosen))
+
+    def block(self, block: Block) -> Block:
+        """These channels of a block of the whole rig."""
+        return block.of_rows(self.rows)

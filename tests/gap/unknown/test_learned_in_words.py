@@ -2,7 +2,7 @@
 
 import pytest
 
-from modallab.core.described import Learned
+from modallab.core.effect import Learned
 from modallab.core.rig import Rig
 from modallab.gap.words.learned import learned_in_words
 

@@ -7,7 +7,6 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.channel_prediction import ChannelPrediction
 from modallab.acquisition.monitor.flat_tops import flat_tops
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise
 from modallab.acquisition.monitor.tone_prediction import rms_about_line
@@ -80,7 +79,7 @@ class WaveSamples:
         self._raw: Samples = rest[:, :0]
         self._seen_to = start
         self._taken = start
-        self._prediction = ChannelPrediction(self._channels + DRIVE_LAGS * len(waves), FORGET)
+        self._prediction = _ChannelPrediction(self._channels + DRIVE_LAGS * len(waves), FORGET)
         self._hops: deque[Real] = deque(maxlen=WINDOW_HOPS + UNSURE_HOPS)
         self._usual: deque[Real] = deque(maxlen=UNSURE_HOPS + ceil(max(USUAL_S, period_s) / HOP_S))
         self._gone = np.zeros(self._channels, dtype=np.int64)
@@ -146,3 +145,44 @@ class WaveSamples:
             for wave, level_v in zip(self._waves, self._level_v, strict=True)
         ]
         return np.concatenate([samples, *drives])
+
+
+class _ChannelPrediction:
+    """Learns from stretches, each forgotten little by little, and predicts each channel from the others and the drive.
+
+    A structure moves in a few shapes, so each channel is close to a weighted sum of the others and of the drive of the
+    last few milliseconds. With the second moments M of all of them, the weights for channel c are
+    -inv(M)[c, j] / inv(M)[c, c], and what they leave unexplained has the variance 1 / inv(M)[c, c] (Lauritzen,
+    Graphical Models, 1996, section 5.1).
+    """
+
+    def __init__(self, rows: int, forget: float) -> None:
+        """For so many rows; `forget` is the part of what is known that each new stretch replaces."""
+        self._moments = np.zeros((rows, rows))
+        self._count = 0.0
+        self._keep = 1 - forget
+
+    @property
+    def count(self) -> float:
+        """Samples that are known."""
+        return self._count
+
+    def learn(self, rows: Real) -> None:
+        """Take in (rows, n) samples."""
+        self._moments = self._keep * self._moments + rows @ rows.T
+        self._count = self._keep * self._count + rows.shape[1]
+
+    def predict(self, rows: Real, channels: int, noise: float) -> tuple[Real, Real]:
+        """What (rows, n) samples make the first `channels` read, and the rms that stays unexplained.
+
+        Args:
+            rows: channels, then the drive.
+            channels: how many of them are predicted.
+            noise: rms of each row that explains nothing.
+        """
+        count = max(self._count, 1.0)
+        inverse = np.linalg.inv(self._moments / count + noise**2 * np.eye(len(rows)))
+        own = np.diag(inverse)[:channels]
+        weights = -inverse[:channels] / own[:, None]
+        weights[np.arange(channels), np.arange(channels)] = 0.0
+        return weights @ rows, np.sqrt(1 / own)

@@ -2,15 +2,16 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from threading import Condition, Lock
+from threading import Condition, Lock, Thread
 
+import numpy as np
 from rich.console import Console
 
-from modallab.cli.bench_mode.agreement_watch import AgreementWatch
 from modallab.cli.bench_mode.keys import KeyMap, Meaning
 from modallab.cli.bench_mode.screen import Screen, status_sentence
 from modallab.cli.bench_mode.session_state import SessionState
 from modallab.cli.bench_mode.tones import Tones
+from modallab.core.block import Campaign
 from modallab.core.documents.pages import EventView
 from modallab.core.documents.runs import Accept, Command, Drop, Pause, Resume, Stop
 from modallab.core.errors import ConfigurationError, ModallabError
@@ -18,6 +19,8 @@ from modallab.core.setups import SensorMove
 from modallab.service.campaigns.local_session import LocalCampaign
 
 LOOK_S = 0.2
+_LEAVE_S = 5.0
+"""How long a comparison that is on may take once the session ends."""
 
 
 class Operator:
@@ -37,7 +40,7 @@ class Operator:
         self._keys = keys
         self.left = False
         has_beam = session.rig.beam is not None
-        self._agreement = AgreementWatch(lambda run: session.recorded((run,)), self._compared) if has_beam else None
+        self._agreement = _AgreementWatch(lambda run: session.recorded((run,)), self._compared) if has_beam else None
 
     def notify(self, event: EventView) -> None:
         """Show what an event means to the operator."""
@@ -132,3 +135,53 @@ def _command(meaning: Meaning, state: SessionState) -> Command | None:
     if meaning == "undo":
         return None if state.last_good is None else Drop(n=state.last_good, reason="taken back by the operator")
     return None if state.last_rejected is None else Accept(n=state.last_rejected)
+
+
+class _AgreementWatch:
+    """Compares the latest records of a run each time it is notified; a request replaces one that waits."""
+
+    def __init__(self, recorded: Callable[[str], Campaign], show: Callable[[str], None]) -> None:
+        """Begin to wait for requests.
+
+        Args:
+            recorded: what a run has recorded so far.
+            show: takes the sentence of each comparison, in a thread of its own.
+        """
+        self._recorded, self._show = recorded, show
+        self._requested: str | None = None
+        self._closed = False
+        self._changed = Condition()
+        self._thread = Thread(target=self._compare_all, name="agreement", daemon=True)
+        self._thread.start()
+
+    def request(self, run: str) -> None:
+        """Compare this run with the simulation, as soon as the comparison before is done."""
+        with self._changed:
+            self._requested = run
+            self._changed.notify()
+
+    def close(self) -> None:
+        """Begin no other comparison, and wait for the one that is on."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+        self._thread.join(_LEAVE_S)
+
+    def _compare_all(self) -> None:
+        while (run := self._next()) is not None:
+            self._compare(run)
+
+    def _next(self) -> str | None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._closed or self._requested is not None)
+            run, self._requested = self._requested, None
+            return None if self._closed else run
+
+    def _compare(self, run: str) -> None:
+        from modallab.gap.inference.agreement import agreement, latest
+
+        try:
+            self._show(agreement(latest(self._recorded(run))).sentence)
+        except (ModallabError, np.linalg.LinAlgError):
+            # Too little is recorded yet, or a record shows no mode: the next one is compared.
+            return

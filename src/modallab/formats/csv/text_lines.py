@@ -11,8 +11,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from modallab.core.errors import FormatError
-from modallab.formats.csv.csv_cells import BLANKS, DELIMITERS, is_number, plain_numbers, split
-from modallab.formats.csv.marks import with_points
+from modallab.formats.csv.csv_cells import BLANKS, DELIMITERS, is_number, plain_numbers, split, with_points
 
 _SHOWN = 300
 """Lines at either end that show the layout of a longer file."""

@@ -5,8 +5,8 @@ from typing import cast
 
 import numpy as np
 
-from modallab.core.described import Alternative
 from modallab.core.diagnosis import Described, Shrink
+from modallab.core.effect import Alternative
 from modallab.core.effects import Stage
 from modallab.core.places import x_m_of
 from modallab.core.progress import report_progress

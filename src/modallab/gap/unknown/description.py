@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.described import Learned
+from modallab.core.effect import Learned
 from modallab.core.places import OneChannel, place_in_metres
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, cost_with_price

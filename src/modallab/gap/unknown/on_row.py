@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.block import Block
-from modallab.core.described import Learned
+from modallab.core.effect import Learned
 from modallab.core.places import OneChannel
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.reduce import reduce_blocks

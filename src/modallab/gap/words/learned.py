@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from modallab.core.described import Learned
 from modallab.core.digits import percent_text
+from modallab.core.effect import Learned
 from modallab.core.places import AllChannels, OneChannel, x_m_of
 from modallab.core.rig import Rig
 

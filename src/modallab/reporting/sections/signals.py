@@ -3,8 +3,7 @@
 from modallab.core.digits import count_with_noun, significant_digits
 from modallab.core.units import Test
 from modallab.reporting.content import OutcomeOfTest, ReportContent
-from modallab.reporting.figures.blocks import impact_block, sine_block
-from modallab.reporting.figures.hits import hits_figure
+from modallab.reporting.figures.blocks import hits_figure, impact_block, sine_block
 from modallab.reporting.figures.overview import frf_overview
 from modallab.reporting.figures.shape_data import farthest_sensor
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup

@@ -25,8 +25,7 @@ from modallab.service.api.blocks import SAMPLE_HEADERS
 from modallab.service.api.compression import Gzip, HeadRequests
 from modallab.service.api.described import METHODS, describe_operations, describe_schemas, operations_of_document
 from modallab.service.api.events import EventFeed
-from modallab.service.api.operator_page import mount_page
-from modallab.service.api.pages import mount_manual, mount_static
+from modallab.service.api.pages import mount_manual, mount_page, mount_static
 from modallab.service.api.problems import install_handlers
 from modallab.service.api.request_context import LEASE, OPERATOR
 from modallab.service.api.router import HEADER as KEY

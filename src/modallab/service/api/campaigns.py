@@ -1,16 +1,17 @@
-"""Campaigns: make, list, read, rename."""
+"""Campaigns: make, list, read, rename, export."""
 
 from typing import Annotated
 
 from fastapi import Body, Query, Response
 from fastapi.openapi.models import Example
 from fastapi.responses import FileResponse
+from starlette.background import BackgroundTask
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
 from modallab.core.documents.pages import Page
-from modallab.service.api.files import BINARY, FILE, file_response
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import (
+    NOTES,
     CallerOf,
     Cursor,
     IfMatch,
@@ -27,7 +28,7 @@ from modallab.service.api.request_context import (
 from modallab.service.api.rigs import state_of
 from modallab.service.api.roles import require_rig
 from modallab.service.api.router import ONCE, PREFIX, make_router
-from modallab.service.campaigns.export import export_campaign
+from modallab.service.campaigns.export import ExportedFile, export_campaign
 
 router = make_router("campaigns")
 ChangedCampaign = Annotated[
@@ -41,6 +42,8 @@ NewCampaign = Annotated[
 Archived = Annotated[bool, Query(description="Whether to list what is archived too.")]
 Deleted = Annotated[bool, Query(description="Whether to list what is deleted too.")]
 Search = Annotated[str, Query(max_length=120, pattern=r"^[^\x00-\x1f\x7f]*$")]
+FILE = "application/octet-stream"
+BINARY = {"type": "string", "format": "binary"}
 
 
 @router.get("/campaigns")
@@ -122,3 +125,12 @@ def export(
     `Modallab-Notes` says what had no place in the format.
     """
     return file_response(export_campaign(service, campaign, to))
+
+
+def file_response(exported: ExportedFile) -> FileResponse:
+    """The file, removed once it is sent; a header says what had no place in it."""
+    headers = {NOTES: "; ".join(exported.notes)} if exported.notes else None
+    removed = BackgroundTask(exported.remove)
+    return FileResponse(
+        exported.path, media_type=FILE, filename=exported.path.name, headers=headers, background=removed
+    )

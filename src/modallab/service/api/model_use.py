@@ -26,15 +26,14 @@ from modallab.core.documents.model_use import (
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Test
-from modallab.service.api.files import BINARY, FILE, file_response
+from modallab.service.api.campaigns import BINARY, FILE, file_response
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.roles import role_needed
 from modallab.service.api.router import make_router
 from modallab.service.jobs.model_frfs import FrfsAsked, export_predicted_frf, frf_of
-from modallab.service.jobs.model_other import absorber_of, correlation_of, free_bands_of, tunings_of
+from modallab.service.jobs.model_other import absorber_of, correlation_of, free_bands_of, tunings_of, updated_parameters
 from modallab.service.jobs.model_understood import deflection_of, nodes_of, participation_of, shapes_of
-from modallab.service.jobs.model_update import updated_parameters
 from modallab.service.jobs.model_use import modified_modes_view, response_to, state_space_of_model
 
 router = make_router("model-use")

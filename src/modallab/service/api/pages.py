@@ -1,21 +1,25 @@
-"""Pages for people: the API's documentation, with nothing from elsewhere, and one page for every kind of problem."""
+"""Pages for people, with nothing from elsewhere: the operator's, the API's documentation, a page for every problem."""
 
 import re
 from html import escape
 from importlib.resources import files
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import fastapi_offline
 from fastapi import APIRouter, FastAPI, Request
 from fastapi.openapi.docs import get_swagger_ui_html
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.staticfiles import StaticFiles
+from starlette.types import Scope
 
+from modallab.service.api.health import stop_url
 from modallab.service.api.problems import problem_kinds
 from modallab.service.errors import NotFoundError
 
 router = APIRouter(include_in_schema=False)
 _STYLE = "body{font:18px/1.5 system-ui,sans-serif;max-width:42em;margin:3em auto;padding:0 1em}code{font-size:.95em}"
+_FOLDER = Path(str(files("modallab.service") / "page"))
 
 
 @router.get("/")
@@ -77,3 +81,24 @@ def mount_manual(app: FastAPI, folder: Path | None) -> None:
     """Serve the built manual at `/manual/`, where there is one."""
     if folder is not None:
         app.mount("/manual", StaticFiles(directory=folder, html=True), name="manual")
+
+
+class _Files(StaticFiles):
+    """Files of the page: asked for again each time, so that versions never mix; and nothing else may be loaded."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        response = await super().get_response(path, scope)
+        stop = urlsplit(stop_url(Request(scope)))
+        response.headers["Cache-Control"] = "no-cache"
+        response.headers["Content-Security-Policy"] = (
+            f"default-src 'self'; img-src 'self' data:; connect-src 'self' {stop.scheme}://{stop.netloc};"
+            " frame-ancestors 'none'; base-uri 'none'; form-action 'self'; object-src 'none'"
+        )
+        response.headers["X-Content-Type-Options"] = "nosniff"
+        response.headers["Referrer-Policy"] = "no-referrer"
+        return response
+
+
+def mount_page(app: FastAPI) -> None:
+    """Serve the page at `/page/`."""
+    app.mount("/page", _Files(directory=_FOLDER, html=True), name="page")
