@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from modallab.notebook.model import Model
     from modallab.notebook.predicted_motion import PredictedMotion
     from modallab.notebook.put_to_use import ChangedModel, ModelUses
-    from modallab.notebook.recording import Recording, load
-    from modallab.notebook.response_records import responses
+    from modallab.notebook.recording import Recording, load, responses
     from modallab.notebook.shown import DisplayedResult
     from modallab.notebook.simulate import simulate
     from modallab.notebook.twin import DiagnosedTwin
@@ -84,9 +83,8 @@ __getattr__ = lazy_getattr(
         "notebook.correlated": ("Correlated", "CorrelatedModes", "UpdatedModel"),
         "updating.prior": ("Prior",),
         "formats.fem.matrix_model": ("MatrixModel",),
-        "notebook.recording": ("Recording", "load"),
+        "notebook.recording": ("Recording", "load", "responses"),
         "notebook.driven": ("driven",),
-        "notebook.response_records": ("responses",),
         "notebook.simulate": ("simulate",),
         "notebook.twin": ("DiagnosedTwin",),
     },

@@ -7,8 +7,7 @@ import pytest
 from scipy import signal
 
 from modallab.core.errors import DataError
-from modallab.frf.local_polynomial import local_polynomial_frf
-from modallab.frf.noisy_force import one_force_frf
+from modallab.frf.local_polynomial import local_polynomial_frf, one_force_frf
 
 N, RATE = 32768, 512.0
 LINES = np.arange(64 * 35, 64 * 100)

@@ -10,10 +10,10 @@ from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.options import IdentificationOptions
+from modallab.modification.freedoms import with_points
 from modallab.modification.known import KnownStructure
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import read_models
-from modallab.pipelines.model_use import known_of
 from modallab.reporting.waiting import waiting_line
 
 
@@ -41,7 +41,9 @@ def prepare_model(
         result = identify_campaign(campaign, IdentificationOptions(), only)
     model = _choose_model([item.model for item in result.identified], test)
     verification = next(item.verification for item in result.identified if item.model is model)
-    return known_of(campaign, model), None if verification is None else verification.measured
+    return KnownStructure(
+        with_points(model, campaign.rig), campaign.rig
+    ), None if verification is None else verification.measured
 
 
 def _rig_beside(path: Path) -> Rig | None:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue
 
-from modallab.client.archive_calls import ArchiveCalls, query_for_hidden
 from modallab.client.connection import AGAIN_S, require_good
 from modallab.client.held_lease import HeldLease
 from modallab.client.queue_calls import QueueCalls
@@ -28,7 +27,7 @@ ORDERS: dict[JobKind, str] = {"identify": "models", "diagnose": "diagnoses", "re
 """Kinds that are ordered of a campaign; an estimate is ordered of a run."""
 
 
-class Client(ArchiveCalls, QueueCalls, UserCalls):
+class Client(QueueCalls, UserCalls):
     """A connection to one service. Every method raises `ServiceProblemError` for what the service rejects."""
 
     def rigs(self) -> tuple[RigView, ...]:
@@ -92,16 +91,40 @@ class Client(ArchiveCalls, QueueCalls, UserCalls):
 
     def campaigns(self, *, archived: bool = False, deleted: bool = False) -> tuple[CampaignView, ...]:
         """All campaigns, the newest first; those that are archived or deleted only where they are asked for."""
-        return tuple(self._all(CampaignView, "/campaigns", query_for_hidden(archived=archived, deleted=deleted)))
+        return tuple(self._all(CampaignView, "/campaigns", _query_for_hidden(archived=archived, deleted=deleted)))
 
     def runs(self, campaign: str, *, archived: bool = False, deleted: bool = False) -> tuple[RunView, ...]:
         """The runs of a campaign, the oldest first; archived or deleted ones only where they are asked for."""
-        query = query_for_hidden(archived=archived, deleted=deleted)
+        query = _query_for_hidden(archived=archived, deleted=deleted)
         return tuple(self._all(RunView, f"/campaigns/{campaign}/runs", query))
 
     def campaign(self, campaign: str) -> CampaignView:
         """A campaign and the names of its runs."""
         return self._get(CampaignView, f"/campaigns/{campaign}")
+
+    def archive_campaign(self, campaign: str) -> CampaignView:
+        """Leave a campaign out of lists."""
+        return self._post(CampaignView, f"/campaigns/{campaign}/archive")
+
+    def delete_campaign(self, campaign: str) -> CampaignView:
+        """Delete a campaign with its runs; `purge_utc` says until when it can be restored."""
+        return self._delete(CampaignView, f"/campaigns/{campaign}")
+
+    def restore_campaign(self, campaign: str) -> CampaignView:
+        """Have a campaign back that is archived or deleted."""
+        return self._post(CampaignView, f"/campaigns/{campaign}/restore")
+
+    def archive_run(self, run: str) -> RunView:
+        """Leave a run out of lists, and out of what is made of its campaign unless it is named."""
+        return self._post(RunView, f"/runs/{run}/archive")
+
+    def delete_run(self, run: str) -> RunView:
+        """Delete a run that has ended; `purge_utc` says until when it can be restored."""
+        return self._delete(RunView, f"/runs/{run}")
+
+    def restore_run(self, run: str) -> RunView:
+        """Have a run back that is archived or deleted."""
+        return self._post(RunView, f"/runs/{run}/restore")
 
     def start_run(self, campaign: str, plan: Plan | None, lease: HeldLease, continues: str | None = None) -> RunView:
         """Begin a run; without a plan, with what is left of the run it continues."""
@@ -134,7 +157,7 @@ class Client(ArchiveCalls, QueueCalls, UserCalls):
     def judge(self, run: str, n: int, verdict: Verdict, lease: HeldLease | None = None) -> BlockView:
         """Accept or reject a block; while its run goes on that needs the lease."""
         path = f"/runs/{run}/blocks/{n}/verdict"
-        return BlockView.model_validate_json(self._send("PUT", path, verdict, lease).content)
+        return self._put(BlockView, path, verdict, lease)
 
     def frf(self, run: str) -> FrfView:
         """Mobility and coherence of the blocks that count now."""
@@ -229,3 +252,8 @@ def read_events(lines: Iterable[str]) -> Iterator[EventView]:
             data = []
         elif line.startswith("data:"):
             data.append(line[5:].removeprefix(" "))
+
+
+def _query_for_hidden(*, archived: bool, deleted: bool) -> dict[str, str]:
+    """The query that lists what is hidden otherwise."""
+    return {name: "true" for name, wanted in (("archived", archived), ("deleted", deleted)) if wanted}

@@ -106,6 +106,14 @@ class Connection:
     ) -> Document:
         return kind.model_validate_json(self._send("POST", path, body, lease).content)
 
+    def _put(
+        self, kind: type[Document], path: str, body: BaseModel | None = None, lease: RenewedLease | None = None
+    ) -> Document:
+        return kind.model_validate_json(self._send("PUT", path, body, lease).content)
+
+    def _delete(self, kind: type[Document], path: str) -> Document:
+        return kind.model_validate_json(self._send("DELETE", path).content)
+
     def _send(
         self,
         method: str,

@@ -20,8 +20,7 @@ class QueueCalls(Connection):
 
     def reorder_queue(self, rig: str, items: Sequence[str]) -> QueueView:
         """Have all that waits run in this order."""
-        sent = self._send("PUT", f"/rigs/{rig}/queue/order", QueueOrder(items=tuple(items)))
-        return QueueView.model_validate_json(sent.content)
+        return self._put(QueueView, f"/rigs/{rig}/queue/order", QueueOrder(items=tuple(items)))
 
     def skip_queued(self, rig: str, item: str, reason: str = "") -> QueueItem:
         """Take an item out that waits."""
@@ -38,8 +37,8 @@ class QueueCalls(Connection):
     def consent(self, rig: str, lease: RenewedLease, *, drive: bool = False, at_bench: bool = False) -> QueueView:
         """Let what waits now begin by itself: with `drive` tests that move the output, with `at_bench` impact tests."""
         new = ConsentNew(drive=drive, at_bench=at_bench)
-        return QueueView.model_validate_json(self._send("PUT", f"/rigs/{rig}/queue/consent", new, lease).content)
+        return self._put(QueueView, f"/rigs/{rig}/queue/consent", new, lease)
 
     def withdraw_consent(self, rig: str) -> QueueView:
         """Let nothing begin by itself."""
-        return QueueView.model_validate_json(self._send("DELETE", f"/rigs/{rig}/queue/consent").content)
+        return self._delete(QueueView, f"/rigs/{rig}/queue/consent")

@@ -43,7 +43,7 @@ class UserCalls(Connection):
 
     def revoke_user(self, name: str) -> UserView:
         """Have no token of a user count any more."""
-        return UserView.model_validate_json(self._send("DELETE", _path_of_user(name)).content)
+        return self._delete(UserView, _path_of_user(name))
 
     def tokens(self, name: str) -> tuple[TokenView, ...]:
         """The tokens of a user."""
@@ -63,7 +63,7 @@ class UserCalls(Connection):
 
     def revoke_token(self, name: str, token: str) -> TokenView:
         """Have a token not count any more; `token` is its id."""
-        return TokenView.model_validate_json(self._send("DELETE", f"{_path_of_user(name)}/tokens/{token}").content)
+        return self._delete(TokenView, f"{_path_of_user(name)}/tokens/{token}")
 
 
 def _path_of_user(name: str) -> str:

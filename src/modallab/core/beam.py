@@ -4,8 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
-from modallab.core.bounds import NonNegative, Positive
-from modallab.core.frozen import Frozen
+from modallab.core.frozen import Frozen, NonNegative, Positive
 
 FORCE_SHARE = 0.5
 """Of an accelerometer's tolerance: what the force transducer's sensitivity is uncertain by."""

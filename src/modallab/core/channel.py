@@ -5,9 +5,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, PositiveInt, model_validator
 
-from modallab.core.bounds import Finite, NonNegative, Positive
 from modallab.core.errors import RigError
-from modallab.core.frozen import Frozen, is_unstated
+from modallab.core.frozen import Finite, Frozen, NonNegative, Positive, is_unstated
 from modallab.core.metrology import Certificate
 from modallab.core.rig_checks import channel_problems
 from modallab.core.rig_problem import reject_problems

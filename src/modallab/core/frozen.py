@@ -1,4 +1,4 @@
-"""The base of every document, and NumPy arrays as fields of one."""
+"""The base of every document, and what its fields may hold: NumPy arrays, finite and positive numbers."""
 
 import inspect
 import re
@@ -11,14 +11,20 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Field,
     GetJsonSchemaHandler,
     PlainSerializer,
+    PositiveFloat,
     Strict,
     WithJsonSchema,
     model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 class Frozen(BaseModel):

@@ -5,9 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PositiveInt
 
-from modallab.core.bounds import Finite, NonNegative, Positive
 from modallab.core.errors import ConfigurationError
-from modallab.core.frozen import Frozen
+from modallab.core.frozen import Finite, Frozen, NonNegative, Positive
 from modallab.core.units import Test
 
 Dialect = Literal["keysight-33500", "keysight-33210", "rigol-dg1000", "siglent-sdg"]

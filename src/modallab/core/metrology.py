@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.core.bounds import Finite, NonNegative, Positive
-from modallab.core.frozen import Frozen
+from modallab.core.frozen import Finite, Frozen, NonNegative, Positive
 
 Day = date
 

@@ -15,11 +15,14 @@ from numpy.typing import NDArray
 from modallab.core.array_checks import check_spectra
 from modallab.core.arrays import Complex128
 from modallab.core.errors import DataError
+from modallab.frf.sums import Estimator
 
 MOST_VALUES = 100_000
 """Of the matrices that are worked on at once: as many as a processor keeps at hand."""
 DISTINGUISHED = 1e-12
 """Columns of length 1 whose least singular value is above it."""
+_HALF_WIDTH = 24
+"""Lines to either side: with as few as H1 needs, the polynomials go through the noise, and both ways give the same."""
 
 
 def local_polynomial_frf(
@@ -131,3 +134,40 @@ def _scaled_columns(columns: Complex128) -> tuple[Complex128, NDArray[np.float64
     length = np.linalg.norm(columns, axis=-2)
     length = np.where(length > 0, length, 1)
     return columns / length[..., None, :], length
+
+
+def one_force_frf(
+    force: Complex128, response: Complex128, estimator: Estimator = "H1"
+) -> tuple[Complex128, NDArray[np.float64]]:
+    """FRF by H1, H2 or Hv of one random force, and the noise variance of the responses, line by line.
+
+    About a line the force is to the response as the response is to the force: their ratio is a quotient of polynomials,
+    and what was ringing at the record's start is smooth over a few lines in either. Taken as the response of the
+    response, the force may hold noise, the response none: that is H2. Hv is the geometric mean of both, as of averaged
+    powers (Rocklin, Crowley, Vold, "A comparison of H1, H2, and Hv frequency response functions", IMAC 3 (1985)).
+
+    Args:
+        force: (blocks, 1, lines) spectra of adjacent DFT lines of a random force, without any window in time.
+        response: (blocks, outputs, lines), of the same blocks.
+        estimator: H1, H2 or Hv.
+
+    Returns:
+        FRF (outputs, 1, lines), and the variance (outputs, lines) of the complex noise on a line of a response: of H1.
+
+    Raises:
+        DataError: shapes that do not fit, NaN, several forces with H2 or Hv, too few lines, or no force.
+    """
+    if estimator == "H1":
+        return local_polynomial_frf(force, response)
+    if force.shape[1] != 1:
+        raise DataError(f"{estimator} of {force.shape[1]} forces is not made so", remedy="give one force, or use H1")
+    half = min(_HALF_WIDTH, (force.shape[2] - 1) // 2)
+    h1, variance = local_polynomial_frf(force, response, half_width=half)
+    inverse = [local_polynomial_frf(response[:, o : o + 1], force, half_width=half)[0][0] for o in range(len(h1))]
+    h2: Complex128 = np.reciprocal(np.stack(inverse))
+    return h2 if estimator == "H2" else _h2_over_h1(h1, h2), variance
+
+
+def _h2_over_h1(h1: Complex128, h2: Complex128) -> Complex128:
+    middle: Complex128 = h1 * np.sqrt(h2 / h1)
+    return middle

@@ -16,6 +16,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel, Verification
 from modallab.core.rig import Rig
 from modallab.identification.selection.criteria import mac
+from modallab.modification.freedoms import with_points
 from modallab.modification.known import KnownStructure
 from modallab.notebook.arguments import path_for
 from modallab.notebook.correlated import Correlated
@@ -24,7 +25,6 @@ from modallab.notebook.shown import DisplayedTable
 from modallab.notebook.understood import ModelBehaviour
 from modallab.pipelines.identify import CampaignResult, IdentifiedTest
 from modallab.pipelines.model_file import write_models
-from modallab.pipelines.model_use import known_of
 from modallab.verification.comparison import common_shapes
 
 if TYPE_CHECKING:
@@ -69,7 +69,8 @@ class Model(ModelUses, ModelBehaviour, Correlated):
         Raises:
             DataError: an output or input has no point.
         """
-        return known_of(self.campaign, self.modal)
+        rig = self.campaign.rig
+        return KnownStructure(with_points(self.modal, rig), rig)
 
     @property
     def measured(self) -> Frf:
@@ -134,7 +135,7 @@ class Model(ModelUses, ModelBehaviour, Correlated):
         Raises:
             DataError: the method makes no FRF to compare with, or there is no such input.
         """
-        from modallab.reporting.figures.all_points import mobility_panels
+        from modallab.reporting.figures.mobility import mobility_panels
 
         check = self._verification
         if drive not in range(len(self.modal.input_points)):
