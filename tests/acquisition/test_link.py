@@ -3,8 +3,7 @@
 import multiprocessing
 import time
 
-from modallab.acquisition.process.link import Link
-from modallab.acquisition.process.messages import Abort, Close, Ended, OwnerHeartbeat, RunPlan, Stop
+from modallab.acquisition.process.link import Abort, Close, Ended, Link, OwnerHeartbeat, RunPlan, Stop
 from modallab.acquisition.process.ready import Order
 from modallab.core.plan import ImpactPlan
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.acquisition.procedures.sensor_supply import wait_until_settled
+from modallab.acquisition.procedures.sensors import wait_until_settled
 
 RATE_HZ = 1000.0
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.procedures.certificates import remarks_on
+from modallab.acquisition.procedures.sensors import remarks_on
 from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
 from modallab.core.errors import RigError

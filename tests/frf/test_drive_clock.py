@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.block import Block
-from modallab.frf.drive_clock import clock_of_drive, resample_to_drive_clock
+from modallab.frf.periodic_drive import clock_of_drive, resample_to_drive_clock
 from modallab.signals.signals import Signals
 
 N, RATE_HZ = 1024, 1024.0

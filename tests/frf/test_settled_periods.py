@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 from modallab.core.block import Block
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
-from modallab.frf.settled_periods import without_decays
+from modallab.frf.periodic_drive import without_decays
 from modallab.identification.parts import with_repeatability_sigmas
 from modallab.signals.signals import Signals
 

@@ -20,7 +20,7 @@ from modallab.jobs import Jobs
 from modallab.service.api.app import create_app
 from modallab.service.context import Service, open_service
 from modallab.service.jobs.background import AfterRun
-from modallab.service.process.ports import bound_socket
+from modallab.service.process.connections import bound_socket
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import RigLeases
 from modallab.service.rigs.controller import RigController, ServedRig

@@ -11,7 +11,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
-from modallab.formats.fem.matrices import modes_of, symmetric
+from modallab.formats.fem.matrix_model import modes_of, symmetric
 from modallab.gap.modal.narrower import in_band
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions

@@ -27,9 +27,8 @@ from modallab.formats.importer import import_sources
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.frf.broadband import broadband_frf, driven_band
-from modallab.frf.drive_clock import cut_to_drive_clock
 from modallab.frf.joined import joined_frf
-from modallab.frf.settled_periods import without_decays
+from modallab.frf.periodic_drive import cut_to_drive_clock, without_decays
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.likelihood.derivatives import poles_of

@@ -15,8 +15,7 @@ from modallab.modification.free_band import FreeBand, changes_for_free_band
 from modallab.modification.inverse import ChangeAtPoint, best_absorber, changes_for_frequency
 from modallab.modification.known import KnownStructure
 from modallab.pipelines.structure_gap import read_reference
-from modallab.reporting.modified_table import check_predictions, modified_rows
-from modallab.reporting.tuned_table import absorber_rows, free_rows, tuned_rows
+from modallab.reporting.modified_table import absorber_rows, check_predictions, free_rows, modified_rows, tuned_rows
 
 
 def modify(known: KnownStructure, arguments: argparse.Namespace) -> None:

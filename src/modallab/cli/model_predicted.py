@@ -17,7 +17,7 @@ from modallab.modification.frfs import lines_with_peaks
 from modallab.modification.known import KnownStructure
 from modallab.modification.motion import MotionOverTime
 from modallab.modification.structure import At
-from modallab.reporting.motion_table import motion_document, motion_rows
+from modallab.reporting.understood_table import motion_document, motion_rows
 
 
 def frf(known: KnownStructure, arguments: argparse.Namespace) -> None:

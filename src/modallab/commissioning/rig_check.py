@@ -6,8 +6,7 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.procedures.certificates import remarks_on
-from modallab.acquisition.procedures.sensor_supply import fed_channels, wait_until_settled
+from modallab.acquisition.procedures.sensors import fed_channels, remarks_on, wait_until_settled
 from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.abilities import SelfDescribing
 from modallab.bench.protocol import Bench, Burst, Delivery, Request

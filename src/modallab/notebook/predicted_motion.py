@@ -11,7 +11,7 @@ from modallab.core.errors import DataError
 from modallab.formats.time_series import write_motion
 from modallab.modification.motion import MotionOverTime
 from modallab.notebook.shown import DisplayedTable
-from modallab.reporting.motion_table import motion_rows
+from modallab.reporting.understood_table import motion_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

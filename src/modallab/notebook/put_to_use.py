@@ -26,8 +26,7 @@ from modallab.modification.structure import At
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.predicted_motion import PredictedMotion
 from modallab.notebook.shown import DisplayedTable
-from modallab.reporting.modified_table import check_predictions, modified_rows, write_rows
-from modallab.reporting.tuned_table import free_rows, tuned_rows
+from modallab.reporting.modified_table import check_predictions, free_rows, modified_rows, tuned_rows, write_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,7 @@ from modallab.core.rig import Rig
 from modallab.frf.broadband import PERIODIC, blocks_of_one_level, broadband_frf
 from modallab.frf.estimate import impact_frf
 from modallab.frf.joined import least_blocks, split_blocks
-from modallab.frf.settled_periods import without_decays
+from modallab.frf.periodic_drive import without_decays
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
 from modallab.identification.likelihood.derivatives import poles_of

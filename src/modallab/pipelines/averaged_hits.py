@@ -12,10 +12,9 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.broadband import PERIODIC, driven_lines
 from modallab.frf.distortions import Distortions, estimate_distortions
-from modallab.frf.drive_clock import resample_to_drive_clock
 from modallab.frf.estimate import lines_of_band
 from modallab.frf.left_out import UndrivenDistortions, distortions_at_undriven_lines, leaves_lines_out
-from modallab.frf.settled_periods import without_decays
+from modallab.frf.periodic_drive import resample_to_drive_clock, without_decays
 from modallab.identification.frf_model import NOT_FROM_RECORDS, identify_frf
 from modallab.identification.impact import default_band, start_frf
 from modallab.identification.likelihood.derivatives import poles_of

@@ -9,9 +9,8 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.broadband import PERIODIC, blocks_of_one_level
-from modallab.frf.drive_clock import RANDOM, driven_frf, with_even_weights
 from modallab.frf.joined import check_followed, joined_spectra, least_blocks, split_blocks
-from modallab.frf.settled_periods import without_decays
+from modallab.frf.periodic_drive import RANDOM, driven_frf, with_even_weights, without_decays
 from modallab.frf.sums import Estimator
 from modallab.identification.frf_model import frf_in_band, identify_frf
 from modallab.identification.likelihood.derivatives import poles_of

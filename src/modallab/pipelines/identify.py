@@ -15,8 +15,8 @@ from modallab.core.progress import part_of_progress, report_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.frf.broadband import driven_band
-from modallab.frf.drive_clock import cut_to_drive_clock
 from modallab.frf.estimate import group_by_point, impact_frf
+from modallab.frf.periodic_drive import cut_to_drive_clock
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.backbone import DriveLevel
 from modallab.identification.frf_model import frf_in_band, identify_given_frf

@@ -1,4 +1,4 @@
-"""The modes of a structure before and after a change, as a table: the same words at every door."""
+"""Modes before and after a change, and the change that a wanted property needs, as tables: the same at every door."""
 
 import csv
 from collections.abc import Sequence
@@ -8,13 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from modallab.core.digits import list_in_words, number_with_sigma, to_places_of_sigma
+from modallab.core.digits import list_in_words, number_with_sigma, significant_digits, to_places_of_sigma
 from modallab.core.errors import StorageError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Tolerance
 from modallab.formats.atomic import replacing
+from modallab.modification.free_band import FreeBand
+from modallab.modification.inverse import BestAbsorber, By, ChangeAtPoint
 from modallab.modification.known import KnownStructure
 from modallab.modification.modified import ModesAfter
+from modallab.modification.structure import At
 
 SAME = 0.5
 """MAC above which a mode after a change is called by the number of the one before."""
@@ -23,6 +26,7 @@ FARTHEST = 1.2
 TWO_SIDED = 1.96
 TRUSTED = 0.1
 """A larger part of a shift by what lies outside the band is said beneath the table, and more of a joint's forces."""
+_UNITS: dict[By, str] = {"mass": "kg", "spring": "N/m"}
 
 
 class TableRows(NamedTuple):
@@ -134,3 +138,58 @@ def write_rows(path: Path, rows: TableRows) -> Path:
     with replacing(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([rows.headings, *rows.rows])
     return path
+
+
+def _point_of(at: At) -> str:
+    """A place as tables call it."""
+    return str(at[0] if isinstance(at, tuple) else at)
+
+
+def tuned_rows(answers: Sequence[ChangeAtPoint], by: By, mode: int, to_hz: float) -> TableRows:
+    """What brings a mode to a frequency at each point, the smallest first; beside each what is in reach there."""
+    rows = tuple(
+        (
+            _point_of(a.at),
+            number_with_sigma(a.size, a.sigma) if a.feasible else "none",
+            number_with_sigma(to_hz, a.hz_sigma) if a.feasible else "",
+            f"{a.lowest_hz:.5g} to {a.highest_hz:.5g}",
+        )
+        for a in answers
+    )
+    feasible = sum(a.feasible for a in answers)
+    how = "No point has" if not feasible else f"{feasible} of {len(answers)} points have"
+    sentences = f"{how} a {by} that brings mode {mode} to {to_hz:g} Hz; beside each, where any {by} can bring it."
+    return TableRows(("point", f"{by} [{_UNITS[by]}]", "gives [Hz]", "in reach [Hz]"), rows, sentences)
+
+
+def free_rows(answers: Sequence[FreeBand], by: By, band_hz: tuple[float, float]) -> TableRows:
+    """What leaves no mode in a band at each point, the smallest first; or the mode that stays there."""
+    rows = tuple((_point_of(a.at), *_size_and_limit(a, by)) for a in answers)
+    feasible = sum(a.feasible for a in answers)
+    how = "No point has" if not feasible else f"{feasible} of {len(answers)} points have"
+    edge = f"{band_hz[0]:g} to {band_hz[1]:g} Hz"
+    sentences = f"{how} a {by} that leaves no mode from {edge}. There a mode is at the edge: take two sigma more."
+    return TableRows(("point", f"{by} [{_UNITS[by]}]", "free up to"), rows, sentences)
+
+
+def _size_and_limit(a: FreeBand, by: By) -> tuple[str, str]:
+    if not a.feasible:
+        return "none", f"mode {a.stays} stays, at {a.stays_hz:.5g} Hz"
+    limit = f"{a.up_to:.3g} {_UNITS[by]}" if a.up_to < float("inf") else "any size"
+    return (number_with_sigma(a.size, a.sigma) if a.size else "0: free already"), limit
+
+
+def absorber_rows(found: BestAbsorber, mode: int) -> TableRows:
+    """The absorber, and the largest mobility at its point without and with it."""
+    a = found.absorber
+    row = (
+        _point_of(a.at),
+        f"{a.mass:.4g}",
+        f"{a.frequency_hz:.5g}",
+        f"{100 * a.damping_ratio:.4g}",
+        number_with_sigma(found.before, found.before_sigma),
+        number_with_sigma(found.after, found.after_sigma),
+    )
+    names = ("point", "mass [kg]", "frequency [Hz]", "damping [%]", "peak without [m/(N s)]", "peak with [m/(N s)]")
+    share = f"It is {significant_digits(100 * found.mass_ratio, 2)} % of the modal mass there."
+    return TableRows(names, (row,), f"The absorber of this mass that leaves the least peak about mode {mode}. {share}")

@@ -1,10 +1,12 @@
-"""What a model says of how its structure behaves, as tables: the same words at every door."""
+"""How a structure behaves and what motion forces give, by its model, as tables: the same words at every door."""
 
 import numpy as np
 
-from modallab.core.digits import list_in_words, number_with_sigma
+from modallab.core.digits import list_in_words, number_with_sigma, part_of
+from modallab.core.units import SI_UNIT
 from modallab.modification.deflection import Deflection
 from modallab.modification.freedoms import Freedom
+from modallab.modification.motion import MotionOverTime
 from modallab.modification.nodes import ModePlaces
 from modallab.modification.participation import ModalParticipation
 from modallab.modification.structure import At
@@ -13,6 +15,7 @@ from modallab.updating.correlation import ModelCorrelation
 
 MOST = 0.995
 """Of a mode's largest motion: as much as that is all of it, in whole percent."""
+_PREFIXES = {1.0: "", 1e3: "m", 1e6: "µ", 1e9: "n"}
 
 
 def participation_rows(found: ModalParticipation, frequency_hz: list[float]) -> TableRows:
@@ -127,3 +130,36 @@ def _paired_mode_row(found: ModelCorrelation, n: int) -> tuple[str, ...]:
         f"{zeta[1]:.3g}",
         f"{found.mac[i, j]:.3f}",
     )
+
+
+def motion_rows(motion: MotionOverTime) -> TableRows:
+    """Largest value, effective value and octave bands of every point, the first two with one standard deviation."""
+    factor = next((f for f in _PREFIXES if f * motion.peak.max() >= 1), 1.0)
+    unit = _PREFIXES[factor] + SI_UNIT[motion.quantity]
+    figures = zip(motion.names, factor * motion.figures, factor * motion.figures_sigma, strict=True)
+    # Octave bands without their deviation fit a terminal; the document has it.
+    rows = tuple(
+        (
+            name,
+            *(number_with_sigma(float(v), float(s)) for v, s in zip(own[:2], sigma[:2], strict=True)),
+            *(f"{v:.3g}" for v in own[2:]),
+        )
+        for name, own, sigma in figures
+    )
+    seconds = motion.values.shape[1] * motion.dt
+    low, high = motion.band_hz
+    caption = (
+        f"{motion.quantity} in {unit} over {seconds:.4g} s; beneath a frequency in Hz, the rms of its octave."
+        f" {part_of(motion.outside)} of the forces' power is outside {low:.4g} to {high:.4g} Hz, where the model says"
+        " little."
+    )
+    return TableRows(("point", "peak", "rms", *(f"{centre:.3g}" for centre in motion.octaves_hz)), rows, caption)
+
+
+def motion_document(motion: MotionOverTime) -> dict[str, object]:
+    """The same for other programs, in SI units, all with one standard deviation."""
+    figures = {"peak": 0, "rms": 1, "levels": slice(2, None)}
+    values = {name: motion.figures[:, part].tolist() for name, part in figures.items()}
+    sigmas = {f"{name}_sigma": motion.figures_sigma[:, part].tolist() for name, part in figures.items()}
+    about = {"outside": motion.outside, "quantity": motion.quantity, "step_s": motion.dt, "points": list(motion.names)}
+    return about | {"octaves_hz": np.round(motion.octaves_hz, 4).tolist()} | values | sigmas

@@ -13,8 +13,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from modallab.service.process import connections
-from modallab.service.process.connections import RESERVE, guarded_protocol
-from modallab.service.process.ports import bound_socket
+from modallab.service.process.connections import RESERVE, bound_socket, guarded_protocol
 
 ROOM = 64
 

@@ -9,14 +9,12 @@ from pathlib import Path
 
 from modallab.acquisition.monitor.live import IDLE, LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
+from modallab.acquisition.process.host import take_priority, without_sleep
 from modallab.acquisition.process.idle_scope import IdleScope, idle_ring_name
-from modallab.acquisition.process.link import Link
-from modallab.acquisition.process.messages import BenchOpened, Ended, RunPlan
+from modallab.acquisition.process.link import BenchOpened, Ended, Link, RunPlan
 from modallab.acquisition.process.output_supervisor import HeartbeatPipe
-from modallab.acquisition.process.priority import take_priority
 from modallab.acquisition.process.ready import Order
 from modallab.acquisition.process.run import make_safe, run_plan
-from modallab.acquisition.process.sleep_lock import without_sleep
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench

@@ -1,21 +1,77 @@
-"""The rig process's end of the pipe. It never lets the acquisition wait for its owner."""
+"""The pipe between a rig's process and its owner: what goes over it besides the events, and the process's own end."""
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from queue import SimpleQueue
 from threading import Event as Flag
 from threading import Thread
 
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock, Requests
-from modallab.acquisition.process.messages import Close, EmergencyStop, Message, OwnerHeartbeat, Report, RunPlan
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.ready import Order
+from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
+from modallab.core.errors import ModallabError
+from modallab.core.events import Event
+from modallab.core.plan import Plan
 
 HEARTBEAT_S = 0.25
 FLUSH_S = 5.0
 TIMEOUT_S = 5.0
 """An owner that said nothing for so long is gone. A busy one was measured late by 1.3 s."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunPlan:
+    """Begin a run.
+
+    Attributes:
+        plan: what to do.
+        expected: the modes the structure is believed to have; None if nothing is believed.
+    """
+
+    plan: Plan
+    expected: ExpectedModes | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class EmergencyStop:
+    """As abort; the rig is tripped already."""
+
+
+@dataclass(frozen=True, slots=True)
+class Close:
+    """End the run if there is one, release the bench, and leave."""
+
+
+@dataclass(frozen=True, slots=True)
+class OwnerHeartbeat:
+    """The owner lives."""
+
+
+Message = (
+    RunPlan | Pause | Resume | Repeat | DropBlock | AcceptBlock | Stop | Abort | EmergencyStop | Close | OwnerHeartbeat
+)
+"""What the owner sends: an operator's commands as they are in the API, and what only the owner may ask for."""
+
+
+@dataclass(frozen=True, slots=True)
+class BenchOpened:
+    """The bench is open, its output at zero."""
+
+    info: BenchInfo
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """No run is active any more; `error` says why, if it is for an error."""
+
+    error: ModallabError | None
+
+
+Report = Event | BenchOpened | Ended
 
 
 class Link:

@@ -17,8 +17,7 @@ from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
 from modallab.acquisition.procedures.broadband_checks import longest_wave_s
 from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
-from modallab.acquisition.procedures.certificates import remarks_on
-from modallab.acquisition.procedures.sensor_supply import PATIENCE_S, fed_channels, wait_until_settled
+from modallab.acquisition.procedures.sensors import PATIENCE_S, fed_channels, remarks_on, wait_until_settled
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request

@@ -13,8 +13,8 @@ from typing import Self
 
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.controls import RunControls
-from modallab.acquisition.process.link import HEARTBEAT_S
-from modallab.acquisition.process.messages import (
+from modallab.acquisition.process.link import (
+    HEARTBEAT_S,
     BenchOpened,
     Close,
     EmergencyStop,

@@ -23,6 +23,6 @@ FORMAT = Format(
     certain=False,
     fits=_fits,
     read=deferred("csv.csv_read:read_csv"),
-    draft=deferred("csv.csv_draft:draft_csv"),
+    draft=deferred("csv.csv_read:draft_csv"),
     write=deferred("csv.csv_write:write_csv"),
 )

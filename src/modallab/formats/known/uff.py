@@ -22,6 +22,6 @@ FORMAT = Format(
     priority=50,
     fits=_fits,
     read=deferred("uff.uff_read:read_uff"),
-    draft=deferred("uff.uff_draft:draft_uff"),
+    draft=deferred("uff.uff_read:draft_uff"),
     write=deferred("uff.uff_write:write_uff"),
 )

@@ -10,8 +10,7 @@ from modallab.core.axis_checks import check_time, whole_rate
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.formats.csv.csv_draft import draft_csv
-from modallab.formats.csv.csv_read import read_csv, record_of
+from modallab.formats.csv.csv_read import draft_csv, read_csv, record_of
 from modallab.formats.csv.csv_table import Table
 from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.lvm.lvm_read import LvmChannel, has_header, read_lvm

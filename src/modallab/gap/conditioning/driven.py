@@ -20,8 +20,8 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.frf.broadband import driven_band
-from modallab.frf.drive_clock import cut_to_drive_clock, driven_frf
 from modallab.frf.joined import contiguous_blocks
+from modallab.frf.periodic_drive import cut_to_drive_clock, driven_frf
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.likelihood.derivatives import poles_of
 from modallab.identification.options import IdentificationOptions

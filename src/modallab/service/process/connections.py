@@ -1,13 +1,18 @@
-"""Connections of the REST process: how many, and how long one may leave a request unfinished."""
+"""The port of the service and its connections: how many, and how long one may leave a request unfinished."""
 
 import asyncio
+import os
+import socket
 import sys
 import time
+from contextlib import suppress
 from typing import Any
 
+import psutil
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from modallab.service.api.access import TRUSTED
+from modallab.service.errors import ServiceError
 
 PATIENCE_S = 15.0
 """Until the head and the body of a request must be there."""
@@ -15,6 +20,10 @@ LOOK_S = 1.0
 MOST = 8000
 RESERVE = 256
 """Descriptors that are kept for the database, samples, results and whatever a request needs."""
+_BACKLOG = 1024
+_AGAIN_S = 0.1
+_HOLDER_PATIENCE_S = 2.0
+"""A process that has just been ended lets go of its port within this time."""
 
 
 class ConnectionLimit:
@@ -115,3 +124,54 @@ def raise_limit() -> int:
     if soft < allowed:
         resource.setrlimit(resource.RLIMIT_NOFILE, (allowed, hard))
     return max(soft, allowed)
+
+
+def bound_socket(host: str, port: int) -> socket.socket:
+    """A socket that listens there.
+
+    Raises:
+        ServiceError: the port is taken; it says by whom.
+    """
+    end = time.monotonic() + _HOLDER_PATIENCE_S
+    while True:
+        try:
+            return _bind_socket(host, port)
+        except OSError as error:
+            if time.monotonic() > end:
+                raise port_taken_error(port, error) from error
+            time.sleep(_AGAIN_S)
+
+
+def _bind_socket(host: str, port: int) -> socket.socket:
+    # Bound here, so that requests wait in line while the REST process is started again.
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    # The protocol is named: asyncio sends small answers at once (TCP_NODELAY) only on sockets that name it. Without,
+    # each answer in two parts, head and body, waits 40 ms for the client's delayed acknowledgement.
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    try:
+        if os.name == "posix":
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, port))
+        listener.listen(_BACKLOG)
+    except OSError:
+        listener.close()
+        raise
+    return listener
+
+
+def port_taken_error(port: int, error: OSError) -> ServiceError:
+    """What to raise where a port cannot be had."""
+    return ServiceError(
+        f"cannot listen on port {port}: {error.strerror}{_holder_of_port(port)}",
+        where="port",
+        remedy="end that process, or name another port",
+    )
+
+
+def _holder_of_port(port: int) -> str:
+    # Of other people's processes the system may say nothing.
+    with suppress(psutil.Error, OSError):
+        for one in psutil.net_connections("tcp"):
+            if one.status == psutil.CONN_LISTEN and one.laddr and one.laddr[1] == port and one.pid:
+                return f"; process {one.pid} holds it: {' '.join(psutil.Process(one.pid).cmdline())[:200]}"
+    return ""

@@ -22,9 +22,8 @@ from modallab.service.campaigns.purge import Purge
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
-from modallab.service.process.connections import raise_limit
+from modallab.service.process.connections import bound_socket, port_taken_error, raise_limit
 from modallab.service.process.orphans import ProcessList
-from modallab.service.process.ports import bound_socket, port_taken_error
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.tls import server_context
 from modallab.service.process.wire import CallServer
