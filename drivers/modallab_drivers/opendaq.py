@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.bench.protocol import Bench, BenchInfo, Chunk, Delivery, Found, Request
+from modallab.core.discovery import how_to_install
 from modallab.core.errors import (
     BenchTimeoutError,
     ConfigurationError,
     DeviceGoneError,
     SamplesLostError,
 )
-from modallab.core.extras import how_to_install
 from modallab.core.rig import Channel, Rig
 from modallab_drivers.order import WithoutOutput, require_count
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from modallab.core.discovery import EXTRAS, how_to_install
 from modallab.core.errors import DataError, FormatError, MissingPackageError
-from modallab.core.extras import EXTRAS, how_to_install
 from modallab.formats.fem import nastran_op2
 from modallab.formats.fem.fem_file import is_fem, read_fem
 

@@ -85,7 +85,7 @@ def test_a_model_becomes_a_table_and_labelled_arrays(model: ml.Model) -> None:
 
 
 def test_without_pandas_one_sentence_names_the_extra(model: ml.Model, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("modallab.core.extras.find_spec", lambda _: None)
+    monkeypatch.setattr("modallab.core.discovery.find_spec", lambda _: None)
     with pytest.raises(MissingPackageError, match=r"pandas, which is not installed\n.*'modallab\[tables\]'"):
         model.to_pandas()
 

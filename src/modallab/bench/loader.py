@@ -3,8 +3,8 @@
 from typing import cast
 
 from modallab.bench.protocol import Bench, BenchOpener, DeviceFinder, Found, OutputHandle, OutputOpener
+from modallab.core.discovery import installed_entry_points
 from modallab.core.errors import ConfigurationError
-from modallab.core.extras import installed_entry_points
 from modallab.core.rig import Rig
 
 GROUP = "modallab.backends"

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Protocol, cast
 
 from modallab.core.block import Campaign
+from modallab.core.discovery import installed_entry_points
 from modallab.core.effects import Effect, EffectKind
 from modallab.core.errors import ConfigurationError
-from modallab.core.extras import installed_entry_points
 from modallab.core.rig import Rig
 
 GROUP = "modallab.trials"

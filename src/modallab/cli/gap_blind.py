@@ -21,8 +21,8 @@ from modallab.blind.request import BlindRequest
 from modallab.blind.run import blind_folder, run_blind_trials
 from modallab.cli.options import require_option
 from modallab.core.digits import percent_text, probability_text
+from modallab.core.discovery import optional_package
 from modallab.core.errors import PlanError
-from modallab.core.extras import optional_package
 from modallab.core.field_errors import error_sentences
 from modallab.core.progress import report_progress_to
 from modallab.formats.atomic import write_text

@@ -10,8 +10,8 @@ from scipy import signal
 from scipy.io import savemat
 
 from modallab.core.arrays import Complex, Real
+from modallab.core.discovery import optional_package
 from modallab.core.errors import StorageError
-from modallab.core.extras import optional_package
 from modallab.core.units import DERIVATIVE, SI_UNIT, Quantity
 from modallab.formats.atomic import replacing
 from modallab.modification.response import ramp_weights

@@ -10,8 +10,8 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.block import Campaign
 from modallab.core.digits import number_with_sigma, probability_text
+from modallab.core.discovery import optional_package
 from modallab.core.errors import DataError
-from modallab.core.extras import optional_package
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel, Verification
 from modallab.core.rig import Rig

@@ -17,8 +17,8 @@ from sqlalchemy.exc import (
     SQLAlchemyError,
 )
 
+from modallab.core.discovery import how_to_install
 from modallab.core.errors import DatabaseLostError, DiskFullError, RowDamagedError, StorageError
-from modallab.core.extras import how_to_install
 from modallab.storage.durable import storage_failure
 
 LOG = logging.getLogger(__name__)

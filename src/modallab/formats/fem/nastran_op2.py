@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from modallab.core.arrays import Real
+from modallab.core.discovery import require_package
 from modallab.core.errors import DataError, FormatError, ModallabError
-from modallab.core.extras import require_package
 from modallab.formats.fem.nastran import read_grids
 from modallab.formats.fem.node_modes import NodeModes
 

@@ -12,8 +12,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from modallab.core.arrays import Real
+from modallab.core.discovery import optional_package
 from modallab.core.errors import DataError
-from modallab.core.extras import optional_package
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.atomic import write_text

@@ -1,16 +1,25 @@
-"""Blocks of a run: what is kept, whether it counts, and its samples."""
+"""Blocks of a run: what is kept, whether it counts, its samples and its force."""
 
 from typing import Annotated
 
+import numpy as np
 from fastapi import Body, Response
 from fastapi.openapi.models import Example
 
 from modallab.core.documents.pages import Page
-from modallab.core.documents.runs import BlockView, Verdict
+from modallab.core.documents.runs import BlockForce, BlockView, Verdict
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Cursor, LeaseId, Limit, Operator, ServiceOf, number_of, page_of_items
 from modallab.service.api.router import make_router
-from modallab.service.campaigns.runs import block_record, block_records, block_view, judge_block, read_samples
+from modallab.service.campaigns.runs import (
+    block_record,
+    block_records,
+    block_view,
+    judge_block,
+    read_samples,
+    record_of,
+)
+from modallab.service.context import Service
 
 router = make_router("blocks")
 Judgement = Annotated[
@@ -64,3 +73,27 @@ def put_verdict(
     """
     judge_block(service, run, n, verdict, lease, operator)
     return block_view(block_record(service, run, n))
+
+
+@router.get("/runs/{run}/blocks/{n}/force", responses=documented_responses(404))
+def get_force(run: str, n: int, service: ServiceOf) -> BlockForce:
+    """The force of a block in N, and its amplitude spectrum: of a hit, what the hammer gave at each frequency."""
+    return _force(service, run, n)
+
+
+def _force(service: Service, run: str, n: int) -> BlockForce:
+    # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
+    from modallab.signals.signals import to_signals
+
+    record = record_of(service, run)
+    block = service.store.block(run, block_record(service, run, n).note.name)
+    signals = to_signals(block, record.rig)
+    force = signals.force - np.median(signals.force)
+    return BlockForce(
+        run=run,
+        n=n,
+        rate_hz=signals.rate_hz,
+        force_n=force,
+        spectrum_hz=np.arange(force.size // 2 + 1) * signals.rate_hz / force.size,
+        spectrum_n_s=np.abs(np.fft.rfft(force)) / signals.rate_hz,
+    )

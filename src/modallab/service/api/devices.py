@@ -5,10 +5,10 @@ from typing import Annotated
 from fastapi import Query
 
 from modallab.bench.loader import DEVICES, find_devices
+from modallab.core.discovery import installed_entry_points
 from modallab.core.documents.pages import Page
 from modallab.core.documents.rigs import DeviceView
 from modallab.core.errors import DataError
-from modallab.core.extras import installed_entry_points
 from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.router import make_router
 

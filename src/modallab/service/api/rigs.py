@@ -1,29 +1,50 @@
-"""Rigs: how they stand, emergency stop, reset, and the lease: who may command one."""
+"""Rigs: how they stand, emergency stop, reset, lease, possible plans, and revisions of what they are believed to be."""
 
+from datetime import UTC, datetime
 from typing import Annotated
 
-from fastapi import Body, Response
+from fastapi import Body, Path, Response
 from fastapi.openapi.models import Example
 
+from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.process.trip import TripLatch
 from modallab.core.documents.pages import Page
-from modallab.core.documents.rigs import Lease, LeaseHolder, LeaseNew, RigView, StopReason, Trip
+from modallab.core.documents.rigs import (
+    Lease,
+    LeaseHolder,
+    LeaseNew,
+    RigRevision,
+    RigRevisionNew,
+    RigView,
+    StopReason,
+    Trip,
+)
+from modallab.core.documents.runs import PlanCheck
+from modallab.core.errors import ConfigurationError, PlanError, RigError
+from modallab.core.plan import Plan
 from modallab.core.rig import Rig
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import CallerOf, LeaseId, Operator, ServiceOf
 from modallab.service.api.roles import role_needed
 from modallab.service.api.router import ONCE, make_router
+from modallab.service.campaigns.begin import require_reasonable
+from modallab.service.campaigns.queueing import duration_s
 from modallab.service.context import Service
-from modallab.service.errors import LeaseHeldError, NotFoundError
+from modallab.service.errors import ConflictError, LeaseHeldError, NotFoundError
+from modallab.service.jobs.results import diagnosis_of_campaign
 from modallab.service.records.callers import UNKNOWN
+from modallab.service.records.rig_revisions import RigRevisions
 from modallab.service.rigs.control import ControllerState
 from modallab.storage import rig_hash
+from modallab.storage.durable import planned_blocks
 
 router = make_router("rigs")
 NewLease = Annotated[
     LeaseNew, Body(openapi_examples={"for ten minutes": Example(value={"operator": "Ada", "ttl_s": 600})})
 ]
 Reason = Annotated[StopReason | None, Body(openapi_examples={"why": Example(value={"reason": "loose cable"})})]
+REASON = 400
+Number = Annotated[int, Path(ge=1, lt=2**31, description="From 1.")]
 
 
 @router.get("/rigs")
@@ -138,3 +159,67 @@ def get_lease(rig: str, service: ServiceOf) -> LeaseHolder:
     if holder is None:
         raise NotFoundError("nobody holds it", where=rig, remedy="take the lease")
     return holder
+
+
+@router.post("/rigs/{rig}/plan-checks", responses=documented_responses(404), openapi_extra=role_needed("observer"))
+def check_plan(rig: str, plan: Annotated[Plan, Body()], service: ServiceOf) -> PlanCheck:
+    """Ask whether the rig could run a plan; nothing moves, and no lease is needed."""
+    controller = state_of(service, rig)
+    try:
+        require_reasonable(plan, controller.rig)
+        _require_possible(plan, controller)
+    except (PlanError, RigError, ConfigurationError) as error:
+        return PlanCheck(problems=(error.what,), blocks=0, duration_s=0.0)
+    return PlanCheck(problems=(), blocks=planned_blocks(plan), duration_s=duration_s(plan))
+
+
+def _require_possible(plan: Plan, controller: ControllerState) -> None:
+    # A bench that is not open yet says nothing of itself; the run looks again.
+    if controller.info is not None:
+        require_possible(plan, controller.rig, controller.info)
+
+
+@router.get("/rigs/{rig}/revisions", responses=documented_responses(404))
+def list_rig_revisions(rig: str, service: ServiceOf) -> Page[RigRevision]:
+    """What a rig was believed to be, the oldest first."""
+    return Page(items=RigRevisions(service.engine).all(state_of(service, rig).id))
+
+
+@router.get("/rigs/{rig}/revisions/{number}", responses=documented_responses(404))
+def get_rig_revision(rig: str, number: Number, service: ServiceOf) -> Rig:
+    """A description that the rig has had."""
+    return RigRevisions(service.engine).description(state_of(service, rig).id, number)
+
+
+@router.post("/rigs/{rig}/revisions", status_code=201, dependencies=ONCE, responses=documented_responses(404, 409, 507))
+def revise_rig(rig: str, new: RigRevisionNew, service: ServiceOf, lease: LeaseId = None) -> RigView:
+    """Go on with another description of what stands on the bench, which is opened again; needs the rig's lease."""
+    service.control.revise(state_of(service, rig).id, new.description, new.reason, lease)
+    return rig_view(service, state_of(service, rig))
+
+
+@router.post("/campaigns/{campaign}/gap/apply", dependencies=ONCE, responses=documented_responses(404, 409, 422, 507))
+def apply_diagnosis(campaign: str, service: ServiceOf, lease: LeaseId = None) -> RigView:
+    """Go on with a rig whose simulation carries what the campaign's newest diagnosis found; needs the rig's lease."""
+    # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
+    from modallab.gap.revisions.apply import with_diagnosis
+
+    known = service.repository.campaign(campaign)
+    state = state_of(service, known.rig)
+    found = diagnosis_of_campaign(service, campaign)
+    _require_same(service, state, found.runs)
+    revised = with_diagnosis(state.rig, found.diagnosis, datetime.now(UTC).date(), known.name)
+    effects = " and ".join(one.effect.replace("_", " ") for one in found.diagnosis.effects)
+    reason = f"{effects}, as diagnosed in {known.name}"
+    service.control.revise(state.id, revised, reason[:REASON], lease)
+    return rig_view(service, state_of(service, state.id))
+
+
+def _require_same(service: Service, state: ControllerState, runs: tuple[str, ...]) -> None:
+    """Reject a diagnosis that was made with another description than the rig has now."""
+    if any(service.store.catalogue.run(run).rig != state.rig for run in runs):
+        raise ConflictError(
+            "the diagnosed runs were recorded with another description of the rig than counts now",
+            where=state.id,
+            remedy="diagnose a campaign that was recorded with this revision",
+        )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError
 
-from modallab.core.extras import require_package
+from modallab.core.discovery import require_package
 from modallab.core.settings import Settings
 from modallab.service.errors import ServiceError
 from modallab.storage.address import ADDRESS, database_of, name_database

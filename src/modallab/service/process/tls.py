@@ -8,7 +8,7 @@ from ipaddress import ip_address
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from modallab.core.extras import require_package
+from modallab.core.discovery import require_package
 from modallab.core.settings import LOOPBACK, Settings
 from modallab.service.errors import ServiceError
 

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
-from modallab.twin.nonlinear.pushed import ElementForces
+from modallab.twin.nonlinear.steps import ElementForces
 
 REACH = 12
 """Samples to either side of the filter that keeps what rings above the band from folding back into it."""

@@ -1,5 +1,6 @@
 """A beam and an element made ready to be stepped in time, with steps of one length."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Self
 
@@ -9,7 +10,6 @@ from modallab.core.arrays import Complex, Real
 from modallab.twin.elements import shape_rows
 from modallab.twin.modes import TwinModes
 from modallab.twin.nonlinear.element import ModalCoupling, NonlinearLaw
-from modallab.twin.nonlinear.pushed import ElementForces, pad_to_lanes
 
 SWIFT = 1.7
 """Radians in a step from which a mode follows the forces at once: an element that is stiff beside it would not settle
@@ -19,6 +19,53 @@ ROW = 16
 """Powers of a step that the others are products of."""
 CHUNK = ROW**2
 """Steps that a known force is taken in."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ElementForces:
+    """The forces of an element from a step on, and the modes they act on.
+
+    The state s of the modes goes on by s[i + 1] = decay s[i] + acts F[i], and their motion is s[i] + at_once F[i].
+
+    Attributes:
+        decay: (kept,) of a step.
+        acts: (f, kept) what a unit of each force adds to the state.
+        at_once: (f, kept) what it adds to the modes at once.
+        begun: (kept,) state before the first step.
+        forces: (f, steps) N of the element's channels, then, if there is any, what each has more than its straight
+            line.
+        channels: of the element.
+        left: see `Steps.left`.
+    """
+
+    decay: Complex
+    acts: Complex
+    at_once: Complex
+    begun: Complex
+    forces: Real
+    channels: int
+    left: Callable[[Real], Complex]
+
+    def motion(self, steps: int | None = None) -> Real:
+        """(2 kept, steps) of the modes that the element adds, real parts and then imaginary ones; all, or the first."""
+        # Loaded where it is needed: what is linear needs no compiled loop.
+        from modallab.twin.nonlinear.stepping import modes_under_forces
+
+        forces, kept = np.ascontiguousarray(self.forces[:, :steps].T), len(self.decay)
+        acts, at_once = _pad_to_lanes(self.acts), _pad_to_lanes(self.at_once)
+        out = np.empty((len(forces), *acts.shape[1:]))
+        modes_under_forces(_pad_to_lanes(self.decay), acts, at_once, _pad_to_lanes(self.begun), forces, out)
+        return out[:, :, :kept].reshape(len(out), -1).T
+
+
+def _pad_to_lanes(values: Complex) -> Real:
+    """(..., 2, p) real and imaginary parts of (..., kept), p a multiple of LANES."""
+    from modallab.twin.nonlinear.stepping import LANES
+
+    kept = values.shape[-1]
+    found = np.zeros((*values.shape[:-1], 2, -(-kept // LANES) * LANES))
+    found[..., 0, :kept], found[..., 1, :kept] = values.real, values.imag
+    return found
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -94,7 +141,7 @@ class ModalSteps:
             force: (steps,) N.
             skip: steps before the first that is kept.
         """
-        width, count = pad_to_lanes(self.decay).shape[-1], len(self.own.shapes)
+        width, count = _pad_to_lanes(self.decay).shape[-1], len(self.own.shapes)
         total, pushed = np.zeros((2, width)), np.zeros((len(force) - skip, count))
         excess = np.zeros_like(pushed)
         (self._run_one if self.own.law in OF_ONE_MOTION else self._run_many)(force, skip, total, pushed, excess)
@@ -119,11 +166,11 @@ class ModalSteps:
         step_one(
             int(self.own.law),
             np.array((*self.own.numbers, 0.0, 0.0)[:3]),
-            pad_to_lanes(self.decay),
-            pad_to_lanes(push),
-            pad_to_lanes(self.drive),
-            pad_to_lanes(seen * self.decay),
-            pad_to_lanes(later),
+            _pad_to_lanes(self.decay),
+            _pad_to_lanes(push),
+            _pad_to_lanes(self.drive),
+            _pad_to_lanes(seen * self.decay),
+            _pad_to_lanes(later),
             own,
             known,
             force,
@@ -143,9 +190,9 @@ class ModalSteps:
             int(self.own.law),
             np.array(self.own.numbers),
             np.asarray(np.linalg.inv(whole) if cracked else whole, dtype=np.float64),
-            pad_to_lanes(self.decay),
-            pad_to_lanes(np.concatenate([self.push, self.drive[None], self.decay * self.kick])),
-            pad_to_lanes(felt),
+            _pad_to_lanes(self.decay),
+            _pad_to_lanes(np.concatenate([self.push, self.drive[None], self.decay * self.kick])),
+            _pad_to_lanes(felt),
             (self.direct if cracked else 0.0) + np.real(felt @ self.drive_late),
             np.real(felt @ self.late.T),
             force,
