@@ -3,12 +3,13 @@
 import base64
 import binascii
 from collections.abc import Callable, Sequence
-from typing import Annotated, TypeVar
+from typing import Annotated, Literal, TypeVar
 
 from fastapi import Depends, Header, Query, Request, Response
 
 from modallab.core.documents.pages import Page
 from modallab.core.errors import DataError
+from modallab.core.units import Test
 from modallab.service.context import Service
 from modallab.service.errors import ChangedError, PreconditionNeededError
 from modallab.service.records.callers import UNKNOWN, Caller
@@ -20,6 +21,9 @@ CALLER = "modallab.caller"
 """In the scope of a request whose token or cookie counts."""
 _NO_CONTROL = r"^[^\x00-\x1f\x7f]+$"
 Item = TypeVar("Item")
+OfTest = Annotated[Test | None, Query(description="Whose model; left out: the first.")]
+Points = Annotated[list[int] | None, Query(max_length=100, description="Points; repeat it for several.")]
+Motion = Literal["displacement", "velocity", "acceleration"]
 
 
 def _service(request: Request) -> Service:

@@ -1,0 +1,158 @@
+"""What a campaign's newest model says of how its structure behaves: what makes a response, where modes move."""
+
+from typing import Annotated
+
+import numpy as np
+from fastapi import Query
+
+from modallab.core.documents.model_understood import (
+    CrossingView,
+    DeflectionView,
+    NodesView,
+    ParticipationView,
+    ShapesView,
+)
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf
+from modallab.service.api.problems import documented_responses
+from modallab.service.api.request_context import Motion, OfTest, ServiceOf
+from modallab.service.api.router import make_router
+from modallab.service.errors import NotFoundError
+from modallab.service.jobs.known_structures import known_of_campaign, model_of_campaign
+from modallab.service.jobs.results import curves_of_campaign
+
+router = make_router("model-use")
+At = Annotated[int, Query(ge=1, description="Point of the force.")]
+Hz = Annotated[float | None, Query(gt=0, allow_inf_nan=False, description="Edge of the band; left out: the model's.")]
+Seconds = Annotated[
+    float | None,
+    Query(
+        ge=0,
+        le=1e6,
+        allow_inf_nan=False,
+        description="Of a time after a hit, instead of a band; one number for both is an instant.",
+    ),
+]
+
+
+@router.get("/campaigns/{campaign}/model/participation", responses=documented_responses(404))
+def get_participation(
+    campaign: str,
+    at: At,
+    of: Annotated[int, Query(ge=1, description="Point of the motion.")],
+    service: ServiceOf,
+    test: OfTest = None,
+    low_hz: Hz = None,
+    high_hz: Hz = None,
+    begin_s: Seconds = None,
+    end_s: Seconds = None,
+    quantity: Annotated[Motion, Query(description="Of the motion.")] = "velocity",
+) -> ParticipationView:
+    """Which modes make the response at a point to an even force, or after a hit: the share of each."""
+    from modallab.modification.participation import modal_participation
+
+    band, after = (
+        _both_or_neither("low_hz, high_hz", low_hz, high_hz),
+        _both_or_neither("begin_s, end_s", begin_s, end_s),
+    )
+    known = known_of_campaign(service, campaign, test)
+    found = modal_participation(known, at, of, quantity, band, after)
+    return ParticipationView(
+        test=known.model.test,
+        at=at,
+        of=of,
+        quantity=quantity,
+        band_hz=found.band_hz,
+        after_s=found.after_s,
+        frequency_hz=known.model.frequency_hz,
+        share=found.share,
+        share_sigma=found.share_sigma,
+        alone=found.alone,
+        outside=found.outside,
+    )
+
+
+def _both_or_neither(where: str, low: float | None, high: float | None) -> tuple[float, float] | None:
+    """Two ends, or none."""
+    if (low is None) != (high is None):
+        raise DataError(f"one of {where} is missing", where=where, remedy="give both, or neither")
+    return None if low is None or high is None else (low, high)
+
+
+@router.get("/campaigns/{campaign}/model/nodes", responses=documented_responses(404))
+def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesView:
+    """Where each mode moves most and where its nodes are: where to hit, where to mount."""
+    from modallab.modification.nodes import places_of_modes
+    from modallab.reporting.understood_table import advice_of
+
+    known = known_of_campaign(service, campaign, test)
+    found = places_of_modes(known.structure, known.samples, known.model, known.rig)
+    return NodesView(
+        test=known.model.test,
+        frequency_hz=found.frequency_hz,
+        points=tuple(point for point, _ in found.freedoms),
+        axes=tuple(axis for _, axis in found.freedoms),
+        motion=found.motion,
+        motion_sigma=found.motion_sigma,
+        antinode=tuple(point for point, _ in found.antinode),
+        near_node=tuple(tuple(point for point, _ in near) for near in found.nodes),
+        crossings=tuple(
+            CrossingView(mode=c.mode + 1, place_m=c.place_m, place_sigma_m=c.sigma_m) for c in found.crossings
+        ),
+        advice=tuple(advice_of(found)),
+    )
+
+
+@router.get("/campaigns/{campaign}/model/shapes", responses=documented_responses(404))
+def get_shapes(campaign: str, service: ServiceOf, test: OfTest = None) -> ShapesView:
+    """The structure as points and lines, and how it moves in each mode."""
+    from modallab.modification.skeleton import Skeleton, motion_of, motion_without_scale
+
+    found = model_of_campaign(service, campaign, test)
+    rig = service.store.catalogue.run(found.runs[0]).rig
+    try:
+        known = known_of_campaign(service, campaign, test)
+        motion = motion_of(known.structure, rig, known.structure.psi)
+    except DataError:
+        motion = motion_without_scale(found.model, rig)
+    skeleton = Skeleton.of(rig)
+    return ShapesView(
+        test=found.model.test,
+        frequency_hz=found.model.frequency_hz,
+        points=skeleton.points,
+        places_m=skeleton.places_m,
+        lines=skeleton.lines,
+        surfaces=skeleton.surfaces,
+        motion=motion,
+    )
+
+
+@router.get("/campaigns/{campaign}/model/deflection", responses=documented_responses(404))
+def get_deflection(
+    campaign: str,
+    hz: Annotated[float, Query(gt=0, allow_inf_nan=False, description="Frequency in Hz.")],
+    at: At,
+    service: ServiceOf,
+    test: OfTest = None,
+) -> DeflectionView:
+    """The operating deflection shape that the measured FRFs show at their line nearest to a frequency."""
+    from modallab.modification.deflection import operating_deflection
+    from modallab.modification.freedoms import freedoms_of
+
+    known = known_of_campaign(service, campaign, test)
+    curves = next(c for c in curves_of_campaign(service, campaign).tests if c.test == known.model.test)
+    if curves.measured is None or known.rig is None:
+        raise NotFoundError(f"campaign {campaign} has no measured FRF of this test", remedy="name another test")
+    points = curves.outputs, curves.output_points, curves.input_points
+    variance = None if curves.sigma is None else curves.sigma**2
+    frf = Frf(curves.frequency_hz, curves.measured, "mobility", *points, variance=variance)
+    found = operating_deflection(frf, freedoms_of(known.model, known.rig)[0], hz, at)
+    return DeflectionView(
+        test=known.model.test,
+        frequency_hz=found.frequency_hz,
+        at=at,
+        points=tuple(point for point, _ in found.freedoms),
+        axes=tuple(axis for _, axis in found.freedoms),
+        values=found.values.astype(np.complex128),
+        sigma=found.sigma,
+    )
