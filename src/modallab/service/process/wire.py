@@ -6,28 +6,22 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection
 from queue import Full, Queue
 from threading import Event as Flag
 from threading import Lock, Thread
 from typing import Any
 
-from modallab.core.documents.queue import ConsentNew, ConsentView
-from modallab.core.documents.runs import Command
 from modallab.core.errors import ModallabError
-from modallab.core.rig import Rig
 from modallab.service.errors import RigUnavailableError
-from modallab.service.rigs.control import Control, ControllerState, StartRun
+from modallab.service.rigs.control import Control
 
 LOG = logging.getLogger(__name__)
 BEAT_S = 0.2
 ANSWER_S = 30.0
-CALLS = frozenset(
-    {
-        "states", "processes", "start", "command", "emergency_stop", "reset", "give_consent", "withdraw_consent",
-        "consent_view", "revise",
-    }
-)  # fmt: skip
+CALLS = frozenset(name for name in vars(Control) if not name.startswith("_"))
+"""What the REST process may have done."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +53,7 @@ class NewEvents:
 
 
 class RemoteControl:
-    """The REST process's end: a `Control` whose work is done in the supervisor."""
+    """The REST process's end: its calls are those of `Control`, and their work is done in the supervisor."""
 
     def __init__(self, connection: Connection, gone: Callable[[], None]) -> None:
         """`gone` is called when the supervisor is."""
@@ -73,45 +67,11 @@ class RemoteControl:
         Thread(target=self._hear, name="answers", daemon=True).start()
         Thread(target=self._beat, name="heartbeat", daemon=True).start()
 
-    def states(self) -> tuple[ControllerState, ...]:
-        """As `Control`."""
-        return self._call("states")
-
-    def processes(self) -> dict[str, int]:
-        """As `Control`."""
-        return self._call("processes")
-
-    def start(self, order: StartRun) -> str:
-        """As `Control`."""
-        return self._call("start", order)
-
-    def command(self, rig: str, run: str, command: Command, lease: str | None) -> None:
-        """As `Control`."""
-        self._call("command", rig, run, command, lease)
-
-    def emergency_stop(self, rig: str | None, reason: str, operator: str) -> tuple[str, ...]:
-        """As `Control`."""
-        return self._call("emergency_stop", rig, reason, operator)
-
-    def reset(self, rig: str, reason: str, lease: str | None) -> None:
-        """As `Control`."""
-        self._call("reset", rig, reason, lease)
-
-    def revise(self, rig: str, description: Rig, reason: str, lease: str | None) -> None:
-        """As `Control`."""
-        self._call("revise", rig, description, reason, lease)
-
-    def give_consent(self, rig: str, new: ConsentNew, items: tuple[str, ...], lease: str | None) -> ConsentView:
-        """As `Control`."""
-        return self._call("give_consent", rig, new, items, lease)
-
-    def withdraw_consent(self, rig: str) -> None:
-        """As `Control`."""
-        self._call("withdraw_consent", rig)
-
-    def consent_view(self, rig: str) -> ConsentView | None:
-        """As `Control`."""
-        return self._call("consent_view", rig)
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        """A call of `Control`, which is done in the supervisor."""
+        if name not in CALLS:
+            raise AttributeError(f"Control has no call {name!r}")
+        return partial(self._call, name)
 
     def _call(self, name: str, *arguments: Any) -> Any:
         future: Future[Any] = Future()

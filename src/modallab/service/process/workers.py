@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from multiprocessing.connection import Connection
 from socket import socket
 from threading import Thread
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from modallab.core.settings import Settings
 from modallab.service.process.wire import RemoteControl
@@ -20,6 +20,8 @@ from modallab.service.process.wire import RemoteControl
 if TYPE_CHECKING:
     import uvicorn
     from fastapi import FastAPI
+
+    from modallab.service.rigs.control import Control
 
 LOOK_S = 0.2
 
@@ -74,7 +76,7 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
             server.force_exit = True
 
     control = RemoteControl(connection, gone)
-    service = open_service(settings.data, control, boot)
+    service = open_service(settings.data, cast("Control", control), boot)
     app = create_app(service, settings, token)
     control.on_events = app.state.feed.look
     server = uvicorn.Server(_configuration(app, settings))
