@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from modallab.core.errors import RigError, StorageError
 from modallab.core.frozen import Frozen
 from modallab.core.rig import Rig
-from modallab.formats.rig.messages import SECTIONS
 from modallab.formats.rig.rig_file import dump_rig, parse_rig, read_rig, write_rig
+from modallab.formats.rig.rig_yaml import SECTIONS
 
 
 def rejection(content: object) -> str:

@@ -11,7 +11,7 @@ from modallab.core.documents.runs import RunNew
 from modallab.core.documents.users import TokenNew, UserNew
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
-from modallab.jobs.kind import Kind
+from modallab.jobs.job import Kind
 from modallab.jobs.leases import Leases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
 from modallab.service.api.rigs import state_of

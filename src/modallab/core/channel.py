@@ -6,10 +6,10 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, PositiveInt, model_validator
 
 from modallab.core.errors import RigError
+from modallab.core.field_errors import reject_problems
 from modallab.core.frozen import Finite, Frozen, NonNegative, Positive, is_unstated
 from modallab.core.metrology import Certificate
 from modallab.core.rig_checks import channel_problems
-from modallab.core.rig_problem import reject_problems
 from modallab.core.units import BROADBAND, Quantity, Test
 
 Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]

@@ -1,6 +1,7 @@
-"""What pydantic says of a wrong field, in plain words: the field, the value found, and what is allowed."""
+"""What is wrong in the fields of a document, in plain words: the field, the value found, and what is allowed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Final, NamedTuple, cast
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -32,6 +33,8 @@ ALLOWED = {
     "bool_parsing": "true or false",
 }
 """Kind of error -> what the field may hold."""
+INVALID: Final = object()
+"""Stands where a field was found to be wrong on its own: nothing further can be said about it."""
 
 
 def allowed_values(detail: ErrorDetails) -> str:
@@ -76,3 +79,63 @@ def _error_sentence(detail: ErrorDetails) -> str:
     if detail["type"] == "value_error":
         return f"{field}: {allowed_values(detail)}" if field else allowed_values(detail)
     return f"{field} is {quoted_value(detail['input'])}; allowed: {allowed_values(detail)}"
+
+
+class Problem(NamedTuple):
+    """One thing that is wrong in a rig: the field, what it holds, what it may hold."""
+
+    field: str
+    found: str
+    allowed: str
+
+    def __str__(self) -> str:
+        return f"{self.field}: {self.found}; allowed: {self.allowed}"
+
+
+def reject_problems(problems: Sequence[Problem]) -> None:
+    """Reject a document in which something is wrong, all of it at once.
+
+    Raises:
+        ValueError: something is.
+    """
+    if problems:
+        raise ValueError("\n".join(str(problem) for problem in problems))
+
+
+def repeated_entries(group: str, field: str, values: Sequence[str | float | None]) -> list[Problem]:
+    """What occurs twice in a field of a group of entries; None: not known."""
+    return [
+        Problem(
+            f"{group}[{place}].{field}",
+            f"found {value_in_message(value)}, as in {group}[{values.index(value)}]",
+            "each once",
+        )
+        for place, value in enumerate(values)
+        if value is not None and values.index(value) < place
+    ]
+
+
+def value_in_message(value: str | float) -> str:
+    """A value as it is written in a message."""
+    return repr(value) if isinstance(value, str) else f"{value:g}"
+
+
+def list_entries(content: Mapping[str, object], key: str) -> list[Mapping[str, object]]:
+    """The entries of a list of the rig; a wrong entry keeps its place."""
+    entries = content.get(key)
+    if not isinstance(entries, Sequence) or isinstance(entries, str):
+        return []
+    # One of which nothing is known.
+    nothing: Mapping[str, object] = {"id": INVALID, "quantity": INVALID}
+    listed = cast("Sequence[object]", entries)
+    return [cast("Mapping[str, object]", e) if isinstance(e, Mapping) else nothing for e in listed]
+
+
+def number_or_none(value: object) -> float | None:
+    """A number, or None where the field holds none."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    try:
+        return float(value)
+    except (ValueError, OverflowError):
+        return None

@@ -9,10 +9,10 @@ from modallab.core.beam import FORCE_SHARE, Beam, DampingPrior, Tolerance
 from modallab.core.channel import Channel, Converter, Direction, Point
 from modallab.core.effect import Effect, Revision
 from modallab.core.errors import RigError
+from modallab.core.field_errors import reject_problems
 from modallab.core.frozen import Frozen, Positive, is_unstated
 from modallab.core.hardware import Calibration, Excitation, Shaker, Synchronisation
 from modallab.core.rig_checks import cross_problems
-from modallab.core.rig_problem import reject_problems
 from modallab.core.versions import RIG
 
 __all__ = [

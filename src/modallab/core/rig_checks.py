@@ -3,7 +3,14 @@
 from collections.abc import Mapping, Sequence
 from typing import Final, cast
 
-from modallab.core.rig_problem import INVALID, Problem, list_entries, number_or_none, repeated_entries, value_in_message
+from modallab.core.field_errors import (
+    INVALID,
+    Problem,
+    list_entries,
+    number_or_none,
+    repeated_entries,
+    value_in_message,
+)
 from modallab.core.units import TO_SI
 
 BEAM_RANGES: Final = {

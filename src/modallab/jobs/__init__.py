@@ -5,17 +5,15 @@ from typing import TYPE_CHECKING
 from modallab.core.lazy import lazy_getattr
 
 if TYPE_CHECKING:
-    from modallab.jobs.job import Job, JobPage, JobState
+    from modallab.jobs.job import ComputationResult, Job, JobPage, JobState, Kind, Notify
     from modallab.jobs.jobs import Jobs
-    from modallab.jobs.kind import ComputationResult, Kind, Notify
 
 __all__ = ["ComputationResult", "Job", "JobPage", "JobState", "Jobs", "Kind", "Notify"]
 
 __getattr__ = lazy_getattr(
     __name__,
     {
-        "job": ("Job", "JobPage", "JobState"),
+        "job": ("ComputationResult", "Job", "JobPage", "JobState", "Kind", "Notify"),
         "jobs": ("Jobs",),
-        "kind": ("ComputationResult", "Kind", "Notify"),
     },
 )

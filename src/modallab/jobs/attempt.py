@@ -11,7 +11,7 @@ from distributed.comm.core import CommClosedError
 from distributed.scheduler import KilledWorker
 
 from modallab.core.errors import DatabaseLostError, JobError, ModallabError
-from modallab.jobs.kind import ComputationResult, Kind
+from modallab.jobs.job import ComputationResult, Kind
 from modallab.jobs.leases import LeasedJob, Leases
 from modallab.jobs.task import compute_attempt, interrupt_computation
 

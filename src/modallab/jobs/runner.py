@@ -14,8 +14,8 @@ from modallab.core.errors import StorageError
 from modallab.jobs.address import TlsFiles, check_address
 from modallab.jobs.attempt import Attempt
 from modallab.jobs.cluster import Cluster, default_workers
+from modallab.jobs.job import Kind
 from modallab.jobs.jobs import Jobs
-from modallab.jobs.kind import Kind
 from modallab.jobs.leases import LEASE_S, LeasedJob, Leases
 from modallab.jobs.task import TOPIC
 

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from distributed import get_worker
 
 from modallab.core.errors import ModallabError
-from modallab.jobs.kind import ComputationResult, Notify
+from modallab.jobs.job import ComputationResult, Notify
 
 TOPIC = "modallab-progress"
 """Under which workers report to the runner how far they are."""

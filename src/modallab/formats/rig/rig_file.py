@@ -8,12 +8,11 @@ import yaml
 from pydantic import TypeAdapter, ValidationError
 
 from modallab.core.errors import RigError
+from modallab.core.field_errors import Problem
 from modallab.core.metrology import Certificate
 from modallab.core.rig import Rig
-from modallab.core.rig_problem import Problem
 from modallab.formats.atomic import replacing
-from modallab.formats.rig.messages import rig_problems
-from modallab.formats.rig.rig_yaml import load_yaml
+from modallab.formats.rig.rig_yaml import load_yaml, rig_problems
 
 _RESULTS = {"models": "holds modal models", "verdict": "is the diagnosis of a gap"}
 """A field of a file that modallab writes -> what it is, where somebody names it as a rig file."""

@@ -9,6 +9,7 @@ from starlette.background import BackgroundTask
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
 from modallab.core.documents.pages import Page
+from modallab.service.api.access import require_rig
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import (
     NOTES,
@@ -26,7 +27,6 @@ from modallab.service.api.request_context import (
     set_etag,
 )
 from modallab.service.api.rigs import state_of
-from modallab.service.api.roles import require_rig
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.campaigns.export import ExportedFile, export_campaign
 

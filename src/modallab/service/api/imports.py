@@ -17,10 +17,10 @@ from modallab.core.units import Test
 from modallab.formats.arrays.array_map import ArrayMap, parse_map
 from modallab.formats.asked import ASKED, ImportOption, Kind
 from modallab.formats.format import Format
+from modallab.service.api.access import require_rig
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import CallerOf, Operator, ServiceOf, set_etag
 from modallab.service.api.rigs import state_of
-from modallab.service.api.roles import require_rig
 from modallab.service.api.router import ONCE, PREFIX, answer_once, make_router
 from modallab.service.campaigns.importing import find_reader, import_campaign
 from modallab.storage.durable import require_space

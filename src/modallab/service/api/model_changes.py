@@ -26,9 +26,9 @@ from modallab.core.documents.model_other import (
     ChangesForFreeBandView,
     ChangesForFrequencyView,
 )
+from modallab.service.api.access import role_needed
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import ServiceOf
-from modallab.service.api.roles import role_needed
 from modallab.service.api.router import make_router
 from modallab.service.context import Service
 from modallab.service.jobs.known_structures import known_of_campaign, model_of_campaign

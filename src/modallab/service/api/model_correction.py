@@ -10,9 +10,9 @@ from modallab.core.documents.model_other import (
 )
 from modallab.core.documents.model_update import MatricesNew, PriorNew, UpdatedView, UpdateNew
 from modallab.core.units import Test
+from modallab.service.api.access import role_needed
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import OfTest, ServiceOf
-from modallab.service.api.roles import role_needed
 from modallab.service.api.router import make_router
 from modallab.service.jobs.known_structures import known_of_campaign
 

@@ -17,10 +17,10 @@ from modallab.core.documents.model_use import (
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.units import Quantity, Test
+from modallab.service.api.access import role_needed
 from modallab.service.api.campaigns import BINARY, FILE, file_response
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Motion, OfTest, Points, ServiceOf
-from modallab.service.api.roles import role_needed
 from modallab.service.api.router import make_router
 from modallab.service.campaigns.export import export_to_own_folder
 from modallab.service.context import Service

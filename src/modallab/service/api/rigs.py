@@ -23,9 +23,9 @@ from modallab.core.documents.runs import PlanCheck
 from modallab.core.errors import ConfigurationError, PlanError, RigError
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
+from modallab.service.api.access import role_needed
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import CallerOf, LeaseId, Operator, ServiceOf
-from modallab.service.api.roles import role_needed
 from modallab.service.api.router import ONCE, make_router
 from modallab.service.campaigns.begin import require_reasonable
 from modallab.service.campaigns.queueing import duration_s

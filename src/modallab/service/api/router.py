@@ -14,9 +14,9 @@ from fastapi.routing import APIRoute
 from sqlalchemy import Engine, delete, insert, select, update
 
 from modallab.core.errors import DataError, ModallabError
+from modallab.service.api.access import declared_role, require_own, require_role
 from modallab.service.api.problems import documented_responses, response_of_error
 from modallab.service.api.request_context import CALLER, OPERATOR
-from modallab.service.api.roles import declared_role, require_own, require_role
 from modallab.service.errors import ConflictError, MediaTypeError
 from modallab.service.records.callers import Caller
 from modallab.service.records.repository import key_limit, key_of_another

@@ -8,10 +8,9 @@ from pydantic import Field
 
 from modallab.core.documents.users import CallerView, LoginLink
 from modallab.core.frozen import Frozen
-from modallab.service.api.access import COOKIE
+from modallab.service.api.access import COOKIE, role_needed
 from modallab.service.api.problems import documented_responses, problem_kinds, problem_response
 from modallab.service.api.request_context import CallerOf
-from modallab.service.api.roles import role_needed
 from modallab.service.api.router import OPEN, make_router
 from modallab.service.records.callers import Callers
 from modallab.service.records.sessions import Sessions, make_link

@@ -7,9 +7,9 @@ from fastapi.openapi.models import Example
 
 from modallab.core.documents.pages import Page
 from modallab.core.documents.users import TokenMade, TokenNew, TokenView, UserChange, UserNew, UserView
+from modallab.service.api.access import role_needed
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Operator, ServiceOf
-from modallab.service.api.roles import role_needed
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.context import Service
 from modallab.service.records.callers import Callers
