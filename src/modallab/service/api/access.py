@@ -1,4 +1,4 @@
-"""Who may ask, and how much, looked at before any route; and what a route needs: a role, a rig, a lease of one's own."""
+"""Who may ask, and how much, looked at before any route; what a route needs: a role, a rig, a lease of its caller."""
 
 from collections.abc import Iterable
 from typing import Any
