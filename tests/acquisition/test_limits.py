@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted_bench import SCALE, scripted_rig
 
-from modallab.acquisition.monitor.limits import LimitWatch, watch_of
+from modallab.acquisition.monitor.burst_watch import LimitWatch, watch_of
 from modallab.bench.protocol import Chunk, Delivery
 from modallab.core.errors import SafetyError
 from modallab.core.rig import Limits

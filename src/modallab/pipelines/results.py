@@ -1,17 +1,18 @@
 """What a file with results but no measurement yields: its geometry and its shapes."""
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from modallab import __version__
-from modallab.formats.atomic import write_text
+from modallab.formats.atomic import replacing, write_text
 from modallab.formats.format import sniff
 from modallab.formats.uff.uff_functions import read_functions
 from modallab.formats.uff.uff_results import NodeMode, Results, read_results
-from modallab.reporting.figures.wireframe import MovingShape
-from modallab.reporting.shapes_page import write_shapes_page
+from modallab.reporting.figures.wireframe import MovingShape, moving_wireframes
+from modallab.reporting.markup import html_element, page_head
 
 _MEASURED = (1, 4)
 """Function types that a model can be identified from: time records and FRFs."""
@@ -54,7 +55,7 @@ def import_results(path: Path, out: Path) -> tuple[str, ...]:
         report.append(f"note: {found.forced} sets hold deflections under a load, which are no modes, and are left out")
     moving = [_moving_shape(n, mode, found) for n, mode in enumerate(found.modes[:MOST_SHAPES], 1)]
     if moving and len(points) > 1:
-        write_shapes_page(out.with_suffix(".html"), path.stem, points, lines, moving, found.geometry.surfaces)
+        _write_shapes_page(out.with_suffix(".html"), path.stem, points, lines, moving, found.geometry.surfaces)
         report.append(f"shapes, moving: {out.with_suffix('.html')}")
     elif moving:
         report.append("note: the file does not say where its nodes are, so that the shapes cannot be drawn")
@@ -87,3 +88,36 @@ def _moving_shape(n: int, mode: NodeMode, found: Results) -> MovingShape:
     return MovingShape(
         f"Mode {n}", mode.frequency_hz, np.array([mode.at.get(node, rest) for node in found.geometry.points])
     )
+
+
+def _write_shapes_page(
+    path: Path,
+    title: str,
+    points: Mapping[int, tuple[float, float, float]],
+    lines: Sequence[tuple[int, int]],
+    shapes: Sequence[MovingShape],
+    surfaces: Sequence[Sequence[int]] = (),
+) -> None:
+    """Write one HTML file that holds everything it shows.
+
+    Args:
+        path: of the file.
+        title: heading.
+        points: id -> x, y, z in m.
+        lines: pairs of ids.
+        shapes: with motions in the order of `points`.
+        surfaces: ids around each face.
+
+    Raises:
+        StorageError: the file cannot be written.
+    """
+    drawn = moving_wireframes(points, lines, shapes, surfaces)
+    summary = html_element("p", f"{len(points)} points, {len(lines)} lines, {len(shapes)} shapes.", class_="lead")
+    body = html_element(
+        "body",
+        html_element("header", html_element("h1", title), summary),
+        html_element("main", drawn or html_element("p", "There is no shape.")),
+    )
+    with replacing(path) as draft:
+        text = f'<!DOCTYPE html>\n<html lang="en">{page_head(title)}{body}</html>\n'
+        draft.write_text(text, encoding="utf-8", newline="\n")

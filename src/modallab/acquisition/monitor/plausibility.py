@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.burst_look import WEAK_EARLIER_S, WEAK_LATER_S, BurstWindows
 from modallab.acquisition.monitor.expected_force import OTHERS_FROM, SEEN, ExpectedForce, implausible_channel_error
-from modallab.acquisition.monitor.known_shapes import KnownShapes
 from modallab.acquisition.monitor.normal_looks import normal_looks
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.tone_prediction import (
@@ -26,7 +25,7 @@ from modallab.acquisition.monitor.tone_prediction import (
     tone_is_lost,
 )
 from modallab.bench.protocol import Burst, Chunk
-from modallab.core.arrays import Real
+from modallab.core.arrays import Complex128, Real
 from modallab.storage.samples import Samples
 
 GONE_LOOKS = 3
@@ -41,6 +40,14 @@ mode some ten Hz away lags its envelope by a few percent, each by another: what 
 
 MISSED = 25 * SEEN
 """A response that must be seen so clearly is not there."""
+_MOST = 24
+"""Shapes that are remembered, the latest."""
+
+_KEPT_PART = 0.01
+"""What is below this part of the largest direction of all shapes is noise."""
+
+_SURE = 5.0
+"""What a channel must read stands so many times above what the combination leaves of the others."""
 
 
 class Plausibility:
@@ -172,3 +179,38 @@ class Plausibility:
             others = np.delete(follows, np.array([self._force_row, int(channel)]))
             gone[channel] = channel == self._force_row or not others.size or np.median(others) >= KEPT_UP
         return gone
+
+
+class KnownShapes:
+    """Remembers the responses to the bursts that have settled, and says what a response must read of a tone.
+
+    A channel that shows nothing may be dead, or stand in a node of this frequency's shape. Where the other responses
+    are a combination of shapes that were seen before, the same combination says what the channel must read; where they
+    are not, nothing follows.
+    """
+
+    def __init__(self) -> None:
+        self._shapes: list[Complex128] = []
+        self._sizes: list[float] = []
+
+    def keep(self, tone: Complex128) -> None:
+        """Remember the (responses,) complex amplitudes of a burst, over their noise."""
+        size = float(np.linalg.norm(tone))
+        if size > 0:
+            self._shapes = [*self._shapes, tone / size][-_MOST:]
+            self._sizes = [*self._sizes, size][-_MOST:]
+
+    def must_read(self, channel: int, tone: Complex128) -> float:
+        """The least that one of (responses,) must read, over its noise, by the others; 0 where nothing is known."""
+        if not self._shapes or tone.size < 2:
+            return 0.0
+        shapes = np.array(self._shapes).T
+        others = np.delete(np.arange(tone.size), channel)
+        left, sizes, right = np.linalg.svd(shapes[others], full_matrices=False)
+        kept = sizes > _KEPT_PART * sizes[0]
+        parts = left[:, kept].conj().T @ tone[others]
+        combination = right[kept].conj().T @ (parts / sizes[kept])
+        left_over = np.linalg.norm(tone[others] - left[:, kept] @ parts)
+        # The shapes themselves are known to their own noise only.
+        unsure = np.linalg.norm(combination / np.array(self._sizes))
+        return max(0.0, float(np.abs(shapes[channel] @ combination) - _SURE * (left_over + unsure)))

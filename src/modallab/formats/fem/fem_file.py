@@ -12,8 +12,7 @@ from pydantic import Field, PositiveInt, ValidationError, model_validator
 from modallab.core.errors import DataError, FormatError
 from modallab.core.frozen import Frozen
 from modallab.formats.fem.calculix import read_calculix
-from modallab.formats.fem.matrix_file import READ, holds, read_matrix
-from modallab.formats.fem.matrix_model import DIRECTIONS, MatrixModel
+from modallab.formats.fem.matrix_model import DIRECTIONS, READ, MatrixModel, holds, read_matrix
 from modallab.formats.fem.nastran import read_nastran
 from modallab.formats.fem.nastran_op2 import read_op2
 from modallab.formats.fem.node_modes import NodeModes, Units, in_si
