@@ -1,4 +1,4 @@
-"""A finite-element model as matrices, with what its parameters change of them, and the files that hold such matrices."""
+"""A finite-element model as matrices: what its parameters change of them, their modes, and files that hold such."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -128,7 +128,7 @@ def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, wh
 
 
 def draft_tdms(path: Path, options: ImportOptions) -> Rig:
-    """The rig of a TDMS file: the channels of its _fastest group, or of the _chosen one, by their names and units.
+    """The rig of a TDMS file: the channels of its fastest group, or of the chosen one, by their names and units.
 
     Raises:
         FormatError: no TDMS file, cut off or damaged.
