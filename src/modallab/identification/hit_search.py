@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Complex128
 from modallab.core.frf import Frf
 from modallab.core.progress import part_of_progress
-from modallab.identification.estimate import PoleEstimate
+from modallab.identification.estimate import estimate_poles
 from modallab.identification.likelihood.fit import LikelihoodFit
+from modallab.identification.likelihood.frf_fit import left_by
 from modallab.identification.likelihood.hit_blocks import Groups, HitBlocks
 from modallab.identification.likelihood.impact_search import first_look, search_again
 from modallab.identification.options import IdentificationOptions
@@ -54,19 +55,19 @@ class HitSearch:
     band: tuple[float, float]
     options: IdentificationOptions
 
-    def found(self, frf: Frf, estimate: PoleEstimate, poles: Complex128) -> FoundModes:
-        """The modes from these start poles; where they leave more than noise, also those that only some orders show.
+    def found(self, frf: Frf, poles: Complex128) -> FoundModes:
+        """The modes from these start poles; where they leave more than noise, also those that show in what they leave.
 
         Args:
             frf: what was estimated from.
-            estimate: poles by order.
             poles: (poles,) rad/s, where the search begins.
         """
         first = self._from(poles)
         explained = first.misfit <= MODEL_ERROR_FROM
         if self._by_hand or explained or not np.any(first.keep):
             return first
-        more = overlooked_poles(frf, first.fit, first.keep, estimate.orders, self.band)
+        left = estimate_poles(left_by(frf, first.poles), self.options.method, self.options.max_order)
+        more = overlooked_poles(frf, first.poles, left.orders, self.band)
         if not more.size:
             return first
         second = self._from(np.concatenate([first.poles, more]))

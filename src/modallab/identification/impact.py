@@ -65,7 +65,7 @@ def identify_impact(
         readings = _half_power_of_modes(fit, groups, rig, band, keep)
         rough = without_sigma(model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method))
         return with_hit_shares(rough, groups), fit
-    found = HitSearch(unknown, groups, signals, band, options).found(frf, estimate, poles)
+    found = HitSearch(unknown, groups, signals, band, options).found(frf, poles)
     fit, keep, ratio = found.fit, found.keep, found.misfit
     if not np.any(keep):
         raise IdentificationError(

@@ -65,6 +65,17 @@ def fit_frf(
     )
 
 
+def left_by(frf: Frf, poles: NDArray[np.complex128]) -> Frf:
+    """What modes with these poles (modes,) in rad/s leave of FRFs.
+
+    Raises:
+        IdentificationError: as `fit_frf`.
+    """
+    (group,), weight = fit_frf(frf, poles, 0).point.groups, line_weights(frf)
+    left = complex_lines(group.residual) / (1.0 if weight is None else weight)
+    return replace(frf, values=left.reshape(frf.values.shape), coherence=None, variance=None)
+
+
 def _with_priors(problem: LikelihoodProblem, priors: NDArray[np.float64]) -> LikelihoodProblem:
     """The same with priors of the first poles; the others stay where they are."""
     n = len(priors)

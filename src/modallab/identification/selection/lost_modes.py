@@ -100,19 +100,17 @@ def restore_lost_modes(
 
 
 def overlooked_poles(
-    frf: Frf, fit: LikelihoodFit, keep: NDArray[np.bool_], orders: Sequence[OrderPoles], band_hz: tuple[float, float]
+    frf: Frf, kept: Complex128, orders: Sequence[OrderPoles], band_hz: tuple[float, float]
 ) -> Complex128:
-    """Poles (poles,) in rad/s that some orders of the estimator show, and that explain what no mode of a fit does.
+    """Poles (poles,) in rad/s that some orders of the estimator show, and that explain what no mode does.
 
     Args:
-        frf: the FRFs that the estimator has seen.
-        fit: of whatever records.
-        keep: (poles,) which of its poles are modes.
-        orders: the estimator's poles by order.
+        frf: the FRFs of all modes.
+        kept: (modes,) poles of the modes in rad/s.
+        orders: the estimator's poles by order, in what the modes leave of the FRFs: beside a strong mode a weak one
+            shows in no order of the whole.
         band_hz: where modes are looked for.
     """
-    at = fit.point.parameters
-    kept = _complex_poles(at.omega[keep], at.zeta[keep])
     lost = _candidate_poles(orders, kept, band_hz)
     try:
         with np.errstate(over="ignore", invalid="ignore"):
