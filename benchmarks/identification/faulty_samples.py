@@ -108,8 +108,7 @@ def said_of(campaign: Campaign) -> str:
     """What is said before identification."""
     try:
         check_recordings(campaign)
-        force = campaign.rig.force
-        return " ".join(undamaged_records(campaign, campaign.blocks, force and force.name)[2])
+        return " ".join(undamaged_records(campaign, campaign.blocks)[2])
     except ModallabError as error:
         return str(error)
 

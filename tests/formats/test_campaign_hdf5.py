@@ -206,13 +206,13 @@ def test_channels_that_are_not_those_of_the_rig_are_named(tmp_path: Path) -> Non
 
 
 def test_all_bad_records_stand_in_one_message(tmp_path: Path) -> None:
-    dead, nan = counts(RIG), hit(4)
-    dead[0], nan[3, 9] = 0, np.nan
-    blocks = (block(RIG, dead), block(RIG, nan, name="hit_2"), block(RIG, counts(RIG), name="hit_3"))
+    spoilt, nan = hit(4), hit(4)
+    spoilt[0, 3], nan[3, 9] = np.inf, np.nan
+    blocks = (block(RIG, spoilt), block(RIG, nan, name="hit_2"), block(RIG, counts(RIG), name="hit_3"))
     write_campaign(campaign(RIG, *blocks), tmp_path / "c.h5")
     message = rejected(DataError, tmp_path / "c.h5")
     assert "2 problems" in message
-    assert "record hit_1: channel force is dead" in message
+    assert "record hit_1: channel force: 1 of 256 samples are NaN or infinite, the first is sample 3" in message
     assert "record hit_2: channel a03: 1 of 256 samples are NaN or infinite, the first is sample 9" in message
     assert len(read_campaign(tmp_path / "c.h5", check=False).blocks) == 3
 

@@ -118,21 +118,32 @@ def test_everything_that_is_wrong_in_any_file_stands_in_one_message(tmp_path: Pa
     good = save_hit(tmp_path, "good.npy")
     short = save_hit(tmp_path, "short.npy", channels=2)
     (tmp_path / "cut.npy").write_bytes(good.read_bytes()[:500])
-    dead = np.load(good)
-    dead[1] = 0
-    np.save(tmp_path / "dead.npy", dead)
+    spoilt = np.load(good)
+    spoilt[1, 9] = np.nan
+    np.save(tmp_path / "spoilt.npy", spoilt)
     with pytest.raises(ModallabError) as caught:
-        import_sources([good, short, tmp_path / "cut.npy", tmp_path / "dead.npy", tmp_path / "no.npy"], RIG)
+        import_sources([good, short, tmp_path / "cut.npy", tmp_path / "spoilt.npy", tmp_path / "no.npy"], RIG)
     message = str(caught.value)
     assert message.startswith("4 problems:")
     for words in (
         "short.npy: has 3 rows",
         "cut.npy: is no whole NPY",
-        "channel force is dead",
+        "channel force: 1 of 256 samples are NaN",
         "no.npy: cannot be read",
     ):
         assert words in message
     assert "good.npy" not in message
+
+
+def test_a_record_with_a_dead_force_is_read_beside_others_and_rejected_where_all_are(tmp_path: Path) -> None:
+    good = save_hit(tmp_path, "good.npy")
+    dead = np.load(good)
+    dead[1] = 0
+    np.save(tmp_path / "dead.npy", dead)
+    campaign = import_sources([good, tmp_path / "dead.npy"], RIG)
+    assert [block.name for block in campaign.blocks] == ["good", "dead"]
+    with pytest.raises(DataError, match="record dead: channel force is dead"):
+        import_sources([tmp_path / "dead.npy"] * 2, RIG)
 
 
 def test_no_sources_are_no_campaign() -> None:

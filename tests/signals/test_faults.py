@@ -1,6 +1,8 @@
 """Faults of the chain in samples: named by channel and time, in numbers of every kind; sound records have none."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,11 @@ from numpy.typing import NDArray
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Channel, Point, Rig
+from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
+from modallab.identification.options import IdentificationOptions
+from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.sound import undamaged_records
+from modallab.signals.faults.drift import LOWEST_LINE
 from modallab.signals.faults.found import faults_of
 from modallab.signals.faults.runs import Fault
 
@@ -213,11 +219,11 @@ def test_a_spoilt_record_is_left_out_by_name_and_none_left_is_an_error() -> None
     good, bad = record("hit", 1), record("hit", 2)
     bad[0] = np.minimum(bad[0], 0.6 * bad[0].max())
     campaign = Campaign(RIG, (block(good, "good"), block(bad, "bad")), source="a.h5")
-    kept, _, notes = undamaged_records(campaign, campaign.blocks, "force")
+    kept, _, notes = undamaged_records(campaign, campaign.blocks)
     assert [b.name for b in kept] == ["good"]
     assert "faults in their samples: bad, channel force: flat tops at" in notes[0]
     with pytest.raises(DataError, match="every record has a fault in its samples: bad, channel force: flat tops"):
-        undamaged_records(campaign, campaign.blocks[1:], "force")
+        undamaged_records(campaign, campaign.blocks[1:])
 
 
 def test_a_response_at_fault_in_most_records_is_left_out_of_all_and_no_record_for_its_sake() -> None:
@@ -226,10 +232,51 @@ def test_a_response_at_fault_in_most_records_is_left_out_of_all_and_no_record_fo
         one[1] = 0.25
     rows[4][2] = np.minimum(rows[4][2], 0.5 * rows[4][2].max())
     campaign = Campaign(RIG, tuple(block(one, f"h{k}") for k, one in enumerate(rows)), source="a.h5")
-    kept, rig, notes = undamaged_records(campaign, campaign.blocks, "force")
+    kept, rig, notes = undamaged_records(campaign, campaign.blocks)
     assert [b.name for b in kept] == ["h0", "h1", "h2", "h3"]
     assert [c.name for c in rig.channels] == ["force", "a2"]
     assert all(b.channels == ("force", "a2") and len(b.samples) == 2 for b in kept)
     said = "h0, dead, all values are 0.25, 4096 samples from 0 s on"
     assert notes[0] == f"Left out, channel a1, at fault in 3 of 5 records: {said}."
     assert "h4, channel a2: flat tops" in notes[1]
+
+
+def test_a_hit_whose_force_is_dead_is_left_out_by_name_and_the_others_are_read_and_identified(tmp_path: Path) -> None:
+    rows = [record("hit", seed, 1e-4) for seed in range(1, 6)]
+    rows[2][0] = 0.25
+    blocks = tuple(replace(block(one, f"h{k}"), order=k, drive_point=1) for k, one in enumerate(rows))
+    write_campaign(Campaign(RIG, blocks, source="a.h5"), tmp_path / "a.h5")
+    model = identify_campaign(read_campaign(tmp_path / "a.h5"), IdentificationOptions()).identified[0].model
+    assert any("h2, channel force: dead, all values are 0.25" in note for note in model.notes)
+    without = identify_campaign(Campaign(RIG, blocks[:2] + blocks[3:]), IdentificationOptions()).identified[0].model
+    np.testing.assert_array_equal(model.frequency_hz, without.frequency_hz)
+
+
+def test_responses_alone_do_not_ask_for_the_force() -> None:
+    rows = record("random", 1)
+    rows[0] = 0
+    campaign = Campaign(RIG, (block(rows),), source="a.h5")
+    kept, rig, notes = undamaged_records(campaign, campaign.blocks, {"force"})
+    assert (kept[0].channels, [c.name for c in rig.channels], notes) == (("a1", "a2"), ["a1", "a2"], ())
+    with pytest.raises(DataError, match="channel force: dead"):
+        undamaged_records(campaign, campaign.blocks)
+
+
+@pytest.mark.parametrize("kind", ["hit", "random"])
+def test_a_zero_that_goes_away_at_a_shock_and_comes_back_within_the_record_drifts(kind: str) -> None:
+    for seed in range(8):
+        rng, rows = np.random.default_rng(seed), record(kind, seed, 1e-4)
+        t = np.arange(N) / N - rng.uniform(0.05, 0.6)
+        shock = rng.choice([-1, 1]) * rng.uniform(3, 5) * np.abs(rows[1]).max()
+        rows[1] += np.where(t > 0, shock * np.exp(-np.maximum(t, 0) / rng.uniform(0.15, 0.6)), 0)
+        assert [f.channel for f in faults_of(block(rows), RIG) if "zero drifts" in f.what] == ["a1"]
+
+
+def test_a_mode_of_the_lowest_line_that_is_looked_at_is_no_drift() -> None:
+    t = np.arange(N) / RATE_HZ
+    for turns in np.linspace(LOWEST_LINE, 8, 40):
+        rows = record("hit", 1, 1e-4)
+        for zeta in (0.0, 0.01, 0.03):
+            omega = 2 * np.pi * turns * RATE_HZ / N
+            rows[1] = np.exp(-zeta * omega * t) * np.sin(omega * t + turns)
+            assert not [f for f in faults_of(block(rows), RIG) if "drifts" in f.what], (turns, zeta)

@@ -18,6 +18,7 @@ __all__ = [
     "check_frequencies",
     "check_frf",
     "check_rate",
+    "check_samples",
     "check_signals",
     "check_spectra",
     "check_time",
@@ -59,13 +60,20 @@ def check_signals(
         force: name of the channel without which there is no FRF.
 
     Raises:
-        DataError: wrong shape or type, transposed, NaN or infinity, a dead force, nothing but constants.
+        DataError: as `check_samples`; or a dead force, or nothing but constants.
+    """
+    check_samples(samples, channels, where)
+    _reject_findings(_nothing_recorded(samples, channels, force), where)
+
+
+def check_samples(samples: NDArray[Any], channels: Sequence[str], where: str = "") -> None:
+    """Reject what no recording holds; arguments as for `check_signals`.
+
+    Raises:
+        DataError: wrong shape or type, transposed, NaN or infinity.
     """
     _check_shape(samples, channels, where)
-    findings = _not_finite(samples, channels)
-    if not findings:
-        findings = _nothing_recorded(samples, channels, force)
-    _reject_findings(findings, where)
+    _reject_findings(_not_finite(samples, channels), where)
 
 
 def identical_channels(samples: NDArray[Any], channels: Sequence[str]) -> tuple[tuple[str, str], ...]:

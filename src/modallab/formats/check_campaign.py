@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.array_checks import check_frf, check_rate, check_signals
+from modallab.core.array_checks import check_frf, check_rate, check_samples, check_signals
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
@@ -25,7 +25,7 @@ def check_structure(campaign: Campaign) -> None:
         with errors:
             _check_name(name, count, campaign.source)
     for block in campaign.blocks:
-        place = _Place(f"{campaign.source}, record {block.name}" if campaign.source else f"record {block.name}")
+        place = _Place(_place_of(campaign, block))
         with errors:
             place.check_block(block, campaign.rig)
     for frf in campaign.frfs:
@@ -35,21 +35,41 @@ def check_structure(campaign: Campaign) -> None:
 
 
 def check_recordings(campaign: Campaign) -> None:
+    """Reject samples and FRFs that no measurement can hold, and records of which none holds a force and a response.
+
+    One that does not, beside others, is for the identification to leave out.
+
+    Raises:
+        DataError: one message with everything found in any record.
+    """
+    check_values(campaign)
+    empty = ErrorCollection()
+    force = campaign.rig.force.name if campaign.rig.force else None
+    for block in campaign.blocks:
+        with empty:
+            check_signals(block.samples, block.channels, _place_of(campaign, block), force=force)
+    if len(empty.errors) == len(campaign.blocks):
+        empty.done()
+
+
+def check_values(campaign: Campaign) -> None:
     """Reject samples and FRFs that no measurement can hold; see `modallab.core.array_checks`.
 
     Raises:
         DataError: one message with everything found in any record.
     """
     errors = ErrorCollection()
-    force = campaign.rig.force.name if campaign.rig.force else None
     for block in campaign.blocks:
-        where = f"{campaign.source}, record {block.name}"
         with errors:
-            check_signals(block.samples, block.channels, where, force=force)
+            check_samples(block.samples, block.channels, _place_of(campaign, block))
     for frf in campaign.frfs:
         with errors:
             check_frf(frf.frequency_hz, frf.values, frf.outputs, campaign.source, even=False)
     errors.done()
+
+
+def _place_of(campaign: Campaign, block: Block) -> str:
+    return f"{campaign.source}, record {block.name}" if campaign.source else f"record {block.name}"
 
 
 def check_channels(names: tuple[str, ...], rig: Rig, where: str) -> None:

@@ -12,7 +12,7 @@ from modallab.core.frf import Frf
 from modallab.core.progress import count_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
-from modallab.formats.check_campaign import check_recordings, check_structure
+from modallab.formats.check_campaign import check_recordings, check_structure, check_values
 from modallab.formats.draft import DraftChannel, select_channels, with_named_points
 from modallab.formats.error_list import ErrorCollection
 from modallab.formats.format import sniff
@@ -71,7 +71,9 @@ def import_sources(
     if not blocks and not frfs:
         raise DataError("no recordings were given", remedy="name at least one file")
     provenance = {key: value for part in parts for key, value in part.provenance.items()} | _said_of(parts, each)
-    return Campaign(rig, blocks, tuple(frfs), provenance, ", ".join(part.source for part in parts))
+    whole = Campaign(rig, blocks, tuple(frfs), provenance, ", ".join(part.source for part in parts))
+    check_recordings(whole)
+    return whole
 
 
 def _said_of(parts: Sequence[Campaign], each: Sequence[ImportOptions]) -> dict[str, str]:
@@ -169,7 +171,7 @@ def _living(campaign: Campaign) -> Campaign:
 
 def _checked(campaign: Campaign) -> Campaign:
     check_structure(campaign)
-    check_recordings(campaign)
+    check_values(campaign)
     _require_sensitivities(campaign)
     return campaign
 

@@ -26,12 +26,11 @@ from modallab.identification.readings import floor_of_block, half_power_readings
 from modallab.identification.selection.operator_choice import chosen_modes, start_poles
 from modallab.identification.selection.pre_trigger_noise import model_error_notes
 from modallab.signals.block_sets import check_test
+from modallab.signals.faults.drift import LOWEST_LINE
 from modallab.signals.signals import Signals
 
 LEAK = 300.0
 """The artificial damping lets every ring-down fall by this factor within the block, before an estimator sees it."""
-LOWEST_LINE = 3
-"""Default lower edge: below it stand drift and the rest of the mean."""
 ANTI_ALIAS_SHARE = 0.4
 """Up to this share of the rate the chain's anti-alias filters are flat."""
 FORCE_DROP_DB = 40.0

@@ -105,7 +105,7 @@ def response_records(campaign: Campaign, test: Test | None) -> tuple[list[Real],
             where=campaign.source,
             remedy="name the one whose responses are to be identified with --test",
         )
-    clean, rig, left_out = undamaged_records(campaign, blocks, None)
+    clean, rig, left_out = undamaged_records(campaign, blocks, {channel.name for channel in campaign.rig.forces})
     signals = to_signals_of(clean, rig)
     records = [np.concatenate([s.responses for s in run], axis=1) for run in contiguous_blocks(signals)]
     return records, signals[0].rate_hz, blocks[0].test, rig, left_out

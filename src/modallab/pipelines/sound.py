@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 
-from modallab.core.array_checks import check_signals
+from modallab.core.array_checks import check_samples
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
@@ -15,27 +15,29 @@ _NAMED = 3
 
 
 def undamaged_records(
-    campaign: Campaign, blocks: Sequence[Block], force: str | None
+    campaign: Campaign, blocks: Sequence[Block], unused: Collection[str] = ()
 ) -> tuple[tuple[Block, ...], Rig, tuple[str, ...]]:
     """The sound part of the records, the rig with its channels only, and notes on what was left out.
 
-    A response at fault in most records is left out of all; other records at full scale or with faults go as a whole.
+    A response at fault in most records is left out of all; other records at full scale or with faults go as a whole,
+    as one does whose force is dead.
 
     Args:
         campaign: of the records.
         blocks: of one test.
-        force: name of the channel that must be alive; None if none was measured.
+        unused: names of channels that nobody asks for: they are left out, and what is wrong with them does not matter.
 
     Raises:
         DataError: damaged samples, or no record is left.
     """
-    errors = ErrorCollection()
+    errors, rig = ErrorCollection(), campaign.rig.without(unused)
+    blocks = [_without(block, unused) for block in blocks]
     for block in blocks:
         with errors:
-            check_signals(block.samples, block.channels, f"{campaign.source}, record {block.name}", force=force)
+            check_samples(block.samples, block.channels, f"{campaign.source}, record {block.name}")
     errors.done()
-    faults = {b.name: found for b in blocks if (found := faults_of(b, campaign.rig))}
-    spoilt = _spoilt_channels(faults, len(blocks), campaign.rig)
+    faults = {b.name: found for b in blocks if (found := faults_of(b, rig))}
+    spoilt = _spoilt_channels(faults, len(blocks), rig)
     left = {n: rest for n, found in faults.items() if (rest := tuple(f for f in found if f.channel not in spoilt))}
     sound = tuple(_without(b, spoilt) for b in blocks if b.name not in left)
     if not sound:
@@ -49,7 +51,7 @@ def undamaged_records(
         for name, (count, first) in spoilt.items()
     ]
     notes += [f"Left out, because of faults in their samples: {_faults_in_words(left)}."] if left else []
-    return sound, campaign.rig.without(spoilt), tuple(notes)
+    return sound, rig.without(spoilt), tuple(notes)
 
 
 def _spoilt_channels(faults: Mapping[str, tuple[Fault, ...]], records: int, rig: Rig) -> dict[str, tuple[int, str]]:

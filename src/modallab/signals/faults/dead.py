@@ -13,17 +13,18 @@ LIVING_LEVELS = 4
 """A living channel that takes no more values than this is at the converter's last count."""
 
 
-def constant(rows: Real, channels: Sequence[str]) -> tuple[Fault, ...]:
+def constant(rows: Real, channels: Sequence[str], forces: Sequence[str]) -> tuple[Fault, ...]:
     """Channels of one value, of rows (channels, n).
 
-    None in a record of so little motion that another channel moves by a few counts: a light sensor may stand there.
+    In a record of so little motion that another channel moves by a few counts, a light sensor may stand still; what
+    drives may not.
     """
     still = np.ptp(rows, axis=1) == 0
-    if not still.any() or still.all() or min(np.unique(row).size for row in rows[~still]) <= LIVING_LEVELS:
-        return ()
+    faint = not still.all() and min(np.unique(row).size for row in rows[~still]) <= LIVING_LEVELS
     return tuple(
         Fault(channels[i], f"dead, all values are {rows[i, 0] + 0:g}", 0.0, rows.shape[1])
         for i in map(int, np.flatnonzero(still))
+        if channels[i] in forces or not faint
     )
 
 

@@ -5,8 +5,10 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.signals.faults.runs import Fault
 
-ORDER = 3
-"""Of the polynomial that follows a drift: a motion that turns oftener in a record is one."""
+LOWEST_LINE = 3
+"""Of a record in which modes are looked for, by default: below it stand what drifts and the rest of the mean."""
+ORDER = 2 * LOWEST_LINE
+"""Of the polynomial that follows a drift: it turns twice in a period."""
 SHARE = 0.5
 """Of a record's variance, from which on it is the drift that is recorded."""
 

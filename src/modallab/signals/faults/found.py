@@ -29,13 +29,14 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
         block: finite samples (channels, n).
         rig: which channels are forces.
     """
-    over = overloads(block, rig)
-    if over or block.n_samples < LEAST_SAMPLES:
+    if over := overloads(block, rig):
         return over
     rows = block.samples.astype(np.float64)
+    found = list(constant(rows, block.channels, [c.name for c in rig.forces[: len(block.driven_points)]]))
+    if block.n_samples < LEAST_SAMPLES:
+        return tuple(found)
     steps = np.stack([steps_of(row) for row in rows])
     quantities = {channel.name: channel.quantity for channel in rig.channels}
-    found = list(constant(rows, block.channels))
     for row, name, step in zip(rows, block.channels, steps, strict=True):
         found += _faults_of_row(row, name, step, block.rate_hz, quantities.get(name))
     return (
