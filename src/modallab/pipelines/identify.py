@@ -127,7 +127,9 @@ def usable_blocks(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[S
 
     Raises:
         DataError: damaged samples, no block is left, or most are of another kind of test.
+        RigError: no force was measured.
     """
+    _ = campaign.rig.force_channel
     clean, rig, notes = undamaged_records(campaign, blocks)
     kept, remarks = check_kind(to_signals_of(clean, rig))
     return kept, rig, (*notes, *remarks)
