@@ -20,11 +20,11 @@ def constant(rows: Real, channels: Sequence[str], forces: Sequence[str]) -> tupl
     drives may not.
     """
     still = np.ptp(rows, axis=1) == 0
-    faint = not still.all() and min(np.unique(row).size for row in rows[~still]) <= LIVING_LEVELS
+    little = not still.all() and min(np.unique(row).size for row in rows[~still]) <= LIVING_LEVELS
     return tuple(
         Fault(channels[i], f"dead, all values are {rows[i, 0] + 0:g}", 0.0, rows.shape[1])
         for i in map(int, np.flatnonzero(still))
-        if channels[i] in forces or not faint
+        if channels[i] in forces or not little
     )
 
 
