@@ -26,7 +26,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig, Tolerance
 from modallab.formats.fem.fem_file import FemModel
-from modallab.formats.fem.node_modes import NodeModes
+from modallab.formats.modes import NodeModes
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions

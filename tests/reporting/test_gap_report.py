@@ -14,10 +14,10 @@ from modallab.core.places import AlongBeam
 from modallab.core.rig import Rig
 from modallab.gap.words.effects import place_of
 from modallab.gap.words.verdicts import verdict_sentence
-from modallab.reporting.bars import Bar, scaled_bars
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.gap_page import typeset_sentence
 from modallab.reporting.gap_report import render
+from modallab.reporting.markup import Bar, scaled_bars
 
 MASS = Effect(effect="added_mass", parameters={"mass": 0.049321648}, place={"x": 0.8})
 SWAP = Effect(effect="swap", place={"channel": (3, 7)})

@@ -7,11 +7,10 @@ import numpy as np
 
 from modallab.core.array_checks import check_frf, check_rate, check_samples, check_signals
 from modallab.core.block import Block, Campaign
-from modallab.core.errors import DataError
+from modallab.core.errors import DataError, ErrorCollection
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.core.units import TO_SI, is_voltage
-from modallab.formats.error_list import ErrorCollection
 
 
 def check_structure(campaign: Campaign) -> None:

@@ -7,14 +7,13 @@ from typing import Any
 
 from modallab.core.array_checks import identical_channels
 from modallab.core.block import Block, Campaign
-from modallab.core.errors import DataError
+from modallab.core.errors import DataError, ErrorCollection
 from modallab.core.frf import Frf
 from modallab.core.progress import count_progress
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure, check_values
 from modallab.formats.draft import DraftChannel, select_channels, with_named_points
-from modallab.formats.error_list import ErrorCollection
 from modallab.formats.format import sniff
 from modallab.formats.options import COUNTED_HZ, ImportOptions, options_of
 from modallab.signals.faults.found import faults_of

@@ -4,9 +4,8 @@ from collections.abc import Collection, Mapping, Sequence
 
 from modallab.core.array_checks import check_samples
 from modallab.core.block import Block, Campaign
-from modallab.core.errors import DataError
+from modallab.core.errors import DataError, ErrorCollection
 from modallab.core.rig import Rig
-from modallab.formats.error_list import ErrorCollection
 from modallab.signals.faults.found import faults_of
 from modallab.signals.faults.runs import Fault
 

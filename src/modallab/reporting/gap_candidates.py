@@ -3,11 +3,10 @@
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Shrink
 from modallab.core.digits import part_of, probability_text, three_digits
 from modallab.gap.words.effects import effect_names
-from modallab.reporting.bars import Bar, scaled_bars
 from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import BarRow, log_bars
 from modallab.reporting.gap_page import captioned_picture, page_section
-from modallab.reporting.markup import Markup, html_element, html_table
+from modallab.reporting.markup import Bar, Markup, html_element, html_table, scaled_bars
 from modallab.reporting.sections.section import captioned_figure
 
 CLOSED = "Share of the gap that is closed"

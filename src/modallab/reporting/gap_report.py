@@ -14,12 +14,11 @@ from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import revision_history
 from modallab.gap.words.effects import FROM_CLAMP, effect_names, interval_m, parameter_in_words, place_of
 from modallab.gap.words.verdicts import share_of_response, unexplained_sentence, verdict_sentence
-from modallab.reporting.bars import Bar, scaled_bars
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
 from modallab.reporting.gap_candidates import candidates_section, closed_bar, residual_section, shrink_section
 from modallab.reporting.gap_page import captioned_picture, page_section, typeset_sentence, whole_page
-from modallab.reporting.markup import Markup, html_element, html_table
+from modallab.reporting.markup import Bar, Markup, html_element, html_table, scaled_bars
 from modallab.reporting.revisions_report import revisions_section
 from modallab.reporting.sections.section import captioned_figure
 from modallab.twin.effect_model import NoChange

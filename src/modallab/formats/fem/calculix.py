@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab.core.errors import DataError, FormatError
-from modallab.formats.fem.node_modes import NodeModes
+from modallab.formats.modes import NodeModes
 
 _AGAIN = "write it as text, with *NODE FILE and U in the *FREQUENCY step"
 _WIDTH = 12

@@ -15,8 +15,8 @@ from modallab.formats.fem.calculix import read_calculix
 from modallab.formats.fem.matrix_model import DIRECTIONS, READ, MatrixModel, holds, read_matrix
 from modallab.formats.fem.nastran import read_nastran
 from modallab.formats.fem.nastran_op2 import read_op2
-from modallab.formats.fem.node_modes import NodeModes, Units, in_si
 from modallab.formats.fem.uff_modes import read_uff_modes
+from modallab.formats.modes import NodeModes, Units, in_si
 
 K, M, FREEDOMS, NODES = ("K", "stiffness"), ("M", "mass"), ("freedoms", "dof"), ("nodes",)
 RESULTS = {

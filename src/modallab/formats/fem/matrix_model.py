@@ -14,7 +14,7 @@ from scipy.sparse.linalg import eigsh
 
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError, FormatError
-from modallab.formats.fem.node_modes import NodeModes, Units, in_si
+from modallab.formats.modes import NodeModes, Units, in_si
 
 Whole = NDArray[np.int64]
 

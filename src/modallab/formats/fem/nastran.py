@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab.core.errors import DataError, FormatError
-from modallab.formats.fem.node_modes import NodeModes
+from modallab.formats.modes import NodeModes
 
 _MODEL_ENDINGS = (".bdf", ".dat", ".nas")
 _DO = "ask for them: DISPLACEMENT(PRINT,PUNCH) = ALL in the case control of SOL 103"

@@ -16,7 +16,7 @@ from modallab.core.arrays import Real
 from modallab.core.discovery import require_package
 from modallab.core.errors import DataError, FormatError, ModallabError
 from modallab.formats.fem.nastran import read_grids
-from modallab.formats.fem.node_modes import NodeModes
+from modallab.formats.modes import NodeModes
 
 VECTORS = ("OUGV1", "BOUGV1", "OUG1", "BOPHIG", "OPHIG")
 """Names that Nastrans give the table of eigenvectors."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.digits import percent_text
 from modallab.core.errors import DataError
-from modallab.formats.fem.node_modes import NodeModes
+from modallab.formats.modes import NodeModes
 from modallab.formats.uff.uff_results import NodeMode, read_results
 
 COMPLEX = 0.1
