@@ -25,8 +25,7 @@ from modallab.identification.model.scale import with_scale
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
-from modallab.pipelines.averaged_hits import identify_averaged_hits
-from modallab.pipelines.drive import frf_of_drive, identify_drive
+from modallab.pipelines.averaged import frf_of_drive, identify_averaged_hits, identify_drive
 from modallab.pipelines.levels import (
     IdentifiedTest,
     Source,
