@@ -21,7 +21,7 @@ from modallab.gap.diagnosis import diagnose
 from modallab.identification import IdentificationOptions
 from modallab.pipelines.identify import IdentifiedTest, identify_campaign
 from modallab.signals.conversion import unit_per_si
-from modallab.signals.faults.overload import overloaded_channels
+from modallab.signals.faults.whole_channels import overloaded_channels
 from modallab.signals.signals import to_signals, to_signals_of
 
 BAND = (3.0, 400.0)

@@ -15,7 +15,7 @@ from modallab.core.array_checks import (
     identical_channels,
 )
 from modallab.core.errors import DataError
-from modallab.signals.faults.dead import constant
+from modallab.signals.faults.whole_channels import constant
 
 NAMES = ("force", "a01", "a02", "a03")
 PLACE = "hit.npy"

@@ -4,7 +4,7 @@ import pytest
 
 from modallab.core.errors import DataError
 from modallab.frf.stepped import stepped_frf
-from modallab.signals.faults.overload import overloaded_channels
+from modallab.signals.faults.whole_channels import overloaded_channels
 from modallab.signals.signals import to_signals_of
 
 TRUE = np.array([0.5 - 2j, 1.5 + 0.1j])

@@ -10,7 +10,7 @@ from modallab.core.array_checks import check_signals
 from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.signals.faults.dead import constant
+from modallab.signals.faults.whole_channels import constant
 from modallab.signals.signals import Signals
 
 

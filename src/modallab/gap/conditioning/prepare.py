@@ -33,7 +33,7 @@ from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.conditioning.reduce import sine_clock_of
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.conversion import Conversion
-from modallab.signals.faults.overload import overloaded_channels
+from modallab.signals.faults.whole_channels import overloaded_channels
 
 ONE_LEVEL = "Only one level: whether the bench is linear cannot be examined."
 NOISY = 1.3

@@ -15,7 +15,7 @@ from modallab.frf.running import RunningFrf
 from modallab.frf.stepped import Line, frf_of_lines, line_of
 from modallab.service.errors import ConflictError
 from modallab.signals.block_sets import ChosenOutputs
-from modallab.signals.faults.overload import overloaded_channels
+from modallab.signals.faults.whole_channels import overloaded_channels
 from modallab.signals.signals import Signals, to_signals
 from modallab.storage import Store
 

@@ -6,15 +6,12 @@ from modallab.core.arrays import Real
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
-from modallab.signals.faults.copies import copies
-from modallab.signals.faults.dead import constant, dead
-from modallab.signals.faults.drift import drift
 from modallab.signals.faults.drop_outs import drop_outs
 from modallab.signals.faults.flat_tops import flat_tops
-from modallab.signals.faults.overload import overloads
-from modallab.signals.faults.repeats import repeated_values
+from modallab.signals.faults.repeats import copies, repeated_values
 from modallab.signals.faults.runs import Fault, steps_of
 from modallab.signals.faults.spikes import find_spikes
+from modallab.signals.faults.whole_channels import constant, dead, drift, overloads
 
 LEAST_SAMPLES = 64
 """Fewer show too little of how a channel moves."""
