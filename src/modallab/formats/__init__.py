@@ -6,26 +6,19 @@ from modallab.core.lazy import lazy_getattr
 
 if TYPE_CHECKING:
     from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
-    from modallab.formats.check_campaign import check_recordings, check_structure
     from modallab.formats.csv.csv_frf import read_csv_modes
     from modallab.formats.exporter import write_export
-    from modallab.formats.format import Format, all_formats, readers, writers
+    from modallab.formats.format import all_formats, readers, writers
     from modallab.formats.importer import import_sources
-    from modallab.formats.modes import ModeShapes
     from modallab.formats.options import ImportOptions
-    from modallab.formats.rig.rig_file import parse_rig, read_rig, write_rig
+    from modallab.formats.rig.rig_file import read_rig, write_rig
     from modallab.formats.sep005.sep005 import to_sep005
     from modallab.formats.uff.uff_shapes import read_uff_shapes
 
 __all__ = [
-    "Format",
     "ImportOptions",
-    "ModeShapes",
     "all_formats",
-    "check_recordings",
-    "check_structure",
     "import_sources",
-    "parse_rig",
     "read_campaign",
     "read_csv_modes",
     "read_rig",
@@ -42,14 +35,12 @@ __getattr__ = lazy_getattr(
     __name__,
     {
         "campaign.campaign_hdf5": ("read_campaign", "write_campaign"),
-        "check_campaign": ("check_recordings", "check_structure"),
         "csv.csv_frf": ("read_csv_modes",),
         "exporter": ("write_export",),
-        "format": ("Format", "all_formats", "readers", "writers"),
+        "format": ("all_formats", "readers", "writers"),
         "importer": ("import_sources",),
-        "modes": ("ModeShapes",),
         "options": ("ImportOptions",),
-        "rig.rig_file": ("parse_rig", "read_rig", "write_rig"),
+        "rig.rig_file": ("read_rig", "write_rig"),
         "sep005.sep005": ("to_sep005",),
         "uff.uff_shapes": ("read_uff_shapes",),
     },
