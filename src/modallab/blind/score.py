@@ -14,6 +14,8 @@ from modallab.twin.effects import effect_models
 
 X_TOLERANCE = 0.05
 """Share of the beam's length within which a place is right."""
+_BIN_EDGES = (0.0, 0.5, 0.8, 0.95, 1.0)
+"""Of the probabilities that are held against what came true."""
 SURE = 0.9
 """Probability from which a name is a claim."""
 
@@ -127,22 +129,16 @@ def parameter_errors(trial: Trial) -> list[float]:
     return errors
 
 
-def reliability(
-    trials: Sequence[Trial], edges: Sequence[float] = (0.0, 0.5, 0.8, 0.95, 1.0)
-) -> tuple[float, list[Figure]]:
+def reliability(trials: Sequence[Trial]) -> tuple[float, list[Figure]]:
     """Calibration error of the probabilities of named effects, and the share right in each bin."""
-    return calibration_of_claims(
-        [(f.probability, f.effect in t.names) for t in trials for f in t.diagnosis.effects], edges
-    )
+    return calibration_of_claims([(f.probability, f.effect in t.names) for t in trials for f in t.diagnosis.effects])
 
 
-def calibration_of_claims(
-    claims: Sequence[tuple[float, bool]], edges: Sequence[float] = (0.0, 0.5, 0.8, 0.95, 1.0)
-) -> tuple[float, list[Figure]]:
+def calibration_of_claims(claims: Sequence[tuple[float, bool]]) -> tuple[float, list[Figure]]:
     """The same of claims: the probability that was said, and whether it was right."""
     bins: list[Figure] = []
     error = 0.0
-    for low, high in pairwise(edges):
+    for low, high in pairwise(_BIN_EDGES):
         inside = [(p, right) for p, right in claims if low < p <= high]
         if inside:
             said, was = float(np.mean([p for p, _ in inside])), float(np.mean([r for _, r in inside]))

@@ -12,6 +12,9 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.modification.deflection import shapes_at_freedoms, turn_to_real
 
+_DRAWN_PLACES = 60
+"""Of a smooth curve."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class BeamShape:
@@ -48,15 +51,15 @@ def beam_shape(model: ModalModel, mode: int, rig: Rig) -> BeamShape | None:
     return BeamShape(x[known], real.real, real.imag, sigma[known], _skew_deg(real))
 
 
-def smooth_curve(x_m: NDArray[np.float64], phi: NDArray[np.float64], clamped: bool, n: int = 60) -> NDArray[np.float64]:
-    """(2, n) smooth curve through the points, for the eye only; it starts at the clamp if there is one.
+def smooth_curve(x_m: NDArray[np.float64], phi: NDArray[np.float64], clamped: bool) -> NDArray[np.float64]:
+    """(2, places) smooth curve through the points, for the eye only; it starts at the clamp if there is one.
 
     No slope is forced at the clamp: whether it is rigid is a question, not a fact.
     """
     if clamped and x_m[0] > 0:
         x_m, phi = np.concatenate([[0.0], x_m]), np.concatenate([[0.0], phi])
     places, keep = np.unique(x_m, return_index=True)
-    fine = np.linspace(places[0], places[-1], n)
+    fine = np.linspace(places[0], places[-1], _DRAWN_PLACES)
     if places.size < 4:
         return np.array([fine, np.interp(fine, places, phi[keep])])
     return np.array([fine, CubicSpline(places, phi[keep], bc_type="not-a-knot")(fine)])
