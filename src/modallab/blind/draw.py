@@ -1,4 +1,4 @@
-"""Trials on the simulated bench, each with one effect, two or none, as their seeds draw them.
+"""Trials on the simulated bench, each with one effect, two or none, and their rigs, as their seeds draw them.
 
 Sizes are log-uniform in the gap they open: that which is left once the beam is fitted within the rig file's tolerances,
 as a diagnosis states it, where 1 is the floor. What those tolerances take over opens none.

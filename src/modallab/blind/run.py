@@ -1,4 +1,7 @@
-"""Blind trials from the draw to the outcome: sealed, answered, opened. What is done already is not done again."""
+"""Blind trials from the draw to the outcome: sealed, answered, opened, and held against campaigns made later.
+
+What is done already is not done again.
+"""
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor

@@ -1,4 +1,4 @@
-"""Ties the events of a session to screen and tones, and the operator's keys to the running test."""
+"""Ties the events of a session to screen, tones and the simulation, and the operator's keys to the running test."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
