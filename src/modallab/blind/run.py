@@ -165,7 +165,7 @@ def _anonymous(campaign: Campaign, name: str) -> Campaign:
     return replace(campaign, rig=rig, provenance={}, source="")
 
 
-class _RepeatedCampaign(NamedTuple):
+class RepeatedCampaign(NamedTuple):
     """A diagnosis compared with a later campaign.
 
     Attributes:
@@ -179,7 +179,7 @@ class _RepeatedCampaign(NamedTuple):
 
 def _later_campaigns_seen(
     folder: Path, found: Mapping[str, Answer], pool: Executor | None
-) -> dict[str, _RepeatedCampaign]:
+) -> dict[str, RepeatedCampaign]:
     known = [answer for answer in found.values() if answer.diagnosis.verdict == "known"]
     later = compute_in_pool(
         pool, lambda a: (_repeat_campaign, (_later_of(folder, a.name), a.diagnosis)), known, "later campaign"
@@ -187,11 +187,11 @@ def _later_campaigns_seen(
     return {answer.name: seen for answer, seen in later}
 
 
-def _repeat_campaign(what: tuple[Path, Any]) -> _RepeatedCampaign:
+def _repeat_campaign(what: tuple[Path, Any]) -> RepeatedCampaign:
     return diagnose_later(*what)
 
 
-def _trial_of_answer(answer: Answer, truth: list[dict[str, Any]], seen: _RepeatedCampaign | None) -> Trial:
+def _trial_of_answer(answer: Answer, truth: list[dict[str, Any]], seen: RepeatedCampaign | None) -> Trial:
     return Trial(
         answer.name,
         truth,
@@ -204,13 +204,13 @@ def _trial_of_answer(answer: Answer, truth: list[dict[str, Any]], seen: _Repeate
     )
 
 
-def diagnose_later(later: Path, diagnosis: Diagnosis) -> _RepeatedCampaign:
+def diagnose_later(later: Path, diagnosis: Diagnosis) -> RepeatedCampaign:
     """Hold a diagnosis that names effects against a later campaign on the same bench."""
     campaign = read_campaign(later)
     revised = replace(campaign, rig=with_diagnosis(campaign.rig, diagnosis, date.min))
     before, after = _gaps_before_and_after(campaign, revised, diagnosis)
     share = closed_share(before, after) if before**2 - 1 > BARE else None
-    return _RepeatedCampaign(share, diagnose(revised).verdict == "no_gap")
+    return RepeatedCampaign(share, diagnose(revised).verdict == "no_gap")
 
 
 def _gaps_before_and_after(campaign: Campaign, revised: Campaign, diagnosis: Diagnosis) -> tuple[float, float]:
