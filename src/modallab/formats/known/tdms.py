@@ -3,10 +3,11 @@
 from pathlib import Path
 
 from modallab.formats.format import Format, deferred
-from modallab.formats.tdms.tdms_types import TAG
 
 
 def _fits(head: bytes, path: Path) -> bool:
+    from modallab.formats.tdms.tdms_read import TAG
+
     return head.startswith(TAG)
 
 

@@ -11,15 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError, FormatError
-from modallab.formats.tdms.tdms_types import BIG_ENDIAN, DAQMX, INTERLEAVED, LEAD, TAG
 
+TAG = b"TDSm"
+_LEAD = 28
+"""Bytes before the metadata of a segment."""
+_INTERLEAVED, _BIG_ENDIAN, _DAQMX = 1 << 5, 1 << 6, 1 << 7
 _COPY_AGAIN = "copy the file again, or export it again"
 _NEVER_ENDED = 2**64 - 1
 _KNOWN_SCALES = {"Linear", "Polynomial", "RTD", "Strain", "Table", "Thermistor", "Thermocouple", "Add", "Subtract"}
 """What npTDMS scales; by a scale that it does not know it leaves numbers unscaled, without an error."""
 _SCALE = re.compile(r"NI_Scale\[(\d+)\]")
-_DELIVERED = ("i2", "i4", "f4", "f8")
-"""Types that stay as they are; others become real numbers of double precision."""
+DELIVERED = ("i2", "i4", "f4", "f8")
+"""Types that devices deliver and that stay as they are; others become real numbers of double precision."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -91,29 +94,29 @@ def _check_segments(path: Path) -> int:
     with path.open("rb") as source:
         while at < size:
             source.seek(at)
-            lead = source.read(LEAD)
+            lead = source.read(_LEAD)
             if lead[:4] != TAG:
                 raise FormatError(f"has no segment at byte {at}", where=where, remedy=_COPY_AGAIN)
-            if len(lead) < LEAD:
+            if len(lead) < _LEAD:
                 raise FormatError("is cut off", where=where, remedy=_COPY_AGAIN)
             (flags,) = struct.unpack_from("<I", lead, 4)
-            length, raw = struct.unpack_from(">QQ" if flags & BIG_ENDIAN else "<QQ", lead, 12)
+            length, raw = struct.unpack_from(">QQ" if flags & _BIG_ENDIAN else "<QQ", lead, 12)
             if length == _NEVER_ENDED:
                 raise FormatError(
                     "its last segment was never finished: the program that wrote it ended before",
                     where=where,
                     remedy="open it in LabVIEW or DIAdem and save it again, or export CSV",
                 )
-            if at + LEAD + length > size or raw > length:
+            if at + _LEAD + length > size or raw > length:
                 raise FormatError("is cut off", where=where, remedy=_COPY_AGAIN)
-            at += LEAD + length
+            at += _LEAD + length
     return flags
 
 
 def _check_chunks(found: Any, flags: int, where: str) -> None:
     # Of samples that alternate a last chunk may hold fewer; of others nobody knows whose are missing.
     status = found.file_status.channel_statuses or {}
-    if not flags & (INTERLEAVED | DAQMX) and any(s.read_length != s.expected_length for s in status.values()):
+    if not flags & (_INTERLEAVED | _DAQMX) and any(s.read_length != s.expected_length for s in status.values()):
         raise FormatError("holds part of a chunk of samples", where=where, remedy=_COPY_AGAIN)
 
 
@@ -154,7 +157,7 @@ def _samples(channel: Any, where: str) -> tuple[NDArray[Any], float] | None:
     if values.dtype.kind not in "biuf":
         return None
     values = values.astype(values.dtype.newbyteorder("="), copy=False)
-    kept = values if values.dtype.str[1:] in _DELIVERED else values.astype(np.float64)
+    kept = values if values.dtype.str[1:] in DELIVERED else values.astype(np.float64)
     return kept, 1.0 if slope is None else slope
 
 
