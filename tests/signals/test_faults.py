@@ -16,9 +16,9 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaig
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.sound import undamaged_records
-from modallab.signals.faults.drift import LOWEST_LINE
 from modallab.signals.faults.found import faults_of
 from modallab.signals.faults.runs import Fault
+from modallab.signals.faults.whole_channels import LOWEST_LINE
 
 Rows = NDArray[np.float64]
 N, RATE_HZ = 4096, 2000.0

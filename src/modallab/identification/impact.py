@@ -26,7 +26,7 @@ from modallab.identification.readings import floor_of_block, half_power_readings
 from modallab.identification.selection.operator_choice import chosen_modes, start_poles
 from modallab.identification.selection.pre_trigger_noise import model_error_notes
 from modallab.signals.block_sets import check_test
-from modallab.signals.faults.drift import LOWEST_LINE
+from modallab.signals.faults.whole_channels import LOWEST_LINE
 from modallab.signals.signals import Signals
 
 LEAK = 300.0

@@ -15,9 +15,9 @@ MOST_STEPS = 4
 """Between the smallest and the largest value: the noise of a converter without a signal."""
 LIVING_LEVELS = 4
 """A living channel that takes no more values than this is at the converter's last count."""
-_LOWEST_LINE = 3
+LOWEST_LINE = 3
 """Of a record in which modes are looked for, by default: below it stand what drifts and the rest of the mean."""
-_ORDER = 2 * _LOWEST_LINE
+_ORDER = 2 * LOWEST_LINE
 """Of the polynomial that follows a drift: it turns twice in a period."""
 _SHARE = 0.5
 """Of a record's variance, from which on it is the drift that is recorded."""
