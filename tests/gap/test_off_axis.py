@@ -10,8 +10,12 @@ from structures import Material
 
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.model import ModalModel
+from modallab.gap.modal.compared import compared
 from modallab.gap.modal.diagnosis import diagnose_by_model
+from modallab.gap.modal.free import Free
+from modallab.gap.modal.matching import Side
 from modallab.gap.modal.off_axis import MeasuredFrfs
+from modallab.gap.model.tolerances import with_tolerances
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions
 from modallab.modification.synthesis import receptances_of_model
@@ -160,3 +164,22 @@ def test_a_point_that_was_struck_when_the_structure_was_warm_gives_no_other_caus
     found = diagnose_by_model(soft_place(), soft_place(), rig(), frfs=(roved(), roved(softer=0.985)))
     assert (found.verdict, found.effects) == ("unknown", [])
     assert "Most likely what has no name is this: hits at 3." in found.notes
+
+
+@pytest.mark.parametrize("faster", [0.985, 1.012])
+def test_a_structure_that_is_stiffer_as_a_whole_takes_along_what_no_model_has_of_it(faster: float) -> None:
+    """H(s / b) / b^2 is the FRF of b^2 times the stiffness at the same damping ratios, whatever H is."""
+    s = np.asarray(2j * np.pi * HZ)
+
+    def measured(by: float) -> Frf:
+        at = s / by
+        unknown = 2e-6 / (at**2 + 2 * 0.01 * at * 2 * np.pi * 58 + (2 * np.pi * 58) ** 2)
+        whole = (receptances_of_model(model(), at) + unknown[:, None, None]) / by**2
+        return replace(frfs(), values=np.moveaxis(whole * (s**2)[:, None, None], 0, -1))
+
+    sides = [Side(model(), MeasuredFrfs.of(measured(by), model())) for by in (1.0, faster)]
+    free = Free(compared(sides[0], sides[1], with_tolerances(rig())))
+    u = np.zeros(free.size)
+    u[0] = np.log(faster**2) / free.deviations[0]
+    assert free.share(0 * u) > 0.05
+    assert free.share(u) < 0.005

@@ -39,7 +39,7 @@ class PartOfGap(Frozen):
         frequency_hz: of a mode; None of a channel.
         nominal: share by which the modal model as it came misses it.
         before: with the tolerances fitted.
-        after: with the change judged present, or with the best one where none explains it.
+        after: with the change judged present; as before where none is.
     """
 
     name: str
@@ -58,7 +58,7 @@ class ModalDiagnosis(Frozen):
         nominal: share of the response by which the modal model as it came misses it: rms over the FRFs of both, on
             lines off the frequency axis.
         before: the same with the tolerances fitted.
-        after: the same with the change judged present, or with the best one where none explains it.
+        after: the same with the change judged present; as before where none is.
         strain_before: root of misfit and priors together over the count of tolerances. About 1 is what tolerances do;
             more says that they had to be bent.
         strain_after: the same with the change.

@@ -79,20 +79,17 @@ def render(gap: StructureGap) -> str:
 
 def _width_of_gap(gap: StructureGap) -> Markup:
     found = gap.diagnosis
-    best = gap.explained.judged.best.candidate is not None
     rows = [
         ["as it came", percent_text(found.nominal), "–"],
         ["as near as the tolerances allow", percent_text(found.before), f"{found.strain_before:.2f}"],
     ]
-    if best:
-        name = "with what was found" if found.effects else "with the best explanation"
-        rows.append([name, percent_text(found.after), f"{found.strain_after:.2f}"])
+    if found.effects:
+        rows.append(["with what was found", percent_text(found.after), f"{found.strain_after:.2f}"])
     head = ["the reference", "% of the response", "strain of the tolerances [σ]"]
     note = (
         f"The reference: {gap.reference}. Percentages are the rms of measured less predicted over the measured "
         "response, of all FRFs of both models, where each mode counts alike. The strain says how far the numbers "
-        "within their tolerances, and what no number stands for, had to be moved: 1 is ordinary, more than 1.5 is a "
-        "gap."
+        "within their tolerances, and what no number stands for, had to be moved: 1 is ordinary."
     )
     return html_element(
         "section",
@@ -177,7 +174,7 @@ def _not_compared_list(gap: StructureGap) -> Markup:
         *gap.beside,
         f"Frequencies below {low:.4g} Hz and above {high:.4g} Hz.",
         "Two changes at once: each is tried by itself.",
-        "A clamp, a loss of stiffness such as a crack, and damping beyond that of each mode: they are not in the list.",
+        "A clamp: it is not in the list.",
         "What depends on the size of the motion: both models are linear.",
         f"Motions that nothing measured: springs pull along {', '.join(axes)} only, and a mass counts along these.",
     ]
@@ -221,16 +218,15 @@ def _numbers_of_change(change: FoundChange) -> str:
 
 def _parts_section(found: ModalDiagnosis) -> Markup | None:
     """Two figures: the gap of each mode and of each channel."""
-    changed = found.after != found.before
     figures = [
-        _budget_figure(parts, f"The gap {by}. {caption}", name, changed)
+        _budget_figure(parts, f"The gap {by}. {caption}", name, bool(found.effects))
         for parts, by, caption, name in (
             (found.by_mode, "about each mode of the bench", "Each line counts for the mode nearest to it.", "modes"),
             (found.by_channel, "of each channel", "Over all driven points.", "channels"),
         )
         if parts
     ]
-    return page_section("Where it shrinks", *figures) if figures else None
+    return page_section("Where it shrinks" if found.effects else "Where it is", *figures) if figures else None
 
 
 def _budget_figure(parts: list[PartOfGap], caption: str, name: str, changed: bool) -> Markup:

@@ -14,6 +14,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
+from modallab.gap.modal.beside_modes import BesideModes
 from modallab.gap.modal.errors import sizes, weights
 from modallab.gap.modal.matching import Side, in_common
 from modallab.gap.modal.narrower import in_band
@@ -53,8 +54,8 @@ class Compared:
         response_slopes: (outputs, 2, modes) along the surface, 1/m.
         force_slopes: (inputs, 2, modes); (1, 2 modes, modes) of an unknown force, which may do anything to each mode.
         s: (lines,) complex frequencies.
-        outside: (lines, outputs, inputs) all that the reference holds beside the products of its shapes: what lies
-            outside the band, and what its model leaves of the measured FRFs; m/N.
+        outside: all that the reference holds beside the products of its shapes: what lies outside the band, and what
+            its model leaves of the measured FRFs.
         known: (lines, outputs, inputs) the reference's receptances.
         measured: (lines, outputs, inputs) the bench's.
         frfs: of the reference, where those of both were measured.
@@ -71,7 +72,7 @@ class Compared:
     response_slopes: Complex
     force_slopes: Complex
     s: Complex
-    outside: Complex
+    outside: BesideModes
     known: Complex
     measured: Complex
     frfs: Means | None
@@ -88,7 +89,7 @@ class Compared:
         s, measured = self.s[lines], self.measured[lines]
         noise = None if self.noise is None else self.noise[lines, lines]
         own = weights(self.model, self.bench, s, measured, noise)
-        parts = {"s": s, "outside": self.outside[lines], "known": self.known[lines], "measured": measured}
+        parts = {"s": s, "outside": self.outside.thinned(lines), "known": self.known[lines], "measured": measured}
         frfs = None if self.frfs is None else self.frfs.thinned(lines)
         return replace(self, **parts, frfs=frfs, noise=noise, weights=own)
 
@@ -193,6 +194,11 @@ def compared(
     response_factors = np.array([shapes.seen[:, shapes.index(f)] for f in outputs])
     force_factors = np.array([shapes.driven[:, shapes.index(f)] for f in inputs]) * shapes.turn
     means = _means(s, before, after)
+
+    def beside(s: Complex) -> Complex:
+        whole = receptances_of_model(model, s) if means is None else means[0].at(s).receptances
+        return whole - np.einsum("lr,or,ir->loi", receptance_of_modes(model, s), response_factors, force_factors)
+
     if means is None:
         known, measured, noise = receptances_of_model(model, s), receptances_of_model(other, s), None
     else:
@@ -208,7 +214,7 @@ def compared(
         response_slopes=np.array([shapes.slopes(f) for f in outputs]),
         force_slopes=_force_slopes(shapes, inputs, force_factors, other),
         s=s,
-        outside=known - np.einsum("lr,or,ir->loi", receptance_of_modes(model, s), response_factors, force_factors),
+        outside=BesideModes.of(beside, s),
         known=known,
         measured=measured,
         # What hangs on a computed reference is not coupled line by line: its resonances are not the bench's.

@@ -18,18 +18,17 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     """
     s, known = c.s, state.structure
     omega, modes = known.omega, known.omega.size
-    outside = c.outside / known.stiffness
+    scale = known.stiffness, known.mass
+    outside, by_mass = c.outside.scaled(*scale), c.outside.slope(*scale)
     x, y, whole = state.paths(s, outside)
-    of_outside = (state.paths(s, (1 + SMALL) * outside)[2] - whole) / SMALL
+    moved = [(state.paths(s, outside + SMALL * by)[2] - whole) / SMALL for by in (-outside - by_mass, by_mass)]
     read = state.read(s)[:, :, None]
+    moved = [read * of * state.applied for of in moved]
     x, y, whole = read * x, y * state.applied, read * whole * state.applied
     squared = (s**2)[:, None, None]
     found = np.zeros((sum(sizes), *whole.shape), np.complex128)
     parts = np.split(found, np.cumsum(sizes)[:-1])
     stiff, mass, field, damping, gains, force, hits, at, struck, masses, across = parts
-    # All modes are as much stiffer, those outside the band too.
-    stiff[0] = -known.stiffness * (x * omega**2 @ y) - read * of_outside * state.applied
-    mass[0] = -known.mass * squared * (x @ y)
     for n, (r, q) in enumerate(zip(*np.triu_indices(modes), strict=True)):
         field[n] = x[:, :, r, None] * y[:, None, q, :]
         if r != q:
@@ -39,8 +38,11 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
         size = 2 * np.sqrt(known.zeta[r] * omega[r] * known.zeta[q] * omega[q])
         pair = x[:, :, r, None] * y[:, None, q, :] + x[:, :, q, None] * y[:, None, r, :]
         across[n] = -size * s[:, None, None] * pair
+    damped = 2 * np.sqrt(known.stiffness * known.mass) * known.zeta * omega
     for r in range(modes):
-        damping[r] = -2 * known.zeta[r] * omega[r] * s[:, None, None] * (x[:, :, r, None] * y[:, None, r, :])
+        damping[r] = -damped[r] * s[:, None, None] * (x[:, :, r, None] * y[:, None, r, :])
+    stiff[0] = moved[0] - known.stiffness * (x * omega**2 @ y) + damping.sum(axis=0) / 2
+    mass[0] = moved[1] - known.mass * squared * (x @ y) + damping.sum(axis=0) / 2
     force[0] = -whole
     for o in range(len(state.out)):
         gains[o, :, o] = whole[:, o]

@@ -66,7 +66,7 @@ def fit(
     normal, _ = _system(free, candidate, found[:n], found[n:])
     covariance, logdet = inverse(normal)
     open_ = 0.0 if candidate is None else candidate.room
-    evidence = cost + free.of.weights.logdet + logdet + open_
+    evidence = cost + free.of.weights.logdet + logdet + open_ + free.price
     return FittedExplanation(free, candidate, found[:n], found[n:], cost, covariance, evidence)
 
 

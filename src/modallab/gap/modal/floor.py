@@ -17,24 +17,24 @@ GUESSED = 0.1
 """Deviation of the stiffness of a computed reference as a whole."""
 
 
-def floor_of_structure(
-    reference: ModalModel, bench: ModalModel, rig: Rig, wide: float = 1.0
-) -> tuple[float, float, Real, Real]:
-    """Deviations of all stiffness, of all mass, of each of its places (modes, modes), and of each damping (modes,).
+def floor_of_structure(reference: ModalModel, bench: ModalModel, rig: Rig) -> tuple[Real, Real]:
+    """Deviations of all stiffness, all mass, each of its places (upper triangle of modes), and each damping (modes,).
 
-    Relative; of damping that of its logarithm. All differ by a factor `wide` of what the rig's tolerances say.
+    Relative; of damping that of its logarithm.
+
+    Returns:
+        (numbers,) what the rig's tolerances say, and (numbers,) what both models are off by.
     """
     t, modes = rig.tolerance, reference.n_modes
     usual = _usual(bench.frequency_sigma_hz, bench.frequency_hz), _usual(bench.damping_sigma, bench.damping_ratio)
     frequency = np.hypot(_share(reference.frequency_sigma_hz, reference.frequency_hz), usual[0])
-    of_place = np.full((modes, modes), wide * np.hypot(t.stiffness_field, t.mass_field))
-    of_place[np.diag_indices(modes)] = np.hypot(np.diag(of_place), 2 * frequency)
-    of_models = np.hypot(_share(reference.damping_sigma, reference.damping_ratio), usual[1])
-    damping = np.hypot(wide * log(rig.damping_ratio.factor), of_models)
-    stiffness, mass = wide * np.hypot(t.youngs_modulus, 3 * t.thickness), np.hypot(t.density, t.thickness)
+    places, of_places = np.full(modes * (modes + 1) // 2, np.hypot(t.stiffness_field, t.mass_field)), np.diag(frequency)
+    of_damping = np.hypot(_share(reference.damping_sigma, reference.damping_ratio), usual[1])
+    whole = np.hypot(t.youngs_modulus, 3 * t.thickness), np.hypot(t.density, t.thickness)
     # E of a model that was computed is a guess: what it explains is no change at a place.
-    stiffness = np.hypot(stiffness, GUESSED if reference.method == COMPUTED else 0.0)
-    return float(stiffness), wide * mass, of_place, damping
+    guessed = GUESSED if reference.method == COMPUTED else 0.0
+    tolerances = np.concatenate([whole, places, np.full(modes, log(rig.damping_ratio.factor))])
+    return tolerances, np.concatenate([(guessed, 0.0), 2 * of_places[np.triu_indices(modes)], of_damping])
 
 
 def _share(sigma: Real, of: Real) -> Real:

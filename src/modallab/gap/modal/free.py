@@ -4,17 +4,21 @@ Stiffness and mass of the whole, how they are spread (a symmetric matrix in moda
 sensitivities, the force of each driven point, where sensors and hits really are, and what cables add at each sensor.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.rig import FORCE_SHARE
+from modallab.gap.modal.beside_modes import BesideModes
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.derivatives import derivatives
 from modallab.gap.modal.floor import floor_of_structure
 from modallab.gap.modal.state import AttachedElement, State, Structure, filtered
 
+SCALES = 6
+"""Scales that a number of the structure may have."""
 UNKNOWN_FORCE = 10.0
 """Deviation of what a force that nobody measured does to a mode, over what it seems to do."""
 
@@ -57,14 +61,14 @@ class Free:
     Attributes:
         of: what is compared.
         loose: factor on by how much FRFs may be off. While a model is wrong the tolerances must not be bent to it.
-        wide: factor on by how much the structure itself is another in two tests.
+        wide: factor on by how much the structure itself is another in two tests; one, or one of each of its numbers.
         deviations: (numbers,) what one unit of each stands for; 0 for what is not free.
         last: numbers that were asked for last -> the structure and its flexibility, which all changes share.
     """
 
     of: Compared
     loose: float = 1.0
-    wide: float = 1.0
+    wide: Real | float = 1.0
     deviations: Real = field(init=False)
     last: dict[bytes, tuple[Structure, Complex]] = field(init=False, repr=False, default_factory=dict)
 
@@ -97,13 +101,12 @@ class Free:
 
     def _deviations(self) -> Real:
         t = self.of.rig.tolerance
-        stiffness, mass, of_place, damping = floor_of_structure(self.of.model, self.of.bench, self.of.rig, self.wide)
+        tolerances, of_models = floor_of_structure(self.of.model, self.of.bench, self.of.rig)
+        structure = np.hypot(self.wide * tolerances, of_models)
+        damping = structure[-self.modes :]
         pairs = [(damping[r] + damping[q]) / 4 for r, q in self.of.close_pairs]
         each = (
-            stiffness,
-            mass,
-            of_place[np.triu_indices(self.modes)],
-            damping,
+            structure,
             t.sensitivity,
             FORCE_SHARE * t.sensitivity,
             t.hit_gain,
@@ -112,16 +115,28 @@ class Free:
             t.sensor_mass_kg,
             np.array(pairs),
         )
-        return np.concatenate([np.full(n, value) for n, value in zip(self.sizes, each, strict=True)])
+        sizes = structure.size, *self.sizes[4:]
+        return np.concatenate([np.full(n, value) for n, value in zip(sizes, each, strict=True)])
+
+    @property
+    def price(self) -> float:
+        """-2 ln of the prior odds that of all numbers of the structure just these have scales of their own."""
+        wide = np.asarray(self.wide)
+        return 2 * float(np.log(max(wide.size, 1) * SCALES)) * np.count_nonzero(wide > wide.min())
+
+    @property
+    def structure_size(self) -> int:
+        """How many numbers are the structure's: stiffness, mass, field and damping."""
+        return sum(self.sizes[:4])
 
     @property
     def size(self) -> int:
         """How many numbers."""
         return sum(self.sizes)
 
-    def at(self, s: Complex, outside: Complex) -> "Free":
-        """The same at other lines (lines,), with the reference's part `outside` its shapes there, to predict alone."""
-        return replace(self, of=replace(self.of, s=s, outside=outside))
+    def at(self, s: Complex, outside: Callable[[Complex], Complex]) -> "Free":
+        """The same at other lines (lines,), given the reference's part `outside` its shapes, to predict alone."""
+        return replace(self, of=replace(self.of, s=s, outside=BesideModes.of(outside, s)))
 
     def parts(self, u: Real) -> list[Real]:
         """The numbers by part, in their own units."""
@@ -197,7 +212,7 @@ class Free:
     def predicted(self, u: Real, change: Change = NOTHING) -> Complex:
         """(lines, outputs, inputs) receptances."""
         state = self.state(u, change)
-        return state.receptance(self.of.s, self.of.outside / state.structure.stiffness)
+        return state.receptance(self.of.s, self.of.outside.scaled(state.structure.stiffness, state.structure.mass))
 
     def derivatives(self, u: Real, change: Change = NOTHING) -> Complex:
         """(numbers, lines, outputs, inputs) of what is predicted, by each number in its own unit."""

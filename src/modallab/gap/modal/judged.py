@@ -10,13 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from modallab.core.arrays import Real
 from modallab.core.diagnosis import Verdict
 from modallab.gap.modal.candidate import Candidate
 from modallab.gap.modal.candidates import force_channel, hits_at, mixed_channel
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import FittedExplanation, fit
 from modallab.gap.modal.marginal import Marginal
-from modallab.gap.modal.scales import SUSPECTS, Rung, estimated, nameless, settled, unusual_rungs, usual
+from modallab.gap.modal.scales import SUSPECTS, Rung, nameless, settled, unusual_rungs, usual
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import frfs_without_shapes
 
@@ -31,7 +32,7 @@ class ModalVerdict:
     Attributes:
         verdict: whether there is a gap, and whether it is explained.
         base: the fit without any change, at what is usual.
-        best: the explanation that counts, or leaves least where none does; the base where there is no gap.
+        best: the explanation that counts; the base where none does.
         ranked: the best fit of each kind of change with its probability, the most probable first.
         nothing: probability that nothing was changed.
         unknown: probability that something without a name is the cause.
@@ -51,6 +52,10 @@ class ModalVerdict:
     notes: list[str]
 
 
+def _evidence(fitted: FittedExplanation) -> float:
+    return fitted.evidence
+
+
 def strain(fitted: FittedExplanation) -> float:
     """Root of misfit and priors over the count of tolerances; about 1 where tolerances explain what is seen."""
     return float(np.sqrt(fitted.cost / fitted.u.size))
@@ -63,8 +68,7 @@ def judged(search: ModalSearch) -> ModalVerdict:
     kinds = search.kinds(nothing)
     # One from smoother lines stands for its kind until it is fitted on those that count.
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
-    channels = _of_channels(base, as_usual, nothing.free.wide)
-    others = {name: estimated(nothing, rungs) for name, rungs in nameless(base).items()} | channels
+    others = _of_channels(base, as_usual, nothing.free.wide) | nameless(nothing)
     found = _weighed(base, nothing, names, others)
     if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
         return _decided(found)
@@ -78,12 +82,13 @@ def judged(search: ModalSearch) -> ModalVerdict:
 
     afar = [0.0, *(search.afar(one.candidate.effect) for one in names if one.candidate)]
     (_, *names), least = best_first([nothing, *names], afar, to_its_end)
-    others = {name: settled(base, rungs) for name, rungs in nameless(base).items()} | channels
+    # What has no name may be there beside a change.
+    others |= {where: min(one, others[where], key=_evidence) for where, one in nameless(least).items()}
     strains = strain(base), strain(ended[[nothing, *names].index(least)])
     return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
 
 
-def _of_channels(base: FittedExplanation, as_usual: list[Rung], wide: float) -> dict[str, FittedExplanation]:
+def _of_channels(base: FittedExplanation, as_usual: list[Rung], wide: Real | float) -> dict[str, FittedExplanation]:
     """What a channel, that of the force, or the hits at a point do otherwise, whatever it is."""
     c, missed = base.free.of, np.mean(base.missed**2, axis=0)
     rows, columns = np.eye(len(missed), dtype=bool), np.eye(missed.shape[1], dtype=bool)
@@ -131,7 +136,7 @@ def _decided(found: ModalVerdict) -> ModalVerdict:
     if found.nothing >= max(name, found.unknown):
         return none
     if found.unknown >= name:
-        return replace(found, verdict="unknown")
+        return replace(none, verdict="unknown")
     moved, matters = moves(found.best), found.base.free.of.rig.tolerance.response
     if moved < matters:
         return replace(none, notes=[f"It moves {moved:.1%} of the response, where {matters:.0%} matter."])
@@ -156,7 +161,6 @@ def moves(fitted: FittedExplanation) -> float:
     free, c = fitted.free, fitted.free.of
     hz = np.concatenate([c.model.frequency_hz, c.bench.frequency_hz])
     s = np.asarray(2j * np.pi * hz[hz >= c.model.band_hz[0]])
-    outside = frfs_without_shapes(c.model, s, c.response_factors, c.force_factors)
-    there = free.at(s, outside)
+    there = free.at(s, lambda s: frfs_without_shapes(c.model, s, c.response_factors, c.force_factors))
     moved, without = there.predicted(fitted.u, fitted.change.between_lines), there.predicted(fitted.u)
     return float(np.sqrt(np.max(np.mean((np.abs(moved - without) / sizes(without)) ** 2, axis=(0, 2)))))

@@ -61,7 +61,7 @@ class Marginal:
         corner = own.T @ own + np.diag(candidate.pull(v)[0])
         covariance, logdet = inverse(np.block([[self.normal, across], [across.T, corner]]))
         followed = self.u - self.factor.T @ self._taken(misfit[:, None], self.u[:, None])[:, 0]
-        evidence = cost + self.free.of.weights.logdet + logdet + candidate.room
+        evidence = cost + self.free.of.weights.logdet + logdet + candidate.room + self.free.price
         return FittedExplanation(self.free, candidate, followed, v, cost, covariance, evidence)
 
     def _cost(self, candidate: Candidate, v: Real) -> float:

@@ -78,13 +78,17 @@ class MeasuredFrfs:
 
     def means_at(self, s: Complex) -> "Means":
         """What gives FRFs at complex frequencies (lines,)."""
+        return Means(self, s, self.weights(s), self.models.receptances(self.s), self.models.receptances(s))
+
+    def weights(self, s: Complex) -> sparse.csr_array:
+        """(lines, lines that were measured) of the mean at each s."""
         omega = self.s.imag
         edges = np.concatenate([omega[:1], (omega[1:] + omega[:-1]) / 2, omega[-1:]])
         sigma = (s.real - self.s[0].real)[:, None]
         poisson = np.diff(np.arctan((edges - s.imag[:, None]) / sigma), axis=1) / np.pi
         whole = poisson / (1 + (self.s - s[:, None]) / (REACH * sigma)) ** 2
         whole[np.abs(whole) < FAR * np.abs(whole).max(axis=1, keepdims=True)] = 0.0
-        return Means(self, s, sparse.csr_array(whole), self.models.receptances(self.s), self.models.receptances(s))
+        return sparse.csr_array(whole)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -104,6 +108,10 @@ class Means:
     weights: sparse.csr_array
     on_lines: Complex
     off_axis: Complex
+
+    def at(self, s: Complex) -> "Means":
+        """Elsewhere."""
+        return replace(self, s=s, weights=self.of.weights(s), off_axis=self.of.models.receptances(s))
 
     def thinned(self, lines: slice) -> "Means":
         """At some of the lines."""

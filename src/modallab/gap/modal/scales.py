@@ -11,8 +11,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.fitting import FittedExplanation, fit
+from modallab.gap.modal.free import SCALES
 from modallab.gap.modal.linear import Linear
 
 USUAL = (1.0, 0.25, 0.0625)
@@ -24,7 +26,7 @@ TURNS = 2
 SUSPECTS = 2
 """Channels, and driven points, of which it is asked whether they do something else."""
 
-Rung = tuple[Compared, float]
+Rung = tuple[Compared, Real | float]
 """A comparison with its lines and shapes at some scale, and the scale of the structure."""
 
 
@@ -33,14 +35,14 @@ def usual(c: Compared) -> list[Rung]:
     return [(c, x) for x in USUAL]
 
 
-def nameless(base: FittedExplanation) -> dict[str, list[Rung]]:
-    """Where the structure, or everything, differs by more than is usual; of a fit without a change."""
-    c = base.free.of
+def nameless(fitted: FittedExplanation) -> dict[str, FittedExplanation]:
+    """It where the structure in some of its numbers, or everything, differs by more than is usual besides."""
+    c = fitted.free.of
     everything = [(c.scaled(a, x), x) for x in UNUSUAL for a in (1.0, x)]
-    return {"structure": [(c, x) for x in UNUSUAL], "everything": everything}
+    return {"structure": departed(fitted, UNUSUAL, least=1), "everything": settled(fitted, everything)}
 
 
-def unusual_rungs(c: Compared, there: NDArray[np.bool_], wide: float) -> list[Rung]:
+def unusual_rungs(c: Compared, there: NDArray[np.bool_], wide: Real | float) -> list[Rung]:
     """Rungs on which some FRFs, of a channel (outputs, 1) or a driven point (1, inputs), differ by more than usual."""
     each = ((np.where(there, a, 1.0), np.where(there, x, 1.0)) for x in UNUSUAL for a in (1.0, x))
     return [(c.scaled(*scales), wide) for scales in each]
@@ -52,13 +54,38 @@ def estimated(fitted: FittedExplanation, rungs: Sequence[Rung]) -> FittedExplana
 
 
 def settled(fitted: FittedExplanation, rungs: Sequence[Rung]) -> FittedExplanation:
-    """It fitted there."""
+    """It fitted there; some numbers of the structure may differ as is usual though others differ by less."""
     for _ in range(TURNS):
         fitted = _at(fitted, *_likeliest(fitted, rungs)[1:])
+    return departed(fitted, USUAL)
+
+
+def departed(fitted: FittedExplanation, scales: Sequence[float], least: int = 0) -> FittedExplanation:
+    """It where some numbers of the structure have larger scales of their own: as few as the evidence says, or least."""
+    usual = float(np.min(fitted.free.wide))
+    larger = [scale for scale in scales if scale > usual]
+    for _ in range(TURNS if larger else 0):
+        wide = _scales_of_their_own(fitted, usual, larger, least)
+        if np.all(wide == fitted.free.wide):
+            break
+        fitted = _at(fitted, fitted.free.of, wide)
     return fitted
 
 
-def _likeliest(fitted: FittedExplanation, rungs: Sequence[Rung]) -> tuple[float, Compared, float]:
+def _scales_of_their_own(fitted: FittedExplanation, usual: float, larger: Sequence[float], least: int) -> Real:
+    """(numbers of the structure,) the scale of each."""
+    weighed = Linear.about(fitted).weighed(fitted.free.of.weights)
+    wide = np.full(fitted.free.structure_size, usual)
+    while True:
+        # One that has departed already has its scale.
+        gained = np.where(wide[:, None] > usual, np.inf, weighed.gained(wide, larger))
+        n, k = divmod(int(np.argmin(gained)), len(larger))
+        if gained[n, k] + 2 * np.log(SCALES * wide.size) >= 0 and np.count_nonzero(wide > usual) >= least:
+            return wide
+        wide[n] = larger[k]
+
+
+def _likeliest(fitted: FittedExplanation, rungs: Sequence[Rung]) -> tuple[float, Compared, Real | float]:
     linear, weighed = Linear.about(fitted), {}
     for own, _ in rungs:
         if id(own) not in weighed:
@@ -67,7 +94,7 @@ def _likeliest(fitted: FittedExplanation, rungs: Sequence[Rung]) -> tuple[float,
     return min(every, key=lambda e: e[0])
 
 
-def _at(fitted: FittedExplanation, there: Compared, wide: float) -> FittedExplanation:
+def _at(fitted: FittedExplanation, there: Compared, wide: Real | float) -> FittedExplanation:
     free = replace(fitted.free, of=there, wide=wide)
     # The numbers stay what they are, in other deviations.
     before, after = fitted.free.deviations, free.deviations

@@ -1,9 +1,10 @@
 """The bench as a modal model with what may have changed, and the FRFs it predicts.
 
 In modal coordinates, at unit modal mass of the reference, the dynamic stiffness is
-D = s^2 (mu I + sum m psi psi^T) + 2 zeta omega s + Omega (kappa I + E) Omega, and H = Phi_out D^-1 Phi_in^T + R, where
-R is all that the reference's FRFs hold besides, so that they are the reference's exactly where nothing is free. E is a
-symmetric matrix: how stiffness (and mass) of the bench differ from those of the reference from place to place.
+D = s^2 (mu I + sum m psi psi^T) + 2 sqrt(kappa mu) zeta omega s + Omega (kappa I + E) Omega, and
+H = Phi_out D^-1 Phi_in^T + R, where R is all that the reference's FRFs hold besides, so that they are the reference's
+exactly where nothing is free. E is a symmetric matrix: how stiffness (and mass) of the bench differ from those of the
+reference from place to place.
 What hangs at freedoms f, of dynamic stiffness z, changes H to H - H_of z (I + z H_ff)^-1 H_fi (receptance coupling:
 Ewins, Modal Testing, 2nd ed. 2000, section 6.3). Where f was driven and a sensor stood there, all four are measured.
 """
@@ -129,7 +130,9 @@ class Structure:
         inertia = self.mass * np.eye(n) + attached
         elastic = np.outer(self.omega, self.omega) * (self.stiffness * np.eye(n) + self.field)
         d = s[:, None, None] ** 2 * inertia + elastic
-        d[:, range(n), range(n)] += s[:, None] * (2 * self.zeta * self.omega)
+        # Damping ratios of a structure that is stiffer or heavier as a whole stay what they are.
+        scale = np.sqrt(self.stiffness * self.mass)
+        d[:, range(n), range(n)] += s[:, None] * (2 * scale * self.zeta * self.omega)
         d += s[:, None, None] * (2 * self.across * np.sqrt(np.outer(self.zeta * self.omega, self.zeta * self.omega)))
         return np.linalg.inv(d)
 

@@ -1,6 +1,7 @@
 """FRFs of a structure where it misses its model most: measured, of the reference, and of the reference corrected."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -66,7 +67,7 @@ def _mobility_curves(explained: ComparisonOutcome) -> _Curves:
     free, c = explained.free, explained.free.of
     hz = _frequencies(free)
     s = np.asarray(2j * np.pi * hz)
-    part = outside_band_receptances(c.model, s)
+    part = partial(outside_band_receptances, c.model)
     best = explained.judged.best
     changed = best.candidate is not None
     before = free.at(s, part).predicted(np.zeros(free.size))
