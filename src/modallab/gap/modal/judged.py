@@ -17,7 +17,7 @@ from modallab.gap.modal.candidates import force_channel, hits_at, mixed_channel
 from modallab.gap.modal.errors import sizes
 from modallab.gap.modal.fitting import FittedExplanation, fit
 from modallab.gap.modal.marginal import Marginal
-from modallab.gap.modal.scales import SUSPECTS, Rung, nameless, settled, unusual_rungs, usual
+from modallab.gap.modal.scales import SUSPECTS, USUAL, Rung, departed, nameless, settled, unusual_rungs, usual
 from modallab.gap.modal.search import ModalSearch, best_first
 from modallab.modification.synthesis import frfs_without_shapes
 
@@ -64,7 +64,7 @@ def strain(fitted: FittedExplanation) -> float:
 def judged(search: ModalSearch) -> ModalVerdict:
     """What the explanations amount to: where it is not nothing, the best is fitted until it stays the best."""
     base, as_usual = search.base, usual(search.base.free.of)
-    nothing = settled(base, as_usual)
+    nothing = departed(base, USUAL)
     kinds = search.kinds(nothing)
     # One from smoother lines stands for its kind until it is fitted on those that count.
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
@@ -78,7 +78,7 @@ def judged(search: ModalSearch) -> ModalVerdict:
         if not n:
             return begun
         ended[n] = search.ended(kinds[n - 1])
-        return settled(ended[n], as_usual)
+        return departed(ended[n], USUAL)
 
     afar = [0.0, *(search.afar(one.candidate.effect) for one in names if one.candidate)]
     (_, *names), least = best_first([nothing, *names], afar, to_its_end)

@@ -15,7 +15,7 @@ from modallab.core.arrays import Real
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.fitting import FittedExplanation, fit
 from modallab.gap.modal.free import SCALES
-from modallab.gap.modal.linear import Linear
+from modallab.gap.modal.linear import Linear, WeightedSquares
 
 USUAL = (1.0, 0.25, 0.0625)
 """Scales of the structure in two tests of it, at most what is usual."""
@@ -54,35 +54,33 @@ def estimated(fitted: FittedExplanation, rungs: Sequence[Rung]) -> FittedExplana
 
 
 def settled(fitted: FittedExplanation, rungs: Sequence[Rung]) -> FittedExplanation:
-    """It fitted there; some numbers of the structure may differ as is usual though others differ by less."""
+    """It fitted there."""
     for _ in range(TURNS):
         fitted = _at(fitted, *_likeliest(fitted, rungs)[1:])
-    return departed(fitted, USUAL)
-
-
-def departed(fitted: FittedExplanation, scales: Sequence[float], least: int = 0) -> FittedExplanation:
-    """It where some numbers of the structure have larger scales of their own: as few as the evidence says, or least."""
-    usual = float(np.min(fitted.free.wide))
-    larger = [scale for scale in scales if scale > usual]
-    for _ in range(TURNS if larger else 0):
-        wide = _scales_of_their_own(fitted, usual, larger, least)
-        if np.all(wide == fitted.free.wide):
-            break
-        fitted = _at(fitted, fitted.free.of, wide)
     return fitted
 
 
-def _scales_of_their_own(fitted: FittedExplanation, usual: float, larger: Sequence[float], least: int) -> Real:
-    """(numbers of the structure,) the scale of each."""
-    weighed = Linear.about(fitted).weighed(fitted.free.of.weights)
-    wide = np.full(fitted.free.structure_size, usual)
-    while True:
+def departed(fitted: FittedExplanation, scales: Sequence[float], least: int = 0) -> FittedExplanation:
+    """It where some numbers of the structure have larger scales than others: as few as the evidence says, or least."""
+    for _ in range(TURNS):
+        weighed = Linear.about(fitted).weighed(fitted.free.of.weights)
+        each = (_scales_of_their_own(weighed, usual, scales, least) for usual in USUAL)
+        fitted = _at(fitted, fitted.free.of, min(each, key=weighed.evidence))
+    return fitted
+
+
+def _scales_of_their_own(weighed: WeightedSquares, usual: float, scales: Sequence[float], least: int) -> Real:
+    """(numbers of the structure,) the scale of each, the usual one of all others."""
+    larger = [scale for scale in scales if scale > usual]
+    wide = np.full(weighed.of.free.structure_size, usual)
+    while larger:
         # One that has departed already has its scale.
         gained = np.where(wide[:, None] > usual, np.inf, weighed.gained(wide, larger))
         n, k = divmod(int(np.argmin(gained)), len(larger))
         if gained[n, k] + 2 * np.log(SCALES * wide.size) >= 0 and np.count_nonzero(wide > usual) >= least:
-            return wide
+            break
         wide[n] = larger[k]
+    return wide
 
 
 def _likeliest(fitted: FittedExplanation, rungs: Sequence[Rung]) -> tuple[float, Compared, Real | float]:
