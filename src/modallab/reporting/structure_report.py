@@ -196,7 +196,7 @@ def _candidates_section(explained: ComparisonOutcome) -> Markup | None:
         [spoken_change(c), probability_text(c.probability), percent_text(gap), _numbers_of_change(c)]
         for c, gap in zip(listed, left, strict=True)
     ]
-    rows.append(["something without a name", probability_text(judged.unknown), "", f"most likely in {judged.where}"])
+    rows.append(["something without a name", probability_text(judged.unknown), "", f"most likely: {judged.where}"])
     head = ["explanation", "probability", "leaves", "numbers (95 %)"]
     known = found.verdict == "known"
     caption = (

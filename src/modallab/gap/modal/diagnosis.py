@@ -138,7 +138,7 @@ def _of_levels(bench: ModalModel) -> list[str]:
 
 def _without_name(found: ModalVerdict) -> list[str]:
     """Where what has no name is."""
-    whole = {"structure": "the structure, changed from place to place", "everything": "every channel and point alike"}
+    whole = {"structure": "the structure itself, mode by mode", "everything": "every channel and point alike"}
     where = whole.get(found.where, found.where)
     return [f"Most likely what has no name is this: {where}."] if found.verdict == "unknown" else []
 

@@ -28,6 +28,8 @@ FIXED = {
 }
 """Places that need no words: the effect is never anywhere else."""
 FROM_CLAMP = " from the clamp"
+OFFSETS = ("dx", "dy", "dz")
+"""Numbers of a sensor that moved along a surface."""
 OPEN = 100.0
 """End of an interval over its beginning, from which a number is not known to within a factor of ten."""
 
@@ -139,7 +141,7 @@ def numbers_of(change: FoundChange) -> list[tuple[str, str, str]]:
     known = {p.name: p for p in (*kind.parameters, kind.at_points) if p is not None}
     return [
         (
-            known[name].in_words if name in known else name,
+            f"offset along {name[1]}" if name in OFFSETS else known[name].in_words,
             *_change_in_words(value, change.interval[name], known[name].unit if name in known else "m"),
         )
         for name, value in change.parameters.items()
