@@ -127,7 +127,7 @@ def segments(rng: np.random.Generator) -> tuple[KnownStructure, MatrixModel, dic
     by = parts | {"tip spring": spring[keep], "root spring": at_clamp[keep]}
     rows = [(int(n), d) for n in nodes for d in ("z", "ry")]
     at = {int(n): (float(BEAM.length_m * n / ELEMENTS), 0.0, 0.0) for n in nodes}
-    model = MatrixModel(whole[keep], heavy[keep], rows, stiffness_by=by, places=at)
+    model = MatrixModel(whole[keep], heavy[keep], rows, stiffness_slopes=by, places=at)
     priors = {n: Prior(0, 0.05) for n in parts} | {"tip spring": Prior(0, 300.0), "root spring": Prior(0, 300.0)}
     priors |= {"stiffness": Prior(1, 1e-3, True), "mass": Prior(1, 0.01, True)}
     true = drawn(priors, rng)

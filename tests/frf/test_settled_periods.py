@@ -7,8 +7,11 @@ from scipy.signal import lfilter
 from modallab.core.block import Block
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
+from modallab.core.rig import Channel, Point, Rig
 from modallab.frf.periodic_drive import without_decays
+from modallab.identification.options import IdentificationOptions
 from modallab.identification.parts import with_repeatability_sigmas
+from modallab.pipelines.averaged import frf_of_drive, identify_drive
 from modallab.signals.signals import Signals
 
 RATE_HZ, N, BLOCKS = 256.0, 256, 12
@@ -56,6 +59,22 @@ def test_what_is_left_is_the_steady_state(off: float, left: float) -> None:
     assert before > 0.3
     assert after < left * before + 1e-9
     np.testing.assert_allclose([s.force for s in clean], [s.force for s in signals], atol=1e-9)
+
+
+def test_the_decays_are_taken_off_until_the_poles_stand_still() -> None:
+    signals, _ = records(1e-3)
+    late = [s for s in signals if s.block.order in (2, 3, 4)]
+    channels = (("force", "force", "N"), ("a", "acceleration", "m/s^2"), ("b", "acceleration", "m/s^2"))
+    rig = Rig(
+        name="two modes", model="unknown", points=(Point(id=1, x_m=0.0), Point(id=2, x_m=1.0)),
+        channels=tuple(
+            Channel(index=k, name=name, quantity=quantity, unit=unit, point=max(1, k))  # pyright: ignore[reportArgumentType]
+            for k, (name, quantity, unit) in enumerate(channels)
+        ),
+    )  # fmt: skip
+    model, _, _ = identify_drive(late, frf_of_drive(late, rig, (2.0, 90.0)), rig, IdentificationOptions())
+    np.testing.assert_allclose(model.frequency_hz, F_HZ, rtol=2e-4)
+    np.testing.assert_allclose(model.damping_ratio, ZETA, rtol=0.03)
 
 
 def test_one_block_alone_stays_as_it_is() -> None:

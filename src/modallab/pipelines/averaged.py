@@ -27,8 +27,9 @@ from modallab.identification.options import IdentificationOptions
 from modallab.identification.parts import PARTS, with_repeatability_sigmas
 from modallab.signals.signals import Signals
 
-SETTLED_LOOKS = 2
-"""Times that the decays are taken off a periodic drive's blocks: the poles of the first look are a little off."""
+STILL, MOST_LOOKS = 0.1, 20
+"""Share of their deviations by which poles move from look to look once they stand still, and looks at most: each takes
+the decays off a periodic drive's blocks by the poles of the last, which what it left of them had moved."""
 
 LEAST_PARTS = 3
 TOO_FEW = (
@@ -71,11 +72,13 @@ def identify_drive(
     used = blocks_of_one_level(signals)
     records = joined_spectra(used, band) if options.refined and _is_one_random_force(used) else None
     found, fit = identify_frf(frf, rig, options, records)
-    for _ in range(SETTLED_LOOKS if used[0].block.test in PERIODIC else 0):
-        poles = poles_of(2 * np.pi * found.frequency_hz, found.damping_ratio)
+    for _ in range(MOST_LOOKS if used[0].block.test in PERIODIC else 0):
+        poles, before = poles_of(2 * np.pi * found.frequency_hz, found.damping_ratio), found
         used = without_decays(blocks_of_one_level(signals), poles, band)
         frf = with_even_weights(driven_frf(used, rig, band, options.frf))
         found, fit = identify_frf(frf, rig, options)
+        if _stands_still(before, found):
+            break
     parts = _frfs_of_parts(used, rig, found.band_hz, options.frf) if options.refined and records is None else []
     few = (TOO_FEW,) if options.refined and records is None and not parts else ()
     found = found.model_copy(update={"notes": (*found.notes, *few)})
@@ -89,6 +92,17 @@ def identify_drive(
     note = f"Left out: {listed} Hz, of a damping that stretches of the test do not agree on."
     kept = with_repeatability_sigmas(found, parts)
     return kept.model_copy(update={"notes": (*kept.notes, note)}), fit, frf
+
+
+def _stands_still(before: ModalModel, after: ModalModel) -> bool:
+    """Whether no pole has moved by more than a share of its deviation; one without a deviation is not searched for."""
+    if before.n_modes != after.n_modes:
+        return False
+    moved = np.hypot(
+        (after.frequency_hz - before.frequency_hz) / after.frequency_sigma_hz,
+        (after.damping_ratio - before.damping_ratio) / after.damping_sigma,
+    )
+    return not np.any(moved > STILL)
 
 
 def _is_one_random_force(signals: Sequence[Signals]) -> bool:
