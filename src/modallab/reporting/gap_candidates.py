@@ -39,9 +39,9 @@ def _stated_probability(candidate: CandidateSet, diagnosis: Diagnosis) -> float:
 
 
 def shrink_section(diagnosis: Diagnosis) -> Markup | None:
-    """The share of the gap that is closed on held-out records, beside the best rival's."""
+    """The share of the gap that effects close on held-out records, beside the best rival's; None without effects."""
     shrink = diagnosis.shrink
-    if shrink.closed is None or diagnosis.verdict == "no_gap":
+    if shrink.closed is None or diagnosis.verdict != "known":
         return None
     rows = [Bar("this diagnosis", shrink.closed, part_of(shrink.closed), "second", shrink.interval)]
     rows += [

@@ -179,16 +179,16 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
     for element in described.elements:
         kind = model_of(element.element).kind
         for name in element.parameters:
-            unit = kind.parameter(name).unit
-            rows.append([f"{name} {f'({unit})' if unit else ''}".strip(), *_number_with_interval(element, name)])
+            parameter = kind.parameter(name)
+            unit = f" ({parameter.unit})" if parameter.unit else ""
+            rows.append([f"{parameter.in_words}{unit}", *_number_with_interval(element, name)])
     if described.x_m is not None:
         rows.append(["place (m from the clamp)", *with_interval(described.x_m, described.x_m_interval)])
     shrink = described.shrink
     caption = (
         f"Share of the reducible gap that this closes on {len(shrink.held_out)} records no fit has seen: from "
         f"{three_digits(shrink.before)} to {three_digits(shrink.after)} noise units. It is no cause: another "
-        "thing may behave "
-        "alike."
+        "thing may behave alike."
     )
     others = [
         html_element("li", f"{other.says}: leaves {three_digits(other.gap)} noise units")

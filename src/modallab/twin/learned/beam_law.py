@@ -42,8 +42,8 @@ MODEL = EffectModel(
         "beam_law",
         "structure",
         (
-            Parameter("tension", "N", 1e-3, 1e6, signed=True),
-            Parameter("bedding", "N/m^2", 1e-3, 1e7, signed=True),
+            Parameter("tension", "N", 1e-3, 1e6, signed=True, spoken="axial force"),
+            Parameter("bedding", "N/m^2", 1e-3, 1e7, signed=True, spoken="stiffness per metre"),
         ),
         "all",
         "a force per length of tension times the curvature less bedding times the displacement; numbers that are not "

@@ -45,11 +45,11 @@ MODEL = EffectModel(
         "point_law",
         "structure",
         (
-            Parameter("k", "N/m", 1e-3, 1e4, "EI/L^3", signed=True),
-            Parameter("c", "N s/m", 1e-5, 10.0, "sqrt(EI m/L^3)"),
-            Parameter("m", "kg", 1e-5, 1.0, "m", signed=True),
-            Parameter("hung_m", "kg", 1e-5, 3.0, "m"),
-            Parameter("hung_hz", "Hz", 1.0, 900.0),
+            Parameter("k", "N/m", 1e-3, 1e4, "EI/L^3", signed=True, spoken="stiffness"),
+            Parameter("c", "N s/m", 1e-5, 10.0, "sqrt(EI m/L^3)", spoken="damping coefficient"),
+            Parameter("m", "kg", 1e-5, 1.0, "m", signed=True, spoken="mass"),
+            Parameter("hung_m", "kg", 1e-5, 3.0, "m", spoken="mass on the spring"),
+            Parameter("hung_hz", "Hz", 1.0, 900.0, spoken="frequency of the mass on the spring"),
         ),
         "x",
         "a force at x of -(k + c s + m s^2) times the beam's displacement there, and of a mass hung_m on a spring with "

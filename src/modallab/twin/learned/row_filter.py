@@ -45,10 +45,10 @@ MODEL = EffectModel(
         (
             Parameter("gain", "", 1e-4, 10.0, signed=True, none=1.0),
             Parameter("delay", "s", 1e-7, 1e-2, signed=True),
-            Parameter("low_pass_hz", "Hz", 1.0, 1e6),
-            Parameter("high_pass_hz", "Hz", 1e-4, 100.0),
-            Parameter("mount_hz", "Hz", 20.0, 1e5),
-            Parameter("mount_zeta", "", 1e-3, 2.0),
+            Parameter("low_pass_hz", "Hz", 1.0, 1e6, spoken="corner frequency of the low-pass"),
+            Parameter("high_pass_hz", "Hz", 1e-4, 100.0, spoken="corner frequency of the high-pass"),
+            Parameter("mount_hz", "Hz", 20.0, 1e5, spoken="resonance of the mount"),
+            Parameter("mount_zeta", "", 1e-3, 2.0, spoken="damping ratio of the mount"),
         ),
         "channel",
         "what is recorded is what is felt times gain, delayed, behind a first-order low-pass, a first-order high-pass "

@@ -7,7 +7,10 @@ MODEL = EffectModel(
     kind=EffectKind(
         "row_hold",
         "acquisition",
-        (Parameter("share", "", 1e-5, 0.5), Parameter("kept", "", 0.0, 1.0)),
+        (
+            Parameter("share", "", 1e-5, 0.5, spoken="share of samples lost"),
+            Parameter("kept", "", 0.0, 1.0, spoken="in their place: the sample before (1) or 0 (0)"),
+        ),
         "channel",
         "a share of one channel's samples is lost; in their place stands kept times the sample before, 0 or 1 times",
     ),

@@ -39,7 +39,7 @@ async function draw(place, campaign, signal) {
   const { diagnosis, sentence: said, current, runs } = await get(`campaigns/${id}/gap`);
   if (signal.aborted) return;
   put(place, waiting, bar, !current && h("p", { class: "alarm" }, "The accepted blocks have changed since: compute the diagnosis again.", diagnose("Diagnose again")),
-    verdict(said, diagnosis, campaign, runs), h("div", { class: "pair" }, where(diagnosis.where), shrink(diagnosis.shrink)), described(diagnosis.described), candidates(diagnosis.candidates, diagnosis.unknown), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
+    verdict(said, diagnosis, campaign, runs), h("div", { class: "pair" }, where(diagnosis.where), diagnosis.verdict === "known" && shrink(diagnosis.shrink)), described(diagnosis.described), candidates(diagnosis.candidates, diagnosis.unknown), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
 }
 
 function verdict(said, { verdict: found, effects, gap, next_experiment: next, notes }, campaign, runs) {
