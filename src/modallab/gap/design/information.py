@@ -17,7 +17,13 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.explanations import Explanation
-from modallab.gap.inference.evidence import RecordsFloor, likelihood, probabilities_of, squares_beside_records
+from modallab.gap.inference.evidence import (
+    RecordsFloor,
+    likelihood,
+    probabilities_of,
+    records_floor,
+    squares_beside_records,
+)
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.minimise import jacobian
@@ -54,7 +60,7 @@ class RivalExplanations:
         """At least two explanations, fitted to the same records."""
         ends = np.cumsum([0, *(r.fit.u.size for r in listed)]).tolist()
         numbers = tuple(slice(a, b) for a, b in pairwise(ends))
-        floor = RecordsFloor.of(min((r.fit for r in listed), key=cost_of))
+        floor = records_floor(min((r.fit for r in listed), key=cost_of))
         return cls(tuple(listed), numbers, tuple(_coordinates_of_fit(r.fit) for r in listed), floor)
 
 

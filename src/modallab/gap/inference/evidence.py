@@ -11,7 +11,7 @@ O'Hagan, J. R. Stat. Soc. B 63, 2001, 425). Far above s2 only the ratio of two X
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from functools import lru_cache
 
 import numpy as np
 
@@ -33,7 +33,7 @@ def evidence(fits: Sequence[Fit]) -> Real:
     """(fits,) -2 log evidence of explanations fitted to the same records, but for a constant; smaller is better."""
     balanced = [balanced_squares(f) for f in fits]
     records = np.array([squares for squares, _ in balanced])
-    floor = RecordsFloor.of(fits[int(np.argmin(records[:, 0]))])
+    floor = records_floor(fits[int(np.argmin(records[:, 0]))])
     effects = np.array([len(f.problem.candidates) for f in fits])
     totals = likelihood(records, floor) + np.array([deviations for _, deviations in balanced])
     return np.min(totals, axis=1) + DEFAULT.effect_price * effects
@@ -110,19 +110,20 @@ class RecordsFloor:
     expected: float
     numbers: int
 
-    @classmethod
-    def of(cls, best: Fit) -> Self:
-        """By the best explanation."""
-        numbers = NUMBERS_OF_MODE * best.problem.free.modes
-        discrepancy = _squares_of_discrepancy(best) + _squares_of_inexact_effects(best)
-        least = float(best.residual @ best.residual) - squares_of_clock(best)
-        above = max(least - np.count_nonzero(best.residual), 0.0)
-        return cls(least, above, 1 + discrepancy / numbers, numbers)
-
     @property
     def variance(self) -> float:
         """Variance of each number in which the model may be wrong, in units of the noise's variance."""
         return (self.numbers + self.expected + self.above) / (self.numbers + 1)
+
+
+@lru_cache(maxsize=16)
+def records_floor(best: Fit) -> RecordsFloor:
+    """What explanations are compared with, by the best of them; kept, as a law steps all records in time for it."""
+    numbers = NUMBERS_OF_MODE * best.problem.free.modes
+    discrepancy = _squares_of_discrepancy(best) + _squares_of_inexact_effects(best)
+    least = float(best.residual @ best.residual) - squares_of_clock(best)
+    above = max(least - np.count_nonzero(best.residual), 0.0)
+    return RecordsFloor(least, above, 1 + discrepancy / numbers, numbers)
 
 
 def likelihood(squares: Real, floor: RecordsFloor) -> Real:

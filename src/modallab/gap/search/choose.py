@@ -9,7 +9,7 @@ import numpy as np
 
 from modallab.core.effects import kind_of
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.inference.evidence import evidence, evidence_without_name, explains, probabilities_of
+from modallab.gap.inference.evidence import evidence, evidence_without_name, probabilities_of
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.forward import forward
@@ -76,9 +76,13 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Ch
         return Choice(base, base, (), True, True)
     rivals = sorted((f for level in levels for f in level.fits), key=cost_of)
     listed = [base, *rivals]
-    fit = listed[int(np.argmin(evidence(listed)))]
+    minus_two_logs = evidence(listed)
+    best = int(np.argmin(minus_two_logs))
+    fit = listed[best]
+    # Compared with the others, not by itself: what an effect is itself off by is no excuse where others predict better.
+    explained = bool(fit.problem.candidates) and bool(minus_two_logs[best] < evidence_without_name(fit))
     others = tuple(f for f in rivals if effect_names(f) != effect_names(fit))
-    choice = Choice(base, fit, others, explains(fit), False)
+    choice = Choice(base, fit, others, explained, False)
     return choice if held is None else _that_matters(choice, held, clock_error_visible(bench))
 
 

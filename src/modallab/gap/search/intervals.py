@@ -11,7 +11,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.gap.inference.evidence import RecordsFloor
+from modallab.gap.inference.evidence import records_floor
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.series_stiffness import HIDDEN, interval_in_series
@@ -153,7 +153,7 @@ def deviations(fit: Fit) -> Real:
     # Where a smooth law sits shows in little more than what it makes of an ordinary bench's deviations.
     placed = any(search_of(c.effect).law.on_slowest for c in problem.candidates)
     J = jacobian(problem, fit.u, fit.residual, whole=placed)
-    normal = J.T @ J / RecordsFloor.of(fit).variance
+    normal = J.T @ J / records_floor(fit).variance
     normal[np.arange(n), np.arange(n)] += problem.priors(fit.u)[2]
     curvature = np.diag(normal)
     felt = np.flatnonzero(curvature > CURVED * np.max(curvature))
