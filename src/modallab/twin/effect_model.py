@@ -63,7 +63,6 @@ class SteppedLaw:
         behind: name of its stiffness at the root, which acts in series with the compliance of the modes above the band;
             the records hardly determine how many such modes there are. "" for none.
         acting: whether an effect with these numbers does anything that a linear one does not: else none is begun there.
-        inexact_in_hits: relative deviation of what it does in a hit, which runs through every state of the law at once.
     """
 
     overtones: Overtones = "odd"
@@ -73,7 +72,6 @@ class SteppedLaw:
     rough: bool = False
     behind: str = ""
     acting: Callable[[Mapping[str, float]], bool] = lambda numbers: True
-    inexact_in_hits: float = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,9 +17,9 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.model.fit import Fit, all_rows
+from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
-from modallab.twin.effects import model_of, search_of
+from modallab.twin.effects import search_of
 
 NUMBERS_OF_MODE = 3
 """In which a mode of the model may be wrong: frequency, damping ratio, size."""
@@ -147,20 +147,13 @@ def _squares_of_discrepancy(fit: Fit) -> float:
 
 def _squares_of_inexact_effects(fit: Fit) -> float:
     """Squares that the same explanation leaves with each effect smaller by what it declares of its own model."""
-    data = fit.problem.data
-    hits = sum(d.rows.y.size for d in data.impacts)
-    every = np.arange(sum(rows.y.size for rows in all_rows(data)))
     first, found = fit.problem.free.size, 0.0
     for candidate in fit.problem.candidates:
-        own = np.s_[first : first + len(candidate.slots)]
-        search, linear = search_of(candidate.effect), model_of(candidate.effect).kind.linear
-        in_hits = search.inexact if linear else search.law.inexact_in_hits
-        share = np.where(every < hits, in_hits, search.inexact)
-        for inexact in np.unique(share[share > 0]).tolist():
+        own, inexact = np.s_[first : first + len(candidate.slots)], search_of(candidate.effect).inexact
+        if inexact:
             u = fit.u.copy()
             u[own] = candidate.with_signature(u[own], 1 - inexact)
-            change = (fit.problem.residual(u) - fit.residual)[: 2 * every.size]
-            found += float(np.sum(change.reshape(2, -1)[:, share == inexact] ** 2))
+            found += float(np.sum((fit.problem.residual(u) - fit.residual) ** 2))
         first = own.stop
     return found
 

@@ -44,7 +44,7 @@ MODEL = EffectModel(
         slots=_slots,
         forms=((), (("stations", STATIONS),)),
         inexact=0.05,
-        law=SteppedLaw(smooth=True, inexact_in_hits=0.05),
+        law=SteppedLaw(smooth=True),
     ),
     experiment="Repeat the sines at a third level: drag damps in proportion to the amplitude, the frequencies stay.",
 )

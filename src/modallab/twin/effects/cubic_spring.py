@@ -33,8 +33,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=False,
-    search=EffectSearch(
-        rank=80, slots=_slots, law=SteppedLaw(acts="force", on_slowest=4, smooth=True, inexact_in_hits=0.05)
-    ),
+    search=EffectSearch(rank=80, slots=_slots, law=SteppedLaw(acts="force", on_slowest=4, smooth=True)),
     experiment="Repeat the sines at a third level: the frequencies rise with the square of the amplitude.",
 )
