@@ -12,7 +12,7 @@ from modallab.core.plan import HitAcceptance, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.design.distinguishability import distinguishability_of_data
 from modallab.gap.design.planned import HIT_N, records_of_plans
-from modallab.gap.model.candidates import of_bench, of_channel, testable
+from modallab.gap.model.candidates import beam_candidates, channel_candidates, testable
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import jacobian
@@ -98,8 +98,8 @@ class Sight:
     @property
     def candidates(self) -> list[CandidateEffect]:
         """Effects of every kind, at every sensor."""
-        channels = [of_channel(self.rig, c) for c in self.data.channels]
-        found = [c for listed in (of_bench(self.rig), *channels) for c in listed]
+        channels = [channel_candidates(self.rig, c) for c in self.data.channels]
+        found = [c for listed in (beam_candidates(self.rig), *channels) for c in listed]
         return [c for c in found if c.effect in EFFECTS and testable(c, self.data)]
 
     @cached_property

@@ -65,7 +65,7 @@ def truth(campaign: Campaign, signals: list[Signals], seed: int, k3: float) -> t
     scale = 2 * (count - 1) / first.force.size
     assert rig.beam is not None
     at_m = PLACE * rig.beam.length_m
-    balance = Balance.of_bench(f"sim://cantilever?seed={seed}", rig, line_hz, count, at_m, k3)
+    balance = Balance.beam_candidates(f"sim://cantilever?seed={seed}", rig, line_hz, count, at_m, k3)
     nearest = int(np.argmin([abs(rig.x_of(c.point or 0) - at_m) for c in rig.responses]))
     omega2 = (2 * np.pi * line_hz * np.maximum(np.arange(count), 1)) ** 2
     driven, power = [], []

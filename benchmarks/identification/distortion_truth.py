@@ -45,7 +45,7 @@ class Balance:
     k3: float
 
     @classmethod
-    def of_bench(cls, url: str, rig: Rig, line_hz: float, count: int, x_m: float, k3: float) -> "Balance":
+    def beam_candidates(cls, url: str, rig: Rig, line_hz: float, count: int, x_m: float, k3: float) -> "Balance":
         """A bench at its address; its own effects are left out."""
         assert rig.shaker_point is not None
         basis = draw_truth(parse(url), rig).basis(2000.0, "pseudo-random", 0.0, 4)

@@ -25,9 +25,9 @@ LOOKED_FOR = ("added_mass", "polarity", "trigger_delay", "ac_coupling")
 MASS = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
 
 
-def changed(of_channel: Callable[[dict], dict]) -> Rig:
+def changed(channel_candidates: Callable[[dict], dict]) -> Rig:
     believed = link().model_dump()
-    return Rig.model_validate({**believed, "channels": [{**c, **of_channel(c)} for c in believed["channels"]]})
+    return Rig.model_validate({**believed, "channels": [{**c, **channel_candidates(c)} for c in believed["channels"]]})
 
 
 def motion(fields: Callable[[int], dict]) -> Rig:

@@ -10,7 +10,7 @@ from modallab.core.effects import Effect
 from modallab.core.places import AllAlongBeam
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare_campaign
-from modallab.gap.model.candidates import of_channel
+from modallab.gap.model.candidates import channel_candidates
 from modallab.gap.model.fit import Problem, evaluated
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.fitting import finish, short_fit
@@ -26,7 +26,7 @@ def test_a_mount_with_too_much_damping_becomes_a_resonance_again(
     mount = Effect(effect="loose_mount", parameters={"hz": 382.0, "zeta": 0.075}, place={"channel": 6})
     prepared = prepare_campaign(make(mount, tests=("impact",)))
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
-    (candidate,) = (c for c in of_channel(rig, 6) if c.effect == "loose_mount")
+    (candidate,) = (c for c in channel_candidates(rig, 6) if c.effect == "loose_mount")
     own = [slot.coordinate(value) for slot, value in zip(candidate.slots, (hz, 0.399), strict=True)]
     begun = short_fit(bench, (candidate,), np.array([*np.zeros(bench.free.size), *own]), 0.1)
     found = finish(bench, begun, 0.01)

@@ -14,7 +14,7 @@ from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.weights import Weights
 from modallab.gap.inference.settings import DEFAULT
-from modallab.gap.model.candidates import of_bench, of_channel
+from modallab.gap.model.candidates import beam_candidates, channel_candidates
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import nuisances
@@ -32,7 +32,7 @@ def data(make: Callable[..., Campaign]) -> Reduced:
 
 
 def fitted(rig: Rig, data: Reduced) -> Fit:
-    (gain,) = (c for c in of_channel(rig, 4) if c.effect == "gain_error")
+    (gain,) = (c for c in channel_candidates(rig, 4) if c.effect == "gain_error")
     problem = Problem(data, nuisances(rig, 450.0), (gain,), 0.01)
     near = minimise(problem, np.concatenate([np.zeros(problem.free.size), [np.log(GAIN)]]), 6)
     return minimise(replace(problem, floor=0.0), near.u, 8, 1e-6)
@@ -89,7 +89,7 @@ def test_of_a_gain_the_sensors_own_percent_is_nobodys_to_tell(rig: Rig) -> None:
 
 @pytest.mark.parametrize("x", [0.0, 0.5])
 def test_a_place_is_known_no_better_than_the_effect_explains_the_gap(rig: Rig, data: Reduced, x: float) -> None:
-    (mass,) = (c for c in of_bench(rig) if c.effect == "added_mass")
+    (mass,) = (c for c in beam_candidates(rig) if c.effect == "added_mass")
     free = nuisances(rig, 450.0)
     at = dict(zip([s.name for s in mass.slots], [np.log(0.05), x], strict=True))
     wrong = evaluated(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), list(at.values())]))

@@ -15,7 +15,7 @@ from modallab.core.rig import Rig, Tolerance
 from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.split import split_held_out
 from modallab.gap.design.planned import nominal_weights
-from modallab.gap.model.candidates import of_bench
+from modallab.gap.model.candidates import beam_candidates
 from modallab.gap.model.fit import Problem, evaluated
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.restored import coordinates_of, first_fit_of
@@ -81,7 +81,7 @@ def test_a_mass_is_found_where_it_is_from_where_it_is_not(few: Campaign) -> None
     fitted, _ = split_held_out(few.blocks, SPREAD)
     data = reduce_blocks(few, fitted, nominal_weights(few.rig))
     free = nuisances(few.rig, 450.0)
-    mass = next(c for c in of_bench(few.rig) if c.effect == "added_mass")
+    mass = next(c for c in beam_candidates(few.rig) if c.effect == "added_mass")
     own = [s.coordinate({"mass": 0.02, "x": 0.35}[s.name]) for s in mass.slots]
     stuck = evaluated(Problem(data, free, (mass,)), np.concatenate([np.zeros(free.size), own]))
     found = at_best_place(stuck)

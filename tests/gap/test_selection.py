@@ -13,7 +13,7 @@ from modallab.gap.inference.select import StepwiseSelection
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import choose
 from modallab.gap.search.clock import clock_error_visible, fit_with_clock
-from modallab.gap.search.consequence import of_consequence
+from modallab.gap.search.consequence import without_inconsequential
 from modallab.gap.search.fitting import Bench
 from modallab.twin.effects import search_of
 
@@ -86,7 +86,7 @@ def test_a_clock_that_the_generators_lines_show_is_no_matter_of_the_beam(rig, ma
     assert clock_error_visible(bench) is named
     assert (found is not None) is named
     if found is not None:
-        kept, dismissed = of_consequence(found, bench.data, shown=True)
+        kept, dismissed = without_inconsequential(found, bench.data, shown=True)
         assert [e.effect for e in kept.effects] == ["clock_error"]
         assert dismissed == []
         np.testing.assert_allclose(kept.effects[0].parameters["relative"], relative, rtol=0.2)

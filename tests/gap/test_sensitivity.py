@@ -12,7 +12,7 @@ from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.weights import Weights
-from modallab.gap.model.candidates import of_bench, of_channel
+from modallab.gap.model.candidates import beam_candidates, channel_candidates
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
@@ -31,7 +31,7 @@ def data(make: Callable[..., Campaign]) -> Reduced:
 
 
 def every(rig: Rig) -> dict[str, CandidateEffect]:
-    return {c.effect: c for c in (*of_bench(rig), *of_channel(rig, 4)) if c.slots}
+    return {c.effect: c for c in (*beam_candidates(rig), *channel_candidates(rig, 4)) if c.slots}
 
 
 MOVED = (

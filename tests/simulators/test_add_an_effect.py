@@ -11,7 +11,7 @@ from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.model.candidates import of_bench
+from modallab.gap.model.candidates import beam_candidates
 from modallab.twin.effects import model_of
 from modallab_simulators.cantilever.draw_effect import draw_effect
 from modallab_simulators.cantilever.effects import kinds
@@ -46,13 +46,13 @@ def test_two_files_are_an_effect_for_as_long_as_they_are_there(
         assert NAME in listed(capsys)
         assert NAME in kinds()
         assert read_effect(f"{NAME},k_slope=5,x=0.6") == (SPRING, [])
-        candidates = [c.effect for c in of_bench(link)]
+        candidates = [c.effect for c in beam_candidates(link)]
         assert candidates[candidates.index("ground_spring") + 1] == NAME
         assert draw_effect(link, 3, NAME, 20.0).gap == pytest.approx(20.0, rel=0.1)
     assert list(catalogue()) == before
     assert NAME not in kinds()
     assert NAME not in listed(capsys)
-    assert NAME not in [c.effect for c in of_bench(link)]
+    assert NAME not in [c.effect for c in beam_candidates(link)]
     with pytest.raises(FormatError, match=NAME):
         model_of(NAME)
 

@@ -22,8 +22,8 @@ from modallab.gap.unknown.rival import (
     leaves_noise_only,
     lone_channel,
     loses_samples,
-    nameless_evidence,
-    nameless_explanations,
+    unnamed_evidence,
+    unnamed_explanations,
 )
 
 
@@ -68,9 +68,9 @@ def search_explanation(
     choice = choose(bench, selection.rounds(), matters)
     if choice.flat or _leaves_nothing(bench, prepared, choice):
         return SearchOutcome(choice)
-    behaves = () if clock_error_visible(bench) else nameless_explanations(bench, prepared, choice, alone, unseen, held)
+    behaves = () if clock_error_visible(bench) else unnamed_explanations(bench, prepared, choice, alone, unseen, held)
     if behaves:
-        nameless = nameless_evidence(behaves[0])
+        nameless = unnamed_evidence(behaves[0])
         return SearchOutcome(Choice(base, base, choice.named, False, False, nameless=nameless), behaves)
     if choice.explained or alone is not None:
         return SearchOutcome(choice)

@@ -147,7 +147,7 @@ class CandidateEffect:
         sizes = [k for k, s in enumerate(self.slots) if s.power]
         return sizes[0] if len(sizes) == 1 else None
 
-    def held_at(self, x: float) -> "CandidateEffect":
+    def with_fixed_place(self, x: float) -> "CandidateEffect":
         """The same, but that its place along the beam, as a share of the length, is not free."""
         slots = tuple(s for s in self.slots if s.name != "x")
         return replace(self, slots=slots, place=AlongBeam(x=x))

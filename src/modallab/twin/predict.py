@@ -91,7 +91,7 @@ def predict_sine(
     world_hz = frequency_hz * (1 + twin.clock)
     modes = drifted_modes(solve_modes(twin.in_sine(drive_x_m)), twin.ei_drift, float(twin.drifted(tau)))
     source = SineBlocks(
-        np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]), rise.on_clock(twin.clock)
+        np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]), rise.with_clock_error(twin.clock)
     )
     residue = _outputs_of_modes(twin.chain, modes, channels, x_m) * modes.at(drive_x_m)[0]
     t = np.arange(n) * dt

@@ -159,7 +159,7 @@ class SineStartUp:
         no = np.zeros(blocks, dtype=np.bool_)
         return cls(np.full(blocks, HISTORY_S), np.full(blocks, RAMP_S), no, no)
 
-    def on_clock(self, clock: float) -> Self:
+    def with_clock_error(self, clock: float) -> Self:
         """The same on the clock of the world, where the converter's runs fast by `clock`."""
         return replace(self, history_s=np.where(self.counted, self.history_s / (1 + clock), self.history_s))
 

@@ -31,10 +31,10 @@ def without_effects(bench: Bench) -> tuple[View, Posterior]:
     report_progress(0.0, "the bench without any effect")
     problem = Problem(bench.data, bench.free)
     view = View.of(bench.points, bench.thin, DEFAULT)
-    return view, improved_posterior(view, problem, _begin(bench, problem), STEPS)
+    return view, improved_posterior(view, problem, _starting_point(bench, problem), STEPS)
 
 
-def _begin(bench: Bench, problem: Problem) -> Array:
+def _starting_point(bench: Bench, problem: Problem) -> Array:
     """Where to begin: the modal rows have no local minimum; lines of the sines have one every half width."""
     zero = np.zeros(bench.free.size)
     if bench.points:

@@ -88,12 +88,14 @@ def identified(
         driven: poles that records of a drive show.
     """
     within = driven[np.abs(driven) < 2 * np.pi * top_hz]
-    first = [within if d.piece.by_shaker else _begins(d, hits, data.rig, channels, top_hz) for d in data.impacts]
+    first = [
+        within if d.piece.by_shaker else _starting_poles(d, hits, data.rig, channels, top_hz) for d in data.impacts
+    ]
     whole = _distinct(np.concatenate([*first, np.zeros(0, complex)]))
     found: list[PointModes] = []
     for d, own in zip(data.impacts, first, strict=True):
         begin = np.array([min([*own, p], key=lambda q: abs(np.log(abs(q) / abs(p)))) for p in whole], complex)
-        point = _of_point(d, begin)
+        point = _modes_of_point(d, begin)
         if point is not None:
             found.append(point)
     return tuple(found)
@@ -102,11 +104,11 @@ def identified(
 def again(points: Sequence[PointModes], data: Reduced) -> tuple[PointModes, ...]:
     """The modes of other records of the same hits, the search begun at the poles that are known."""
     poles = {p.data.piece.name: p.poles for p in points}
-    found = (_of_point(d, poles[d.piece.name]) for d in data.impacts if d.piece.name in poles)
+    found = (_modes_of_point(d, poles[d.piece.name]) for d in data.impacts if d.piece.name in poles)
     return tuple(p for p in found if p is not None)
 
 
-def _begins(d: ImpactData, hits: Sequence[Block], rig: Rig, channels: Sequence[int], top_hz: float) -> Complex:
+def _starting_poles(d: ImpactData, hits: Sequence[Block], rig: Rig, channels: Sequence[int], top_hz: float) -> Complex:
     """Poles of the ring-down of one hit, where the search begins."""
     own = [b for b in hits if b.name in d.piece.records]
     poles = ring_down_poles(own[len(own) // 2 :][:1], rig, channels, top_hz)
@@ -122,28 +124,28 @@ def _distinct(poles: Complex) -> Complex:
     return np.array(found, dtype=np.complex128)
 
 
-def _of_point(d: ImpactData, poles: Complex) -> PointModes | None:
+def _modes_of_point(d: ImpactData, poles: Complex) -> PointModes | None:
     point = None
     for _ in range(2):
         if not len(poles):
             return None
-        point = _refined(d, poles)
-        sure = _sure(point)
+        point = _refined_poles(d, poles)
+        sure = _well_determined(point)
         if np.all(sure):
             break
         poles = point.poles[sure]
     if point is None:
         return None
-    point = point.kept(_sure(point) & _of_beam(point))
+    point = point.kept(_well_determined(point) & _bending_modes(point))
     return point if len(point.poles) else None
 
 
-def _sure(point: PointModes) -> NDArray[np.bool_]:
+def _well_determined(point: PointModes) -> NDArray[np.bool_]:
     size = np.sqrt(np.nanmean(np.abs(point.constants) ** 2, axis=0))
     return (np.median(point.constant_sigma, axis=0) < MOST_DOUBT * size) & (point.damping > LEAST_DAMPING)
 
 
-def _of_beam(point: PointModes) -> NDArray[np.bool_]:
+def _bending_modes(point: PointModes) -> NDArray[np.bool_]:
     power = np.nan_to_num(np.abs(point.constants) ** 2)
     if np.count_nonzero(np.any(power, axis=1)) < SEVERAL:
         return np.ones(power.shape[1], bool)
@@ -184,7 +186,7 @@ class _Projection:
         return np.array([*(up + down), *(1j * (up - down)), s**2, above])
 
 
-def _refined(d: ImpactData, poles: Complex, steps: int = 6) -> PointModes:
+def _refined_poles(d: ImpactData, poles: Complex, steps: int = 6) -> PointModes:
     """The poles after Gauss-Newton steps from those given, with their modal constants."""
     lines, n = _Projection(d, 1.2 * abs(poles[-1]) / (2 * np.pi)), len(poles)
 

@@ -122,15 +122,15 @@ def improved_posterior(view: View, problem: Problem, u: Array, steps: int, known
     low, high = bounds(problem.candidates, problem.data.rig)
     u = u.copy()
     u[n:] = np.clip(u[n:], low, high)
-    here, match = _placed(view, problem, u)
+    here, match = _place_of(view, problem, u)
     damping, normal = 1e-2, np.eye(len(u))
     for _ in range(steps):
         begin = here
         J = _slopes(view, problem, here, match, known)
-        here, damping, normal = _along(view, problem, match, J, here, damping, (low, high))
+        here, damping, normal = _line_search(view, problem, match, J, here, damping, (low, high))
         if here is begin:
             break
-        here, match = _placed(view, problem, here.u)
+        here, match = _place_of(view, problem, here.u)
         if begin.cost - here.cost < 0.05 + 1e-3 * np.sqrt(max(1.0, abs(begin.cost))):
             break
     return Posterior(
@@ -151,7 +151,7 @@ def _slopes(view: View, problem: Problem, here: _Place, match: Match, known: Arr
     return np.nan_to_num(J)
 
 
-def _placed(view: View, problem: Problem, u: Array) -> tuple[_Place, Match]:
+def _place_of(view: View, problem: Problem, u: Array) -> tuple[_Place, Match]:
     twin = problem.twin(u)
     match = view.matched(twin)
     predicted = view.predict(twin, match)
@@ -165,7 +165,7 @@ def _cost(view: View, problem: Problem, u: Array, residual: Array, levels: Level
     return view.objective.cost(residual, levels) + float(own @ own)
 
 
-def _along(
+def _line_search(
     view: View,
     problem: Problem,
     match: Match,
@@ -182,13 +182,15 @@ def _along(
         normal = (J * weights[:, None]).T @ J + np.diag(prior)
         gradient = J.T @ (weights * here.residual) - prior * here.u
         before = here
-        here, damping = _stepped(view, problem, match, (normal, gradient), here, damping, ends, 8 if turn == 0 else 1)
+        here, damping = _damped_step(
+            view, problem, match, (normal, gradient), here, damping, ends, 8 if turn == 0 else 1
+        )
         if here is before or before.cost - here.cost < 0.1 * (begin.cost - here.cost):
             break
     return here, damping, normal
 
 
-def _stepped(
+def _damped_step(
     view: View,
     problem: Problem,
     match: Match,

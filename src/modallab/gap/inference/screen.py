@@ -73,7 +73,7 @@ class Screen:
         self.prior: Array = np.where(np.arange(len(u)) < n, 1.0, 1e-2)
         self.normal: Array = self._normals()
         self.residual: Array = view.residual(twin)
-        _, self.rest, levels = self._fitted(self.residual)
+        _, self.rest, levels = self._with_nuisances(self.residual)
         self.weights: Array = view.objective.weights(self.rest, levels)
         curvature: Array = (self.J.T * self.weights) @ self.J + np.diag(self.prior)
         self.inverse: Array = np.asarray(np.linalg.inv(curvature), np.float64)
@@ -108,11 +108,11 @@ class Screen:
         found = []
         for cell, u, twin in zip(cells, U, problem.twins(U), strict=True):
             smallest = candidate.size is not None and cell[candidate.size] in weakest
-            u, score = self._scored(candidate, u, twin, smallest)
+            u, score = self._score_of(candidate, u, twin, smallest)
             found.append(ScreenedStart(problem, u, score, cell))
         return found
 
-    def _scored(self, candidate: CandidateEffect, u: Array, twin: Twin, smallest: bool) -> tuple[Array, float]:
+    def _score_of(self, candidate: CandidateEffect, u: Array, twin: Twin, smallest: bool) -> tuple[Array, float]:
         """Numbers and score of a grid point, or of the smaller effect on the line to none that is more probable."""
         try:
             residual = self.view.residual(twin)
@@ -134,9 +134,9 @@ class Screen:
 
     def _marginal(self, residual: Array) -> float:
         """-2 log of the marginal likelihood, the scales at their most probable values."""
-        return self._fitted(residual)[0]
+        return self._with_nuisances(residual)[0]
 
-    def _fitted(self, residual: Array) -> tuple[float, Array, Levels]:
+    def _with_nuisances(self, residual: Array) -> tuple[float, Array, Levels]:
         """The same, with what the most probable nuisances leave of the rows and the scales there."""
         objective, moved, rest, best = self.view.objective, np.zeros(len(self.u)), residual, np.inf
         levels = objective.levels(rest)

@@ -17,7 +17,7 @@ from modallab.gap.inference.score_test import ScoreTest
 from modallab.gap.inference.screen import Screen, ScreenedStart
 from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
-from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
+from modallab.gap.model.candidates import beam_candidates, channel_candidates, pair_candidates, testable
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.search.clock import clock_error_visible
 from modallab.gap.search.fitting import Bench, converged, within_tolerances, without_effect
@@ -202,9 +202,13 @@ def candidates(bench: Bench, present: Iterable[CandidateEffect] = ()) -> list[Ca
     """Every linear effect that may stand beside those present."""
     rig, channels, there = bench.data.rig, bench.data.channels, list(present)
     if bench.row is not None:
-        listed = of_channel(rig, bench.row)
+        listed = channel_candidates(rig, bench.row)
     else:
-        listed = [*of_bench(rig), *(c for row in channels for c in of_channel(rig, row)), *of_pairs(rig, channels)]
+        listed = [
+            *beam_candidates(rig),
+            *(c for row in channels for c in channel_candidates(rig, row)),
+            *pair_candidates(rig, channels),
+        ]
     keys = {(c.effect, c.place) for c in there}
     once = {c.effect for c in there if model_of(c.effect).once}
     return [

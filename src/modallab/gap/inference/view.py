@@ -17,7 +17,7 @@ from modallab.gap.inference.identified import PointModes
 from modallab.gap.inference.settings import Settings
 from modallab.gap.model.fit import GENERATOR, Problem
 from modallab.gap.model.forward import forward, impact_residue, with_shaker
-from modallab.gap.model.sensitivity import Tangent, next_to, smooth_in
+from modallab.gap.model.sensitivity import Tangent, neighbouring_modes, smooth_in
 from modallab.twin.bench import Twin, chain_transfer, exchange_plugs
 from modallab.twin.modes import TwinModes, solve_modes
 
@@ -72,13 +72,13 @@ class View:
     def matched(self, twin: Twin) -> Match:
         """Which mode of a twin each identified pole is."""
         modes = solve_modes(twin.structure)
-        return tuple(_matched(q.poles, self._predicted(twin, modes, q)[0]) for q in self.points)
+        return tuple(_matching_modes(q.poles, self._predicted(twin, modes, q)[0]) for q in self.points)
 
     def predict(self, twin: Twin, match: Match | None = None) -> Array:
         """(rows,) what a twin says; the poles are matched to its modes where that is not given."""
         parts = [self._modal(twin, solve_modes(twin.structure), match)]
         if self.sines.sines is not None:
-            parts += [_flat(forward(twin, self.sines)), np.array([1 / (1 + twin.clock)])]
+            parts += [_as_vector(forward(twin, self.sines)), np.array([1 / (1 + twin.clock)])]
         return np.concatenate(parts)
 
     def residual(self, twin: Twin, match: Match | None = None) -> Array:
@@ -95,7 +95,9 @@ class View:
         n = problem.free.size
         # Of the nuisances, which are many and small, the first order of the eigenvalue problem will do.
         order = [*range(n, len(u)), *range(n)]
-        near = next_to(solve_modes(here.structure), here.structure, [twins[k].structure for k in order], len(u) - n)
+        near = neighbouring_modes(
+            solve_modes(here.structure), here.structure, [twins[k].structure for k in order], len(u) - n
+        )
         J = np.zeros((len(u), len(at)))
         for k, modes in zip(order, near, strict=True):
             J[k, : self.modal] = (self._modal(twins[k], modes, match) - at[: self.modal]) / STEP
@@ -114,14 +116,14 @@ class View:
             J[smooth] = np.concatenate([flat.real, flat.imag], axis=1) / STEP
         for k, twin in enumerate(twins):
             if np.isnan(J[k, 0]):
-                J[k] = (_flat(forward(twin, self.sines)) - at) / STEP
+                J[k] = (_as_vector(forward(twin, self.sines)) - at) / STEP
         return J
 
     def _modal(self, twin: Twin, modes: TwinModes, match: Match | None) -> Array:
         parts = [np.zeros(0)]
         for k, q in enumerate(self.points):
             poles, constants = self._predicted(twin, modes, q)
-            own = _matched(q.poles, poles) if match is None else match[k]
+            own = _matching_modes(q.poles, poles) if match is None else match[k]
             poles, used = poles[own], q.where_used(constants[:, own])
             damping = np.maximum(-poles.real / np.abs(poles), 1e-6)
             parts += [np.log(np.abs(poles)), np.log(damping), *_parts(used)]
@@ -141,7 +143,7 @@ def _modal_rows(q: PointModes, channels: int, names: tuple[str, ...], settings: 
     n, damping = len(q.poles), q.damping
     of_poles = np.zeros(n, np.intp)
     constants = q.where_used(q.constants)
-    size = _compared(constants, settings.node, axis=0).ravel()
+    size = _reference_size(constants, settings.node, axis=0).ravel()
     group, sigma = np.repeat(1 + np.arange(channels), n), q.constant_sigma.ravel()
     log_damping = (q.angle_sigma * np.sqrt(1 - damping**2) / damping).astype(np.float64)
     return [
@@ -155,7 +157,7 @@ def _modal_rows(q: PointModes, channels: int, names: tuple[str, ...], settings: 
 
 def _sine_rows(d: SineData, channels: int, names: tuple[str, ...], settings: Settings) -> list[ObjectiveRows]:
     y, sigma = d.rows.y, d.rows.sigma.ravel()
-    size = _compared(y, settings.node, axis=0).ravel()
+    size = _reference_size(y, settings.node, axis=0).ravel()
     group = np.repeat(1 + channels + np.arange(channels), y.shape[1])
     clock = np.array([len(names) - 1], np.intp)
     return [
@@ -165,7 +167,7 @@ def _sine_rows(d: SineData, channels: int, names: tuple[str, ...], settings: Set
     ]
 
 
-def _compared(values: Complex, node: float, axis: int) -> Array:
+def _reference_size(values: Complex, node: float, axis: int) -> Array:
     """The size of each value, at a node a share of the rms along the axis."""
     size = np.abs(values).astype(np.float64)
     return np.maximum(size, node * np.sqrt(np.mean(size**2, axis=axis, keepdims=True)))
@@ -175,11 +177,11 @@ def _parts(values: Complex) -> tuple[Array, Array]:
     return values.real.ravel().astype(np.float64), values.imag.ravel().astype(np.float64)
 
 
-def _flat(answers: Sequence[Complex]) -> Array:
+def _as_vector(answers: Sequence[Complex]) -> Array:
     return np.concatenate([part for y in answers for part in _parts(y)])
 
 
-def _matched(poles: Complex, modes: Complex) -> NDArray[np.intp]:
+def _matching_modes(poles: Complex, modes: Complex) -> NDArray[np.intp]:
     """(p,) modes in the order of the poles, the sum of log distances least (dynamic programming: Bellman, 1957)."""
     n, m = len(poles), len(modes)
     far = np.abs(np.log(np.abs(poles))[:, None] - np.log(np.abs(modes)))

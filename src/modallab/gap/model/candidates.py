@@ -14,12 +14,12 @@ from modallab.twin.effect_model import EffectModel, Overtones
 from modallab.twin.effects import effect_models, search_of
 
 
-def of_bench(rig: Rig) -> list[CandidateEffect]:
+def beam_candidates(rig: Rig) -> list[CandidateEffect]:
     """Linear effects that have one place each, or lie somewhere along the beam."""
     return [c for m in _searched() if m.kind.place not in ("channel", "pair") for c in m.candidates(rig)]
 
 
-def of_motion(rig: Rig, overtones: Overtones) -> list[CandidateEffect]:
+def stepped_candidates(rig: Rig, overtones: Overtones) -> list[CandidateEffect]:
     """Effects of the beam that depend on the size of the motion and make such overtones; each is stepped in time."""
     found = [
         (m.search.rank, m)
@@ -29,12 +29,12 @@ def of_motion(rig: Rig, overtones: Overtones) -> list[CandidateEffect]:
     return [c for _, m in sorted(found, key=lambda f: f[0]) for c in m.candidates(rig)]
 
 
-def of_channel(rig: Rig, channel: int) -> list[CandidateEffect]:
+def channel_candidates(rig: Rig, channel: int) -> list[CandidateEffect]:
     """Effects on one accelerometer."""
     return [c for m in _searched("channel") for c in m.candidates(rig, (channel,))]
 
 
-def of_pairs(rig: Rig, channels: tuple[int, ...]) -> list[CandidateEffect]:
+def pair_candidates(rig: Rig, channels: tuple[int, ...]) -> list[CandidateEffect]:
     """Effects on two accelerometers, for every two of these channels."""
     return [c for m in _searched("pair") for pair in combinations(channels, 2) for c in m.candidates(rig, pair)]
 

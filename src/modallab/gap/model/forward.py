@@ -42,7 +42,7 @@ def with_shaker(twin: Twin, modes: TwinModes, data: Reduced) -> TwinModes:
 
 def _impact(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Complex:
     poles, residue = impact_residue(twin, modes, d, data)
-    source = on_clock(d.source, twin)
+    source = with_clock_error(d.source, twin)
     total: Complex = np.zeros(d.rows.y.shape, dtype=np.complex128)
     forced_sum = impact_residual(twin, modes, d, data)[:, None] * source.s**2
     for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
@@ -97,12 +97,12 @@ def sine_residual(twin: Twin, modes: TwinModes, d: SineData, data: Reduced, scal
     return twin.residual_compliance * np.outer(static, 1 / softer)
 
 
-def on_clock(source: S, twin: Twin) -> S:
+def with_clock_error(source: S, twin: Twin) -> S:
     """The source on the clock of the world."""
     if not twin.clock:
         return source
     if isinstance(source, SineBlocks):
-        hz, rise = source.frequency_hz * (1 + twin.clock), source.rise.on_clock(twin.clock)
+        hz, rise = source.frequency_hz * (1 + twin.clock), source.rise.with_clock_error(twin.clock)
         return replace(source, dt=source.dt / (1 + twin.clock), frequency_hz=hz, rise=rise)
     return replace(source, dt=source.dt / (1 + twin.clock))
 
@@ -123,7 +123,7 @@ def sine_residue(
 
 
 def _sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> Complex:
-    source = on_clock(d.source, twin)
+    source = with_clock_error(d.source, twin)
     scale = sine_drift(twin, d, data)
     poles, residue = sine_residue(twin, modes, d, data, scale)
     up = sine_residual(twin, modes, d, data, scale) * source.drive**2

@@ -10,7 +10,7 @@ from modallab.core.effects import Effect, kind_of
 from modallab.core.errors import DataError
 from modallab.core.places import AlongBeam, TwoChannels, rows_of
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.model.candidates import of_bench, of_channel, of_pairs
+from modallab.gap.model.candidates import beam_candidates, channel_candidates, pair_candidates
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.nuisances import Nuisances, beam_of
 from modallab.gap.model.tolerances import FREE, MOST
@@ -97,14 +97,16 @@ def _held_in_place(candidate: CandidateEffect, own: Real) -> tuple[CandidateEffe
     if "x" not in names:
         return candidate, own
     at = names.index("x")
-    return candidate.held_at(candidate.slots[at].value(float(own[at]))), np.delete(own, at)
+    return candidate.with_fixed_place(candidate.slots[at].value(float(own[at]))), np.delete(own, at)
 
 
 def _like(effect: Effect, data: Reduced) -> list[CandidateEffect]:
     if isinstance(effect.place, TwoChannels):
-        return of_pairs(data.rig, effect.place.channel)
+        return pair_candidates(data.rig, effect.place.channel)
     kind, row = kind_of(effect.effect).place, rows_of(effect.place)
-    return of_channel(data.rig, row) if kind == "channel" and isinstance(row, int) else of_bench(data.rig)
+    return (
+        channel_candidates(data.rig, row) if kind == "channel" and isinstance(row, int) else beam_candidates(data.rig)
+    )
 
 
 def _coordinate(slot: FreeNumber, value: float) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.units import Test
 from modallab.gap.conditioning.rows import ImpactData, Reduced, SineData
-from modallab.gap.model.forward import hit_ratios, on_clock, sine_drift, with_shaker
+from modallab.gap.model.forward import hit_ratios, sine_drift, with_clock_error, with_shaker
 from modallab.gap.model.many_modes import ManyModes, Numbers, hit_numbers, sensor_rows, sine_numbers
 from modallab.twin.bench import MeasurementChain, Twin, chain_transfer, exchange_plugs, is_flat
 from modallab.twin.modes import TwinModes, have_same_modes, solve_modes
@@ -55,7 +55,7 @@ class Tangent:
             NaN for a twin of which a mode swings that does not here, or the other way round: there no slope leads.
         """
         first, usual = len(twins) - near, len(self._modes.poles)
-        modes = next_to(self._modes, self.twin.structure, [t.structure for t in twins], first)
+        modes = neighbouring_modes(self._modes, self.twin.structure, [t.structure for t in twins], first)
         sensors = sensor_rows([self.twin, *twins], self._modes, self.data)[1:]
         by_hand = by_shaker = ManyModes.of(modes, sensors, usual)
         if (x := self.data.shaker_x_m) is not None:
@@ -71,10 +71,12 @@ class Tangent:
         here, hung = self.twin.in_sine(x_m), [t.in_sine(x_m) for t in twins]
         if here is self.twin.structure and all(s is t.structure for s, t in zip(hung, twins, strict=True)):
             return modes
-        return next_to(self._hung, here, hung, first)
+        return neighbouring_modes(self._hung, here, hung, first)
 
 
-def next_to(modes: TwinModes, here: TwinStructure, there: Sequence[TwinStructure], first: int) -> list[TwinModes]:
+def neighbouring_modes(
+    modes: TwinModes, here: TwinStructure, there: Sequence[TwinStructure], first: int
+) -> list[TwinModes]:
     """The modes of structures next to one whose modes are known; those of the first of them exactly."""
     found = [solve_modes(s) for s in there[:first]]
     moved = [k for k in range(first, len(there)) if not have_same_modes(there[k], here)]
@@ -155,7 +157,7 @@ def _unit(chain: MeasurementChain, data: Reduced) -> Callable[[Complex], Complex
 
 
 def _of_hits(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> _Part:
-    source, unit = on_clock(d.source, twin), _unit(twin.chain, data)
+    source, unit = with_clock_error(d.source, twin), _unit(twin.chain, data)
     on_lines, ratios = unit(source.s), hit_ratios(twin, d, data)
 
     def kernel(poles: Complex) -> Complex:
@@ -169,7 +171,7 @@ def _of_hits(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> _Par
 
 
 def _of_sines(twin: Twin, modes: TwinModes, d: SineData, data: Reduced) -> _Part:
-    source, unit = on_clock(d.source, twin), _unit(twin.chain, data)
+    source, unit = with_clock_error(d.source, twin), _unit(twin.chain, data)
     drift = sine_drift(twin, d, data)
     scale = np.ones(len(d.pieces)) if drift is None else drift
     up, down = ((unit(sign * source.drive))[:, :, None] * s for sign, s in zip((1, -1), source.shares(), strict=True))

@@ -44,16 +44,16 @@ def best_along_beam(fit: Fit) -> Fit:
     def there(other: float) -> Fit:
         u = fit.u.copy()
         u[place] = x.coordinate(other)
-        ratio = (_slowest(fit, at) / _slowest(fit, other)) ** power
+        ratio = (_shape_of_slowest_mode(fit, at) / _shape_of_slowest_mode(fit, other)) ** power
         u[first] = strength.coordinate(strength.value(float(u[first])) * ratio)
-        return _refitted(fit.problem, u, J, place)
+        return _fit_at_place(fit.problem, u, J, place)
 
     with ThreadPoolExecutor(WORKERS) as workers:
         found = list(workers.map(there, PLACES))
-    return min([fit, *found, there(_lowest([f.cost for f in found]))], key=lambda f: f.cost)
+    return min([fit, *found, there(_minimum_of_parabola([f.cost for f in found]))], key=lambda f: f.cost)
 
 
-def _lowest(costs: list[float]) -> float:
+def _minimum_of_parabola(costs: list[float]) -> float:
     """Where a parabola through the least of these and its neighbours is least."""
     i = min(max(int(np.argmin(costs)), 1), len(costs) - 2)
     before, here, after = costs[i - 1 : i + 2]
@@ -65,14 +65,14 @@ def _lowest(costs: list[float]) -> float:
     return float(np.clip(PLACES[i] + step * (before - after) / (2 * bend), PLACES[i - 1], PLACES[i + 1]))
 
 
-def _slowest(fit: Fit, x: float) -> float:
+def _shape_of_slowest_mode(fit: Fit, x: float) -> float:
     """Size of the slowest mode's shape at a place over L."""
     structure = fit.problem.twin(fit.u).structure
     modes = solve_modes(structure)
     return float(abs(modes.at(np.array([x * structure.length_m]))[0, np.argmin(abs(modes.poles))]))
 
 
-def _refitted(problem: Problem, u: Real, J: Real, place: int) -> Fit:
+def _fit_at_place(problem: Problem, u: Real, J: Real, place: int) -> Fit:
     """A few steps of all numbers but the place, with slopes that are known."""
     moving = np.delete(np.arange(len(u)), place)
     n, here, damping = problem.free.size, evaluated(problem, u), FIRST

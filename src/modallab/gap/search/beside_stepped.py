@@ -15,7 +15,7 @@ from modallab.gap.conditioning.reduce import thin_lines
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import again
 from modallab.gap.inference.select import Level, StepwiseSelection
-from modallab.gap.model.candidates import of_bench
+from modallab.gap.model.candidates import beam_candidates
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
@@ -97,4 +97,4 @@ def _with_root(own: Real, stepped: CandidateEffect, bench: Bench, root: Real) ->
 
 
 def _soft_root(bench: Bench) -> CandidateEffect:
-    return next(c for c in of_bench(bench.data.rig) if c.effect == ROOT)
+    return next(c for c in beam_candidates(bench.data.rig) if c.effect == ROOT)

@@ -28,7 +28,8 @@ def at_best_place(fit: Fit) -> Fit:
     at = fit.problem.free.size + names.index("x")
     x, others = candidates[0].slots[names.index("x")], np.delete(fit.u, at)
     tried = [
-        minimise(replace(fit.problem, candidates=(candidates[0].held_at(p),)), others, STEPS, 1e-2) for p in PLACES
+        minimise(replace(fit.problem, candidates=(candidates[0].with_fixed_place(p),)), others, STEPS, 1e-2)
+        for p in PLACES
     ]
     best = sorted(local_minima([f.cost for f in tried]), key=lambda k: tried[k].cost)[:LET_GO]
     begins = [np.insert(tried[k].u, at, x.coordinate(PLACES[k])) for k in best]

@@ -16,7 +16,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import unexplained
 from modallab.gap.search.clock import clock_error_visible
-from modallab.gap.search.consequence import Dismissed, of_consequence
+from modallab.gap.search.consequence import Dismissed, without_inconsequential
 from modallab.gap.search.fitting import (
     Bench,
     each_within_tolerance,
@@ -83,7 +83,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Ch
     explained = bool(fit.problem.candidates) and bool(minus_two_logs[best] < evidence_without_name(fit))
     others = tuple(f for f in rivals if effect_names(f) != effect_names(fit))
     choice = Choice(base, fit, others, explained, False)
-    return choice if held is None else _that_matters(choice, held, clock_error_visible(bench))
+    return choice if held is None else _without_inconsequential(choice, held, clock_error_visible(bench))
 
 
 def has_stepped_law(fit: Fit) -> bool:
@@ -91,7 +91,7 @@ def has_stepped_law(fit: Fit) -> bool:
     return any(not kind_of(c.effect).linear for c in fit.problem.candidates)
 
 
-def _that_matters(choice: Choice, held: Reduced, shown: bool) -> Choice:
+def _without_inconsequential(choice: Choice, held: Reduced, shown: bool) -> Choice:
     """The same without what is within tolerance or of no consequence; `shown` says whether lines show a wrong clock."""
     left = unexplained(held, forward(twin_of(choice.base, held), held))
     unnamed = not choice.explained and each_within_tolerance(choice.base)
@@ -102,7 +102,7 @@ def _that_matters(choice: Choice, held: Reduced, shown: bool) -> Choice:
         return Choice(choice.base, choice.base, choice.rivals, True, True, tolerated=tolerated)
     if not choice.explained:
         return choice
-    fit, dismissed = of_consequence(choice.fit, held, shown)
+    fit, dismissed = without_inconsequential(choice.fit, held, shown)
     if not fit.problem.candidates:
         # An effect of next to nothing may have shown the way to a twin without effects that fits better.
         base = min(choice.base, fit, key=lambda f: f.cost)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from modallab.gap.model.candidates import of_bench
+from modallab.gap.model.candidates import beam_candidates
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.search.fitting import Bench, converged, fit_from_poles
 from modallab.twin.effects import search_of
@@ -24,7 +24,9 @@ def fit_with_clock(bench: Bench, base: Fit) -> Fit | None:
     From the beam that the poles show, and from the fit without effects: its assembly follows a clock that is a little
     off, all but the lines.
     """
-    clocks = (c for c in of_bench(bench.data.rig) if search_of(c.effect).tolerance.is_clock and bench.allowed(c.effect))
+    clocks = (
+        c for c in beam_candidates(bench.data.rig) if search_of(c.effect).tolerance.is_clock and bench.allowed(c.effect)
+    )
     candidate = next(clocks, None)
     if candidate is None or bench.data.sines is None or not clock_error_visible(bench):
         return None

@@ -43,7 +43,7 @@ class Dismissed:
         return f"Of no consequence: {spoken} moves the response on records held out by {percent_text(self.moves)}."
 
 
-def of_consequence(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, list[Dismissed]]:
+def without_inconsequential(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, list[Dismissed]]:
     """The fit with those of its effects that are worth a name, and the others.
 
     Args:
@@ -57,7 +57,7 @@ def of_consequence(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, l
     while at < len(fit.problem.candidates):
         bare = refitted_without(fit, at)
         clock = shown and search_of(fit.problem.candidates[at].effect).tolerance.is_clock
-        judged = _judged(fit, evaluated(*without_effect(fit.problem, fit.u, at)) if clock else bare, at, held)
+        judged = _dismissal(fit, evaluated(*without_effect(fit.problem, fit.u, at)) if clock else bare, at, held)
         if judged.deviations <= ABOVE or judged.moves < least:
             dismissed.append(judged)
             fit, at = bare, 0
@@ -66,7 +66,7 @@ def of_consequence(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, l
     return fit, dismissed
 
 
-def _judged(fit: Fit, bare: Fit, at: int, held: Reduced) -> Dismissed:
+def _dismissal(fit: Fit, bare: Fit, at: int, held: Reduced) -> Dismissed:
     effect = fit.effects[at]
     answers = (forward(twin_of(f, held), held) for f in (fit, bare))
     # What takes its work over only by leaving its own tolerance is no ordinary bench.

@@ -19,11 +19,11 @@ def compared_sines(data: Reduced, overtones: Sequence[Harmonic], count: int) -> 
     clear = [(o.record, int(np.count_nonzero(o.clear))) for o in overtones]
     counts = [sum(n for record, n in clear if record == p.name) for p in data.sines.pieces]
     loudest = [int(j) for j in np.argsort(counts, kind="stable")[::-1][:LOUDEST] if counts[j]]
-    chosen = sorted({*_even(data.sines, count), *loudest})
-    return with_overtones(replace(data, impacts=(), sines=_blocks(data.sines, chosen)), overtones)
+    chosen = sorted({*_evenly_spaced(data.sines, count), *loudest})
+    return with_overtones(replace(data, impacts=(), sines=_subset(data.sines, chosen)), overtones)
 
 
-def _even(d: SineData, count: int) -> list[int]:
+def _evenly_spaced(d: SineData, count: int) -> list[int]:
     """Blocks evenly over the frequencies there are, the levels in turn."""
     hz = np.round(d.source.frequency_hz, 3)
     each = np.unique(hz)
@@ -35,7 +35,7 @@ def _even(d: SineData, count: int) -> list[int]:
     return sorted(chosen)
 
 
-def _blocks(d: SineData, at: list[int]) -> SineData:
+def _subset(d: SineData, at: list[int]) -> SineData:
     s = d.source
     lines = s.lines.shape[1]
     rows = np.concatenate([np.arange(j * lines, (j + 1) * lines) for j in at])

@@ -95,15 +95,15 @@ def place(found: Sequence[Harmonic], twins: Sequence[Twin], data: Reduced, acts:
         step = 1 / PLACES
         at = np.array([ROOT]) if acts == "root" else np.linspace(step, 1.0, PLACES)
         for _ in range(1 if acts == "root" else 2):
-            rows = _rows(at, twin, acts)
-            left = np.mean([_left(o, twin, modes, data, rows) for o in clear], axis=0)
+            rows = _force_rows(at, twin, acts)
+            left = np.mean([_residual_share(o, twin, modes, data, rows) for o in clear], axis=0)
             best = int(np.argmin(left))
             tried.append(Place(float(at[best]), float(left[best])))
             at = np.clip(at[best] + np.linspace(-step, step, 21), 0.0, 1.0)
     return min(tried, key=lambda p: p.left)
 
 
-def _rows(at: Real, twin: Twin, acts: Acts) -> Real:
+def _force_rows(at: Real, twin: Twin, acts: Acts) -> Real:
     """(places, n) over the elements' degrees of freedom."""
     length = twin.structure.length_m
     if acts != "couple":
@@ -115,16 +115,16 @@ def _rows(at: Real, twin: Twin, acts: Acts) -> Real:
     return np.einsum("w,pwn->pn", weights, rows)
 
 
-def _left(overtone: Harmonic, twin: Twin, modes: TwinModes, data: Reduced, rows: Real) -> Real:
+def _residual_share(overtone: Harmonic, twin: Twin, modes: TwinModes, data: Reduced, rows: Real) -> Real:
     """(places,) share of one overtone's squares that no force there makes."""
-    y, shapes = overtone.y, _answer(2j * np.pi * overtone.hz, twin, modes, data, rows)
+    y, shapes = overtone.y, _acceleration(2j * np.pi * overtone.hz, twin, modes, data, rows)
     weight = 1 / np.hypot(overtone.beside, INEXACT * np.max(np.abs(y)))
     y, shapes = y * weight, shapes * weight
     made = np.abs(shapes.conj() @ y) ** 2 / np.maximum(np.sum(np.abs(shapes) ** 2, axis=1), 1e-300)
     return np.minimum(1 - made / np.sum(np.abs(y) ** 2), MOST)
 
 
-def _answer(s: complex, twin: Twin, modes: TwinModes, data: Reduced, rows: Real) -> Complex:
+def _acceleration(s: complex, twin: Twin, modes: TwinModes, data: Reduced, rows: Real) -> Complex:
     """(places, channels) acceleration as recorded for a unit of each force."""
     x_m = sensor_positions(twin.chain, modes, data.channels, data.x_m)
     psi, own = modes.at(x_m), rows @ modes.columns

@@ -65,7 +65,7 @@ def intervals(fit: Fit) -> list[Believed]:
         for slot in candidate.slots:
             u = float(fit.u[at])
             if slot.name == "x":
-                sigma, model = float(np.hypot(deviation[at], off / (_steepest(fit) * slot.scale))), 0.0
+                sigma, model = float(np.hypot(deviation[at], off / (_steepest_slope(fit) * slot.scale))), 0.0
             else:
                 # A gain of its own multiplies a wrong one.
                 sure = shared * (abs(slot.value(u)) if slot.none else 1.0)
@@ -83,7 +83,7 @@ def intervals(fit: Fit) -> list[Believed]:
     return found
 
 
-def _steepest(fit: Fit) -> float:
+def _steepest_slope(fit: Fit) -> float:
     """Relative change of what an effect does per share of the length that its place moves.
 
     What it does goes with the squared shape, whose wave number is 2 (n - 1/2) pi over L in the highest mode n of a

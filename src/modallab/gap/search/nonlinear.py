@@ -10,7 +10,7 @@ from dataclasses import replace
 from modallab.core.progress import report_progress
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level
-from modallab.gap.model.candidates import of_motion
+from modallab.gap.model.candidates import stepped_candidates
 from modallab.gap.model.fit import Fit, Problem, cost_of
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.along_beam import best_along_beam
@@ -33,11 +33,11 @@ MOST_ON_ALL_RECORDS = 3
 
 def stepped_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     """One round of the effects that depend on the size of the motion and make such overtones, beside those of a fit."""
-    listed = [c for c in of_motion(bench.data.rig, overtones) if bench.allowed(c.effect)]
+    listed = [c for c in stepped_candidates(bench.data.rig, overtones) if bench.allowed(c.effect)]
     if not listed or bench.data.sines is None:
         return Level(base, ())
     few = compared_sines(bench.data, bench.overtones, FREQUENCIES)
-    scored = _best_forms(_scored(bench, base, few, listed))
+    scored = _best_forms(_scores(bench, base, few, listed))
     if not scored or not _explains(bench, *scored[0], base):
         return Level(base, ())
     least, best = scored[0]
@@ -50,7 +50,7 @@ def stepped_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     return Level(base, tuple(sorted(fits, key=cost_of)))
 
 
-def _scored(bench: Bench, base: Fit, few: Reduced, listed: Sequence[CandidateEffect]) -> list[tuple[float, Fit]]:
+def _scores(bench: Bench, base: Fit, few: Reduced, listed: Sequence[CandidateEffect]) -> list[tuple[float, Fit]]:
     """The robust cost and the fit of each effect on a few sines, best first."""
     found: list[tuple[float, Fit]] = []
     for i, candidate in enumerate(listed):

@@ -32,11 +32,11 @@ def overtones_closed(fit: Fit, prepared: PreparedCampaign, unseen: Reduced) -> f
         return 1.0
     twin, rig, blocks = twin_of(fit, unseen), unseen.rig, {b.name: b for b in prepared.blocks}
     names = [p.name for p in unseen.sines.pieces][:BLOCKS]
-    left = [share for name in names for share in _left(twin, rig, blocks[name], unseen)]
+    left = [share for name in names for share in _residual_shares(twin, rig, blocks[name], unseen)]
     return 1.0 - float(np.mean(left)) if left else 1.0
 
 
-def _left(twin: Twin, rig: Rig, block: Block, unseen: Reduced) -> list[float]:
+def _residual_shares(twin: Twin, rig: Rig, block: Block, unseen: Reduced) -> list[float]:
     ratio = sine_clock(unseen)
     hz = (block.frequency_hz or 0.0) * ratio
     seen = harmonics_in_record(block.name, to_signals(block, rig).responses, block.rate_hz, hz)

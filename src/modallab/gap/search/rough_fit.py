@@ -40,7 +40,7 @@ def robust_fit(problem: Problem, u: Real, rounds: int) -> Real:
     """The numbers that follow the sines best, from u on."""
     best, least = u, robust_cost(problem, u)
     for _ in range(rounds):
-        weighed = replace(problem, data=_weighed(problem.data, relative_residual(problem, u)), floor=0.0)
+        weighed = replace(problem, data=_with_weights(problem.data, relative_residual(problem, u)), floor=0.0)
         u = minimise(weighed, u, 2, 1e-2).u
         now = robust_cost(problem, u)
         if now < least:
@@ -81,7 +81,7 @@ def beam_of_hits(bench: Bench, fit: Fit) -> Fit:
 
 def _hits_and_sines(sines: Problem, data: Reduced, u: Real, floor: float) -> Problem:
     """Hits of which some is forgiven beside sines that are weighed by how they are followed."""
-    both = replace(_weighed(sines.data, relative_residual(sines, u)), impacts=data.impacts)
+    both = replace(_with_weights(sines.data, relative_residual(sines, u)), impacts=data.impacts)
     return replace(sines, data=both, floor=floor, held=(float(u[0]), float(u[1]), float(u[2])))
 
 
@@ -99,7 +99,7 @@ def explains_sines(bench: Bench, fit: Fit, base: Fit, share: float) -> bool:
     return float(np.median(left[:, ~above])) <= share * float(np.median(before[:, ~above]))
 
 
-def _weighed(data: Reduced, off: Real) -> Reduced:
+def _with_weights(data: Reduced, off: Real) -> Reduced:
     assert data.sines is not None
     rows = data.sines.rows
     sigma = sine_sizes(data) * np.hypot(off, smallest_error(data)) / np.sqrt(COUNTS / 2)

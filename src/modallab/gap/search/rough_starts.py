@@ -47,7 +47,7 @@ def best_start(problem: Problem, begins: list[Real]) -> Real:
     """
 
     def polished(u: Real) -> Real:
-        return _polished(problem, u)
+        return _local_minimum(problem, u)
 
     chosen = distinct_starts(problem, begins)
     with ThreadPoolExecutor(WORKERS) as workers:
@@ -60,7 +60,7 @@ def distinct_starts(problem: Problem, begins: list[Real]) -> list[Real]:
         scores = list(workers.map(partial(robust_cost, problem), begins))
     chosen: list[Real] = []
     for i in np.argsort(scores):
-        if not any(_same(problem, begins[i], u) for u in chosen):
+        if not any(_nearly_equal(problem, begins[i], u) for u in chosen):
             chosen.append(begins[i])
     return chosen[:POLISHED]
 
@@ -107,19 +107,19 @@ def _by_block(data: Reduced, values: Complex) -> Real:
     return np.sqrt(np.sum(squares, axis=2))
 
 
-def _same(problem: Problem, u: Real, other: Real) -> bool:
+def _nearly_equal(problem: Problem, u: Real, other: Real) -> bool:
     slots = problem.candidates[-1].slots
-    steps = np.array([APART * 2 * _step(s) for s in slots])
+    steps = np.array([APART * 2 * _half_spacing(s) for s in slots])
     first = len(u) - len(slots)
     return bool(np.all(np.abs(u - other)[first:] <= steps)) and abs(u[0] - other[0]) < 1.0
 
 
-def _polished(problem: Problem, u: Real) -> Real:
+def _local_minimum(problem: Problem, u: Real) -> Real:
     """The beam's stiffness and the effect's own numbers moved to where they leave less nearby."""
     slots = problem.candidates[-1].slots
     moving = [i for i, s in enumerate(slots) if len(s.starts) > 1 or s.name == "x"]
     at = [0, *(len(u) - len(slots) + i for i in moving)]
-    steps = np.array([_step(slots[i]) for i in moving])
+    steps = np.array([_half_spacing(slots[i]) for i in moving])
     steps = np.array([np.min(steps), *steps])
 
     def moved(v: Real) -> Real:
@@ -137,7 +137,7 @@ def _polished(problem: Problem, u: Real) -> Real:
     return moved(found.x)
 
 
-def _step(slot: FreeNumber) -> float:
+def _half_spacing(slot: FreeNumber) -> float:
     """Half of what lies between two starts; of a first simplex."""
     at = [slot.coordinate(v) for v in slot.starts]
     return min([0.015 if slot.name == "x" else 0.3, *(np.diff(at) / 2)])

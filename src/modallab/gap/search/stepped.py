@@ -36,7 +36,7 @@ HELPS = 0.5
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Request:
-    """What `search_stepped` is asked; its arguments."""
+    """What `search_stepped` is request; its arguments."""
 
     bench: Bench
     prepared: PreparedCampaign
@@ -48,7 +48,7 @@ class _Request:
 
     def judged(self, levels: list[Level]) -> Choice:
         """What these rounds say, explained only if the law makes the overtones that were measured."""
-        choice = _by_overtones(choose(self.bench, levels, self.matters), self.prepared, self.unseen)
+        choice = _with_overtones_checked(choose(self.bench, levels, self.matters), self.prepared, self.unseen)
         return named_by_overtones(self.bench, choice, levels, self.prepared, self.unseen)
 
 
@@ -72,46 +72,48 @@ def search_stepped(
         unseen: see `choose`.
         linear: what gives the rounds of linear effects alone, where some are known.
     """
-    asked = _Request(bench, prepared, base, overtones, matters, unseen, linear or StepwiseSelection(bench, base).rounds)
+    request = _Request(
+        bench, prepared, base, overtones, matters, unseen, linear or StepwiseSelection(bench, base).rounds
+    )
     with part_of_progress(0.0, 0.4):
-        levels = _stepped_rounds(asked)
-    first = asked.judged(levels)
-    if _explains(first) and _left(first.fit, unseen) < LEFT:
+        levels = _stepped_rounds(request)
+    first = request.judged(levels)
+    if _explains(first) and _median_residual(first.fit, unseen) < LEFT:
         return first
     with part_of_progress(0.4, 0.6):
-        both = _with_linear(asked, levels, first)
+        both = _with_linear(request, levels, first)
     if both is not None:
         return both
-    return first if _explains(first) else _linear_first(asked, first, levels[:-1])
+    return first if _explains(first) else _linear_first(request, first, levels[:-1])
 
 
-def _stepped_rounds(asked: _Request) -> list[Level]:
+def _stepped_rounds(request: _Request) -> list[Level]:
     """The round of stepped effects; before it the clock, where the generator's lines show that it is wrong."""
-    clocked = fit_with_clock(asked.bench, asked.base)
-    levels = [] if clocked is None else [Level(asked.base, (clocked,))]
-    return [*levels, stepped_round(asked.bench, clocked or asked.base, asked.overtones)]
+    clocked = fit_with_clock(request.bench, request.base)
+    levels = [] if clocked is None else [Level(request.base, (clocked,))]
+    return [*levels, stepped_round(request.bench, clocked or request.base, request.overtones)]
 
 
-def _with_linear(asked: _Request, levels: list[Level], first: Choice) -> Choice | None:
+def _with_linear(request: _Request, levels: list[Level], first: Choice) -> Choice | None:
     """The best stepped effect with a linear one beside it; None where that explains no more."""
-    more = linear_beside_stepped(asked.bench, levels[-1].fits[0]) if levels[-1].fits else None
-    both = asked.judged([*levels, more]) if more is not None else first
+    more = linear_beside_stepped(request.bench, levels[-1].fits[0]) if levels[-1].fits else None
+    both = request.judged([*levels, more]) if more is not None else first
     return both if _explains(both) and len(both.fit.problem.candidates) > len(first.fit.problem.candidates) else None
 
 
-def _linear_first(asked: _Request, first: Choice, clocked: list[Level]) -> Choice:
+def _linear_first(request: _Request, first: Choice, clocked: list[Level]) -> Choice:
     """Linear effects, and a stepped one beside the best of them where that leaves much less than none."""
     with part_of_progress(0.6, 0.8):
-        rounds = asked.linear()
-    linear = choose(asked.bench, rounds, asked.matters)
+        rounds = request.linear()
+    linear = choose(request.bench, rounds, request.matters)
     if linear.explained:
         return linear
     best = next((level.fits[0] for level in rounds if level.fits), None)
     # Beside the clock alone a stepped one has been looked for.
     known = [effect_names(fit) for level in clocked for fit in level.fits]
-    if best is not None and excess(best) < HELPS * excess(asked.base) and effect_names(best) not in known:
+    if best is not None and excess(best) < HELPS * excess(request.base) and effect_names(best) not in known:
         with part_of_progress(0.8, 1.0):
-            last = asked.judged([rounds[0], stepped_round(asked.bench, best, asked.overtones)])
+            last = request.judged([rounds[0], stepped_round(request.bench, best, request.overtones)])
         if _explains(last) and has_stepped_law(last.fit):
             return last
     return replace(linear, rivals=(*linear.rivals, *first.rivals))
@@ -122,13 +124,13 @@ def _explains(choice: Choice) -> bool:
     return choice.explained and choice.tolerated is None
 
 
-def _by_overtones(choice: Choice, prepared: PreparedCampaign, unseen: Reduced) -> Choice:
+def _with_overtones_checked(choice: Choice, prepared: PreparedCampaign, unseen: Reduced) -> Choice:
     """The same, explained only if the law makes the overtones that were measured."""
     if not choice.explained or not has_stepped_law(choice.fit) or overtones_closed(choice.fit, prepared, unseen) > MADE:
         return choice
     return replace(choice, explained=False)
 
 
-def _left(fit: Fit, unseen: Reduced) -> float:
+def _median_residual(fit: Fit, unseen: Reduced) -> float:
     found = discrepancies(unseen, forward(twin_of(fit, unseen), unseen))
     return float(np.median(list(found.values()))) if found else 0.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.model.candidates import of_bench
+from modallab.gap.model.candidates import beam_candidates
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.prefit import start
 from modallab.gap.search.fitting import Bench
@@ -77,6 +77,6 @@ def _linear_likeness(bench: Bench, candidate: CandidateEffect, own: Real) -> Ite
         share = candidate.at(own).parameters["EI_loss_open"]
         # Half of the time it bends as a crack that stays open.
         half = share / (2 - share)
-        for like in of_bench(bench.data.rig):
+        for like in beam_candidates(bench.data.rig):
             if like.effect == "stiffness_loss":
                 yield like, np.array([like.slots[0].coordinate(half), own[names.index("x")]])

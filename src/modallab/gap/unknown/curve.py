@@ -76,7 +76,7 @@ def curve_of(channel: Channel, names: Collection[str]) -> Curve:
     v = np.concatenate([read for _, read in pairs])
 
     def fitted(family: tuple[str, ...]) -> tuple[float, Curve]:
-        begin = Curve(family, tuple(_begin(n, peak) for n in family), peak)
+        begin = Curve(family, tuple(_first_value(n, peak) for n in family), peak)
 
         def off(q: Real) -> Real:
             law = begin.moved(q).law
@@ -90,7 +90,7 @@ def curve_of(channel: Channel, names: Collection[str]) -> Curve:
     return min((fitted(family) for family in FAMILIES), key=lambda f: f[0])[1]
 
 
-def _begin(name: str, peak: float) -> float:
+def _first_value(name: str, peak: float) -> float:
     return {"power": float(np.log(2.0)), "square": 0.0, "cubic": 0.0, "tanh_share": 0.4, "knee_share": 0.4}.get(
         name, float(np.log(1.5 * peak))
     )

@@ -21,7 +21,7 @@ from modallab.gap.report.shrinkage import shrinkage_with_interval
 from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess, search_origin
-from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of, stage_of
+from modallab.gap.unknown.description import Description, cost_per_number, description_of, rows_of, stage_of
 from modallab.gap.unknown.fitted import best_fits
 from modallab.gap.unknown.on_beam import operators_on_all_channels, trials_on_beam
 from modallab.gap.unknown.on_row import fit_without_channel, linear_operators, sample_operators
@@ -63,17 +63,17 @@ def describe(
     """
     if choice.explained or choice.flat or location is None:
         return None
-    found = sorted(behaves or _tried(bench, prepared, choice, location, unseen, held), key=cost_per_number)
+    found = sorted(behaves or _candidates(bench, prepared, choice, location, unseen, held), key=cost_per_number)
     if not found:
         return None
     best = found[0]
     closes = _shrink(choice, best, held)
     if closes.closed is None or closes.interval is None or closes.closed < PAYS or closes.interval[0] <= 0:
         return None
-    return _described(best, closes, found[1:], prepared.campaign.rig, everything)
+    return _document_of(best, closes, found[1:], prepared.campaign.rig, everything)
 
 
-def _tried(
+def _candidates(
     bench: Bench,
     prepared: PreparedCampaign,
     choice: Choice,
@@ -90,7 +90,7 @@ def _tried(
         report_progress(0.0, f"what {bench.data.rig.channels[row].name} behaves like")
         for fit in best_fits(bench, base, list(linear_operators(bench, row)), 1):
             least = min(least, excess(fit))
-            yield of_fit(fit, unseen, (row,))
+            yield description_of(fit, unseen, (row,))
         if least < SOLVED * excess(base):
             return
         for one in sample_operators(bench, prepared, fit_without_channel(bench, prepared, seen, row), held, row):
@@ -103,7 +103,7 @@ def _tried(
     loudest = bench.data.channels[int(np.argmax(channel_share(base)))]
     alone = [] if rows else list(linear_operators(bench, loudest))
     for fit in best_fits(bench, base, [*trials_on_beam(bench, base), *operators_on_all_channels(bench), *alone]):
-        yield of_fit(fit, unseen, rows_of(fit))
+        yield description_of(fit, unseen, rows_of(fit))
 
 
 def _shrink(choice: Choice, best: Description, held: Sequence[str]) -> Shrink:
@@ -112,7 +112,7 @@ def _shrink(choice: Choice, best: Description, held: Sequence[str]) -> Shrink:
     return shrinkage_with_interval(list(held), before, after, {}, np.random.default_rng(SEED))
 
 
-def _described(
+def _document_of(
     best: Description, closes: Shrink, others: Sequence[Description], rig: Rig, everything: Reduced
 ) -> Described:
     first = best.learned[0]

@@ -31,7 +31,7 @@ class Description:
     rows: tuple[int, ...] = ()
 
 
-def of_fit(fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> Description:
+def description_of(fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> Description:
     """The description that a fit of elements is."""
     length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
     found: list[Learned] = []

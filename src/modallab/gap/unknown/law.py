@@ -51,42 +51,44 @@ def laws(missing: Missing) -> list[Law]:
     target = -missing.force / sigma
     found: list[Law] = []
     for terms in SUBSETS:
-        best = _best([plain[t] / sigma for t in terms if t != "hung"], "hung" in terms, (s, w / sigma), hz, target)
+        best = _best_terms(
+            [plain[t] / sigma for t in terms if t != "hung"], "hung" in terms, (s, w / sigma), hz, target
+        )
         law = _law(missing, terms, best, len(target))
         if law is not None:
             found.append(law)
     return sorted(found, key=lambda law: law.price)
 
 
-def _best(
+def _best_terms(
     columns: list[Complex], hung: bool, motion: tuple[Complex, Complex], hz: Real, target: Complex
 ) -> tuple[float, Real, float]:
     """What stays, the terms' numbers, and the resonance of the mass that hangs, if there is one."""
     if not hung:
-        return (*_solved(columns, target), 0.0)
+        return (*_least_squares(columns, target), 0.0)
     s, w = motion
 
     def tried(at: Real) -> list[tuple[float, Real, float]]:
-        return [(*_solved([*columns, _hung(s, float(f)) * w], target), float(f)) for f in at]
+        return [(*_least_squares([*columns, _absorber(s, float(f)) * w], target), float(f)) for f in at]
 
-    coarse = min(tried(hz), key=_left)
+    coarse = min(tried(hz), key=_residual)
     step = float(hz[1] / hz[0])
     # A light mass is felt within a percent of its resonance: a fit begun farther off does not find it.
-    return min([coarse, *tried(np.geomspace(coarse[2] / step, coarse[2] * step, FINER))], key=_left)
+    return min([coarse, *tried(np.geomspace(coarse[2] / step, coarse[2] * step, FINER))], key=_residual)
 
 
-def _left(solved: tuple[float, Real, float]) -> float:
+def _residual(solved: tuple[float, Real, float]) -> float:
     return solved[0]
 
 
-def _hung(s: Complex, hz: float) -> Complex:
+def _absorber(s: Complex, hz: float) -> Complex:
     omega = 2 * np.pi * hz
     # Per kg of the mass that hangs.
     pull = omega**2 + 2 * WIDTH * omega * s
     return s**2 * pull / (s**2 + pull)
 
 
-def _solved(columns: list[Complex], target: Complex) -> tuple[float, Real]:
+def _least_squares(columns: list[Complex], target: Complex) -> tuple[float, Real]:
     A = np.stack(columns, axis=1)
     real, y = np.concatenate([A.real, A.imag]), np.concatenate([target.real, target.imag])
     size = np.maximum(np.linalg.norm(real, axis=0), 1e-300)

@@ -15,7 +15,7 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.gap.conditioning.rows import ImpactData, Reduced
 from modallab.gap.model.fit import Fit, Problem
-from modallab.gap.model.forward import forward, hit_ratios, on_clock
+from modallab.gap.model.forward import forward, hit_ratios, with_clock_error
 from modallab.gap.model.minimise import jacobian
 from modallab.twin.bench import Twin, chain_transfer
 from modallab.twin.modes import TwinModes, solve_modes
@@ -66,19 +66,19 @@ class MissingForce:
         r = problem.residual_of(self._twin, answers)
         J = jacobian(problem, fit.u, r)
         self._priors = problem.priors(fit.u)
-        self._parts = _cut(self._data, J)
+        self._parts = _split_slopes(self._data, J)
         self._residual = [
             np.where(np.isfinite(d.rows.sigma), d.rows.whiten(d.rows.y - y), 0j)
             for d, y in zip(self._data.impacts, answers, strict=True)
         ]
-        self._ends = [_ends(self._twin, self._modes, d, self._data) for d in self._data.impacts]
+        self._ringing_at_end = [_ringing_at_end(self._twin, self._modes, d, self._data) for d in self._data.impacts]
 
     def at(self, x: float) -> Missing:
         """The force at a share of the length that leaves least."""
         place = x * self._twin.structure.length_m
-        own = [self._seen(d, place) for d in self._data.impacts]
+        own = [self._unit_response(d, place) for d in self._data.impacts]
         free = self._parts[0].shape[0]
-        sizes = [len(e) for e in self._ends]
+        sizes = [len(e) for e in self._ringing_at_end]
         size = free + sum(sizes)
         normal, gradient = np.zeros((size, size)), np.zeros(size)
         _, slope, weight = self._priors
@@ -87,9 +87,9 @@ class MissingForce:
         bare: list[Complex] = []
         stacks: list[Complex] = []
         first = free
-        for r, J, ends, h in zip(self._residual, self._parts, self._ends, own, strict=True):
-            columns = _beside(np.concatenate([J, ends]), h)
-            rest = _beside(r[None], h)[0]
+        for r, J, ends, h in zip(self._residual, self._parts, self._ringing_at_end, own, strict=True):
+            columns = _without_line_forces(np.concatenate([J, ends]), h)
+            rest = _without_line_forces(r[None], h)[0]
             at = np.r_[0:free, first : first + len(ends)]
             flat = columns.reshape(len(columns), -1).view(np.float64)
             normal[np.ix_(at, at)] += flat @ flat.T
@@ -99,9 +99,9 @@ class MissingForce:
             first += len(ends)
         normal[range(free, size), range(free, size)] += 1e-9 * np.trace(normal) / size
         step: Real = -np.linalg.solve(normal, gradient).astype(np.float64)
-        return self._solved(x, place, own, step, bare, stacks)
+        return self._least_squares(x, place, own, step, bare, stacks)
 
-    def _solved(
+    def _least_squares(
         self, x: float, place: float, own: list[Complex], step: Real, bare: list[Complex], stacks: list[Complex]
     ) -> Missing:
         free, first, left, count = self._parts[0].shape[0], self._parts[0].shape[0], 0.0, 0
@@ -109,7 +109,9 @@ class MissingForce:
         forces: list[Complex] = []
         motions: list[Complex] = []
         sigmas: list[Real] = []
-        zipped = zip(self._data.impacts, self._residual, self._parts, self._ends, own, bare, stacks, strict=True)
+        zipped = zip(
+            self._data.impacts, self._residual, self._parts, self._ringing_at_end, own, bare, stacks, strict=True
+        )
         for d, r, J, ends, h, rest, columns in zipped:
             moved = np.concatenate([step[:free], step[first : first + len(ends)]])
             first += len(ends)
@@ -118,7 +120,7 @@ class MissingForce:
             size: Real = np.maximum(np.sum(np.abs(h) ** 2, axis=0), 1e-300).astype(np.float64)
             whole = r + np.tensordot(moved, np.concatenate([J, ends]), 1)
             force = np.sum(h.conj() * whole, axis=0) / size
-            lines.append(on_clock(d.source, self._twin).s)
+            lines.append(with_clock_error(d.source, self._twin).s)
             forces.append(force)
             motions.append(self._motion(d, place, force))
             sigmas.append(1 / np.sqrt(size))
@@ -127,9 +129,9 @@ class MissingForce:
         s, force, motion = (np.concatenate(parts) for parts in (lines, forces, motions))
         return Missing(x, left, count, s, force, motion, np.concatenate(sigmas))
 
-    def _seen(self, d: ImpactData, place: float) -> Complex:
+    def _unit_response(self, d: ImpactData, place: float) -> Complex:
         """(channels, lines) what a unit force at a place leaves, in noise units."""
-        s = on_clock(d.source, self._twin).s
+        s = with_clock_error(d.source, self._twin).s
         y = (
             s**2
             * chain_transfer(self._twin.chain, self._data.channels, s)
@@ -138,7 +140,7 @@ class MissingForce:
         return np.where(np.isfinite(d.rows.sigma), d.rows.whiten(y), 0j)
 
     def _motion(self, d: ImpactData, place: float, force: Complex) -> Complex:
-        twin, s = self._twin, on_clock(d.source, self._twin).s
+        twin, s = self._twin, with_clock_error(d.source, self._twin).s
         struck = twin.struck_x_m(d.piece.drive_x_m)
         own, x = twin.hit_gain(d.piece.drive_x_m), np.array([place])
         return own * self._compliance(x, struck, s)[0] + force * self._compliance(x, place, s)[0]
@@ -154,7 +156,7 @@ class MissingForce:
         return sensor_positions(self._twin.chain, self._modes, self._data.channels, self._data.x_m)
 
 
-def _cut(data: Reduced, J: Real) -> list[Complex]:
+def _split_slopes(data: Reduced, J: Real) -> list[Complex]:
     """For each part of the data its (free, channels, lines) slopes."""
     sizes = [d.rows.y.size for d in data.impacts]
     half, found, at = sum(sizes), list[Complex](), 0
@@ -165,12 +167,12 @@ def _cut(data: Reduced, J: Real) -> list[Complex]:
     return found
 
 
-def _ends(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Complex:
+def _ringing_at_end(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Complex:
     """(2 p, channels, lines) what modes leave that ring on at the end of the block, in noise units.
 
     One column for the real and one for the imaginary part of each.
     """
-    source = on_clock(d.source, twin)
+    source = with_clock_error(d.source, twin)
     # What has died away by the end leaves nothing.
     block_s = source.n * source.dt
     rings = np.exp(modes.poles.real * block_s) > 1e-7
@@ -191,7 +193,7 @@ def _ends(twin: Twin, modes: TwinModes, d: ImpactData, data: Reduced) -> Complex
     return np.array(columns) if columns else np.zeros(shape, dtype=np.complex128)
 
 
-def _beside(columns: Complex, h: Complex) -> Complex:
+def _without_line_forces(columns: Complex, h: Complex) -> Complex:
     """(k, channels, lines) without what a force on each line explains."""
     size = np.maximum(np.sum(np.abs(h) ** 2, axis=0), 1e-300)
     along = np.einsum("cl,kcl->kl", h.conj(), columns) / size

@@ -8,7 +8,7 @@ from modallab.gap.search.fitting import Bench
 from modallab.gap.unknown.fitted import Trial, element
 from modallab.gap.unknown.law import Law, laws
 from modallab.gap.unknown.missing_force import PLACES, MissingForce
-from modallab.gap.unknown.spare_poles import of_spare_poles
+from modallab.gap.unknown.spare_poles import trials_at_spare_poles
 
 EACH = 2
 """Places at which the same terms are begun from."""
@@ -27,7 +27,7 @@ def trials_on_beam(bench: Bench, base: Fit) -> Iterator[Trial]:
     for law in _likely(bench, base):
         names = tuple(law.numbers)
         yield Trial(element(bench, "point_law", (*names, "x")), ((*law.numbers.values(), law.x),))
-    yield from of_spare_poles(bench, base)
+    yield from trials_at_spare_poles(bench, base)
     yield from forces_along_beam(bench)
 
 

@@ -53,7 +53,7 @@ def sample_operators(
         held: records that no fit may see.
         row: the channel.
     """
-    prepared = _as_it_reads(prepared, row)
+    prepared = _with_calm_noise(prepared, row)
     unseen = set(held)
     fitted = [b for b in prepared.blocks if b.name not in unseen]
     channel = channel_of(prepared, alone.problem.twin(alone.u), row)
@@ -72,7 +72,7 @@ def sample_operators(
     yield _with_channel(bench, prepared, alone, channel, curve.made(channel), learned, unseen)
 
 
-def _as_it_reads(prepared: PreparedCampaign, row: int) -> PreparedCampaign:
+def _with_calm_noise(prepared: PreparedCampaign, row: int) -> PreparedCampaign:
     """The campaign with one channel's sines in it even where they are flat, and with the noise it has at its calmest.
 
     What an operator makes of the samples would count as noise, or be left out with what it has cut.
@@ -122,9 +122,9 @@ def _with_channel(
     own = [b for b in clean.blocks if b.name not in held] or list(clean.blocks)
     again = bench_of(clean, own, bench.free, bench.allowed)
     fit = finish(again, alone, LEFT)
-    return Description(fit, _unseen(clean, held), _unseen(prepared, held), (learned,), (channel.row,))
+    return Description(fit, _held_out(clean, held), _held_out(prepared, held), (learned,), (channel.row,))
 
 
-def _unseen(prepared: PreparedCampaign, held: set[str]) -> Reduced:
+def _held_out(prepared: PreparedCampaign, held: set[str]) -> Reduced:
     blocks = [b for b in prepared.blocks if b.name in held] or list(prepared.blocks)
     return reduce_blocks(prepared.campaign, blocks, weights_of(prepared))

@@ -16,11 +16,11 @@ from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, search_origin, within_tolerances
-from modallab.gap.unknown.description import Description, cost_per_number, of_fit, rows_of
+from modallab.gap.unknown.description import Description, cost_per_number, description_of, rows_of
 from modallab.gap.unknown.fitted import best_fits, converged_fits, forgiven_error, short_fits
 from modallab.gap.unknown.on_beam import forces_along_beam, operators_on_all_channels
 from modallab.gap.unknown.on_row import fit_without_channel, linear_operators, sample_operators
-from modallab.gap.unknown.spare_poles import of_spare_poles
+from modallab.gap.unknown.spare_poles import trials_at_spare_poles
 
 SOLVED = 1.3
 """Times the floor up to which a fit leaves no more than noise."""
@@ -60,14 +60,14 @@ def lone_channel(
     if len(bench.data.channels) < 2:
         return None
     fitted = [b for b in prepared.blocks if b.name not in set(held)]
-    for row in prepared.repeated or _differing(bench, agreement):
+    for row in prepared.repeated or _differing_channel(bench, agreement):
         alone = fit_without_channel(bench, prepared, fitted, row)
         if alone.gap <= bench.flat and within_tolerances(alone):
             return LoneChannel(row, alone, bool(prepared.repeated))
     return None
 
 
-def nameless_explanations(
+def unnamed_explanations(
     bench: Bench,
     prepared: PreparedCampaign,
     named: Choice,
@@ -90,15 +90,15 @@ def nameless_explanations(
     if alone is None:
         return _on_beam(bench, begin, best, unseen)
     found = sorted(sample_operators(bench, prepared, alone.fit, held, alone.row), key=cost_per_number)
-    if alone.loses and nameless_evidence(found[0]) < evidence_without_name(base):
+    if alone.loses and unnamed_evidence(found[0]) < evidence_without_name(base):
         # Lost samples are visible in the record itself: no effect explains them.
         return tuple(found)
     operators = best_fits(bench, begin, list(linear_operators(bench, alone.row)), 1)
-    found = sorted([*found, *(of_fit(fit, unseen, (alone.row,)) for fit in operators)], key=cost_per_number)
+    found = sorted([*found, *(description_of(fit, unseen, (alone.row,)) for fit in operators)], key=cost_per_number)
     return tuple(found) if _explains(found[0], best) else ()
 
 
-def _differing(bench: Bench, agreement: Agreement) -> list[int]:
+def _differing_channel(bench: Bench, agreement: Agreement) -> list[int]:
     """The channel that differs, if the modes and all other channels agree."""
     if len(agreement.differing) != 1 or agreement.modes_differ:
         return []
@@ -107,15 +107,15 @@ def _differing(bench: Bench, agreement: Agreement) -> list[int]:
 
 def _on_beam(bench: Bench, begin: Fit, best: Fit, unseen: Reduced) -> tuple[Description, ...]:
     """Elements in the structure or on all channels."""
-    trials = [*of_spare_poles(bench, begin), *forces_along_beam(bench), *operators_on_all_channels(bench)]
+    trials = [*trials_at_spare_poles(bench, begin), *forces_along_beam(bench), *operators_on_all_channels(bench)]
     looks = short_fits(bench, begin, trials)
-    if not looks or looks[0].cost >= _at_a_look(bench, begin, best):
+    if not looks or looks[0].cost >= _cost_of_short_fit(bench, begin, best):
         return ()
-    found = sorted((of_fit(fit, unseen) for fit in converged_fits(bench, begin, looks)), key=cost_per_number)
+    found = sorted((description_of(fit, unseen) for fit in converged_fits(bench, begin, looks)), key=cost_per_number)
     return tuple(found) if _explains(found[0], best) else ()
 
 
-def _at_a_look(bench: Bench, begin: Fit, best: Fit) -> float:
+def _cost_of_short_fit(bench: Bench, begin: Fit, best: Fit) -> float:
     """What the best effect leaves where as much is forgiven as at a look at an element."""
     held = (float(best.u[0]), float(best.u[1]), float(best.u[2]))
     return evaluated(
@@ -128,7 +128,7 @@ def leaves_noise_only(bench: Bench, fit: Fit) -> bool:
     return fit.gap <= SOLVED * bench.flat and within_tolerances(fit)
 
 
-def nameless_evidence(one: Description) -> float:
+def unnamed_evidence(one: Description) -> float:
     """-2 log evidence of a description."""
     return float(evidence([one.fit])[0]) + _price_beside_fitted(one)
 
@@ -142,4 +142,4 @@ def _explains(one: Description, best: Fit) -> bool:
     """Whether a description explains the gap and is more probable than the best explanation that has a name."""
     named, nameless = evidence([best, one.fit])
     more_probable = bool(nameless + _price_beside_fitted(one) < named)
-    return more_probable and nameless_evidence(one) < evidence_without_name(one.fit)
+    return more_probable and unnamed_evidence(one) < evidence_without_name(one.fit)

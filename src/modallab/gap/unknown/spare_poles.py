@@ -28,18 +28,18 @@ MEMBERS = 2
 """Modes of a family, the lowest first, that a pole may be."""
 
 
-def of_spare_poles(bench: Bench, base: Fit) -> Iterator[Trial]:
+def trials_at_spare_poles(bench: Bench, base: Fit) -> Iterator[Trial]:
     """Elements with modes of their own, begun at the poles of the ring-down."""
     if len(bench.poles):
-        yield from _hung(bench)
-        yield from _beside(bench, base)
+        yield from _absorbers(bench)
+        yield from _side_modes(bench, base)
 
 
-def _hung(bench: Bench) -> Iterator[Trial]:
+def _absorbers(bench: Bench) -> Iterator[Trial]:
     candidate = element(bench, "point_law", ("hung_m", "hung_hz", "x"))
     found = []
     for x in PLACES:
-        held = candidate.held_at(x)
+        held = candidate.with_fixed_place(x)
         begin = starts((held,), bench.free, bench.poles, 1)[0]
         law = held.at(begin.u[bench.free.size :]).parameters
         found.append((begin.cost, (law["hung_m"], law["hung_hz"], x)))
@@ -55,7 +55,7 @@ class _Family:
     begin: tuple[float, ...]
 
 
-def _beside(bench: Bench, base: Fit) -> Iterator[Trial]:
+def _side_modes(bench: Bench, base: Fit) -> Iterator[Trial]:
     floor = misfit(base.problem, base.u)
     found: list[_Family] = []
     for name, family in FAMILIES.items():
@@ -65,13 +65,13 @@ def _beside(bench: Bench, base: Fit) -> Iterator[Trial]:
             zeta = max(-float(pole.real) / abs(pole), 1e-3)
             for multiple in frequency_multiples(family)[:MEMBERS]:
                 hz = float(abs(pole)) / (2 * np.pi) / float(multiple)
-                one = _begun(bench, candidate, (hz, *shape.values()), zeta, floor)
+                one = _first_trial(bench, candidate, (hz, *shape.values()), zeta, floor)
                 found += [] if one is None else [one]
     best = sorted(found, key=lambda f: -f.takes)[:BESIDE]
     yield from (Trial(f.candidate, (f.begin,)) for f in best)
 
 
-def _begun(
+def _first_trial(
     bench: Bench, candidate: CandidateEffect, first: tuple[float, ...], zeta: float, floor: float
 ) -> _Family | None:
     """A family at one frequency, its mass as the residual wants it; None where it wants none.

@@ -57,10 +57,10 @@ def without_operator(blocks: Sequence[Block], channel: Channel, made: Mapping[st
         made: record -> (n,) V that the operator makes of what the twin predicts; the residual then is what is read
             less this.
     """
-    return tuple(_freed(b, channel.row, channel.expected[b.name] - made[b.name]) for b in blocks)
+    return tuple(_with_correction(b, channel.row, channel.expected[b.name] - made[b.name]) for b in blocks)
 
 
-def _freed(block: Block, row: int, more: Real) -> Block:
+def _with_correction(block: Block, row: int, more: Real) -> Block:
     volts = (block.samples * block.scale[:, None]).astype(np.float64)
     volts[row] += more
     return replace(block, samples=volts, scale=np.ones(len(volts)))
