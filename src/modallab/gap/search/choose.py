@@ -16,7 +16,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import unexplained
 from modallab.gap.search.clock import clock_error_visible
-from modallab.gap.search.consequence import Dismissed, without_inconsequential
+from modallab.gap.search.consequence import Dismissed, no_tolerance_acts_like, without_inconsequential
 from modallab.gap.search.fitting import (
     Bench,
     each_within_tolerance,
@@ -91,18 +91,20 @@ def has_stepped_law(fit: Fit) -> bool:
     return any(not kind_of(c.effect).linear for c in fit.problem.candidates)
 
 
-def _without_inconsequential(choice: Choice, held: Reduced, shown: bool) -> Choice:
-    """The same without what is within tolerance or of no consequence; `shown` says whether lines show a wrong clock."""
+def _without_inconsequential(choice: Choice, held: Reduced, clock_visible: bool) -> Choice:
+    """The same without what is within tolerance or of no consequence."""
     left = unexplained(held, forward(twin_of(choice.base, held), held))
     unnamed = not choice.explained and each_within_tolerance(choice.base)
-    clocked = shown and choice.explained and _has_clock(choice.fit)
-    if left < held.rig.tolerance.response and (within_tolerances(choice.base) or unnamed) and not clocked:
+    tolerable = within_tolerances(choice.base) and not (
+        choice.explained and any(no_tolerance_acts_like(c.effect, clock_visible) for c in choice.fit.problem.candidates)
+    )
+    if left < held.rig.tolerance.response and (tolerable or unnamed):
         # Nothing has a name, no number alone is beyond its tolerance, and nothing that matters is left to name.
         tolerated = None if choice.explained else left
         return Choice(choice.base, choice.base, choice.rivals, True, True, tolerated=tolerated)
     if not choice.explained:
         return choice
-    fit, dismissed = without_inconsequential(choice.fit, held, shown)
+    fit, dismissed = without_inconsequential(choice.fit, held, clock_visible)
     if not fit.problem.candidates:
         # An effect of next to nothing may have shown the way to a twin without effects that fits better.
         base = min(choice.base, fit, key=lambda f: f.cost)

@@ -7,7 +7,7 @@ be off is no gap, and neither is what moves no response by more than the user ca
 from dataclasses import dataclass
 
 from modallab.core.digits import percent_text
-from modallab.core.effects import Effect
+from modallab.core.effects import Effect, kind_of
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, evaluated
 from modallab.gap.model.forward import forward
@@ -43,24 +43,33 @@ class Dismissed:
         return f"Of no consequence: {spoken} moves the response on records held out by {percent_text(self.moves)}."
 
 
-def without_inconsequential(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, list[Dismissed]]:
+def no_tolerance_acts_like(effect: str, clock_visible: bool) -> bool:
+    """Whether no number within its tolerance does the work of an effect, though one may on the records there are.
+
+    A clock that the generator's lines show is wrong however well a beam does its work. A law that depends on the size
+    of the motion acts otherwise at another level, where a beam that does its work at this one is wrong.
+    """
+    return not kind_of(effect).linear or (clock_visible and search_of(effect).tolerance.is_clock)
+
+
+def without_inconsequential(fit: Fit, held: Reduced, clock_visible: bool = False) -> tuple[Fit, list[Dismissed]]:
     """The fit with those of its effects that are worth a name, and the others.
 
     Args:
         fit: the explanation.
         held: records that no fit has seen.
-        shown: whether the generator's lines show a wrong clock: a beam that does its work would be wrong instead.
+        clock_visible: whether the generator's lines show a wrong clock.
     """
     least = held.rig.tolerance.response
     dismissed: list[Dismissed] = []
     at = 0
     while at < len(fit.problem.candidates):
-        bare = refitted_without(fit, at)
-        clock = shown and search_of(fit.problem.candidates[at].effect).tolerance.is_clock
-        judged = _dismissal(fit, evaluated(*without_effect(fit.problem, fit.u, at)) if clock else bare, at, held)
-        if judged.deviations <= ABOVE or judged.moves < least:
-            dismissed.append(judged)
-            fit, at = bare, 0
+        alone = no_tolerance_acts_like(fit.problem.candidates[at].effect, clock_visible)
+        bare = evaluated(*without_effect(fit.problem, fit.u, at)) if alone else refitted_without(fit, at)
+        found = _dismissal(fit, bare, at, held)
+        if found.deviations <= ABOVE or found.moves < least:
+            dismissed.append(found)
+            fit, at = refitted_without(fit, at) if alone else bare, 0
         else:
             at += 1
     return fit, dismissed

@@ -16,7 +16,7 @@ from modallab.gap.model.minimise import minimise
 from modallab.gap.search.along_beam import best_along_beam
 from modallab.gap.search.few_blocks import compared_sines
 from modallab.gap.search.fitting import Bench
-from modallab.gap.search.rough_fit import explains_sines, robust_fit_on_all
+from modallab.gap.search.rough_fit import beam_of_hits, explains_sines, robust_fit_on_all
 from modallab.gap.search.rough_starts import FREQUENCIES, robust_cost
 from modallab.gap.search.stepped_starts import first_fit
 from modallab.twin.candidate import CandidateEffect
@@ -82,11 +82,12 @@ def _best_forms(scored: list[tuple[float, Fit]]) -> list[tuple[float, Fit]]:
 def fit_on_all_records(bench: Bench, fit: Fit) -> Fit:
     """A fit to few records brought to its end on all data.
 
-    A hit runs through every state of a law at once: it is followed only where the law has one, a smooth power.
+    A hit runs through every state of a law at once: it moves the law's own numbers only where that has one state, a
+    smooth power. Else it moves the beam's alone.
     """
     found = robust_fit_on_all(bench, fit)
     if not search_of(fit.problem.candidates[-1].effect).law.smooth:
-        return found
+        return min(found, beam_of_hits(bench, found), key=cost_of)
     exact = Problem(bench.data, bench.free, fit.problem.candidates)
     found = best_along_beam(minimise(exact, found.u, 3, 1e-2))
     return minimise(exact, found.u, 6, 1e-3)

@@ -21,7 +21,6 @@ from modallab.gap.search.beside_stepped import linear_beside_stepped
 from modallab.gap.search.choose import Choice, choose, effect_names, has_stepped_law
 from modallab.gap.search.clock import fit_with_clock
 from modallab.gap.search.fitting import Bench, excess
-from modallab.gap.search.law_by_overtones import named_by_overtones
 from modallab.gap.search.nonlinear import stepped_round
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.twin.effect_model import Overtones
@@ -48,8 +47,7 @@ class _Request:
 
     def judged(self, levels: list[Level]) -> Choice:
         """What these rounds say, explained only if the law makes the overtones that were measured."""
-        choice = _with_overtones_checked(choose(self.bench, levels, self.matters), self.prepared, self.unseen)
-        return named_by_overtones(self.bench, choice, levels, self.prepared, self.unseen)
+        return _with_overtones_checked(choose(self.bench, levels, self.matters), self.prepared, self.unseen)
 
 
 def search_stepped(

@@ -53,7 +53,7 @@ def sample_operators(
         held: records that no fit may see.
         row: the channel.
     """
-    prepared = _with_calm_noise(prepared, row)
+    prepared = _with_least_noise(prepared, row)
     unseen = set(held)
     fitted = [b for b in prepared.blocks if b.name not in unseen]
     channel = channel_of(prepared, alone.problem.twin(alone.u), row)
@@ -72,7 +72,7 @@ def sample_operators(
     yield _with_channel(bench, prepared, alone, channel, curve.made(channel), learned, unseen)
 
 
-def _with_calm_noise(prepared: PreparedCampaign, row: int) -> PreparedCampaign:
+def _with_least_noise(prepared: PreparedCampaign, row: int) -> PreparedCampaign:
     """The campaign with one channel's sines in it even where they are flat, and with the noise it has at its calmest.
 
     What an operator makes of the samples would count as noise, or be left out with what it has cut.
