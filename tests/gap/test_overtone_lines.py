@@ -11,11 +11,14 @@ from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, Problem, evaluated
+from modallab.gap.model.forward import forward
+from modallab.gap.model.minimise import minimise
+from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.model.share import unexplained
 from modallab.gap.report.initial_gap import bench_of, free_of
-from modallab.gap.search.choose import Choice
+from modallab.gap.search.choose import choose, effect_names
 from modallab.gap.search.few_blocks import compared_sines
-from modallab.gap.search.fitting import Bench
-from modallab.gap.search.law_by_overtones import named_by_overtones
+from modallab.gap.search.fitting import Bench, within_tolerances
 from modallab.gap.search.overtone_lines import LINES, with_overtones
 from modallab.gap.search.rough_fit import robust_fit
 from modallab.gap.search.rough_starts import is_overtone, relative_residual
@@ -74,21 +77,17 @@ def law(cracked: tuple[Bench, PreparedCampaign]) -> Fit:
     return evaluated(fit.problem, np.concatenate([robust_fit(sines, fit.u, 2)[:-OWN], fit.u[-OWN:]]))
 
 
-@pytest.mark.parametrize(
-    ("share", "named"),
-    [pytest.param(1.0, True, marks=pytest.mark.thorough("fits a law to a whole campaign")), (0.3, False)],
-)
-def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
-    cracked: tuple[Bench, PreparedCampaign], law: Fit, share: float, named: bool
+@pytest.mark.thorough("fits a law to a whole campaign")
+def test_a_law_is_named_though_a_beam_within_its_tolerances_follows_the_sines_themselves(
+    cracked: tuple[Bench, PreparedCampaign], law: Fit
 ) -> None:
-    on, prepared = cracked
-    base = fitted(on, 0.0)
-    nothing = Choice(base, base, (), explained=False, flat=False)
-    small = fitted(on, share * LOSS)
-    fit = evaluated(law.problem, np.concatenate([law.u[:-OWN], small.u[-OWN:]]))
-    said = named_by_overtones(on, nothing, [Level(base, (fit,))], prepared, on.data)
-    assert said.explained is named
-    assert [c.effect for c in said.fit.problem.candidates] == (["breathing_crack"] if named else [])
+    on, _ = cracked
+    base = minimise(fitted(on, 0.0).problem, fitted(on, 0.0).u, 6, 1e-3)
+    assert within_tolerances(base)
+    assert unexplained(on.data, forward(twin_of(base, on.data), on.data)) < on.data.rig.tolerance.response
+    said = choose(on, [Level(base, (law,))], on.data)
+    assert said.explained
+    assert effect_names(said.fit) == ("breathing_crack",)
 
 
 def test_how_far_a_crack_weakens_the_beam_is_a_number_of_its_own(cracked: tuple[Bench, PreparedCampaign]) -> None:
