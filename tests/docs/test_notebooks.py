@@ -9,7 +9,7 @@ import pytest
 from notebooks import FOLDER, notebook_differences
 from pages import ROOT
 
-IN_USE = pytest.param("model-in-use", marks=pytest.mark.thorough("identifies 15 modes of real hits, 8 s"))
+IN_USE = pytest.param("model-in-use", marks=pytest.mark.thorough("identifies 18 modes of real hits, 8 s"))
 SERVED = pytest.param("rest-client", marks=pytest.mark.thorough("starts a service"))
 
 

@@ -86,7 +86,7 @@ def test_a_clock_that_the_generators_lines_show_is_no_matter_of_the_beam(rig, ma
     assert clock_error_visible(bench) is named
     assert (found is not None) is named
     if found is not None:
-        kept, dismissed = without_inconsequential(found, bench.data, shown=True)
+        kept, dismissed = without_inconsequential(found, bench.data, clock_visible=True)
         assert [e.effect for e in kept.effects] == ["clock_error"]
         assert dismissed == []
         np.testing.assert_allclose(kept.effects[0].parameters["relative"], relative, rtol=0.2)

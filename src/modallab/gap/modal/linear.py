@@ -74,9 +74,11 @@ class WeightedSquares:
         Faul, Proc. 9th Int. Workshop on Artificial Intelligence and Statistics, 2003).
         """
         _, found, variance = self._at(wide)
-        before, *after = (replace(self.of.free, wide=w).deviations for w in (wide, *scales))
+        before, *each = (replace(self.of.free, wide=w).deviations for w in (wide, *scales))
         n = self.of.free.structure_size
-        less = (before[:n] / np.array(after)[:, :n]).T ** 2 - 1
+        after = np.array(each)[:, :n]
+        # A number that is known has no deviation, at no scale.
+        less = np.divide(before[:n], after, out=np.ones_like(after), where=after > 0).T ** 2 - 1
         kept = 1 + less * variance[:n, None]
         return np.asarray(less * found[:n, None] ** 2 / kept + np.log(kept) - np.log1p(less))
 
