@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.core.arrays import Complex, Real
 from modallab.gap.modal.candidate import Candidate
@@ -79,7 +80,8 @@ def _pairs(c: Compared) -> list[tuple[Freedom, Freedom]]:
 def _between(c: Compared, effect: str, pair: tuple[Freedom, Freedom]) -> Candidate:
     outputs, inputs = _numbers(c, pair)
     at, (logs, within) = [c.shapes.index(f) for f in pair], _sizes(c, effect, pair)
-    seen, driven, local = c.shapes.seen[:, at].T, c.shapes.driven[:, at].T, c.local_compliance
+    seen, driven = _with_damping(c, effect, c.shapes.seen[:, at].T, c.shapes.driven[:, at].T)
+    local = c.local_compliance
 
     def make(v: Real, _: Compared) -> Change:
         size = _numbers_of(effect, float(np.exp(np.clip(v[0], *within))))
@@ -98,13 +100,14 @@ def _between(c: Compared, effect: str, pair: tuple[Freedom, Freedom]) -> Candida
 def _at_point(c: Compared, effect: str, group: tuple[Freedom, ...]) -> Candidate:
     """At a driven point where a sensor stands: all that is needed was measured there."""
     (out,), (into,) = _numbers(c, group)
-    psi = [of[:, [c.shapes.index(group[0])]].T for of in (c.shapes.seen, c.shapes.driven)]
+    at = [c.shapes.index(f) for f in group]
+    seen, driven = _with_damping(c, effect, c.shapes.seen[:, at].T, c.shapes.driven[:, at].T)
     logs, within = _sizes(c, effect, group)
 
     def make(v: Real, there: Compared) -> Change:
         size = _numbers_of(effect, float(np.exp(np.clip(v[0], *within))))
         turn = c.shapes.turn * complex(np.exp(1j * v[1]))
-        hung = AttachedElement(psi[0], psi[1], *size, outputs=(out,), inputs=(into,), turn=turn)
+        hung = AttachedElement(seen, driven, *size, outputs=(out,), inputs=(into,), turn=turn)
         return Change(there.by_lines(hung))
 
     # The common phase may be the chain's, or that of the structure with a hit beside its point.
@@ -137,6 +140,17 @@ def _numbers_of(effect: str, size: float) -> tuple[float, float, float]:
     return of.get(effect, (0.0, -size, 0.0))
 
 
+def _with_damping(c: Compared, effect: str, seen: Complex, driven: Complex) -> tuple[Complex, Complex]:
+    """Shapes (directions, modes) where a change is, and those of the damping that goes with it.
+
+    Stiffness that is lost takes its damping along: where all of it is lost alike, modes keep their damping ratios.
+    """
+    if effect != "stiffness_loss":
+        return seen, driven
+    share = np.sqrt(c.model.damping_ratio / (np.pi * c.model.frequency_hz)) * _elastic(c)
+    return np.concatenate([seen, seen * share]), np.concatenate([driven, driven * share])
+
+
 def _sizes(c: Compared, effect: str, group: Sequence[Freedom]) -> tuple[Real, Real]:
     """Logarithms of sizes to begin with, and (2,) between which they stay."""
     logs = np.log(HANGS[effect] / _seen(c, effect, group))
@@ -157,9 +171,12 @@ def _felt(c: Compared, effect: str, psi: Complex) -> float:
         "stiffness_loss": omega**2,
         "local_damper": 2 * c.model.damping_ratio * omega,
     }
-    # A body that moves as a whole has no stiffness and no damping of its own.
-    of_band = c.model.frequency_hz >= c.model.band_hz[0]
-    return float(np.max((np.sum(np.abs(psi) ** 2, axis=1) / own[effect])[of_band]))
+    return float(np.max((np.sum(np.abs(psi) ** 2, axis=1) / own[effect])[_elastic(c)]))
+
+
+def _elastic(c: Compared) -> NDArray[np.bool_]:
+    """(modes,) which are none of a body that moves as a whole: that has no stiffness and no damping of its own."""
+    return np.asarray(c.model.frequency_hz >= c.model.band_hz[0])
 
 
 def two_points(group: Sequence[Freedom]) -> bool:
@@ -205,8 +222,7 @@ def _hanging(
         size = _numbers_of(effect, float(np.exp(np.clip(v[0], *within))))
         return Change(
             AttachedElement(
-                seen + away,
-                driven + away,
+                *_with_damping(c, effect, seen + away, driven + away),
                 *size,
                 outputs=outputs,
                 inputs=inputs,

@@ -27,7 +27,8 @@ class AttachedElement:
     """What hangs on the structure at a place.
 
     Attributes:
-        seen: (directions, modes) shapes there as sensors show them.
+        seen: (directions, modes) shapes there as sensors show them; those after the outputs are of its damping, which
+            is s times its stiffness.
         driven: (directions, modes) as forces there excite them.
         mass_kg: of it.
         stiffness: to ground, N/m.
@@ -59,10 +60,15 @@ class AttachedElement:
         """(lines,) of what hangs there, N/m."""
         return np.asarray(self.mass_kg * s**2 + self.damping * s + self.stiffness)
 
-    @property
-    def pattern(self) -> Real:
-        """(directions, directions) by which motions give forces, at unit dynamic stiffness."""
-        return np.array([[1.0, -1.0], [-1.0, 1.0]]) if self.opposed else np.eye(len(self.seen))
+    def forces(self, s: Complex) -> Complex:
+        """(lines, directions, directions) by which motions give forces, N/m."""
+        d = len(self.outputs)
+        pattern = np.array([[1.0, -1.0], [-1.0, 1.0]]) if self.opposed else np.eye(d)
+        found = np.zeros((s.size, len(self.seen), len(self.seen)), np.complex128)
+        found[:, :d, :d] = self.dynamic_stiffness(s)[:, None, None] * pattern
+        if len(self.seen) > d:
+            found[:, d:, d:] = (self.stiffness * s)[:, None, None] * pattern
+        return found
 
     def beside_modes(self, outside: Complex) -> tuple[Complex, Complex, Complex]:
         """What lies outside the band: to the outputs, from the inputs, and at the place itself.
@@ -179,7 +185,7 @@ class State:
             return x, y, whole
         hung = self.hung
         to, of, here = hung.beside_modes(outside)
-        z = hung.dynamic_stiffness(s)[:, None, None] * hung.pattern
+        z = hung.forces(s)
         seen = hung.seen @ flexibility
         to, of = x @ hung.driven.T + to, seen @ self.into.T + of
         through = np.linalg.solve(np.eye(len(hung.seen)) + z @ (seen @ hung.driven.T + here), z)
