@@ -18,12 +18,11 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.simulations.simulated_records import simulated_records
-from modallab_simulators.cantilever.address import Settings
+from modallab_simulators.cantilever.address import Circumstances, Settings
 from modallab_simulators.cantilever.altered import ChainChanges
 from modallab_simulators.cantilever.chain import Chain
-from modallab_simulators.cantilever.circumstances import Circumstances
 from modallab_simulators.cantilever.loads import BLOCK, Drive
-from modallab_simulators.cantilever.site import Site
+from modallab_simulators.cantilever.stream import Site
 from modallab_simulators.cantilever.trial import RATES_HZ
 from modallab_simulators.cantilever.truth import Truth, draw_truth
 

@@ -33,9 +33,8 @@ from modallab.gap.design.experiments import DECIDES, continue_campaign, next_exp
 from modallab.gap.design.explanations import remaining_explanations, without_redundant
 from modallab.gap.diagnosis import diagnose
 from modallab.storage import Store, campaign_of
-from modallab_simulators.cantilever.address import parse
+from modallab_simulators.cantilever.address import Circumstances, parse
 from modallab_simulators.cantilever.bench import CantileverBench
-from modallab_simulators.cantilever.circumstances import Circumstances
 
 STANDING = 0.05
 """Probability from which an explanation is left standing."""

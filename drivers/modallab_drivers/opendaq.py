@@ -21,7 +21,7 @@ from modallab.core.errors import (
     SamplesLostError,
 )
 from modallab.core.rig import Channel, Rig
-from modallab_drivers.order import WithoutOutput, require_count
+from modallab_drivers.output import WithoutOutput, require_count
 
 MOST_RATE_HZ = 200_000.0
 POLL_S = 0.002

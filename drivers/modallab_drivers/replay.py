@@ -24,7 +24,7 @@ from modallab.core.errors import (
 )
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab_drivers.order import WithoutOutput, require_count
+from modallab_drivers.output import WithoutOutput, require_count
 
 _RATE_ROUNDING = 1e-9
 

@@ -9,9 +9,8 @@ from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab_simulators.cantilever.address import Settings, parse
 from modallab_simulators.cantilever.altered import DRIFT_S, Altered
 from modallab_simulators.cantilever.loads import Drive
-from modallab_simulators.cantilever.site import Site
-from modallab_simulators.cantilever.tolerances import MOST, NOISE, as_built
-from modallab_simulators.cantilever.truth import draw_truth
+from modallab_simulators.cantilever.stream import Site
+from modallab_simulators.cantilever.truth import MOST, NOISE, as_built, draw_truth
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,17 @@ import pytest
 from modallab.bench.protocol import Bench
 from modallab.core.errors import RigError
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.antialias import DELAY
-from modallab_simulators.cantilever.hammer import Contact, Hit
-from modallab_simulators.cantilever.swing import PEAK_N, REACTION_S, REBOUND_S, WEAK_N, WIDTH_S, draw_swing
+from modallab_simulators.cantilever.hammer import (
+    PEAK_N,
+    REACTION_S,
+    REBOUND_S,
+    WEAK_N,
+    WIDTH_S,
+    Contact,
+    Hit,
+    draw_swing,
+)
+from modallab_simulators.cantilever.recursion import DELAY
 
 Running = Callable[..., Bench]
 

@@ -12,7 +12,7 @@ from modallab.bench.protocol import Bench, Burst, Request
 from modallab.core.errors import ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever import open_bench
-from modallab_simulators.cantilever.antialias import DELAY
+from modallab_simulators.cantilever.recursion import DELAY
 from modallab_simulators.cantilever.shaker import Emission
 
 Running = Callable[..., Bench]

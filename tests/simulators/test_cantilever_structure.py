@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from modallab_simulators.cantilever.antialias import DELAY, lowpass
 from modallab_simulators.cantilever.basis import ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.hammer import Contact
 from modallab_simulators.cantilever.loads import BLOCK, Drive, Output
+from modallab_simulators.cantilever.recursion import DELAY, lowpass
 from modallab_simulators.cantilever.structure import Structure
 from modallab_simulators.cantilever.truth import oversampling
 

@@ -10,13 +10,12 @@ from modallab.bench.protocol import Burst
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import ChainChanges
+from modallab_simulators.cantilever.assembled import RotaryModes
 from modallab_simulators.cantilever.attached import SUMMED, AttachedModes, Attachment
-from modallab_simulators.cantilever.basis import ModalBasis
+from modallab_simulators.cantilever.basis import FewModes, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.chain import Chain
-from modallab_simulators.cantilever.few import FewModes
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.ritz import RotaryModes
 from modallab_simulators.cantilever.shaker import Emission
 
 BEAM = CantileverBeam(0.8, 60.0, 1.6, np.inf)

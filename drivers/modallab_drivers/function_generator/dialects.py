@@ -7,7 +7,7 @@ Programming Guide (PGB09102), SDG Series Programming Guide (PG02).
 from dataclasses import dataclass, field
 from typing import Literal
 
-from modallab_drivers.function_generator.values import pairs
+from modallab_drivers.function_generator.line import pairs
 
 Name = Literal[
     "function", "frequency", "amplitude", "unit", "offset", "load", "output", "burst", "mode", "cycles", "source",

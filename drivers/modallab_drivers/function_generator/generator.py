@@ -11,8 +11,7 @@ from modallab.core.hardware import Excitation
 from modallab.core.rig import Rig
 from modallab_drivers.function_generator.dialects import LANGUAGES, Name
 from modallab_drivers.function_generator.instrument import AMPLIFIER_OFF, Instrument
-from modallab_drivers.function_generator.line import Line
-from modallab_drivers.function_generator.values import number
+from modallab_drivers.function_generator.line import Line, number
 
 STEP_S = 0.03
 """Between two steps of the amplitude while it rises or falls."""

@@ -6,8 +6,7 @@ from contextlib import suppress
 
 from modallab.core.errors import ConfigurationError, DeviceGoneError
 from modallab_drivers.function_generator.dialects import DANGEROUS, LANGUAGES, Name
-from modallab_drivers.function_generator.line import Line
-from modallab_drivers.function_generator.values import agrees, number
+from modallab_drivers.function_generator.line import Line, agrees, number
 
 AMPLIFIER_OFF = "switch the shaker's amplifier off by hand, now: nothing else can end the output"
 

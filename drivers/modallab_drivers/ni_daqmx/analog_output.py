@@ -13,11 +13,10 @@ from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import BenchError, OutputLostError
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, typed_error, typed_errors
 from modallab_drivers.ni_daqmx.guards import after_expiry
-from modallab_drivers.ni_daqmx.ramp_down import DESCRIPTION, IDLE, Played, PlayedWave, fall_to_zero
+from modallab_drivers.ni_daqmx.ramp_down import DESCRIPTION, IDLE, Played, PlayedWave, fall_to_zero, write_zero
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
 from modallab_drivers.ni_daqmx.synchronise import REFERENCE_CLOCKS
-from modallab_drivers.ni_daqmx.zero_volts import write_zero
-from modallab_drivers.order import burst_samples, wave_samples
+from modallab_drivers.output import burst_samples, wave_samples
 
 MIN_RATE_HZ = 5000.0
 SAMPLES_A_CYCLE = 25.0

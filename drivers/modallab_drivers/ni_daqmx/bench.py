@@ -12,15 +12,14 @@ from modallab.bench.abilities import ReferenceTrigger, SyncState
 from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.core.rig import Rig
-from modallab_drivers.ni_daqmx.address import parse
+from modallab_drivers.ni_daqmx.channels import teds_sensitivities, teds_serials
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError
 from modallab_drivers.ni_daqmx.inputs import Inputs
 from modallab_drivers.ni_daqmx.plugs import Plug, plugs_of
-from modallab_drivers.ni_daqmx.route import Route, patiently
+from modallab_drivers.ni_daqmx.route import Route, parse, patiently
 from modallab_drivers.ni_daqmx.shaker import Shaker
-from modallab_drivers.ni_daqmx.teds import teds_sensitivities, teds_serials
 from modallab_drivers.ni_daqmx.triggered import TriggeredRecord
-from modallab_drivers.order import require, require_count
+from modallab_drivers.output import require, require_count
 
 State = Literal["open", "configured", "running", "armed", "stopped", "lost", "gone", "closed"]
 

@@ -24,9 +24,10 @@ from numpy.typing import NDArray
 
 from modallab.bench.fall import fall_samples
 from modallab.bench.protocol import Burst
+from modallab.core.errors import ConfigurationError
 from modallab.core.lease import Lease
-from modallab_drivers.ni_daqmx.zero_volts import GROUP_BY_CHANNEL, WAIT_S
-from modallab_drivers.order import burst_samples
+from modallab_drivers.ni_daqmx.errors import typed_error
+from modallab_drivers.output import burst_samples
 
 DESCRIPTION = 0x1926
 GENERATED = 0x192B
@@ -232,3 +233,33 @@ def _play(interpreter: Any, task: Any, volts: Any, rate_hz: float) -> None:
     interpreter.set_buffer_attribute_uint32(task, OUTPUT_BUFFER, count)
     interpreter.write_analog_f64(task, count, False, WAIT_S, GROUP_BY_CHANNEL, volts)
     interpreter.start_task(task)
+
+
+GROUP_BY_CHANNEL = 0
+WAIT_S = 1.0
+CLOCKED_HZ = 10_000.0
+CLOCKED = 16
+"""Samples: some converters want several before they give the first."""
+
+
+def write_zero(interpreter: Any, task: Any, outputs: int = 1) -> None:
+    """Put 0 V on the outputs of an unused task; they then hold it.
+
+    Args:
+        interpreter: the package's way to the driver; past `Task.write`, which asks three times what it writes to.
+        task: handle of a task without a clock.
+        outputs: that it has.
+
+    Raises:
+        DaqError: the device rejected it.
+    """
+    try:
+        interpreter.write_analog_f64(task, 1, True, WAIT_S, GROUP_BY_CHANNEL, np.zeros((outputs, 1)))
+    except nidaqmx.errors.DaqError as error:
+        # Converters that oversample want a clock.
+        if not isinstance(typed_error(error, ""), ConfigurationError):
+            raise
+        edge, finite = Edge.RISING.value, AcquisitionType.FINITE.value
+        interpreter.cfg_samp_clk_timing(task, CLOCKED_HZ, "", edge, finite, CLOCKED)
+        interpreter.write_analog_f64(task, CLOCKED, True, WAIT_S, GROUP_BY_CHANNEL, np.zeros((outputs, CLOCKED)))
+        interpreter.wait_until_task_done(task, WAIT_S)

@@ -8,15 +8,13 @@ import nidaqmx.errors
 from modallab.core.errors import BenchError, DeviceBusyError
 from modallab.core.rig import Rig
 from modallab_drivers.function_generator.generator import emergency_off
-from modallab_drivers.ni_daqmx.address import parse
 from modallab_drivers.ni_daqmx.analog_output import task_name
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, typed_errors
 from modallab_drivers.ni_daqmx.guards import heartbeat_name, watchdog_name
 from modallab_drivers.ni_daqmx.plugs import outputs_of
-from modallab_drivers.ni_daqmx.ramp_down import fall_to_zero
-from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
+from modallab_drivers.ni_daqmx.ramp_down import fall_to_zero, write_zero
+from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, parse, patiently
 from modallab_drivers.ni_daqmx.synchronise import session_name
-from modallab_drivers.ni_daqmx.zero_volts import write_zero
 
 
 class SecondHandle:

@@ -11,8 +11,7 @@ from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
 from modallab_drivers.ni_daqmx.guards import Guards, Watchdog, after_expiry
 from modallab_drivers.ni_daqmx.plugs import outputs_of
 from modallab_drivers.ni_daqmx.route import DeviceInfo, Route
-from modallab_drivers.order import require_alike, require_burst, require_wave
-from modallab_drivers.output import Output
+from modallab_drivers.output import Output, require_alike, require_burst, require_wave
 
 PROBE_S = 10.0
 """Of a watchdog that is made only to see whether there is one."""

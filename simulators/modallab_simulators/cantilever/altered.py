@@ -8,10 +8,9 @@ from modallab.core.arrays import Real
 from modallab_simulators.cantilever.attached import Absorber, Attachment
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.cracked import Loss
-from modallab_simulators.cantilever.damped import Damper
 from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.feedback.elements import CrackElement, Drag, PointElement
-from modallab_simulators.cantilever.modes import Modes
+from modallab_simulators.cantilever.modes import Damper, Modes
 from modallab_simulators.cantilever.sensor import Sensor
 
 Element = PointElement | CrackElement

@@ -17,8 +17,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.errors import ConfigurationError
-from modallab_simulators.cantilever.eigenmodes import eigh
-from modallab_simulators.cantilever.modes import Modes, SolvedModes
+from modallab_simulators.cantilever.modes import Modes, SolvedModes, eigh
 
 KEPT = 80
 SUMMED = 160

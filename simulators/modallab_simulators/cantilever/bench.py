@@ -11,21 +11,16 @@ import numpy as np
 from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.address import Settings
+from modallab_simulators.cantilever.address import EVERYDAY, Circumstances, Settings
 from modallab_simulators.cantilever.channels import outputs_of
-from modallab_simulators.cantilever.circumstances import EVERYDAY, Circumstances
 from modallab_simulators.cantilever.draw import Stream, generator
-from modallab_simulators.cantilever.drive_checks import require_burst, require_wave
 from modallab_simulators.cantilever.excitation import Excitation
-from modallab_simulators.cantilever.hammer import Hit
+from modallab_simulators.cantilever.hammer import Hit, Swing, draw_swing
 from modallab_simulators.cantilever.loads import BLOCK, Moving
 from modallab_simulators.cantilever.operator_line import OperatorLine, Strike
-from modallab_simulators.cantilever.shaker import Emission
-from modallab_simulators.cantilever.site import Site
-from modallab_simulators.cantilever.stream import SampleStream
-from modallab_simulators.cantilever.swing import Swing, draw_swing
+from modallab_simulators.cantilever.shaker import Emission, WaveEmission, require_burst, require_wave
+from modallab_simulators.cantilever.stream import SampleStream, Site
 from modallab_simulators.cantilever.truth import Truth, draw_truth
-from modallab_simulators.cantilever.wave_emission import WaveEmission
 
 RATES_HZ = (100.0, 10_000.0)
 LATENCY_S = 0.002

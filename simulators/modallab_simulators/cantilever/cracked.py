@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Real
 from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.eigenmodes import eigh
-from modallab_simulators.cantilever.modes import SolvedModes
+from modallab_simulators.cantilever.modes import SolvedModes, eigh
 
 HALF_WIDTH = 0.04
 """Of a loss, over L: it falls as exp(-((x - x0) / (0.04 L))^2)."""

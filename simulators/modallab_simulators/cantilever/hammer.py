@@ -1,4 +1,4 @@
-"""The hammer's hit: one smooth contact, or two."""
+"""The hammer: its hit of one smooth contact or two, and the virtual operator who swings it."""
 
 from dataclasses import dataclass, replace
 
@@ -51,3 +51,71 @@ class Hit:
     def force(self, times_s: Real) -> Real:
         """Force in N at the given times."""
         return np.sum([contact.force(times_s) for contact in self.contacts], axis=0)
+
+
+REACTION_S = (0.5, 1.5)
+WIDTH_S = (0.0015, 0.005)
+PEAK_N = (50.0, 150.0)
+WEAK_N = (4.0, 8.0)
+REBOUND_S = (0.015, 0.060)
+REBOUND_SHARE = (0.15, 0.6)
+
+
+@dataclass(frozen=True, slots=True)
+class Swing:
+    """One hit as intended: times count from the prompt, the place from the point.
+
+    Attributes:
+        reaction_s: from the prompt to the contact.
+        width_s: of the contact.
+        peak_n: of the contact, before what the sensors bear is known.
+        place_m: where it lands, from the point.
+        weak_n: peak of a hit that is too weak; 0 for another.
+        rebound_s: from the first contact's start to the second's; 0 for a clean hit.
+        rebound_share: peak of the second contact over that of the first.
+    """
+
+    reaction_s: float
+    width_s: float
+    peak_n: float
+    place_m: float
+    weak_n: float = 0.0
+    rebound_s: float = 0.0
+    rebound_share: float = 0.0
+
+    def stretched(self, waiting: float, contact: float) -> "Swing":
+        """The same with the time to the hit, and with those of the contact, longer by these factors."""
+        return replace(
+            self,
+            reaction_s=self.reaction_s * waiting,
+            width_s=self.width_s * contact,
+            rebound_s=self.rebound_s * contact,
+        )
+
+    def hit(self, prompted_s: float, x_m: float, bearable_n: float) -> Hit:
+        """The hit at `x_m`, no harder than `bearable_n`."""
+        start = prompted_s + self.reaction_s
+        peak = self.weak_n if self.weak_n else min(self.peak_n, bearable_n)
+        contacts = [Contact(start, self.width_s, peak)]
+        if self.rebound_s:
+            contacts.append(Contact(start + self.rebound_s, self.width_s, peak * self.rebound_share))
+        return Hit(x_m, tuple(contacts))
+
+
+def draw_swing(
+    rng: np.random.Generator,
+    bad_hits: float,
+    place_m: float,
+    peaks_n: tuple[float, float] = PEAK_N,
+    reactions_s: tuple[float, float] = REACTION_S,
+) -> Swing:
+    """Draw a hit; with probability `bad_hits` a bad one, as often a double hit as too weak."""
+    reaction, width = rng.uniform(*reactions_s), rng.uniform(*WIDTH_S)
+    peak, place = rng.uniform(*peaks_n), rng.standard_normal() * place_m
+    bad, double = rng.uniform() < bad_hits, rng.uniform() < 0.5
+    weak, gap, share = rng.uniform(*WEAK_N), rng.uniform(*REBOUND_S), rng.uniform(*REBOUND_SHARE)
+    if not bad:
+        return Swing(reaction, width, peak, place)
+    if double:
+        return Swing(reaction, width, peak, place, rebound_s=gap, rebound_share=share)
+    return Swing(reaction, width, peak, place, weak_n=weak)

@@ -1,13 +1,137 @@
-"""The stream of counts: stretches computed one after another, handed out in pieces of any size."""
+"""The stream of counts: what stays the same from start to start, and stretches computed one after another."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab_simulators.cantilever.chain import Chain, Luck
-from modallab_simulators.cantilever.excitation import Excitation
+from modallab.core.arrays import Real
+from modallab.core.rig import Rig
+from modallab.core.units import Test
+from modallab_simulators.cantilever.assembled import elements_of
+from modallab_simulators.cantilever.basis import Basis
+from modallab_simulators.cantilever.chain import Chain, Hum, Luck
+from modallab_simulators.cantilever.channels import outputs_of
+from modallab_simulators.cantilever.draw import Stream, generator
+from modallab_simulators.cantilever.drifting import Drifting
+from modallab_simulators.cantilever.excitation import Excitation, Floor
+from modallab_simulators.cantilever.hammer import PEAK_N, WIDTH_S, Contact
+from modallab_simulators.cantilever.injected import Injected
 from modallab_simulators.cantilever.loads import BLOCK, Drive, Moving
+from modallab_simulators.cantilever.structure import Structure
+from modallab_simulators.cantilever.truth import Truth, oversampling
+
+DRIFT_STEP = 1 / 200
+HELD_ZETA = 0.15
+"""Damping ratio of every mode while a hand lies on the beam."""
+_HEADROOM = 0.8
+
+
+class Site:
+    """The bench as it stands for one test at one delivered rate."""
+
+    def __init__(self, truth: Truth, rig: Rig, test: Test, rate_hz: float) -> None:
+        self._truth, self._rig = truth, rig
+        self._test: Test = test
+        self.rate_hz = rate_hz * (1 + truth.effects.altered.chain.clock)
+        self.oversample = oversampling(rate_hz)
+        self._progress = 0.0
+        self._drifting = Drifting(lambda progress: self._basis(truth, progress))
+        self.structure = self._built(truth, self._progress)
+        self.chain = self._clipped(Chain.of(rig, test, truth.effects.altered.chain))
+
+    @property
+    def step_s(self) -> float:
+        """Between internal samples."""
+        return 1 / (self.rate_hz * self.oversample)
+
+    def age(self, bench_s: float, *, exactly: bool = False) -> Moving:
+        """The structure after some bench time: again at a start, and else where a drift has gone on a good deal."""
+        if not self._truth.drift:
+            return self.structure
+        progress = min(1.0, bench_s / self._truth.effects.altered.structure.drift_s)
+        if progress != self._progress and (exactly or abs(progress - self._progress) >= DRIFT_STEP):
+            self._progress, self.structure = progress, self._built(self._truth, progress)
+        return self.structure
+
+    @cached_property
+    def held(self) -> Moving:
+        """The structure with a hand on the beam."""
+        return self._built(replace(self._truth, zeta=(HELD_ZETA,)), self._progress)
+
+    def chain_of_start(self, start: int) -> Chain:
+        """The chain with the mains at the phase of this start."""
+        mains = self._truth.effects.altered.chain.hum
+        if mains is None:
+            return self.chain
+        phase = float(generator(self._truth.seed, Stream.HUM, start).uniform(0, 2 * np.pi))
+        return replace(self.chain, hum=Hum(*mains, phase))
+
+    def floor_of_start(self, start: int) -> Floor | None:
+        """The floor's motion in this start."""
+        return self._floor and self._floor.starting(generator(self._truth.seed, Stream.FLOOR, start))
+
+    @cached_property
+    def _floor(self) -> Floor | None:
+        rms = self._truth.effects.altered.excitation.floor_rms
+        return Floor(rms, self.step_s, generator(self._truth.seed, Stream.FLOOR)) if rms else None
+
+    def bearable_n(self, width_s: float, x_m: float) -> float:
+        """Peak of a hit at which the most driven channel of a sound bench is at 0.8 of its full scale."""
+        peaks = self._peaks(self._sound, self._sound_chain, width_s, x_m)
+        full_scales = self._sound_chain.volts_per_count * self._sound_chain.high
+        return _HEADROOM / float(np.max(peaks / full_scales))
+
+    def _peaks(self, structure: Moving, chain: Chain, width_s: float, x_m: float) -> Real:
+        """Of a hit of 1 N, in V, (rows,)."""
+        first, count = structure.times(0)
+        unit = Contact(0.001, width_s, 1.0).force(np.arange(first, first + count, dtype=np.float64) * self.step_s)
+        seen, _ = structure.advance(structure.at_rest, [Drive(x_m, unit)])
+        return np.max(np.abs(seen), axis=1) * np.abs(chain.volts_per_si)
+
+    @cached_property
+    def _sound(self) -> Moving:
+        if not self._truth.effects.effects:
+            return self.structure
+        return self._built(replace(self._truth, effects=Injected()), 0.0)
+
+    @cached_property
+    def _sound_chain(self) -> Chain:
+        return Chain.of(self._rig, self._test, Injected().altered.chain)
+
+    def _built(self, truth: Truth, progress: float) -> Moving:
+        changes = truth.effects.altered.structure
+        elements = elements_of(truth.beam_at(progress), changes)
+        # Nonlinear elements ask for more than a basis between others knows.
+        along = truth is self._truth and not elements and not changes.drag
+        basis = self._drifting.basis(progress) if along else self._basis(truth, progress)
+        linear = Structure(basis, outputs_of(self._rig, truth.effects.altered.chain), self.rate_hz, self.oversample)
+        if not elements and not changes.drag:
+            return linear
+        # The compiled loop: a bench without local nonlinearities does not pay for the import.
+        from modallab_simulators.cantilever.feedback.structure import FedStructure
+
+        return FedStructure(linear, elements, changes.drag, self.step_s)
+
+    def _basis(self, truth: Truth, progress: float) -> Basis:
+        return truth.basis(self.rate_hz, self._test, progress, self.oversample)
+
+    def _clipped(self, chain: Chain) -> Chain:
+        for clip in self._truth.effects.altered.chain.clips:
+            chain = chain.clipped(clip.row, clip.fraction * (clip.peak_v or self._hardest_v(chain, clip.row)))
+        return chain
+
+    def _hardest_v(self, chain: Chain, row: int) -> float:
+        """What a row would reach in the hardest good hit, at whatever point of the rig."""
+        width = sum(WIDTH_S) / 2
+        reached: list[float] = []
+        for point in self._rig.points:
+            peak = min(PEAK_N[1], self.bearable_n(width, point.x_m))
+            reached.append(peak * self._peaks(self.structure, chain, width, point.x_m)[row].item())
+        return max(reached)
+
 
 StructureAt = Callable[[int], Moving]
 """The structure as it is in a stretch."""

@@ -16,14 +16,21 @@ from math import ceil
 import numpy as np
 
 from modallab.core.arrays import Complex128, Real
-from modallab_simulators.cantilever.antialias import DELAY, lowpass
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.drifting import same_way
-from modallab_simulators.cantilever.feeds import plain_feeds, sensed_feeds, transfer
-from modallab_simulators.cantilever.hold import REACH, difference_taps
-from modallab_simulators.cantilever.lift import modal_taps, state_taps
 from modallab_simulators.cantilever.loads import BLOCK, Drive, Load, Output, Spread
-from modallab_simulators.cantilever.scan import Scan
+from modallab_simulators.cantilever.recursion import (
+    DELAY,
+    REACH,
+    Scan,
+    difference_taps,
+    lowpass,
+    modal_taps,
+    plain_feeds,
+    sensed_feeds,
+    state_taps,
+    transfer,
+)
 
 _TINY = 1e-150
 _ALONG = 101

@@ -19,9 +19,8 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.plan import BLOCK_S, PAPER_LINES
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab_simulators.cantilever.address import Settings
+from modallab_simulators.cantilever.address import Circumstances, Settings
 from modallab_simulators.cantilever.bench import CantileverBench
-from modallab_simulators.cantilever.circumstances import Circumstances
 from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.effects import part_of
 from modallab_simulators.cantilever.injected import effect_in_truth, inject

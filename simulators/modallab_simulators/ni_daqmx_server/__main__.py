@@ -14,14 +14,12 @@ import yaml
 
 from modallab.core.rig import Rig
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.breakages import arm
-from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.lines import OutputLine
 from modallab_simulators.ni_daqmx_server.max_config import Saved, read
+from modallab_simulators.ni_daqmx_server.operator_actions import arm, levels, trace
 from modallab_simulators.ni_daqmx_server.plant import CablePlant, CantileverPlant, Plant
 from modallab_simulators.ni_daqmx_server.rpc import serve
-from modallab_simulators.ni_daqmx_server.scope import levels, trace
-from modallab_simulators.ni_daqmx_server.signals import Pulses
+from modallab_simulators.ni_daqmx_server.signals import BenchClock, Pulses
 from modallab_simulators.ni_daqmx_server.systems import SYSTEMS
 from modallab_simulators.scpi_generator import SINE_DIALECTS, PtyGenerator, ScpiGenerator
 

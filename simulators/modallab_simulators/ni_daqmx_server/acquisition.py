@@ -7,7 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.clock import BenchClock
+from modallab_simulators.ni_daqmx_server.signals import BenchClock
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Task
 

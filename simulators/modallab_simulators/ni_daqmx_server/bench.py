@@ -8,16 +8,14 @@ from typing import TypeVar
 from modallab.core.rig import Rig
 from modallab_simulators import faults
 from modallab_simulators.ni_daqmx_server import status
-from modallab_simulators.ni_daqmx_server.clock import BenchClock
+from modallab_simulators.ni_daqmx_server.digital_task import LineTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
-from modallab_simulators.ni_daqmx_server.line_task import LineTask
 from modallab_simulators.ni_daqmx_server.lines import Hold, OutputLine
 from modallab_simulators.ni_daqmx_server.max_config import Saved
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask, WatchdogTask
-from modallab_simulators.ni_daqmx_server.plant import LATENCY_S, Plant
-from modallab_simulators.ni_daqmx_server.shared_plant import SharedPlant
-from modallab_simulators.ni_daqmx_server.signals import TIMEBASES, Pulses
+from modallab_simulators.ni_daqmx_server.plant import LATENCY_S, Plant, SharedPlant
+from modallab_simulators.ni_daqmx_server.signals import TIMEBASES, BenchClock, Pulses
 from modallab_simulators.ni_daqmx_server.sources import channel_sources
 from modallab_simulators.ni_daqmx_server.starting import pulses_of, start
 from modallab_simulators.ni_daqmx_server.status import StatusError

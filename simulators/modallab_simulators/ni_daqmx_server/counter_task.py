@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
-from modallab_simulators.ni_daqmx_server.clock import BenchClock
-from modallab_simulators.ni_daqmx_server.signals import Pulses
+from modallab_simulators.ni_daqmx_server.signals import BenchClock, Pulses
 from modallab_simulators.ni_daqmx_server.tasks import Channel, Task, terminal
 
 TICKS_HZ = 100e6

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.lines import Floats, Hold, OutputLine, Samples
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S
+from modallab_simulators.ni_daqmx_server.signals import BenchClock
 from modallab_simulators.ni_daqmx_server.status import INVALID_VALUE, NOT_SUPPORTED_HERE, OUTPUT_UNDERFLOW, StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Channel, Task
 

@@ -10,7 +10,7 @@ from modallab_simulators import faults
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.calls.channel_names import split
+from modallab_simulators.ni_daqmx_server.calls.kinds import split
 from modallab_simulators.ni_daqmx_server.packing import FORMS, Form
 from modallab_simulators.ni_daqmx_server.status import StatusError
 

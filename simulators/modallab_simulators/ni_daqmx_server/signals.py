@@ -1,7 +1,30 @@
-"""Pulses on terminals: timebases, what an operator has connected, and what tasks give out."""
+"""The time of the simulated bench, and pulses on its terminals."""
 
+import time
 from dataclasses import dataclass
 from math import ceil, floor, inf
+
+
+class BenchClock:
+    """Seconds since the bench was switched on.
+
+    With `pace` it runs as the clock on the wall does. Without, it stands still until samples are read, and then goes
+    on by just as much: a test then takes no time, and repeats itself exactly.
+    """
+
+    def __init__(self, pace: bool) -> None:
+        self.pace = pace
+        self._began_s = time.monotonic()
+        self._virtual_s = 0.0
+
+    def now(self) -> float:
+        """Bench time in s."""
+        return time.monotonic() - self._began_s if self.pace else self._virtual_s
+
+    def read_up_to(self, time_s: float) -> None:
+        """Samples up to a time were read: without pace it has then come."""
+        self._virtual_s = max(self._virtual_s, time_s)
+
 
 TIMEBASES = {"100MHzTimebase": 100e6, "80MHzTimebase": 80e6, "20MHzTimebase": 20e6, "10MHzRefClock": 10e6,
              "100kHzTimebase": 100e3, "PXI_Clk10": 10e6, "PXIe_Clk100": 100e6}  # fmt: skip

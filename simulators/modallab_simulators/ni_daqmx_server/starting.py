@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING
 
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
-from modallab_simulators.ni_daqmx_server.digital_task import DigitalInputTask
+from modallab_simulators.ni_daqmx_server.digital_task import DigitalInputTask, LineTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
-from modallab_simulators.ni_daqmx_server.line_task import LineTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S
 from modallab_simulators.ni_daqmx_server.signals import Pulses

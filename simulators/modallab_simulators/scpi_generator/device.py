@@ -10,8 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from modallab_simulators.ni_daqmx_server.lines import Hold, OutputLine
-from modallab_simulators.scpi_generator.dialects import WORDS, SineDialect
-from modallab_simulators.scpi_generator.settings import Settings, SineBurst
+from modallab_simulators.scpi_generator.settings import WORDS, Settings, SineBurst, SineDialect
 
 LATENCY_S = 0.002
 

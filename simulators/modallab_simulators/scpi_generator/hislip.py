@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from modallab_simulators.scpi_generator.device import ScpiGenerator
-from modallab_simulators.scpi_generator.link import Port
+from modallab_simulators.scpi_generator.ports import Port
 
 HEADER = struct.Struct("!2sBBIQ")
 INITIALIZE, INITIALIZED, FATAL = 0, 1, 2

@@ -5,8 +5,8 @@ from dataclasses import replace
 from modallab.core.effects import Effect, x_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
-from modallab_simulators.cantilever.damped import Damper
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
+from modallab_simulators.cantilever.modes import Damper
 
 
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:

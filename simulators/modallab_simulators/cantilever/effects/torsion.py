@@ -8,7 +8,7 @@ from modallab_simulators.cantilever.altered import Altered, SideFamily
 from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.torsion import TorsionBar
+from modallab_simulators.cantilever.side_modes import TorsionBar
 
 
 def _modes(true: TrueBeam, width_m: float) -> Modes:

@@ -8,13 +8,31 @@ Complex numbers stand as rows of real and imaginary parts, and arrays are indexe
 compiled loop is more than half as fast again for it.
 """
 
+from collections.abc import Callable
+from importlib.util import find_spec
 from math import copysign
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab_simulators.cantilever.feedback.compiled import compiled
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+AVAILABLE = find_spec("numba") is not None
+"""Whether loops are compiled."""
+
+
+def compiled(function: _Function) -> _Function:
+    """The function as machine code, kept on disk for the next process."""
+    if not AVAILABLE:
+        return function
+    # Some install no numba.
+    import numba
+
+    return numba.njit(cache=True)(function)  # pyrefly: ignore[bad-return]  # it is called as the function is
+
 
 Integers = NDArray[np.int64]
 

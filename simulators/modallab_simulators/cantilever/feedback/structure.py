@@ -18,8 +18,8 @@ from modallab_simulators.cantilever.feedback.elements import (
     static,
 )
 from modallab_simulators.cantilever.feedback.march import CRACK, CUBIC, FRICTION, PLAY, march
-from modallab_simulators.cantilever.hold import REACH, step_taps
 from modallab_simulators.cantilever.loads import BLOCK, Drive, Spread
+from modallab_simulators.cantilever.recursion import REACH, step_taps
 from modallab_simulators.cantilever.structure import Structure
 
 SUBSTEPS = 2

@@ -7,8 +7,8 @@ from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
 from modallab_simulators.cantilever.attached import Absorber, Attachment
-from modallab_simulators.cantilever.damped import Damper
 from modallab_simulators.cantilever.effect_part import EffectPart
+from modallab_simulators.cantilever.modes import Damper
 
 
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:

@@ -11,9 +11,8 @@ from modallab_simulators.cantilever.altered import Altered, SideFamily
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.effect_part import EffectPart
-from modallab_simulators.cantilever.lone_mode import LoneMode
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.torsion import TorsionBar
+from modallab_simulators.cantilever.side_modes import LoneMode, TorsionBar
 
 LOWEST = 3.5160152685
 """(beta L)^2 of a cantilever's first mode."""

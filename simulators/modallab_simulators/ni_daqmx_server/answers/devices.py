@@ -6,10 +6,9 @@ from typing import Any
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.kinds import MEASURES
-from modallab_simulators.ni_daqmx_server.catalogue import C_SERIES, X_SERIES
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.status import StatusError
-from modallab_simulators.ni_daqmx_server.systems import Chassis
+from modallab_simulators.ni_daqmx_server.systems import C_SERIES, X_SERIES, Chassis
 from modallab_simulators.ni_daqmx_server.teds import serial_of
 
 MODES = [10178, 10123]

@@ -9,9 +9,8 @@ from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.sessions import devices_of
 from modallab_simulators.ni_daqmx_server.calls.timing import rate_of
 from modallab_simulators.ni_daqmx_server.counter_task import CounterInputTask, CounterOutputTask
-from modallab_simulators.ni_daqmx_server.digital_task import DigitalInputTask
+from modallab_simulators.ni_daqmx_server.digital_task import DigitalInputTask, LineTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
-from modallab_simulators.ni_daqmx_server.line_task import LineTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.starting import kind_of
 from modallab_simulators.ni_daqmx_server.status import StatusError

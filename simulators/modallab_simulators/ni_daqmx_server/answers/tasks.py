@@ -5,10 +5,10 @@ from typing import Any
 
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
-from modallab_simulators.ni_daqmx_server.answers.defaults import default
 from modallab_simulators.ni_daqmx_server.answers.known import COMPUTED
+from modallab_simulators.ni_daqmx_server.answers.stored import default
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.calls.channel_names import split
+from modallab_simulators.ni_daqmx_server.calls.kinds import split
 from modallab_simulators.ni_daqmx_server.calls.timing import IMPLICIT, ON_DEMAND, require_routes, set_rate
 from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask

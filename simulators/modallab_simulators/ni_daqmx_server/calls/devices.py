@@ -8,7 +8,7 @@ import numpy as np
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.answers.stored import write_scale
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.calls.channel_names import split
+from modallab_simulators.ni_daqmx_server.calls.kinds import split
 from modallab_simulators.ni_daqmx_server.calls.sessions import session
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.output_task import WatchdogTask

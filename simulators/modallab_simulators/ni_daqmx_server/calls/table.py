@@ -8,17 +8,15 @@ from modallab_simulators.ni_daqmx_server import events, teds
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls import (
     analog_inputs,
-    counters,
+    channels,
     devices,
-    digital,
-    outputs,
     sessions,
     timing,
     triggers,
     writes,
 )  # fmt: skip
 from modallab_simulators.ni_daqmx_server.calls.kinds import MEASURES
-from modallab_simulators.ni_daqmx_server.calls.moments import MOMENTS
+from modallab_simulators.ni_daqmx_server.calls.triggers import MOMENTS
 
 Handler = Callable[[SimulatedSystem, Any], dict[str, Any]]
 
@@ -51,8 +49,8 @@ HANDLERS: dict[str, Handler] = {
     "GetNthTaskChannel": sessions.nth_channel,
     "GetNthTaskReadChannel": sessions.nth_channel,
     "GetNthTaskDevice": sessions.nth_device,
-    "CreateDIChan": digital.add_inputs,
-    "CreateDOChan": digital.add_outputs,
+    "CreateDIChan": channels.add_inputs,
+    "CreateDOChan": channels.add_outputs,
     "CfgSampClkTiming": timing.set_clock,
     "CfgImplicitTiming": timing.set_implicit,
     "CfgHandshakingTiming": timing.set_handshaking,
@@ -104,13 +102,13 @@ HANDLERS.update({f"CreateAI{kind}Chan": partial(analog_inputs.add_inputs, call=k
 HANDLERS.update({call: partial(analog_inputs.add_inputs, call=kind) for call, kind in _LAST.items()})
 HANDLERS.update({f"CreateTEDSAI{kind}Chan": partial(analog_inputs.add_teds, call=kind) for kind in MEASURES})
 HANDLERS.update({c.replace("AI", "TEDSAI"): partial(analog_inputs.add_teds, call=kind) for c, kind in _LAST.items()})
-HANDLERS.update({f"CreateAO{kind}Chan": partial(outputs.add_analog, kind=kind) for kind in outputs.TYPES})
-HANDLERS.update({f"CreateCI{kind}Chan": partial(counters.add_measuring, kind=kind) for kind in _MEASURING})
+HANDLERS.update({f"CreateAO{kind}Chan": partial(channels.add_analog, kind=kind) for kind in channels.TYPES})
+HANDLERS.update({f"CreateCI{kind}Chan": partial(channels.add_measuring, kind=kind) for kind in _MEASURING})
 HANDLERS.update(
-    {f"CreateCIPulseChan{k}": partial(counters.add_measuring, kind=f"Pulse{k}") for k in ("Freq", "Time", "Ticks")}
+    {f"CreateCIPulseChan{k}": partial(channels.add_measuring, kind=f"Pulse{k}") for k in ("Freq", "Time", "Ticks")}
 )
 HANDLERS.update(
-    {f"CreateCOPulseChan{k}": partial(counters.add_generating, kind=f"Pulse{k}") for k in ("Freq", "Time", "Ticks")}
+    {f"CreateCOPulseChan{k}": partial(channels.add_generating, kind=f"Pulse{k}") for k in ("Freq", "Time", "Ticks")}
 )
 HANDLERS.update({call: partial(triggers.configure, kind=k, place=p) for call, (k, p) in _TRIGGERS.items()})
 HANDLERS.update({call: partial(writes.codes, call=call) for call in writes.CODES})
