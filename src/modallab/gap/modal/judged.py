@@ -70,8 +70,8 @@ def judged(search: ModalSearch) -> ModalVerdict:
     names = [replace(min(kind, key=lambda f: f.evidence), free=base.free) for kind in kinds]
     others = _of_channels(base, as_usual, nothing.free.wide) | nameless(nothing)
     found = _weighed(base, nothing, names, others)
-    if found.nothing >= max(*(p for _, p in found.ranked), found.unknown):
-        return _decided(found)
+    if found.verdict == "no_gap":
+        return _without_small(found)
     ended = {0: base}
 
     def to_its_end(begun: FittedExplanation, n: int) -> FittedExplanation:
@@ -85,7 +85,7 @@ def judged(search: ModalSearch) -> ModalVerdict:
     # What has no name may be there beside a change.
     others |= {where: min(one, others[where], key=_evidence) for where, one in nameless(least).items()}
     strains = strain(base), strain(ended[[nothing, *names].index(least)])
-    return _decided(replace(_weighed(base, nothing, names, others), strains=strains))
+    return _without_small(replace(_weighed(base, nothing, names, others), strains=strains))
 
 
 def _of_channels(base: FittedExplanation, as_usual: list[Rung], wide: Real | float) -> dict[str, FittedExplanation]:
@@ -123,24 +123,25 @@ def _weighed(
     names: Sequence[FittedExplanation],
     others: Mapping[str, FittedExplanation],
 ) -> ModalVerdict:
-    """All explanations with their probabilities."""
+    """All explanations with their probabilities; the verdict is the most probable one."""
     none, *each, unknown = _posterior(nothing, names, list(others.values()))
     ranked = sorted(zip(names, each, strict=True), key=lambda pair: -pair[1])
+    best, probable = ranked[0]
+    of_verdict: dict[Verdict, float] = {"no_gap": none, "unknown": unknown, "known": probable}
+    verdict = max(of_verdict, key=lambda v: of_verdict[v])
     where = min(others, key=lambda name: others[name].evidence)
-    return ModalVerdict("known", base, ranked[0][0], ranked, none, unknown, where, (strain(base),) * 2, [])
+    return ModalVerdict(verdict, base, best, ranked, none, unknown, where, (strain(base),) * 2, [])
 
 
-def _decided(found: ModalVerdict) -> ModalVerdict:
-    name = found.ranked[0][1] if found.ranked else 0.0
-    none = replace(found, verdict="no_gap", best=found.base, strains=(found.strains[0],) * 2)
-    if found.nothing >= max(name, found.unknown):
-        return none
-    if found.unknown >= name:
-        return replace(none, verdict="unknown")
-    moved, matters = moves(found.best), found.base.free.of.rig.tolerance.response
-    if moved < matters:
-        return replace(none, notes=[f"It moves {moved:.1%} of the response, where {matters:.0%} matter."])
-    return found
+def _without_small(found: ModalVerdict) -> ModalVerdict:
+    """A change that moves less than matters is none; where none is named, the base is what counts."""
+    if found.verdict == "known":
+        moved, matters = moves(found.best), found.base.free.of.rig.tolerance.response
+        if moved >= matters:
+            return found
+        said = [f"It moves {moved:.1%} of the response, where {matters:.0%} matter."]
+        found = replace(found, verdict="no_gap", notes=said)
+    return replace(found, best=found.base, strains=(found.strains[0],) * 2)
 
 
 def _posterior(

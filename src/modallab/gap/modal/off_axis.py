@@ -137,4 +137,27 @@ class Means:
         weights = sparse.csr_array(sparse.diags_array(1 / self.s**self.of.power) @ self.weights)
         variance = self.of.variance.reshape(self.of.s.size, -1)
         pairs = [weights.multiply(np.conj(weights[[m]].toarray())) @ variance for m in range(self.s.size)]
-        return np.stack(pairs, axis=1).reshape(self.s.size, self.s.size, *self.of.variance.shape[1:])
+        found = np.stack(pairs, axis=1).reshape(self.s.size, self.s.size, *self.of.variance.shape[1:])
+        every = np.arange(self.s.size)
+        found[every, every] += self._unseen() ** 2
+        return found
+
+    def _unseen(self) -> Real:
+        """(lines, outputs, inputs) m/N by how much what the models leave is off for lying between the lines.
+
+        It may be of that mode whose share between the lines is largest. That share is known of each mode of the models.
+        """
+        share = np.zeros(self.off_axis.shape)
+        for mode in self.of.models.modes:
+            on_lines = mode.receptances(self.of.s)
+            there = self._rms(on_lines)
+            between = np.abs(mode.receptances(self.s) - self._mean(on_lines))
+            share = np.maximum(share, np.divide(between, there, out=np.zeros_like(there), where=there > 0))
+        return share * self._rms(self.of.receptances - self.on_lines)
+
+    def _rms(self, receptances: Complex) -> Real:
+        """(lines, outputs, inputs) m/N of lines, by the weights of their mean."""
+        weights, of = abs(self.weights), self.of
+        squares = np.abs((receptances * of.s[:, None, None] ** of.power).reshape(of.s.size, -1)) ** 2
+        size = np.sqrt((weights @ squares) / weights.sum(axis=1)[:, None]) / np.abs(self.s[:, None]) ** of.power
+        return np.asarray(size.reshape(self.off_axis.shape))

@@ -1,6 +1,6 @@
 """A model of each point of measured FRFs, with poles of its own: a sensor that roves moves the resonances a little."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,6 +67,12 @@ class PointModels:
         omega, zeta = self.omega[:, rows][:, :, columns], self.zeta[:, rows][:, :, columns]
         constants, terms = self.constants[:, rows][:, :, columns], self.terms[:, rows][:, :, columns]
         return PointModels(omega, zeta, constants * turned, terms * turned, self.powers)
+
+    @property
+    def modes(self) -> Iterator["PointModels"]:
+        """Each alone."""
+        for omega, zeta, constants in zip(self.omega, self.zeta, self.constants, strict=True):
+            yield PointModels(omega[None], zeta[None], constants[None], self.terms[:0], ())
 
     def receptances(self, s: Complex) -> Complex:
         """(lines, outputs, inputs) at complex frequencies (lines,), m/N."""
