@@ -66,6 +66,21 @@ def test_each_point_s_own_resonance_is_met_where_a_roving_sensor_moved_it() -> N
     np.testing.assert_allclose(measured.means_at(s).receptances, expected, rtol=1e-4)
 
 
+def test_what_leaking_lines_leave_open_is_stated() -> None:
+    """Under a window the lines of random records are means over their neighbours, which no model fits."""
+    s, coarse, fine = 2 * np.pi * np.array([21.4, 50.0, 68.3]) * (0.03 + 1j), np.arange(10.0, 95.0, 0.5), HZ
+    apart = (coarse[:, None] - fine) / 0.5
+    # A Hann window's own spectrum.
+    seen = np.abs(np.sinc(apart) + (np.sinc(apart - 1) + np.sinc(apart + 1)) / 2) ** 2
+    leaked = frfs(noise=1e-4, hz=coarse)
+    leaked.values[:] = frfs().values @ (seen / seen.sum(axis=1)[:, None]).T
+    other = model().model_copy(update={"frequency_hz": model().frequency_hz * np.array([1.001, 0.999, 1.001])})
+    sides = [MeasuredFrfs.of(leaked, m) for m in (model(), other)]
+    one, two = (side.means_at(s) for side in sides if side is not None)
+    stated = np.sqrt(np.einsum("lloi->loi", one.noise() + two.noise()).real)
+    assert np.all(np.abs(one.receptances - two.receptances) < 3 * stated)
+
+
 @pytest.mark.thorough("draws noise many times")
 def test_the_covariance_is_that_of_the_noise() -> None:
     s = 2 * np.pi * np.array([35.0, 50.0, 50.3]) * (0.01 + 1j)
