@@ -138,26 +138,19 @@ class Means:
         variance = self.of.variance.reshape(self.of.s.size, -1)
         pairs = [weights.multiply(np.conj(weights[[m]].toarray())) @ variance for m in range(self.s.size)]
         found = np.stack(pairs, axis=1).reshape(self.s.size, self.s.size, *self.of.variance.shape[1:])
-        every = np.arange(self.s.size)
-        found[every, every] += self._unseen() ** 2
-        return found
+        return found + self._unseen()
 
-    def _unseen(self) -> Real:
-        """(lines, outputs, inputs) m/N by how much what the models leave is off for lying between the lines.
+    def _unseen(self) -> Complex:
+        """(lines, lines, outputs, inputs) covariance of what the models leave, for lying between the lines.
 
-        It may be of that mode whose share between the lines is largest. That share is known of each mode of the models.
+        It may be of any of their modes, as large as it is where that mode is, and is then missed as that mode is.
         """
-        share = np.zeros(self.off_axis.shape)
+        found = np.zeros((self.s.size, *self.off_axis.shape), np.complex128)
+        left = np.abs(self.of.receptances - self.on_lines) ** 2
         for mode in self.of.models.modes:
             on_lines = mode.receptances(self.of.s)
-            there = self._rms(on_lines)
-            between = np.abs(mode.receptances(self.s) - self._mean(on_lines))
-            share = np.maximum(share, np.divide(between, there, out=np.zeros_like(there), where=there > 0))
-        return share * self._rms(self.of.receptances - self.on_lines)
-
-    def _rms(self, receptances: Complex) -> Real:
-        """(lines, outputs, inputs) m/N of lines, by the weights of their mean."""
-        weights, of = abs(self.weights), self.of
-        squares = np.abs((receptances * of.s[:, None, None] ** of.power).reshape(of.s.size, -1)) ** 2
-        size = np.sqrt((weights @ squares) / weights.sum(axis=1)[:, None]) / np.abs(self.s[:, None]) ** of.power
-        return np.asarray(size.reshape(self.off_axis.shape))
+            missed, own = mode.receptances(self.s) - self._mean(on_lines), np.abs(on_lines) ** 2
+            whole = np.sum(own**2, axis=0)
+            size = np.divide(np.sum(own * left, axis=0), whole, out=np.zeros_like(whole), where=whole > 0)
+            found += size * np.einsum("loi,moi->lmoi", missed, np.conj(missed))
+        return found
