@@ -1,4 +1,4 @@
-"""A twelfth draw, binary and universal files: units and rates in other places, ratios, objects of MATLAB, columns stores."""
+"""A twelfth draw, binary and universal files: units and rates in other places, ratios, objects of MATLAB."""
 
 import json
 import struct
@@ -40,7 +40,9 @@ def uff_transmissibility(folder: Path, d: Drawn) -> Known:
     ratio = right.values[1] / right.values[0]
     f = Function(ratio, 0.25, 0.25, kind=5, response=(2, 3), reference=(1, 3), ordinate=(ACCELERATION, "m/s^2"),
                  denominator=(ACCELERATION, "m/s^2"), double=True)  # fmt: skip
-    return Known(save_uff(folder, text_58([f])), rejected="(?i)transmissib|type 5|no FRF|no time rec", rig=None, options=())
+    return Known(
+        save_uff(folder, text_58([f])), rejected="(?i)transmissib|type 5|no FRF|no time rec", rig=None, options=()
+    )
 
 
 @draws("twelfth")
@@ -48,8 +50,12 @@ def uff_both_against(folder: Path, d: Drawn) -> Known:
     """Response and reference both along -Z: two signs that cancel; 2Z beside them has one."""
     right = d.frf()
     a, b = frfs(right, double=True)
-    a = Function(a.values, a.step, a.first, 4, (1, -3), (1, -3), ordinate=a.ordinate, denominator=a.denominator, double=True)
-    b = Function(-b.values, b.step, b.first, 4, (2, 3), (1, -3), ordinate=b.ordinate, denominator=b.denominator, double=True)
+    a = Function(
+        a.values, a.step, a.first, 4, (1, -3), (1, -3), ordinate=a.ordinate, denominator=a.denominator, double=True
+    )
+    b = Function(
+        -b.values, b.step, b.first, 4, (2, 3), (1, -3), ordinate=b.ordinate, denominator=b.denominator, double=True
+    )
     return Known(save_uff(folder, text_58([a, b])), frf=right)
 
 
@@ -81,7 +87,9 @@ def tdms_rate_at_the_top(folder: Path, d: Drawn) -> Known:
     r = d.hit()
     objects = [thing("/", None, {"SampleRate": d.rate}), thing("/'hit'")]
     objects += [thing(f"/'hit'/'{n}'", row, {"unit_string": u}) for n, row, u in zip(NAMES, r.rows, UNITS, strict=True)]
-    return Known(save_tdms(folder, tdms_segment(objects, b"".join(row.tobytes() for row in r.rows))), (r,), rejected="--rate")
+    return Known(
+        save_tdms(folder, tdms_segment(objects, b"".join(row.tobytes() for row in r.rows))), (r,), rejected="--rate"
+    )
 
 
 @draws("twelfth")
@@ -141,10 +149,18 @@ def wav_clipped(folder: Path, d: Drawn) -> Known:
 def sep_null(folder: Path, d: Drawn) -> Known:
     """null in three places of the second series."""
     r = d.hit()
-    series = [{"name": n, "data": row.tolist(), "unit_str": u, "fs": d.rate} for n, row, u in zip(NAMES, r.rows, UNITS, strict=True)]
+    series = [
+        {"name": n, "data": row.tolist(), "unit_str": u, "fs": d.rate}
+        for n, row, u in zip(NAMES, r.rows, UNITS, strict=True)
+    ]
     series[1]["data"][500:503] = [None] * 3
     (folder / "case.json").write_text(json.dumps(series), encoding="utf-8")
-    return Known(("case.json",), says="a1", rejected="(?i)a1.*(null|missing|no number|not a number|NaN|None)", check=modes_or_said(d, LEFT_OUT))
+    return Known(
+        ("case.json",),
+        says="a1",
+        rejected="(?i)a1.*(null|missing|no number|not a number|NaN|None)",
+        check=modes_or_said(d, LEFT_OUT),
+    )
 
 
 @draws("twelfth")

@@ -31,6 +31,10 @@ Option = Literal[
 PACKAGE = "modallab.formats.known"
 """Where they are declared, one module each."""
 _HEAD_BYTES = 4096
+_OTHERS = {b"\x1f\x8b": "a file compressed by gzip", b"BZh": "a file compressed by bzip2"}
+_OTHERS |= {b"PK\x03\x04": "a ZIP archive or a workbook", b"\xd0\xcf\x11\xe0": "a workbook of Excel before 2007"}
+_OTHERS |= {b"PAR1": "a Parquet file", b"ARROW1": "a Feather file", b"FEA1": "a Feather file", b"SQLite": "a database"}
+"""How files of other kinds begin that people have."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -175,4 +179,6 @@ def _of_content(head: bytes, path: Path) -> Format:
         for one in known:
             if one.certain == certain and path.suffix.lower() in one.endings:
                 raise FormatError(f"is no {one.is_no}", where=str(path), remedy=kinds)
-    raise FormatError("is of no known kind", where=str(path), remedy=kinds)
+    other = next((what for mark, what in _OTHERS.items() if head.startswith(mark)), "")
+    found = f"is {other}, which is not read here" if other else "is of no known kind"
+    raise FormatError(found, where=str(path), remedy=f"unpack it or save it as CSV; else {kinds}" if other else kinds)

@@ -12,10 +12,12 @@ from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test
 from modallab.formats.arrays.array_map import ArrayMap
 from modallab.formats.asked import ASKED
-from modallab.formats.unit_text import normal_unit, quantity_of
+from modallab.formats.unit_text import normal_unit, quantity_of, without_unit
 
 COUNTED_HZ = 1.0
 """The rate of an abscissa that counts samples, as programs write it that know no rate (LabVIEW: `Delta_X` 1)."""
+_RATES_HZ, _FASTEST_HZ = (1.0, 50.0), 1e7
+"""No structure needs more; at less than 1 Hz none of its modes shows, and a hit is over within some 10 ms."""
 _AGREE = 1e-3
 """Relative difference allowed between a rate that was given and that of the times."""
 
@@ -53,8 +55,10 @@ class ImportOptions:
         return low not in map(str.lower, self.ignore) and (not self.channels or low in map(str.lower, self.channels))
 
     def channel_of(self, name: str) -> str:
-        """The channel that the user says this name of the file is of; else the name itself."""
-        return next((channel for channel, said in self.variables if said.lower() == name.lower()), name)
+        """The channel that the user says this name of the file is of; else the name itself, without its unit."""
+        called = {said.lower(): channel for channel, said in self.variables}
+        bare = without_unit(name)
+        return called.get(name.lower()) or called.get(bare.lower(), bare)
 
     def unit(self, channel: Channel) -> str:
         """The unit of a channel's numbers where the file names none."""
@@ -83,6 +87,21 @@ class ImportOptions:
                 f"the drive point is {self.drive_point}; the rig has {', '.join(map(str, known)) or 'no points'}",
                 remedy="name a point of the rig, or add the point to the rig file",
             )
+
+    def of_times(self, found_hz: float, unit: str, where: str) -> float:
+        """The rate in Hz that times say, as `agreed`; those without a unit are in s, if benches record at such rates.
+
+        Raises:
+            DataError: no bench records so, or `agreed` rejects the rate.
+        """
+        lowest, highest = _RATES_HZ[self.test == "impact"], _FASTEST_HZ
+        if not unit and self.rate_hz is None and not lowest <= found_hz <= highest:
+            raise DataError(
+                f"its times, taken as s, give {found_hz:.3g} Hz, at which no bench records this test",
+                where=where,
+                remedy="write the unit behind the name, as [ms], [ns] or [d]; give --rate for times that count samples",
+            )
+        return self.agreed(found_hz, where)
 
     def agreed(self, found_hz: float, where: str) -> float:
         """The rate of a recording in Hz: its own, or the one that was given if its abscissa only counts samples.

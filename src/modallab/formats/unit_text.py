@@ -60,6 +60,11 @@ _TIMES = {"": 1.0, "s": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1
 _TIMES |= {"min": 60.0, "minutes": 60.0, "h": 3600.0, "hr": 3600.0, "hours": 3600.0, "d": 86400.0, "days": 86400.0}
 _FREQUENCIES = {"": 1.0, "hz": 1.0, "hertz": 1.0, "cps": 1.0, "cycles/s": 1.0, "khz": 1e3, "rad/s": 0.5 / math.pi}
 _FREQUENCIES |= {"cpm": 1 / 60, "cycles/min": 1 / 60, "1/min": 1 / 60}
+_OF_PARTS = {"%", "deg", "rad", "dB"}
+_IN_UNIT = re.compile(r"^(?P<name>.*?)(?:^|\s)in\s+(?P<unit>\S+)$")
+"""A unit as it is spoken, `force in N`."""
+_NUMBER = re.compile(r"[+-]?\d[\d.,]*")
+"""What stands in brackets behind a name and is no unit."""
 
 
 def _over(factor: re.Match[str]) -> str:
@@ -140,6 +145,46 @@ def is_of_time(unit: str) -> bool:
 def is_of_frequency(unit: str) -> bool:
     """Whether a unit, which must be there, is one of frequency."""
     return bool(unit) and normal_unit(unit).lower() in _FREQUENCIES
+
+
+def is_unit(unit: str) -> bool:
+    """Whether a normal unit is one of a channel, of an FRF or its part, or of an abscissa."""
+    of_axis = is_of_time(unit) or is_of_frequency(unit) or unit in _OF_PARTS
+    return bool(unit) and bool(of_axis or quantity_of(unit) or frf_unit(unit, ""))
+
+
+def name_and_unit(heading: str) -> tuple[str, str]:
+    """Name and unit of a heading: `force [N]`, `force (N)`, `force in N`, or `force/N` as ISO 80000 has it."""
+    place = _last_bracket(heading.strip())
+    if place is not None and not _NUMBER.fullmatch(heading.strip()[place + 1 : -1]):
+        return heading.strip()[:place].rstrip("/ "), normal_unit(heading.strip()[place + 1 : -1])
+    name, _, unit = (part.strip() for part in heading.partition("/"))
+    if name and is_unit(normal_unit(unit)) and not is_unit(name.split()[-1]):
+        return name, normal_unit(unit)
+    if (spoken := _IN_UNIT.match(heading.strip())) and is_unit(normal_unit(spoken["unit"])):
+        return spoken["name"] or heading.strip(), normal_unit(spoken["unit"])
+    return heading.strip(), ""
+
+
+def unit_in_name(name: str) -> str:
+    """The unit with which the name of a channel or an array ends, if it is a known one; else ""."""
+    unit = name_and_unit(name)[1]
+    return unit if is_unit(unit) else ""
+
+
+def without_unit(name: str) -> str:
+    """The name of a channel or an array without the known unit with which it may end."""
+    return name_and_unit(name)[0] if unit_in_name(name) else name
+
+
+def _last_bracket(heading: str) -> int | None:
+    """Where the bracket opens that closes at the end; None if none does."""
+    depth = 0
+    for place in range(len(heading) - 1, -1, -1):
+        depth += (heading[place] in ")]") - (heading[place] in "([")
+        if depth == 0:
+            return place if heading[place] in "([" else None
+    return None
 
 
 def _factor(unit: str, known: dict[str, float], what: str, allowed: str, where: str) -> float:

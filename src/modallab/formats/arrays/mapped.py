@@ -209,8 +209,8 @@ def _rate(arrays: Arrays, array_map: ArrayMap, options: ImportOptions, n: int, w
             raise DataError(
                 f"has {times.size} times and {n} samples", where=where, remedy="name the record's own times"
             )
-        own = check_time(times, f"{where}, times")
-    elif isinstance(array_map.rate_hz, str) and array_map.rate_hz:
+        return options.of_times(check_time(times, f"{where}, times"), "", where)
+    if isinstance(array_map.rate_hz, str) and array_map.rate_hz:
         own = check_rate(float(np.ravel(array_named(arrays, array_map.rate_hz, where))[0]), where)
     elif isinstance(array_map.rate_hz, float):
         own = check_rate(array_map.rate_hz, where)

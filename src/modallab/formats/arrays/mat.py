@@ -10,15 +10,17 @@ from numpy.typing import NDArray
 from scipy import io
 
 from modallab.core.block import Campaign
-from modallab.core.errors import FormatError
+from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import without_singleton_axes
 from modallab.formats.arrays.named import Arrays, Texts
 from modallab.formats.arrays.variables import campaign_of_variables, rig_of_variables
 from modallab.formats.options import ImportOptions
 
-Variable = NDArray[Any] | tuple[str, ...]
+Variable = NDArray[Any] | tuple[str, ...] | str
+"""Numbers, the rows of a text, or the class of an object such as a timetable."""
 MARKS = (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file")
+_OF_OBJECT = "save numbers, as t = seconds(x.Time) and y = x.Variables of a timetable x"
 _AGAIN = "save it again in MATLAB: save('file.mat', '-v7') or '-v7.3'"
 
 
@@ -53,7 +55,13 @@ def _variables(path: Path) -> tuple[Arrays, Texts]:
     except Exception as error:  # On damaged files SciPy and HDF5 raise nearly every type there is.
         raise FormatError(f"is no whole MATLAB file: {error}", where=str(path), remedy=_AGAIN) from error
     texts = {name: value for name, value in held.items() if isinstance(value, tuple)}
-    return {name: value for name, value in held.items() if not isinstance(value, tuple)}, texts
+    arrays = {name: value for name, value in held.items() if isinstance(value, np.ndarray)}
+    objects = [f"{name} ({value})" for name, value in held.items() if isinstance(value, str)]
+    if objects and not arrays:
+        raise DataError(
+            f"holds objects that only MATLAB reads: {', '.join(objects)}", where=str(path), remedy=_OF_OBJECT
+        )
+    return arrays, texts
 
 
 def _of_scipy(path: Path) -> Iterator[tuple[str, Variable]]:
@@ -76,6 +84,8 @@ def _flat(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Variable]
                 yield from _flat(f"{prefix}{name}({k}).", one)
         elif texts := _texts(value):
             yield f"{prefix}{name}", texts
+        elif isinstance(value, io.matlab.MatlabOpaque):
+            yield f"{prefix}{name}", "object"
         elif (array := np.asarray(value)).dtype.kind in "fiuc":
             yield f"{prefix}{name}", array
 
@@ -107,6 +117,9 @@ def _of_group(prefix: str, group: Mapping[str, h5py.Dataset | h5py.Group]) -> It
 
 def _of_dataset(name: str, item: h5py.Dataset) -> Iterator[tuple[str, Variable]]:
     if "MATLAB_empty" in item.attrs:
+        return
+    if "MATLAB_object_decode" in item.attrs:
+        yield name, _class_of(item).decode()
         return
     values = item[()]
     if text := _hdf5_texts(item):

@@ -16,7 +16,7 @@ from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.block_facts import facts_or_options
 from modallab.formats.options import ImportOptions, units_of
 from modallab.formats.starts import cut_to_common_time
-from modallab.formats.unit_text import normal_unit
+from modallab.formats.unit_text import normal_unit, unit_in_name, without_unit
 
 Arrays = Mapping[str, NDArray[Any]]
 Texts = Mapping[str, tuple[str, ...]]
@@ -90,12 +90,15 @@ def _units(rig: Rig, arrays: Arrays, texts: Texts, options: ImportOptions, where
 
 
 def unit_beside(texts: Texts, key: str | None) -> str:
-    """The unit that the file gives to the samples of this name; "" without one."""
-    owner = owner_of(key or "").lower()
-    named = {name.lower(): value for name, value in texts.items()}
+    """The unit that the file gives to the samples of this name, or of its column of this number; "" without one."""
+    array, _, column = (key or "").rpartition(":")
+    array, place = (array, int(column)) if array and column.isdigit() else (key or "", 0)
+    owner, named = owner_of(array).lower(), {name.lower(): rows for name, rows in texts.items()}
     wanted = [*(f"{owner}{mark}{name}" for mark in "._" for name in _UNITS), f"{owner}.y_values.quantity.label"]
-    found = [named[name][0] for name in wanted if len(named.get(name, ())) == 1]
-    return normal_unit(found[0]) if key and found else ""
+    said = [
+        rows[0] if len(rows) == 1 else "".join(rows[place - 1 : place]) for one in wanted if (rows := named.get(one))
+    ]
+    return normal_unit(next(filter(None, said), "")) or unit_in_name(array.rpartition(".")[2])
 
 
 def find_usual(arrays: Arrays, key: str) -> NDArray[Any] | None:
@@ -108,7 +111,7 @@ def usual_name(arrays: Arrays, key: str) -> str | None:
     """The name of the array that is usually called so."""
     usual = _USUAL.get(key, (key.lower(),))
     for last in (False, True):
-        names = [(name.rpartition(".")[2] if last else name).lower() for name in arrays]
+        names = [without_unit(name.rpartition(".")[2] if last else name).lower() for name in arrays]
         for name in usual:
             if names.count(name) == 1:
                 return list(arrays)[names.index(name)]
@@ -166,11 +169,11 @@ def _key(arrays: Arrays, channel: str, options: ImportOptions) -> str | None:
     name = dict(options.variables).get(channel)
     if name is not None or channel.rpartition(":")[0] in arrays:
         return name or channel
-    low = channel.lower()
+    low, low_names = channel.lower(), {name: without_unit(name).lower() for name in arrays}
     wanted = (low, *(f"{low}.{name}" for name in _SAMPLES))
     for within in (False, True):
         for one in wanted:
-            fitting = [n for n in arrays if n.lower() == one or (within and n.lower().endswith(f".{one}"))]
+            fitting = [n for n, bare in low_names.items() if bare == one or (within and bare.endswith(f".{one}"))]
             if len(fitting) == 1:
                 return fitting[0]
     return None
@@ -207,7 +210,8 @@ def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: i
     if times is not None and times.size == n:
         own = check_time(np.ravel(times), f"{where}, times")
         _require_one(own, rate, options, where)
-    elif rate is not None and rate.size == 1:
+        return options.of_times(own, "", where)
+    if rate is not None and rate.size == 1:
         own = check_rate(float(np.ravel(rate)[0]), where)
     elif options.rate_hz is not None:
         return check_rate(options.rate_hz, where)

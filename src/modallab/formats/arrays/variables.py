@@ -1,6 +1,7 @@
 """Variables with names, of whichever file: as a map says, as the file itself does, or by the usual names."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -38,13 +39,19 @@ def campaign_of_variables(arrays: Arrays, texts: Texts, path: Path, rig: Rig, op
     Raises:
         DataError: variables that are missing or do not fit.
     """
-    found = options.array_map
+    found, options = options.array_map, _by_points(options)
     arrays = _abscissae(_scaled_arrays({**arrays, **_clocks(texts)}, str(path)), texts, options)
     if found is None and not options.variables:
         arrays, texts, found = names_in_file(arrays, texts, rig, str(path))
     if found is not None:
         return campaign_of_map(arrays, found, path.stem, rig, options, str(path))
     return campaign_of_arrays(arrays, path.stem, rig, options, str(path), texts)
+
+
+def _by_points(options: ImportOptions) -> ImportOptions:
+    """With names as they are called here, group.dataset, where the user writes them as HDF5 does, /group/dataset."""
+    named = tuple((c, n.strip("/").replace("/", ".")) for c, n in options.variables)
+    return replace(options, variables=named)
 
 
 def _clocks(texts: Texts) -> Arrays:

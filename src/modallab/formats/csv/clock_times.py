@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 DAY_S = 86400
 _DATE = r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.](?:\d{1,2}|[A-Za-z]{3})[-/.]\d{2,4}"
-_CLOCK = r"(?P<h>\d{1,2}):(?P<m>\d\d)(?::(?P<s>\d\d))?(?:[.,](?P<f>\d+))?\s*(?P<half>[AaPp][Mm])?"
+_CLOCK = r"(?P<h>\d{1,2}):(?P<m>\d\d)(?::(?P<s>\d\d))?(?:(?:[.,]|:(?=\d{3}))(?P<f>\d+))?\s*(?P<half>[AaPp][Mm])?"
 _ZONE = r"\s*(?:Z|UTC|[+-]\d\d:?\d\d)?"
-_TIME = re.compile(rf"\s*(?:(?P<date>{_DATE})[T\s]\s*)?{_CLOCK}{_ZONE}\s*")
+_DAYS = r"\d+ days?,?"
+_TIME = re.compile(rf"\s*(?:(?P<date>{_DATE}|{_DAYS})[T\s]\s*)?{_CLOCK}{_ZONE}\s*")
 _ONLY_DATE = re.compile(rf"\s*(?:{_DATE})\s*")
 
 
@@ -20,7 +21,7 @@ class _Moment:
 
 
 def is_time(cell: str) -> bool:
-    """Whether a cell holds a time of the day or a date, or both: 10:00:01.5, 2026-11-26T10:00:01,5, 01:02 PM."""
+    """Whether a cell holds a time of the day or a date, or both: 10:00:01.5, 2026-11-26T10:00:01,5, 0 days 00:00:01."""
     return cell[:1].isdigit() and (_TIME.fullmatch(cell) or _ONLY_DATE.fullmatch(cell)) is not None
 
 

@@ -5,16 +5,13 @@ from collections.abc import Sequence
 
 from modallab.core.errors import DataError
 from modallab.formats.csv.csv_cells import head_cells, is_number
-from modallab.formats.unit_text import frf_unit, is_of_frequency, is_of_time, normal_unit, quantity_of
+from modallab.formats.unit_text import is_of_frequency, is_of_time, is_unit, name_and_unit, normal_unit, quantity_of
 
-_OF_PARTS = {"%", "deg", "rad", "dB"}
 _UNIT_TAG = re.compile(r"unit|einheit", re.IGNORECASE)
 _UNIT_FACT = re.compile(r"^\W*(?P<axis>[xy])\W*(?:axis)?\W*(?:unit|einheit)s?\W+(?P<unit>\S.*?)\W*$", re.IGNORECASE)
 """A line that gives the unit of the abscissa or of all else."""
 _LETTER = re.compile(r"[^\W_]")
 """What a line of dashes has none of."""
-_IN_UNIT = re.compile(r"^(?P<name>.*?)(?:^|\s)in\s+(?P<unit>\S+)$")
-"""A unit as it is spoken, `force in N`."""
 _WORD = r"(?<![^\W_])(?:{})(?![^\W_])"
 _TIME_WORD = re.compile(
     _WORD.format("t|time|timestamp|datetime|zeit|zeitstempel|temps|tiempo|tempo|seconds|sec"), re.IGNORECASE
@@ -48,7 +45,7 @@ def headings(above: Sequence[str], commented: Sequence[str], delimiter: str, col
     place = max(words, key=lambda k: _evidence(rows, k), default=None)
     if place is None:
         return (), ()
-    parts = [_split(cell) for cell in _with_abscissa(rows, place)]
+    parts = [name_and_unit(cell) for cell in _with_abscissa(rows, place)]
     beside = _units_beside(rows, place, alone=len(above) == 2) or _of_facts(above, delimiter, columns)
     units = tuple(unit or normal_unit(cell.strip("[]")) for (_, unit), cell in zip(parts, beside, strict=True))
     return tuple(name for name, _ in parts), units
@@ -92,7 +89,7 @@ def _evidence(rows: Sequence[Sequence[str]], k: int) -> tuple[bool, bool, bool, 
 
 
 def _names_abscissa(row: Sequence[str]) -> bool:
-    return any(_TIME_WORD.search(name) or _FREQUENCY_WORD.search(name) for name, _ in map(_split, row))
+    return any(_TIME_WORD.search(name) or _FREQUENCY_WORD.search(name) for name, _ in map(name_and_unit, row))
 
 
 def _units_beside(rows: Sequence[Sequence[str]], k: int, *, alone: bool) -> Sequence[str]:
@@ -104,7 +101,7 @@ def _units_beside(rows: Sequence[Sequence[str]], k: int, *, alone: bool) -> Sequ
         alone: whether two lines are all there is: the second then holds units, known or not.
     """
     below, above = rows[k + 1 : k + 2], rows[max(k - 1, 0) : k]
-    if below and (alone or any(_is_unit(normal_unit(cell.strip("[]"))) for cell in below[0] if cell)):
+    if below and (alone or any(is_unit(normal_unit(cell.strip("[]"))) for cell in below[0] if cell)):
         return below[0]
     return above[0] if above and _are_units(above[0]) else ()
 
@@ -133,7 +130,7 @@ def _of_facts(above: Sequence[str], delimiter: str, columns: int) -> Sequence[st
             return ["", *found][-columns:]
         if fact := _UNIT_FACT.match(line):
             units[fact["axis"].lower()] = normal_unit(fact["unit"])
-    return [units["x"], *[units["y"] if _is_unit(units["y"]) else ""] * (columns - 1)]
+    return [units["x"], *[units["y"] if is_unit(units["y"]) else ""] * (columns - 1)]
 
 
 def parse_headings(text: str, columns: int, filled: int, where: str) -> Heads:
@@ -150,7 +147,7 @@ def parse_headings(text: str, columns: int, filled: int, where: str) -> Heads:
             remedy='name every column in its order, as "time,force:N,,a01:m/s^2"; one without a name is left out',
         )
     cells += [""] * (columns - len(cells))
-    parts = [cell.rpartition(":")[::2] if ":" in cell else _split(cell) for cell in cells]
+    parts = [cell.rpartition(":")[::2] if ":" in cell else name_and_unit(cell) for cell in cells]
     return tuple(name.strip() for name, _ in parts), tuple(normal_unit(unit) for _, unit in parts)
 
 
@@ -185,33 +182,5 @@ def is_frequency(name: str, unit: str) -> bool:
 
 def _are_units(row: Sequence[str]) -> bool:
     found = [normal_unit(cell.strip("[]")) for cell in row]
-    known = [not unit or _is_unit(unit) for unit in found]
+    known = [not unit or is_unit(unit) for unit in found]
     return all(known) and any(found) and not any(is_number(cell) for cell in row)
-
-
-def _is_unit(unit: str) -> bool:
-    of_axis = is_of_time(unit) or is_of_frequency(unit) or unit in _OF_PARTS
-    return bool(unit) and bool(of_axis or quantity_of(unit) or frf_unit(unit, ""))
-
-
-def _split(heading: str) -> tuple[str, str]:
-    """Name and unit of a heading: `force [N]`, `force (N)`, `force in N`, or `force/N` as ISO 80000 has it."""
-    place = _last_bracket(heading.strip())
-    if place is not None and not is_number(heading.strip()[place + 1 : -1]):
-        return heading.strip()[:place].rstrip("/ "), normal_unit(heading.strip()[place + 1 : -1])
-    name, _, unit = (part.strip() for part in heading.partition("/"))
-    if name and _is_unit(normal_unit(unit)) and not _is_unit(name.split()[-1]):
-        return name, normal_unit(unit)
-    if (spoken := _IN_UNIT.match(heading.strip())) and _is_unit(normal_unit(spoken["unit"])):
-        return spoken["name"] or heading.strip(), normal_unit(spoken["unit"])
-    return heading.strip(), ""
-
-
-def _last_bracket(heading: str) -> int | None:
-    """Where the bracket opens that closes at the end; None if none does."""
-    depth = 0
-    for place in range(len(heading) - 1, -1, -1):
-        depth += (heading[place] in ")]") - (heading[place] in "([")
-        if depth == 0:
-            return place if heading[place] in "([" else None
-    return None

@@ -21,8 +21,6 @@ from modallab.formats.draft import MEASURED, DraftChannel, rig_of, select_channe
 from modallab.formats.options import ImportOptions, units_of
 from modallab.formats.unit_text import frf_unit, quantity_of, to_seconds
 
-FASTEST_HZ = 1e7
-"""No structure rings so fast that its records are sampled faster."""
 _DIRECTIONS: dict[str, Direction] = {"+x": "+x", "-x": "-x", "+y": "+y", "-y": "-y", "+z": "+z", "-z": "-z"}
 
 
@@ -140,16 +138,11 @@ def _rate(table: Table, names: tuple[str, ...], time: int | None, options: Impor
                 remedy="add a column named time, or give the rate with --rate",
             )
         return check_rate(options.rate_hz, where)
-    factor = to_seconds(table.units[time] if table.units else "", f"{where}, column {names[time]}")
+    unit = table.units[time] if table.units else ""
+    factor = to_seconds(unit, f"{where}, column {names[time]}")
     resolution = table.resolution * factor if time == 0 else np.zeros(1)
     rate = check_time(table.values[:, time] * factor, f"{where}, column {names[time]}", resolution_s=resolution)
-    if rate > FASTEST_HZ and not (table.units and table.units[time]):
-        raise DataError(
-            f"column {names[time]}: its times, taken as s, give {rate:.3g} Hz, more than any converter of a bench",
-            where=where,
-            remedy="write the unit behind its name, as [d] for the days of a spreadsheet",
-        )
-    return options.agreed(rate, where)
+    return options.of_times(rate, unit, f"{where}, column {names[time]}")
 
 
 def draft_csv(path: Path, options: ImportOptions) -> Rig:

@@ -16,7 +16,7 @@ from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.lvm.lvm_read import LvmChannel, has_header, read_lvm
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, cut_to_common_time, start_of, start_of_text
-from modallab.formats.unit_text import normal_unit, quantity_of, to_seconds
+from modallab.formats.unit_text import normal_unit, quantity_of, to_seconds, unit_in_name
 
 _SAME = 1e-4
 """Relative, of steps: columns of x are written with few digits too."""
@@ -31,14 +31,15 @@ def campaign_of_lvm(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     """
     if not has_header(path):
         return read_csv(path, rig, options)
-    where, segments = str(path), read_lvm(path)
+    where, segments, chosen = str(path), read_lvm(path), replace(options, variables=())
     blocks: list[Block] = []
     notes: dict[str, None] = {}
     for k, segment in enumerate(segments, start=1):
         name = path.stem if len(segments) == 1 else f"{path.stem}_{k}"
         place = f"{where}, segment {k}"
-        table, note = _table(segment, rig, options, place)
-        block, more = record_of(table, rig, options, name, place)
+        called = [_called(channel, options) for channel in segment]
+        table, note = _table(called, rig, options, place)
+        block, more = record_of(table, rig, chosen, name, place)
         blocks.append(block)
         notes |= dict.fromkeys([*([note] if note else []), *more])
     provenance = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
@@ -54,14 +55,19 @@ def draft_lvm(path: Path, options: ImportOptions) -> Rig:
     """
     if not has_header(path):
         return draft_csv(path, options)
-    units = [(c.name, normal_unit(c.unit)) for c in read_lvm(path)[0]]
-    return rig_of(select_channels((DraftChannel(name, quantity_of(unit), unit) for name, unit in units), options), path)
+    called = (_called(c, options) for c in read_lvm(path)[0])
+    return rig_of(select_channels((DraftChannel(c.name, quantity_of(c.unit), c.unit) for c in called), options), path)
+
+
+def _called(channel: LvmChannel, options: ImportOptions) -> LvmChannel:
+    """The channel as the user calls it, with the unit that the file says, or that its name ends with."""
+    unit = normal_unit(channel.unit) or unit_in_name(channel.name)
+    return replace(channel, name=options.channel_of(channel.name), unit=unit)
 
 
 def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, where: str) -> tuple[Table, str]:
     """The channels of the rig, over the time that all of them cover, and a note."""
-    called = dict(options.variables)
-    needed = {called.get(c.name, c.name).lower() for c in rig.channels}
+    needed = {c.name.lower() for c in rig.channels}
     used = [c for c in segment if c.name.lower() in needed] or list(segment)
     used = [_in_seconds(c, where) for c in used]
     taken = {c.name for c in used}
@@ -76,7 +82,7 @@ def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, wher
     left = [c for c in segment if c.name not in taken]
     values = np.column_stack([np.arange(n) / rate, samples.T, np.full((n, len(left)), np.nan)])
     names = ("time", *(c.name for c in used), *(c.name for c in left))
-    units = ("s", *(normal_unit(c.unit) for c in used), *("" for _ in left))
+    units = ("s", *(c.unit for c in used), *("" for _ in left))
     return Table(names, units, values, np.zeros(n), ended=True), note
 
 

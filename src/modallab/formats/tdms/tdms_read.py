@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError, FormatError
+from modallab.formats.unit_text import normal_unit, unit_in_name
 
 TAG = b"TDSm"
 _LEAD = 28
 """Bytes before the metadata of a segment."""
 _INTERLEAVED, _BIG_ENDIAN, _DAQMX = 1 << 5, 1 << 6, 1 << 7
+_UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription")
 _COPY_AGAIN = "copy the file again, or export it again"
 _NEVER_ENDED = 2**64 - 1
 _KNOWN_SCALES = {"Linear", "Polynomial", "RTD", "Strain", "Table", "Thermistor", "Thermocouple", "Add", "Subtract"}
@@ -31,12 +33,14 @@ class TdmsChannel:
 
     Attributes:
         name: of it.
+        unit: normal; "" where the file says none.
         properties: as written; a time stamp is one of npTDMS.
         samples: (n,) whole or real numbers as delivered, or time stamps (n,) as s after the first.
         scale: unit per number.
     """
 
     name: str
+    unit: str
     properties: dict[str, Any]
     samples: NDArray[Any]
     scale: float
@@ -141,8 +145,15 @@ def _group(group: Any, size: int, where: str) -> TdmsGroup:
         if read is None:
             found.others.append(str(channel.name))
         else:
-            found.channels[str(channel.name)] = TdmsChannel(str(channel.name), dict(channel.properties), *read)
+            name, properties = str(channel.name), dict(channel.properties)
+            found.channels[name] = TdmsChannel(name, _unit(name, properties), properties, *read)
     return found
+
+
+def _unit(name: str, properties: dict[str, Any]) -> str:
+    """The unit that a channel's properties say, else the one in its name."""
+    units = (normal_unit(str(properties.get(key, ""))) for key in _UNIT_PROPERTIES)
+    return next((unit for unit in units if unit), unit_in_name(name))
 
 
 def _samples(channel: Any, where: str) -> tuple[NDArray[Any], float] | None:

@@ -1,5 +1,6 @@
 """Groups of a TDMS file as records of a campaign: a file may hold slow channels or a log beside the test."""
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -20,9 +21,8 @@ from modallab.formats.draft import DraftChannel, rig_of, select_channels
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import Start, cut_to_common_time
 from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup, read_tdms_groups
-from modallab.formats.unit_text import normal_unit, quantity_of, to_seconds
+from modallab.formats.unit_text import quantity_of, to_seconds
 
-_UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription")
 _SAME_NAMES = "say which is which with --variable CHANNEL=NAME, or choose a group with --group"
 
 
@@ -49,15 +49,11 @@ def read_tdms(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 
 
 def _called(group: TdmsGroup, options: ImportOptions) -> TdmsGroup:
-    """The group with its channels called as the user says."""
-    channels = [replace(c, name=options.channel_of(c.name)) for c in group.channels.values()]
+    """The group with its channels called as the user says, or without their units where that leaves them apart."""
+    called = {c.name: options.channel_of(c.name) for c in group.channels.values()}
+    apart = Counter(called.values())
+    channels = [replace(c, name=new if apart[new := called[c.name]] == 1 else c.name) for c in group.channels.values()]
     return replace(group, channels={channel.name: channel for channel in channels})
-
-
-def unit_in_properties(channel: TdmsChannel) -> str:
-    """The unit that a channel's properties name; "" if they name none."""
-    units = (normal_unit(str(channel.properties.get(name, ""))) for name in _UNIT_PROPERTIES)
-    return next((unit for unit in units if unit), "")
 
 
 def _left_out(groups: tuple[TdmsGroup, ...], records: tuple[TdmsGroup, ...], rig: Rig, name: str) -> list[str]:
@@ -83,7 +79,7 @@ def _block(group: TdmsGroup, order: int, rig: Rig, options: ImportOptions, where
 
 
 def _unit(part: TdmsChannel, channel: Channel, options: ImportOptions) -> str:
-    return unit_in_properties(part) or options.unit(channel)
+    return part.unit or options.unit(channel)
 
 
 def _rows(parts: list[TdmsChannel], where: str) -> tuple[list[NDArray[Any]], list[Start | None]]:
@@ -116,10 +112,9 @@ def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, wh
     step = next(iter(steps.values()))
     if step > 0:
         rate = check_rate(whole_rate(1 / step, 1e-12 / step), where)
-    elif times := [
-        c.samples for c in group.channels.values() if _is_time(c) and len(c.samples) == len(parts[0].samples)
-    ]:
-        rate = check_time(times[0], f"{where}, channel of times")
+    elif times := [c for c in group.channels.values() if _is_time(c) and len(c.samples) == len(parts[0].samples)]:
+        unit, place = times[0].unit, f"{where}, channel of times"
+        return options.of_times(check_time(times[0].samples * to_seconds(unit, place), place), unit, place)
     elif options.rate_hz is not None:
         return check_rate(options.rate_hz, where)
     else:
@@ -138,10 +133,8 @@ def draft_tdms(path: Path, options: ImportOptions) -> Rig:
     groups = tuple(g for g in groups if any(not _is_time(c) for c in g.channels.values()))
     if not groups:
         raise DataError("holds nothing but times", where=str(path), remedy="export the records again")
-    drafts: list[DraftChannel] = []
-    for channel in _fastest(groups, str(path)):
-        unit = unit_in_properties(channel)
-        drafts.append(DraftChannel(channel.name, quantity_of(unit), unit))
+    fastest = _fastest(groups, str(path))
+    drafts = [DraftChannel(options.channel_of(c.name), quantity_of(c.unit), c.unit) for c in fastest]
     return rig_of(select_channels(drafts, options), path)
 
 
