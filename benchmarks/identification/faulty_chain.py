@@ -4,7 +4,7 @@
 
 Five hits on a structure of three drawn modes, a force and four accelerations at 2048 Hz with 16 bits. Each draw spoils
 one channel of one record, or of all: by what happens to cables, ranges, clocks and hands. Named: what is said before or
-with the model holds the channel and the record, and the time of a fault that begins within it. Silent: nothing names
+with the model holds the channel and the record, and the time of a fault that begins within it. Unsaid: nothing names
 the channel, and a mode is lost, beside the truth by more than five sigmas and 0.2 % (5 % in damping), or of the fault.
 """
 
@@ -29,7 +29,7 @@ Real = NDArray[np.float64]
 RATE, N, HITS = 2048.0, 4096, 5
 SAME, NEAR = 0.005, 0.02
 """A mode is the same within SAME; a time is named within NEAR of the record."""
-HEAD = ("number", "kind", "channel", "records", "record", "time_s", "named", "lost", "off", "others", "silent", "said")
+HEAD = ("number", "kind", "channel", "records", "record", "time_s", "named", "lost", "off", "others", "unsaid", "said")
 NAMES = ("force", "a1", "a2", "a3", "a4")
 RIG = Rig(
     name="a structure",
@@ -209,7 +209,7 @@ def main() -> None:
         row = (number, kind, "+".join(channels), len(records), f"hit_{records[0]}", f"{at:.4g}")
         rows.append((*row, int(names_it(said, channels, records, at)), *counts, int(not part and any(counts)), said))
         print(*rows[-1][:-1], "" if rows[-1][6] else said[:400], flush=True)
-    print(f"named {sum(r[6] for r in rows)} of {len(rows)}; silent {sum(r[10] for r in rows)}; modes lost "
+    print(f"named {sum(r[6] for r in rows)} of {len(rows)}; without notice {sum(r[10] for r in rows)}; modes lost "
           f"{sum(r[7] for r in rows)}, off {sum(r[8] for r in rows)}, others {sum(r[9] for r in rows)}")  # fmt: skip
     if a.csv:
         with a.csv.open("w", newline="") as file:

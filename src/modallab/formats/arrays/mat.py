@@ -68,7 +68,7 @@ def _of_scipy(path: Path) -> Iterator[tuple[str, Variable]]:
     """SciPy drops axes of one element, which say whose FRFs there are; they are put back."""
     shapes = {name: shape for name, shape, _ in io.whosmat(str(path))}
     for name, value in _flat("", io.loadmat(str(path), simplify_cells=True)):
-        if not isinstance(value, tuple) and value.size == np.prod(shapes.get(name, (0,))):
+        if isinstance(value, np.ndarray) and value.size == np.prod(shapes.get(name, (0,))):
             value = without_singleton_axes(value.reshape(shapes[name]))
         yield name, value
 
