@@ -10,7 +10,7 @@ from modallab.gap.inference.baseline import without_effects
 from modallab.gap.inference.select import StepwiseSelection
 from modallab.gap.model.fit import Fit, evaluated
 from modallab.gap.report.harmonics import channels_out_of_proportion
-from modallab.gap.report.levels import some_levels_differ
+from modallab.gap.report.levels import levels_differ
 from modallab.gap.search.beside_known import knows_element, linear_beside_known
 from modallab.gap.search.choose import Choice, choose
 from modallab.gap.search.clock import clock_error_visible
@@ -92,7 +92,7 @@ def _search_nonlinear(
 ) -> Choice:
     """Laws that depend on the size of the motion: their overtones may drown where a slow mode still rings."""
     base: Fit = linear.base
-    if some_levels_differ(base):
+    if levels_differ(base):
         # What answers to the level, not only to the side, makes odd overtones.
         return search_stepped(bench, prepared, base, "odd", matters, unseen, selection.rounds)
     law = law_by_hits(bench, base, matters)

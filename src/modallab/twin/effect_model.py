@@ -59,7 +59,6 @@ class SteppedLaw:
         on_slowest: power of the slowest mode's shape at its place with which its first number acts on that mode, which
             says little more of where it is; 0 where the number has no place.
         smooth: whether its force is a power of the motion, of which the overtones of a small motion drown in the noise.
-        rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
         behind: name of its stiffness at the root, which acts in series with the compliance of the modes above the band;
             the records hardly determine how many such modes there are. "" for none.
         acting: whether an effect with these numbers does anything that a linear one does not: else none is begun there.
@@ -69,7 +68,6 @@ class SteppedLaw:
     acts: Acts | None = None
     on_slowest: int = 0
     smooth: bool = False
-    rough: bool = False
     behind: str = ""
     acting: Callable[[Mapping[str, float]], bool] = lambda numbers: True
 

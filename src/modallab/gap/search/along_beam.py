@@ -15,8 +15,10 @@ from modallab.gap.model.minimise import WORKERS, jacobian
 from modallab.twin.effects import search_of
 from modallab.twin.modes import solve_modes
 
-PLACES = tuple(np.linspace(0.3, 1.0, 15).tolist())
-"""Places over L that are tried."""
+PLACES = 15
+"""Places that are tried."""
+LOWEST = 0.3
+"""Place over L nearer to the clamp than which such a law is not felt."""
 STEPS = 4
 """Steps at each with the slopes of the first."""
 FIRST = 1e-2
@@ -48,21 +50,23 @@ def best_along_beam(fit: Fit) -> Fit:
         u[first] = strength.coordinate(strength.value(float(u[first])) * ratio)
         return _fit_at_place(fit.problem, u, J, place)
 
+    places = np.linspace(max(x.low, LOWEST), x.high, PLACES)
     with ThreadPoolExecutor(WORKERS) as workers:
-        found = list(workers.map(there, PLACES))
-    return min([fit, *found, there(_minimum_of_parabola([f.cost for f in found]))], key=lambda f: f.cost)
+        found = list(workers.map(there, places))
+    between = _minimum_of_parabola(places, [f.cost for f in found])
+    return min([fit, *found, there(between)], key=lambda f: f.cost)
 
 
-def _minimum_of_parabola(costs: list[float]) -> float:
+def _minimum_of_parabola(places: Real, costs: list[float]) -> float:
     """Where a parabola through the least of these and its neighbours is least."""
     i = min(max(int(np.argmin(costs)), 1), len(costs) - 2)
     before, here, after = costs[i - 1 : i + 2]
     bend = before - 2 * here + after
     if not bend > 0:
         # Where the law does nothing, or the least lies at an end, there is no parabola with a low.
-        return PLACES[i]
-    step = PLACES[1] - PLACES[0]
-    return float(np.clip(PLACES[i] + step * (before - after) / (2 * bend), PLACES[i - 1], PLACES[i + 1]))
+        return float(places[i])
+    step = places[1] - places[0]
+    return float(np.clip(places[i] + step * (before - after) / (2 * bend), places[i - 1], places[i + 1]))
 
 
 def _shape_of_slowest_mode(fit: Fit, x: float) -> float:

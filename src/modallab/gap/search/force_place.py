@@ -57,7 +57,7 @@ class Place:
 
 
 def placed_by_overtones(bench: Bench, base: Fit, candidate: CandidateEffect) -> CandidateEffect | None:
-    """The effect, at the place that the overtones show where its law is rough; None where they show no such place.
+    """The effect, at the place that the overtones show; None where they show no such place.
 
     It stays as it is where it acts all along the beam, or where no overtone is clear.
     """
@@ -70,9 +70,6 @@ def placed_by_overtones(bench: Bench, base: Fit, candidate: CandidateEffect) -> 
         return candidate
     if found.left > NOWHERE or (acts == "force" and found.x < NEXT_TO_ROOT):
         return None
-    if not search_of(candidate.effect).law.rough:
-        # Slopes find the way from any of its starts, together with all other numbers.
-        return candidate
     narrow = {"starts": (found.x,), "low": max(found.x - NEARBY, 0.0), "high": min(found.x + NEARBY, 1.0)}
     return replace(candidate, slots=tuple(replace(s, **narrow) if s.name == "x" else s for s in candidate.slots))
 

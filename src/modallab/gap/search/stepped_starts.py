@@ -14,7 +14,7 @@ from modallab.gap.model.prefit import start
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.force_place import placed_by_overtones
 from modallab.gap.search.rough_fit import robust_fit
-from modallab.gap.search.rough_starts import best_start, distinct_starts, robust_cost
+from modallab.gap.search.rough_starts import best_start
 from modallab.twin.candidate import CandidateEffect
 from modallab.twin.effects import search_of
 
@@ -32,17 +32,10 @@ def first_fit(bench: Bench, base: Fit, few: Reduced, candidate: CandidateEffect)
     listed = [dict(zip(names, own, strict=True)) for own in product(*(slot.starts for slot in located.slots))]
     acting = [tuple(own.values()) for own in listed if law.acting(own)]
     begins = [u for values in acting for u in _first_coordinates(bench, base, located, values)]
-    return evaluated(problem, _best_coordinates(problem, begins, law.rough))
-
-
-def _best_coordinates(even: Problem, begins: list[Real], rough: bool) -> Real:
-    """Where the sines are followed best; slopes lead there from the likeliest starts, or after these were polished."""
-    assert even.data.sines is not None
-    coarse = replace(even.data.sines.source, coarse=True)
-    starts = replace(even, data=replace(even.data, sines=replace(even.data.sines, source=coarse)))
-    if rough:
-        return robust_fit(even, best_start(starts, begins), 2)
-    return min((robust_fit(even, u, 2) for u in distinct_starts(starts, begins)), key=lambda u: robust_cost(even, u))
+    assert few.sines is not None
+    coarse = replace(few.sines, source=replace(few.sines.source, coarse=True))
+    begun = best_start(replace(problem, data=replace(few, sines=coarse)), begins)
+    return evaluated(problem, robust_fit(problem, begun, 2))
 
 
 def _first_coordinates(

@@ -58,7 +58,7 @@ MODEL = EffectModel(
         slots=_slots,
         forms=FORMS,
         inexact=0.05,
-        law=SteppedLaw(rough=True, overtones="even", acts="couple"),
+        law=SteppedLaw(overtones="even", acts="couple"),
     ),
     experiment="Look for even overtones in the sine responses: a crack that breathes makes them at every level.",
 )

@@ -49,8 +49,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a contact begins is a convention.
-    search=EffectSearch(
-        rank=40, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", rough=True, behind="k_contact")
-    ),
+    search=EffectSearch(rank=40, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", behind="k_contact")),
     experiment="Repeat the sines at a third level: a play stiffens the root with the level, friction softens it.",
 )
