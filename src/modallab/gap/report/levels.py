@@ -27,7 +27,7 @@ def levels_differ(base: Fit) -> bool:
 
 
 def _differences(base: Fit, sines: SineData) -> Real:
-    """(frequencies,) how far the weakest and the strongest level of each are apart, in deviations: median over channels."""
+    """(frequencies,) deviations between the weakest and the strongest level of each, median over channels."""
     said = forward(base.problem.twin(base.u), base.problem.data)[-1]
     rows, shape = all_rows(base.problem.data)[-1], (len(said), *sines.source.lines.shape)
     of_noise = np.linalg.norm(np.reshape(rows.y / rows.sigma, shape), axis=0)
