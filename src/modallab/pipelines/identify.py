@@ -22,6 +22,7 @@ from modallab.identification.backbone import DriveLevel
 from modallab.identification.frf_model import frf_in_band, identify_given_frf
 from modallab.identification.impact import LEAK, default_band, identify_impact
 from modallab.identification.model.scale import with_scale
+from modallab.identification.odd_hits import agreeing_hits
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
@@ -122,7 +123,8 @@ def _tests_to_identify(
 def usable_blocks(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], Rig, tuple[str, ...]]:
     """The sound part of the blocks in SI units, the rig with its channels only, and notes on what was left out.
 
-    Records whose force is not that of the test they are labelled as are left out as well.
+    Records whose force is not that of the test they are labelled as are left out as well, and so are hits that do not
+    answer as the others at their point.
 
     Raises:
         DataError: damaged samples, no block is left, or most are of another kind of test.
@@ -131,6 +133,9 @@ def usable_blocks(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[S
     _ = campaign.rig.force_channel
     clean, rig, notes = undamaged_records(campaign, blocks)
     kept, remarks = check_kind(to_signals_of(clean, rig))
+    if all(block.test == "impact" for block in clean):
+        kept, odd = agreeing_hits(kept)
+        remarks = (*remarks, *odd)
     return kept, rig, (*notes, *remarks)
 
 
