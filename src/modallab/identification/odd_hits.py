@@ -14,7 +14,7 @@ from modallab.signals.signals import Signals
 
 LEAST_HITS = 3
 """At a point: of two that differ either may be at fault."""
-ODD = 0.3
+ODD = 0.1
 """Of an FRF's size, from which on a hit's differs from that of the others by a fault, not by its place or its force."""
 SPREAD = 5.0
 """Times the usual difference at the point, above which a hit or a channel stands alone."""
@@ -33,12 +33,14 @@ class _Point:
     Attributes:
         hits: of it.
         values: (hits, outputs, lines) FRFs times the size of the usual force, so that lines count as they were driven.
+        strength: (hits,) of their forces, relative to the usual one.
         lines: indices of the lines.
         sigma: in 1/s.
     """
 
     hits: Sequence[Signals]
     values: Complex128
+    strength: Real
     lines: NDArray[np.int64]
     sigma: float
 
@@ -49,8 +51,8 @@ class _Point:
 
     @property
     def differences(self) -> Real:
-        """(hits, outputs) from what is usual, relative to it."""
-        return _size(self.values - self.usual) / _size(self.usual)
+        """(hits, outputs) from what is usual, relative to it; less of a soft hit, in which noise counts for more."""
+        return np.minimum(self.strength, 1)[:, None] * _size(self.values - self.usual) / _size(self.usual)
 
 
 def agreeing_hits(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ...]]:
@@ -76,7 +78,8 @@ def _point_of(group: Sequence[Signals]) -> _Point:
     forces = np.stack([scipy.fft.rfft(s.hit_force * window)[lines] for s in group])
     motions = (s.responses - pre_trigger_level(s)[:, None] for s in group)
     responses = np.stack([scipy.fft.rfft(m * window, axis=-1)[:, lines] for m in motions])
-    return _Point(group, responses / forces[:, None] * _size(forces.T)[None, None], lines, sigma)
+    strength = _size(forces) / np.median(_size(forces))
+    return _Point(group, responses / forces[:, None] * _size(forces.T)[None, None], strength, lines, sigma)
 
 
 def _size(values: Complex128) -> Real:
@@ -95,8 +98,8 @@ def _fault_of(point: _Point, hit: int) -> str:
     odd = [int(k) for k in np.flatnonzero((own > ODD) & (own > SPREAD * usual))]
     if len(odd) == own.size and (found := _as_usual(point, hit, odd, odd)):
         return f"its force is {_in_words(1 / found[0], -found[1], 'it')}"
-    rest = float(np.median(np.delete(own, odd))) if len(odd) < own.size else np.inf
-    return "; ".join(filter(None, (_of_channel(point, hit, k, alone=own[k] > SPREAD * rest) for k in odd)))
+    alone = own.size > 1 and len(odd) == 1 and own[odd[0]] > SPREAD * np.delete(own, odd).max()
+    return "; ".join(filter(None, (_of_channel(point, hit, k, alone=alone) for k in odd)))
 
 
 def _of_channel(point: _Point, hit: int, channel: int, *, alone: bool) -> str:
@@ -119,9 +122,10 @@ def _as_usual(point: _Point, hit: int, rows: Sequence[int], others: Sequence[int
     """The factor and the delay in samples that make the usual FRFs of `others` those of a hit in `rows`, if any do."""
     found, usual = point.values[hit, rows].ravel(), point.usual[others].ravel()
     delays, n = np.arange(-LATEST, LATEST + 1), point.hits[hit].force.size
-    turned = np.exp(-2j * np.pi * np.outer(delays, np.tile(point.lines, len(rows))) / n)
-    shares = (turned.conj() @ (usual.conj() * found)).real / np.vdot(usual, usual).real
-    best = int(np.abs(shares).argmax())
+    s = point.sigma + 2j * np.pi * np.tile(point.lines, len(rows)) * point.hits[hit].rate_hz / n
+    turned = np.exp(-np.outer(delays / point.hits[hit].rate_hz, s))
+    shares = (turned.conj() @ (usual.conj() * found)).real / (np.abs(turned[:, 0]) ** 2 * np.vdot(usual, usual).real)
+    best = int((np.abs(shares) * np.abs(turned[:, 0])).argmax())
     left = _size(found - shares[best] * turned[best] * usual) / _size(found - point.usual[rows].ravel())
     return (float(shares[best]), int(delays[best])) if left < EXPLAINED else None
 
