@@ -134,7 +134,9 @@ def _begins_at(point: _Point, hit: int, channel: int) -> float:
     """When a channel begins to differ, in s."""
     signals, n = point.hits[hit], point.hits[hit].force.size
     spectrum = np.zeros(n // 2 + 1, complex)
-    spectrum[point.lines] = point.values[hit, channel] - point.usual[channel]
+    # A taper over the band keeps apart in time what edges of the band would spread.
+    spectrum[point.lines] = (point.values[hit, channel] - point.usual[channel]) * np.hanning(point.lines.size)
     beside = scipy.fft.irfft(spectrum, n) * np.exp(point.sigma * np.arange(n) / signals.rate_hz)
     power = np.cumsum(beside**2)
-    return float(np.searchsorted(power, _BEGUN * power[-1])) / signals.rate_hz
+    # FRFs count time from the hit.
+    return (signals.hit.peak + float(np.searchsorted(power, _BEGUN * power[-1]))) / signals.rate_hz

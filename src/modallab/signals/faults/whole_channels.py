@@ -85,4 +85,20 @@ def drift(row: Real, rate_hz: float, channel: str) -> tuple[Fault, ...]:
     slow = np.polynomial.Legendre.fit(np.arange(row.size), about, _ORDER)(np.arange(row.size))
     if float(slow @ slow) < _SHARE * power:
         return ()
-    return (Fault(channel, f"its zero drifts by {np.ptp(slow):.3g}, more than it moves", 0.0, row.size),)
+    first = _begins_at(row)
+    return (
+        Fault(channel, f"its zero drifts by {np.ptp(slow):.3g}, more than it moves", first / rate_hz, row.size - first),
+    )
+
+
+def _begins_at(row: Real) -> int:
+    """The sample (n,) up to which a mean follows a row and a cubic what comes after, with the least that is left."""
+    edges = np.arange(0, row.size - row.size // 8, max(row.size // 128, 1))
+    places = np.linspace(-1, 1, row.size)
+
+    def left(first: int) -> float:
+        before, after = row[:first], row[first:]
+        slow = np.polynomial.Legendre.fit(places[first:], after, 3)(places[first:])
+        return float(((before - before.mean()) ** 2).sum() if first else 0.0) + float(((after - slow) ** 2).sum())
+
+    return min(map(int, edges), key=left)
