@@ -20,7 +20,7 @@ from modallab.bench.protocol import BenchInfo, Delivery
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Channel, Rig
 from modallab.storage import BlockNote, Store
-from modallab.storage.address import name_database
+from modallab.storage.engine import name_database
 
 BLOCK_S = 1.024
 CHANNELS = 11

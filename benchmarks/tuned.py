@@ -17,8 +17,7 @@ import numpy as np
 
 import modallab as ml
 from by_seed import measure
-from modallab.bench.loader import open_bench
-from modallab.bench.simulated import simulated_bench
+from modallab.bench.loader import open_bench, simulated_bench
 from modallab.cli.demo import demo_rig
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Tolerance

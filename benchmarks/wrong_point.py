@@ -10,9 +10,8 @@ from collections import Counter
 
 import numpy as np
 
-from modallab.acquisition.procedures.struck_point.answer import answer_of
 from modallab.acquisition.procedures.struck_point.check import StruckPointCheck
-from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, answer_of
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Request
 from modallab.cli.demo import demo_rig

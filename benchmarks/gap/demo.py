@@ -8,7 +8,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from modallab.bench.simulated import simulated_bench
+from modallab.bench.loader import simulated_bench
 from modallab.cli.demo import demo_plans, demo_rig
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import ModallabError

@@ -29,7 +29,7 @@ from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import frf_in_band, identify_frf
 from modallab.identification.options import IdentificationOptions
 from modallab.modification.freedoms import with_points
-from modallab.modification.synthesis import receptances_of_model
+from modallab.modification.frfs import receptances_of_model
 from modallab.pipelines.structure_trials import measured_frf
 
 Complex = NDArray[np.complex128]

@@ -21,8 +21,7 @@ from modallab.pipelines.report import report_content, truth_of
 from modallab.reporting.compare import matched_modes
 from modallab.reporting.content import OutcomeOfTest
 from modallab.reporting.figures import style
-from modallab.reporting.figures.damping import damping_figure
-from modallab.reporting.figures.half_power_reading import half_power_reading
+from modallab.reporting.figures.damping import damping_figure, half_power_reading
 from modallab.reporting.figures.mobility import mobility_panels
 from modallab.reporting.figures.mode_shapes import mode_shapes
 

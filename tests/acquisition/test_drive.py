@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted_bench import ScriptedBench, scripted_rig
 
-from modallab.acquisition.procedures.drive import HEADROOM, MAX_GROWTH, Drive, MeasuredBurst
+from modallab.acquisition.procedures.burst import HEADROOM, MAX_GROWTH, Drive, MeasuredBurst
 from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Burst

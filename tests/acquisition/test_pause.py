@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import pytest
 from scripted_bench import ScriptedBench, Strike, scripted_rig
 
-from modallab.acquisition.monitor.requests import DropBlock, Requests
+from modallab.acquisition.monitor.run_states import DropBlock, Requests
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.runs import Repeat

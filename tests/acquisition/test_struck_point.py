@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from modallab.acquisition.monitor.requests import AcceptBlock, Requests
-from modallab.acquisition.procedures.struck_point.frfs_so_far import FrfsSoFar
+from modallab.acquisition.monitor.run_states import AcceptBlock, Requests
+from modallab.acquisition.procedures.struck_point.check import FrfsSoFar
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.blind.measured.put import AppliedEffect, with_effect
+from modallab.blind.measured.draw import AppliedEffect, with_effect
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 
 MASS = np.diag([2.0, 1.0, 1.5])

@@ -11,7 +11,7 @@ from modallab.blind.measured.draw import MeasuredRequest
 from modallab.blind.measured.run import blind_on
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
-from modallab.modification.synthesis import receptances_of_model
+from modallab.modification.frfs import receptances_of_model
 
 
 def measured(degrees: float) -> Frf:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from modallab.cli import main
-from modallab.service.records.callers import Callers
+from modallab.service.records.users import Callers
 from modallab.storage import Store
 
 

@@ -16,11 +16,11 @@ from modallab.core.digits import (
     percent_text,
     probability_text,
     relative_difference,
+    rounded_to_sigma,
     scientific_text,
     short_number,
     significant_digits,
     three_digits,
-    to_places_of_sigma,
     with_hard_blanks,
     with_interval,
     with_sigma,
@@ -63,9 +63,9 @@ def test_the_concise_form_counts_in_the_last_places(value, sigma, text):
 
 def test_a_truth_is_written_to_the_places_of_the_reading():
     assert (
-        to_places_of_sigma(4.8029912, 0.0003),
-        to_places_of_sigma(4.8029912, nan),
-        to_places_of_sigma(nan, 1.0),
+        rounded_to_sigma(4.8029912, 0.0003),
+        rounded_to_sigma(4.8029912, nan),
+        rounded_to_sigma(nan, 1.0),
     ) == ("4.8030", "4.8030", "unknown")
     assert (three_digits(2.44128), three_digits(799.9), three_digits(4997.0)) == ("2.44", "800", "5000")
 

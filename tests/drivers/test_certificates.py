@@ -11,8 +11,7 @@ from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
 from modallab.core.errors import RigError
 from modallab.core.events import Event, Notice
-from modallab.core.hardware import Calibration
-from modallab.core.metrology import Certificate
+from modallab.core.hardware import Calibration, Certificate
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import dump_rig, read_rig, write_rig

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.monitor.requests import Requests
+from modallab.acquisition.monitor.run_states import Requests
 from modallab.acquisition.process.run import record, run_plan
 from modallab.bench.abilities import HardwareTriggered, ReferenceTrigger
 from modallab.bench.loader import open_bench

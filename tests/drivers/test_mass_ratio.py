@@ -8,7 +8,7 @@ import pytest
 
 from modallab.commissioning.calibrate import measure_mass_ratio
 from modallab.core.errors import FormatError
-from modallab.core.metrology import MassRatio, judge_mass_ratios
+from modallab.core.hardware import MassRatio, judge_mass_ratios
 from modallab.core.rig import Rig
 from modallab.formats.rig.mass_ratios_file import FILE, add_mass_ratio, read_mass_ratios
 

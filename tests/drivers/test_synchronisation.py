@@ -8,7 +8,7 @@ from ni_server import NiServer
 
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Burst, Request
-from modallab.commissioning.findings import Finding
+from modallab.commissioning.rig_check import Finding
 from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation, delay_between
 from modallab.core.errors import ConfigurationError
 from modallab.core.hardware import Synchronisation

@@ -3,8 +3,8 @@ import pytest
 from scipy import signal
 
 from modallab.core.errors import DataError
+from modallab.frf.broadband import segment_spectra
 from modallab.frf.references import estimate_frf
-from modallab.frf.segments import segment_spectra
 
 RATE = 256.0
 

@@ -13,9 +13,9 @@ from modallab.gap.modal.matching import Side
 from modallab.gap.modal.weights import Weights
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions
+from modallab.modification.frfs import receptances_of_model
 from modallab.modification.mesh import MOST, Mesh, surface_directions
 from modallab.modification.shapes import shapes_of
-from modallab.modification.synthesis import receptances_of_model
 
 
 def test_constants_hold_the_shapes_of_every_struck_point_and_what_lies_between() -> None:

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from phased_line import model, rig
 
-from modallab.blind.measured.put import AppliedEffect, with_effect
+from modallab.blind.measured.draw import AppliedEffect, with_effect
 from modallab.core.frf import Frf
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions
-from modallab.modification.synthesis import receptances_of_model
+from modallab.modification.frfs import receptances_of_model
 
 
 def distorted(seed: int = 0) -> Frf:

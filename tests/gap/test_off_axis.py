@@ -18,7 +18,7 @@ from modallab.gap.modal.off_axis import MeasuredFrfs
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions
-from modallab.modification.synthesis import receptances_of_model
+from modallab.modification.frfs import receptances_of_model
 
 HZ = np.arange(10.0, 95.0, 0.05)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from modallab.modification.between import NOISE, SpatialInterpolation
+from modallab.modification.shapes import NOISE, SpatialInterpolation
 
 PLACES = np.stack([np.linspace(0.1, 1.0, 10), np.zeros(10), np.zeros(10)], axis=1)
 WAVES = np.stack([np.sin(2 * PLACES[:, 0]), np.sin(9 * PLACES[:, 0])], axis=1)

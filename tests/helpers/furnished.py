@@ -19,7 +19,7 @@ from modallab.service.campaigns.begin import begin_run
 from modallab.service.campaigns.queueing import queue_run
 from modallab.service.jobs.campaign_jobs import order_job
 from modallab.service.records.users import Users
-from modallab.storage.address import name_database
+from modallab.storage.engine import name_database
 
 URL = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 

@@ -10,9 +10,9 @@ from typing import Self
 import httpx
 import uvicorn
 
-from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.documents.pages import EventView
 from modallab.core.documents.rigs import Lease
+from modallab.core.documents.runs import CampaignNew
 from modallab.core.events import RunState
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings

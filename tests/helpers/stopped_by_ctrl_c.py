@@ -5,7 +5,7 @@ import signal
 import sys
 from collections.abc import Callable
 
-from modallab.cli import main, progress
+from modallab.cli import console, main
 from modallab.core.documents.pages import EventView
 from modallab.core.progress import report_progress_to
 
@@ -27,14 +27,14 @@ def ctrl_c_at(nth: int) -> Callable[[], None]:
 def pressed(nth: int, argv: list[str]) -> int:
     """Run the command; its exit code."""
     sign = ctrl_c_at(nth)
-    shown = progress.Display.notify
+    shown = console.Display.notify
 
-    def notify(display: progress.Display, event: EventView) -> None:
+    def notify(display: console.Display, event: EventView) -> None:
         shown(display, event)
         if event.kind == "progress":
             sign()
 
-    progress.Display.notify = notify  # type: ignore[method-assign]
+    console.Display.notify = notify  # type: ignore[method-assign]
     with report_progress_to(lambda _share, _words: sign()):
         return main(argv)
 

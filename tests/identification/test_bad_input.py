@@ -25,7 +25,7 @@ from modallab.identification.options import IdentificationOptions
 from modallab.identification.selection import assumptions, criteria
 from modallab.identification.selection.diagram import stabilisation_diagram
 from modallab.identification.sine import identify_sine
-from modallab.identification.start import half_power, mode_indicators
+from modallab.identification.start import bands, half_power
 from modallab.identification.start.bands import split_bands
 from modallab.signals.signals import to_signals_of
 from modallab.verification.verify import frac, synthesised_frf, verify_frf, verify_impact, verify_sine
@@ -66,8 +66,8 @@ OF_FRF = {
     **{f"estimate {m}": lambda it, m=m: estimate_poles(it, m) for m in ("plscf", "era", "circle", "peak")},
     "identify_frf": lambda it: identify_frf(it, RIG, IdentificationOptions()),
     "identify_peaks": lambda it: identify_peaks(it, None),
-    "mmif": mode_indicators.mmif,
-    "cmif": mode_indicators.cmif,
+    "mmif": bands.mmif,
+    "cmif": bands.cmif,
     "split_bands": split_bands,
     "diagram": lambda it: stabilisation_diagram(it, ORDERS),
     "convert": lambda it: convert_frf(it, "receptance"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.identification.model.folded import POWERS, fold_into_residuals
+from modallab.identification.model.modal_model import POWERS, fold_into_residuals
 
 
 @pytest.mark.parametrize(("above", "off"), [(1.0, 0.05), (1.05, 0.005), (1.2, 1e-4)])

@@ -10,8 +10,7 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Rig
 from modallab.identification.frf_model import identify_frf, identify_given_frf
-from modallab.identification.likelihood.even_noise import line_weights
-from modallab.identification.likelihood.frf_fit import fit_frf
+from modallab.identification.likelihood.frf_fit import fit_frf, line_weights
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.selection.lost_modes import restore_lost_modes, unshared_power
 from modallab.identification.selection.prune import is_mode

@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.impact import identify_impact
-from modallab.identification.model.hit_shares import with_hit_shares
+from modallab.identification.model.modal_model import with_hit_shares
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.selection.pre_trigger_noise import model_error
 from modallab.signals.signals import to_signals_of

@@ -4,7 +4,7 @@ from test_plscf import frf
 
 from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.estimators.circle import circle_fit
-from modallab.identification.start.mode_indicators import cmif, mmif
+from modallab.identification.start.bands import cmif, mmif
 
 PHI = np.random.default_rng(0).standard_normal((3, 6))
 LINES = np.arange(20, 60, 0.02)

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from test_plscf import frf
 
-from modallab.identification.start.missed_modes import misfit_of_trials
-from modallab.identification.start.refine_start import polish_poles
+from modallab.identification.start.refine_start import misfit_of_trials, polish_poles
 
 DRIVEN = np.array([3, 4, 5, 6, 8, 12, 18, 24, 28, 30, 31, 32, 33, 35, 40, 50, 60, 72, 84, 88, 90, 92, 96, 108]) / 1.024
 BAND = (2.79, 110.7)

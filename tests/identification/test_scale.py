@@ -5,14 +5,12 @@ from datetime import date
 import numpy as np
 import pytest
 
-from modallab.core.hardware import Calibration
-from modallab.core.metrology import Certificate
+from modallab.core.hardware import Calibration, Certificate
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.identification.model.modal_mass import driving_points, unit_mass_shapes
-from modallab.identification.model.scale import relative_sigma, with_scale
+from modallab.identification.model.modal_mass import driving_points, relative_sigma, unit_mass_shapes, with_scale
 from modallab.modification.deflection import shapes_at_freedoms
-from modallab.reporting.figures.shape_data import beam_shape
+from modallab.reporting.figures.mode_shapes import beam_shape
 from modallab.reporting.figures.wireframe import shapes_of_model
 
 POINTS = (1, 2, 3)

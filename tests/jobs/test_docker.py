@@ -24,7 +24,7 @@ from waiting import ended
 
 from modallab.cli.parser import build_parser
 from modallab.jobs import Jobs
-from modallab.jobs.address import TlsFiles
+from modallab.jobs.cluster import TlsFiles
 from modallab.jobs.runner import Runner
 
 ROOT = Path(__file__).parents[2]
@@ -280,7 +280,7 @@ def test_the_cluster_of_the_file_computes_a_job_over_tls(
 
 
 def test_dasks_environment_names_the_certificates(tmp_path: Path) -> None:
-    code = "from modallab.jobs.address import TlsFiles; print(TlsFiles.configured())"
+    code = "from modallab.jobs.cluster import TlsFiles; print(TlsFiles.configured())"
     names = {k: v for k, v in services()["service"]["environment"].items() if k.startswith("DASK")}
     done = subprocess.run(
         [sys.executable, "-c", code], env=os.environ | names, capture_output=True, text=True, check=True, cwd=tmp_path

@@ -15,7 +15,7 @@ from waiting import ended, until
 
 from modallab.core.errors import JobError
 from modallab.jobs import Jobs
-from modallab.jobs.address import TlsFiles
+from modallab.jobs.cluster import TlsFiles
 from modallab.jobs.runner import Runner
 
 pytestmark = pytest.mark.thorough("starts schedulers and workers, and kills them")

@@ -14,8 +14,7 @@ from waiting import ended, until
 
 from modallab.core.errors import JobError
 from modallab.jobs import Jobs
-from modallab.jobs.address import TlsFiles, check_address
-from modallab.jobs.cluster import Cluster, SchedulerLostError
+from modallab.jobs.cluster import Cluster, SchedulerLostError, TlsFiles, check_address
 from modallab.jobs.runner import Runner
 
 

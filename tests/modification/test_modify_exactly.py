@@ -11,8 +11,7 @@ from modallab.core.errors import DataError
 from modallab.formats.frf_file import rig_without_places
 from modallab.modification.attachments import AttachedPart, Element, RigidLink, TunedAbsorber
 from modallab.modification.coupled import CouplingToStructure
-from modallab.modification.free_band import changes_for_free_band
-from modallab.modification.inverse import By, best_absorber, changes_for_frequency
+from modallab.modification.inverse import By, best_absorber, changes_for_free_band, changes_for_frequency
 from modallab.modification.known import KnownStructure
 from modallab.modification.modified import passive_damping
 from modallab.modification.remainder import intervals_of_rest

@@ -9,9 +9,8 @@ from modallab.core.documents.forces import ForceKind, SineForce, SweepForce
 from modallab.core.errors import DataError
 from modallab.core.model import ScaleUncertainty
 from modallab.core.units import Quantity
-from modallab.modification.forces import force_samples
 from modallab.modification.known import KnownStructure
-from modallab.modification.motion import MotionOverTime
+from modallab.modification.motion import MotionOverTime, force_samples
 
 DT = 1 / 512
 N = 2048

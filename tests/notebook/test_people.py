@@ -168,7 +168,7 @@ MISTAKES = {
     "words for frequencies": (lambda: ml.frf(["a", "b"], [1j, 2j]), "f is no array of numbers"),
     "rows of two lengths": (lambda: ml.frf([1, 2], [[1j, 2j], [1j]]), "H is no array of numbers"),
     "values that are not finite": (lambda: ml.frf(f, np.where(f == 30, np.nan, H)), "H holds 2 values"),
-    "outputs by name": (lambda: ml.frf(f, H, outputs=["tip", "root"]), "are no numbers of points"),
+    "outputs by name": (lambda: ml.frf(f, H, outputs=["tip", "root"]), "are not point numbers"),
     "inputs for outputs": (lambda: ml.frf(f, H, inputs=[1, 2], outputs=[10]), r"outputs=\[10\] for 2 outputs"),
     "a conjugated FRF": (lambda: ml.identify(ml.frf(f, one_mode().conj())), "the phase of H rises"),
     "one edge for a band": (lambda: ml.identify(ml.frf(f, H), band=3), "band=3 is no pair"),

@@ -15,7 +15,7 @@ from modallab.formats.fem.matrix_model import modes_of, symmetric
 from modallab.gap.modal.narrower import in_band
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import IdentificationOptions
-from modallab.modification.synthesis import receptances_of_model
+from modallab.modification.frfs import receptances_of_model
 from modallab.updating.elements import frf_of_elements, mesh_of_elements, model_of_elements
 
 EI, PER_M, LENGTH, BAND = 70.0, 0.8, 0.9, (3.0, 250.0)

@@ -16,7 +16,7 @@ from modallab.bench.loader import open_bench
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
-from modallab.core.metrology import Certificate
+from modallab.core.hardware import Certificate
 from modallab.core.model import ModalModel
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Rig
@@ -31,8 +31,8 @@ from modallab.frf.joined import joined_frf
 from modallab.frf.periodic_drive import cut_to_drive_clock, without_decays
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.modal.diagnosis import diagnose_by_model
-from modallab.identification.likelihood.derivatives import poles_of
-from modallab.identification.model.scale import with_scale
+from modallab.identification.likelihood.basis import poles_of
+from modallab.identification.model.modal_mass import with_scale
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import IdentifiedTest, identify_campaign
 from modallab.signals.signals import Signals, to_signals, to_signals_of

@@ -14,12 +14,9 @@ from matplotlib.figure import Figure
 from modallab.reporting.compare import matched_modes
 from modallab.reporting.content import TrueModes
 from modallab.reporting.figures.blocks import cut_pulse, hits_figure, impact_block, sine_block
-from modallab.reporting.figures.damping import damping_figure, paper_value
-from modallab.reporting.figures.half_power_reading import half_power_reading, half_power_readings
-from modallab.reporting.figures.mobility import mobility_panels, one_point
-from modallab.reporting.figures.mode_shapes import mode_shapes
-from modallab.reporting.figures.overview import frf_overview
-from modallab.reporting.figures.shape_data import example_block, farthest_sensor
+from modallab.reporting.figures.damping import damping_figure, half_power_reading, half_power_readings, paper_value
+from modallab.reporting.figures.mobility import frf_overview, mobility_panels, one_point
+from modallab.reporting.figures.mode_shapes import example_block, farthest_sensor, mode_shapes
 
 BOTH = ("impact", "sine")
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from page_reader import Page
 
-from modallab.core.digits import relative_difference, to_places_of_sigma, with_sigma
+from modallab.core.digits import relative_difference, rounded_to_sigma, with_sigma
 from modallab.core.errors import StorageError
 from modallab.reporting.content import OutcomeOfTest, ReportContent, ReportedHit
 from modallab.reporting.figures.style import panel_grid
@@ -76,8 +76,8 @@ def test_the_table_holds_the_numbers_of_the_models(content, parsed):
         assert row[2] == with_sigma(model.frequency_hz[mode], model.frequency_sigma_hz[mode])
         assert row[3] == with_sigma(100 * model.damping_ratio[mode], 100 * model.damping_sigma[mode])
         assert float(row[4]) == pytest.approx(100 * model.half_power[mode], rel=5e-3)
-        assert row[5].startswith(to_places_of_sigma(figure_data.FREQUENCY[mode], model.frequency_sigma_hz[mode]))
-        assert row[6].startswith(to_places_of_sigma(100 * figure_data.DAMPING[mode], 100 * model.damping_sigma[mode]))
+        assert row[5].startswith(rounded_to_sigma(figure_data.FREQUENCY[mode], model.frequency_sigma_hz[mode]))
+        assert row[6].startswith(rounded_to_sigma(100 * figure_data.DAMPING[mode], 100 * model.damping_sigma[mode]))
         assert relative_difference(model.damping_ratio[mode], figure_data.DAMPING[mode]) in row[6]
 
 

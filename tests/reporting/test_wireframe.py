@@ -7,7 +7,7 @@ import numpy as np
 from chain import BARE
 
 from modallab.formats.frf_file import rig_without_places
-from modallab.modification.skeleton import motion_without_scale
+from modallab.modification.mesh import motion_without_scale
 from modallab.reporting.figures.wireframe import MovingShape, moving_wireframes, shapes_of_model
 
 CORNERS = {1: (0.0, 0.0, 0.0), 2: (1.0, 0.0, 0.0), 3: (1.0, 1.0, 0.0), 7: (0.0, 1.0, 0.0)}

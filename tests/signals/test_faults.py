@@ -17,7 +17,7 @@ from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.sound import undamaged_records
 from modallab.signals.faults.found import faults_of
-from modallab.signals.faults.runs import Fault
+from modallab.signals.faults.repeats import Fault
 from modallab.signals.faults.whole_channels import LOWEST_LINE
 
 Rows = NDArray[np.float64]

@@ -7,7 +7,7 @@ import pytest
 from postgresql_server import DATABASES, Server
 
 from modallab.storage import Store
-from modallab.storage.address import name_database
+from modallab.storage.engine import name_database
 
 
 @pytest.fixture

@@ -13,8 +13,7 @@ from sqlalchemy.exc import IntegrityError
 
 from modallab.core.errors import DiskFullError, FormatError, StorageError
 from modallab.storage import BlockNote, Store, campaign_of
-from modallab.storage.address import name_database
-from modallab.storage.engine import open_engine
+from modallab.storage.engine import name_database, open_engine
 from modallab.storage.tables import BLOCKS
 
 NOTE = BlockNote("b", "impact", 2**40, drive_point=1, overload=("a01",), facts={"peak_n": 61.5})

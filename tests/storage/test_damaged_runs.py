@@ -10,11 +10,11 @@ import pytest
 from recording import INFO, PLAN, begin, noise, small_rig
 
 from modallab.core.errors import DiskFullError, FormatError, StorageError
-from modallab.core.lease import Lease
+from modallab.core.owned import Lease
 from modallab.storage import BlockNote, Store
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import file_system, require_local, require_space
-from modallab.storage.seal import lookup3_checksum, seal_file
+from modallab.storage.samples import lookup3_checksum, seal_file
 
 
 def recorded(store: Store, count: int = 3) -> tuple[str, Path]:

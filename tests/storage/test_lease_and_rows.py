@@ -10,7 +10,7 @@ from recording import begin
 from sqlalchemy import text
 
 from modallab.core.errors import RowDamagedError, StorageError
-from modallab.core.lease import Lease
+from modallab.core.owned import Lease
 from modallab.storage import Store
 
 

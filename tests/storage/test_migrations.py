@@ -11,8 +11,8 @@ from sqlalchemy import Connection, Engine, inspect, text
 from modallab.core.errors import FormatError
 from modallab.core.versions import STORE
 from modallab.storage import BlockNote, Store, campaign_of
+from modallab.storage.catalogue import STEPS, migrate_tables
 from modallab.storage.engine import open_engine
-from modallab.storage.migrate import STEPS, migrate_tables
 
 OLD = Path(__file__).parents[1] / "data" / "store_v1"
 TABLES = {"store", "runs", "blocks"}

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import brentq
 
 from modallab.core.rig import Beam
-from modallab.twin.base_motion import base_transmission
 from modallab.twin.modes import solve_modes
+from modallab.twin.response import base_transmission
 from modallab.twin.structure import TwinStructure
 
 BEAM = Beam(length_m=1.0, width_m=0.05, thickness_m=0.002, youngs_modulus_pa=2.05e11, density_kg_m3=7850.0)

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import eigh
 
-from modallab.updating.model_error import model_error_covariance
+from modallab.updating.posterior import model_error_covariance
 
 HZ = np.array([5.0, 30.0, 31.0, 86.0, 170.0, 300.0])
 MEASURED = np.array([0, 2, 1, 3])

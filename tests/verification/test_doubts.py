@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_comparison import SHAPES, model
 
-from modallab.verification.reservations import doubts_about_modes, output_of_isolated_mode
+from modallab.verification.assessment import doubts_about_modes, output_of_isolated_mode
 
 SURE = np.array([0.9, 0.95, 0.99])
 

@@ -14,11 +14,10 @@ from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx.channels import teds_sensitivities, teds_serials
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError
-from modallab_drivers.ni_daqmx.inputs import Inputs
+from modallab_drivers.ni_daqmx.inputs import Inputs, TriggeredRecord
 from modallab_drivers.ni_daqmx.plugs import Plug, plugs_of
 from modallab_drivers.ni_daqmx.route import Route, parse, patiently
 from modallab_drivers.ni_daqmx.shaker import Shaker
-from modallab_drivers.ni_daqmx.triggered import TriggeredRecord
 from modallab_drivers.output import require, require_count
 
 State = Literal["open", "configured", "running", "armed", "stopped", "lost", "gone", "closed"]

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import nidaqmx.errors
@@ -230,3 +231,29 @@ class Inputs:
                 remedy="put all channels on modules of one kind, or state these delays as channels[].delay_s",
             )
         return max(delays.values())
+
+
+class TriggeredRecord:
+    """A started finite task that waits for a crossing."""
+
+    def __init__(self, inputs: Inputs, trigger: ReferenceTrigger, *, virtual_time: bool) -> None:
+        """Wait with `inputs`, which were made with the same trigger and started."""
+        self._inputs, self._trigger, self._virtual_time = inputs, trigger, virtual_time
+        self._early: NDArray[np.float32] | None = None
+
+    def is_armed(self) -> bool:
+        """Whether the pre-trigger is full."""
+        if self._virtual_time and self._early is None:
+            # There, time goes on only by reading.
+            with suppress(BenchTimeoutError):
+                self._early = self._inputs.read(self._trigger.count, 0.0)
+        return self._early is not None or self._inputs.acquired() >= self._trigger.pre_trigger
+
+    def take(self, timeout_s: float) -> NDArray[np.float32]:
+        """The (channels, count) values of the record.
+
+        Raises:
+            BenchTimeoutError: no crossing yet.
+        """
+        early, self._early = self._early, None
+        return early if early is not None else self._inputs.read(self._trigger.count, timeout_s)

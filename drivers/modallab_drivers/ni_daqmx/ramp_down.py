@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from modallab.bench.fall import fall_samples
 from modallab.bench.protocol import Burst
 from modallab.core.errors import ConfigurationError
-from modallab.core.lease import Lease
+from modallab.core.owned import Lease
 from modallab_drivers.ni_daqmx.errors import typed_error
 from modallab_drivers.output import burst_samples
 

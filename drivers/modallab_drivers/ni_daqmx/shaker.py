@@ -134,7 +134,7 @@ class Shaker:
 
     def _require_ready(self, output: Output) -> None:
         if output.busy:
-            raise ConfigurationError("a burst is still on", where=self._where, remedy="wait for its end, or zero()")
+            raise ConfigurationError("a burst is still on", where=self._where, remedy="wait for it, or call zero()")
         if self._streams:
             require_guarded(self._rig.excitation, self._where)
         self._guards.beat(now=True)

@@ -21,7 +21,7 @@ from modallab_simulators.cantilever.modes import Modes, SolvedModes, eigh
 
 KEPT = 80
 SUMMED = 160
-"""Modes of the bare structure that are kept, and up to which those above are summed."""
+"""Number of modes of the bare structure that are kept, and number up to which the flexibility of the rest is summed."""
 
 _NOTHING = 1e-9
 _SAME = 1e-6

@@ -12,7 +12,7 @@ from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, 
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.address import EVERYDAY, Circumstances, Settings
-from modallab_simulators.cantilever.channels import outputs_of
+from modallab_simulators.cantilever.chain import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
 from modallab_simulators.cantilever.hammer import Hit, Swing, draw_swing
@@ -166,7 +166,7 @@ class CantileverBench:
         if not self._shakers_x:
             raise UnsupportedError("the rig has no shaker", where=self._info.url, remedy="give the rig a shaker_point")
         if self._excitation.running(self._now_s):
-            raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for its end, or zero()")
+            raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for it, or call zero()")
 
     def _emit(self, *made: Callable[[float], Emission | WaveEmission]) -> int:
         start = self._stream.position + ceil(LATENCY_S * self._rate)

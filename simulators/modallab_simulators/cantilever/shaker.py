@@ -5,7 +5,7 @@ from math import isfinite, pi
 
 import numpy as np
 
-from modallab.bench.fall import fall_s, fall_volts
+from modallab.bench.fall import fall_s, volts_during_fall
 from modallab.bench.protocol import Burst, Waveform
 from modallab.core.arrays import Real
 from modallab.core.errors import ConfigurationError
@@ -45,7 +45,7 @@ class Emission:
         """Output in V: a sine under its taper, or what falls from it; exactly 0 outside the burst."""
         wave = self._wave(times_s)
         if self.cut_s is not None:
-            falling = fall_volts(times_s - self.cut_s, self._at(self.cut_s), self.burst.amplitude_v)
+            falling = volts_during_fall(times_s - self.cut_s, self._at(self.cut_s), self.burst.amplitude_v)
             wave = np.where(times_s < self.cut_s, wave, falling)
         return np.where((times_s > self.start_s) & (times_s < self.end_s), wave, 0.0)
 

@@ -12,8 +12,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab_simulators.cantilever.assembled import elements_of
 from modallab_simulators.cantilever.basis import Basis
-from modallab_simulators.cantilever.chain import Chain, Hum, Luck
-from modallab_simulators.cantilever.channels import outputs_of
+from modallab_simulators.cantilever.chain import Chain, Hum, Luck, outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.drifting import Drifting
 from modallab_simulators.cantilever.excitation import Excitation, Floor

@@ -17,9 +17,8 @@ from modallab_simulators.ni_daqmx_server.output_task import OutputTask, Watchdog
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S, Plant, SharedPlant
 from modallab_simulators.ni_daqmx_server.signals import TIMEBASES, BenchClock, Pulses
 from modallab_simulators.ni_daqmx_server.sources import channel_sources
-from modallab_simulators.ni_daqmx_server.starting import pulses_of, start
+from modallab_simulators.ni_daqmx_server.starting import NETWORKED, Clocks, pulses_of, start
 from modallab_simulators.ni_daqmx_server.status import StatusError
-from modallab_simulators.ni_daqmx_server.synchronization import NETWORKED, Clocks
 from modallab_simulators.ni_daqmx_server.systems import Layout, domain
 from modallab_simulators.ni_daqmx_server.tasks import Reservations, Task
 

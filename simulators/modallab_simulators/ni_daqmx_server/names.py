@@ -16,7 +16,7 @@ FAMILIES = {
     "TimingEx": "Timing", "CalInfo": "CalibrationInfo", "ExportedSignal": "ExportSignal",
     "PersistedChan": "PersistedChannel",
 }  # fmt: skip
-"""Families of attributes by the part of a call's name, where they differ."""
+"""Family of attributes by its short form in a call's name, where the two differ."""
 
 
 def _read() -> dict[str, dict[int, tuple[str, str]]]:

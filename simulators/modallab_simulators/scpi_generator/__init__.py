@@ -4,8 +4,7 @@ Four makers' languages are understood, each strictly, and each with what the mak
 """
 
 from modallab_simulators.scpi_generator.device import ScpiGenerator
-from modallab_simulators.scpi_generator.hislip import HislipGenerator
-from modallab_simulators.scpi_generator.ports import PtyGenerator, SocketGenerator
+from modallab_simulators.scpi_generator.ports import HislipGenerator, PtyGenerator, SocketGenerator
 from modallab_simulators.scpi_generator.settings import SINE_DIALECTS
 
 __all__ = ["SINE_DIALECTS", "HislipGenerator", "PtyGenerator", "ScpiGenerator", "SocketGenerator"]

@@ -22,7 +22,7 @@ def fall_s(from_v: float, level_v: float) -> float:
     return max(FALL_S, pi / 2 * abs(from_v) / (MOST_PER_S * level_v))
 
 
-def fall_volts(times_s: NDArray[np.float64], from_v: float, level_v: float) -> NDArray[np.float64]:
+def volts_during_fall(times_s: NDArray[np.float64], from_v: float, level_v: float) -> NDArray[np.float64]:
     """The fall in V at times since it began: `from_v` before, exactly 0 after."""
     part = np.clip(times_s / fall_s(from_v, level_v), 0, 1)
     return np.where(part < 1, from_v * (1 + np.cos(pi * part)) / 2, 0.0)
@@ -31,4 +31,4 @@ def fall_volts(times_s: NDArray[np.float64], from_v: float, level_v: float) -> N
 def fall_samples(from_v: float, level_v: float, rate_hz: float) -> NDArray[np.float64]:
     """The fall as (n,) volts at an output's rate, n at least 2; the last sample is exactly 0."""
     count = max(2, ceil(fall_s(from_v, level_v) * rate_hz) + 1)
-    return fall_volts(np.arange(count) / rate_hz, from_v, level_v)
+    return volts_during_fall(np.arange(count) / rate_hz, from_v, level_v)

@@ -11,8 +11,8 @@ from modallab.core.errors import StorageError
 from modallab.core.events import RunState
 from modallab.jobs.table import METADATA as JOBS
 from modallab.storage import Store
-from modallab.storage.address import ADDRESS, DATABASE
 from modallab.storage.backup import CopiedData, back_up, restore_backup
+from modallab.storage.engine import ADDRESS, DATABASE
 from modallab.storage.retention import RetentionRule, find_removable, remove_samples
 
 

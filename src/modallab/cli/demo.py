@@ -6,10 +6,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from modallab.bench.simulated import simulated_bench
-from modallab.cli.console import console_of
+from modallab.bench.loader import simulated_bench
+from modallab.cli.console import Display, console_of
 from modallab.cli.in_advance import BackgroundResult
-from modallab.cli.progress import Display
 from modallab.core.block import Campaign
 from modallab.core.plan import BLOCK_S, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance

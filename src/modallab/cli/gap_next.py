@@ -5,10 +5,9 @@ import argparse
 from rich.console import Console
 from rich.table import Table
 
-from modallab.cli.console import console_of, write_json
+from modallab.cli.console import Display, console_of, write_json
 from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import require_option
-from modallab.cli.progress import Display
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.digits import percent_text, probability_text

@@ -35,7 +35,7 @@ def _participation(actions: Commands) -> Any:
     span.add_argument(
         "--band", nargs=2, type=positive_number, metavar=("LO", "HI"), help="in Hz (default: the model's)"
     )
-    span.add_argument("--after", nargs=2, type=float, metavar=("BEGIN", "END"), help="a time in s after a hit")
+    span.add_argument("--after", nargs=2, type=float, metavar=("BEGIN", "END"), help="time range after a hit, s")
     command.add_argument("--quantity", choices=_MOTIONS, default="velocity", help="of the motion")
     return command
 

@@ -7,11 +7,18 @@ from typing import Any
 from modallab.cli.data_commands import add_data_commands
 from modallab.cli.gap_commands import add_gap_commands
 from modallab.cli.model_commands import add_model_commands
-from modallab.cli.options import JSON_HELP, Commands, add_saying, not_negative, positive_integer, positive_number
-from modallab.cli.usage import Parser
+from modallab.cli.options import (
+    JSON_HELP,
+    Commands,
+    Parser,
+    add_saying,
+    not_negative,
+    positive_integer,
+    positive_number,
+)
 from modallab.core.units import FRF_ESTIMATORS, TESTS
-from modallab.formats.asked import ASKED, ImportOption, Kind
 from modallab.formats.format import readers
+from modallab.formats.options import ASKED, ImportOption, Kind
 from modallab.identification.estimator import USUAL, estimator_names
 
 _KINDS: dict[Kind, Any] = {"text": str, "number": positive_number, "count": positive_integer, "map": Path}

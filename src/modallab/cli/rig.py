@@ -15,11 +15,10 @@ from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.cli.backup import require_data_folder
 from modallab.commissioning import calibrate
 from modallab.commissioning.calibrate import measure_mass_ratio
-from modallab.commissioning.findings import Finding
-from modallab.commissioning.rig_check import CLOCK_BURST_S, check_clock, check_idle, check_polarity, settle
+from modallab.commissioning.rig_check import CLOCK_BURST_S, Finding, check_clock, check_idle, check_polarity, settle
 from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation
 from modallab.core.errors import PlanError, RigError, StorageError
-from modallab.core.metrology import judge_mass_ratios
+from modallab.core.hardware import judge_mass_ratios
 from modallab.core.rig import Channel, Rig
 from modallab.formats.rig.mass_ratios_file import add_mass_ratio
 from modallab.formats.rig.rig_file import read_rig, write_rig

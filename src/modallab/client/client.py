@@ -12,14 +12,12 @@ from pydantic import JsonValue
 
 from modallab.client.connection import AGAIN_S, require_good
 from modallab.client.held_lease import HeldLease
-from modallab.client.queue_calls import QueueCalls
-from modallab.client.user_calls import UserCalls
-from modallab.core.documents.campaigns import CampaignNew, CampaignView
+from modallab.client.queue_and_user_calls import QueueCalls, UserCalls
 from modallab.core.documents.models import ComparisonView, DiagnosisView, ModelsView
 from modallab.core.documents.pages import EventView, Page
 from modallab.core.documents.results import FrfView, JobKind, JobNew, JobView
 from modallab.core.documents.rigs import Lease, LeaseNew, RigView, StopReason
-from modallab.core.documents.runs import BlockView, Command, RunNew, RunView, Verdict
+from modallab.core.documents.runs import BlockView, CampaignNew, CampaignView, Command, RunNew, RunView, Verdict
 from modallab.core.plan import Plan
 
 ENDED = ("done", "failed", "aborted")

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
-from modallab.core.hardware import Calibration
-from modallab.core.metrology import MassRatio
+from modallab.core.hardware import Calibration, MassRatio
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import STANDARD_GRAVITY, si_factor
 from modallab.signals.conversion import volts_per_si

@@ -1,7 +1,9 @@
 """A walk through every channel of a rig before anything is measured with it."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from datetime import UTC, datetime
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +12,52 @@ from modallab.acquisition.procedures.sensors import fed_channels, remarks_on, wa
 from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.abilities import SelfDescribing
 from modallab.bench.protocol import Bench, Burst, Delivery, Request
-from modallab.commissioning.findings import CHUNK_S, Finding, Verdict, take, take_samples
 from modallab.core.errors import BenchError
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test
 from modallab.signals.conversion import Conversion, volts_per_count
 from modallab.signals.tone_fit import fit_frequency
+
+Verdict = Literal["good", "look", "bad"]
+
+CHUNK_S = 0.1
+TIMEOUT_S = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One verdict.
+
+    Attributes:
+        channel: of the rig, or what else was looked at.
+        what: supply, noise, offset, overload, polarity, sensitivity, clock, phase and the like.
+        value: in words and numbers.
+        verdict: `look` where a person must decide.
+    """
+
+    channel: str
+    what: str
+    value: str
+    verdict: Verdict
+
+
+def take(bench: Bench, rate_hz: float, seconds: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """The next `seconds`: (channels, n) as delivered, and (channels,) which were beyond the range."""
+    return take_samples(bench, rate_hz, round(seconds * rate_hz))
+
+
+def take_samples(bench: Bench, rate_hz: float, count: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """The next (channels, count) samples, and (channels,) which were beyond the range."""
+    pieces: list[NDArray[np.float64]] = []
+    step = max(1, round(CHUNK_S * rate_hz))
+    over: NDArray[np.bool_] | None = None
+    for first in range(0, count, step):
+        chunk = bench.read(min(step, count - first), TIMEOUT_S)
+        pieces.append(chunk.samples.astype(np.float64))
+        over = chunk.overload if over is None else over | chunk.overload
+    assert over is not None
+    return np.concatenate(pieces, axis=1), over
+
 
 RATE_HZ = 2000.0
 NOISE_FACTOR = 5.0

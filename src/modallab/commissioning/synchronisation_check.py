@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from modallab.bench.abilities import SynchronisedBench
 from modallab.bench.protocol import Bench, Burst, Request
-from modallab.commissioning.findings import Finding, Verdict, take
+from modallab.commissioning.rig_check import Finding, Verdict, take
 from modallab.core.errors import PlanError
 from modallab.core.rig import Rig
 

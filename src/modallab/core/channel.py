@@ -8,7 +8,7 @@ from pydantic import Field, PositiveInt, model_validator
 from modallab.core.errors import RigError
 from modallab.core.field_errors import reject_problems
 from modallab.core.frozen import Finite, Frozen, NonNegative, Positive, is_unstated
-from modallab.core.metrology import Certificate
+from modallab.core.hardware import Certificate
 from modallab.core.rig_checks import channel_problems
 from modallab.core.units import BROADBAND, Quantity, Test
 

@@ -48,11 +48,11 @@ def with_interval(value: float, interval: tuple[float, float] | None, unit: str 
     if interval is None or not all(map(math.isfinite, interval)) or interval[1] <= interval[0]:
         return f"{significant_digits(value)}{tail}", ""
     sigma = (interval[1] - interval[0]) / IN_95
-    low, high = (to_places_of_sigma(v, sigma) for v in interval)
-    return f"{to_places_of_sigma(value, sigma)}{tail}", f"{low} to {high}{tail}"
+    low, high = (rounded_to_sigma(v, sigma) for v in interval)
+    return f"{rounded_to_sigma(value, sigma)}{tail}", f"{low} to {high}{tail}"
 
 
-def to_places_of_sigma(value: float, sigma: float) -> str:
+def rounded_to_sigma(value: float, sigma: float) -> str:
     """A value without uncertainty of its own, to the places of one that has the sigma."""
     if not math.isfinite(value):
         return UNKNOWN

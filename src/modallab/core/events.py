@@ -11,73 +11,74 @@ RunState = Literal[
 ]
 
 
-class StateChanged(Frozen):
-    """The run entered a state.
+class RunEvent(Frozen):
+    """What is said of a run.
 
     Attributes:
         run: the run.
+    """
+
+    run: str
+
+
+class StateChanged(RunEvent):
+    """The run entered a state.
+
+    Attributes:
         state: it is in now.
         reason: why it ended so, else "".
     """
 
     kind: Literal["state"] = "state"
-    run: str
     state: RunState
     reason: str = ""
 
 
-class HitRequested(Frozen):
+class HitRequested(RunEvent):
     """Armed, the pre-trigger is full: strike this point now.
 
     Attributes:
-        run: the run.
         point: to strike.
         hit: its number there.
         of: how many there.
     """
 
     kind: Literal["hit_requested"] = "hit_requested"
-    run: str
     point: int
     hit: int
     of: int
 
 
-class HitRejected(Frozen):
+class HitRejected(RunEvent):
     """A hit did not count; `reason` carries the number that decided.
 
     Attributes:
-        run: the run.
         point: that was to be struck.
         reason: with the number that decided.
     """
 
     kind: Literal["hit_rejected"] = "hit_rejected"
-    run: str
     point: int
     reason: str
 
 
-class HitTooEarly(Frozen):
+class HitTooEarly(RunEvent):
     """Somebody struck before a hit was requested; rest is waited for again, and nothing was recorded.
 
     Attributes:
-        run: the run.
         point: that will be requested.
         peak_n: of the force.
     """
 
     kind: Literal["hit_too_early"] = "hit_too_early"
-    run: str
     point: int
     peak_n: float
 
 
-class WaitingForRest(Frozen):
+class WaitingForRest(RunEvent):
     """The structure still moves before the next hit, said about once a block.
 
     Attributes:
-        run: the run.
         point: that will be struck.
         hit: its number there.
         of: how many there.
@@ -88,7 +89,6 @@ class WaitingForRest(Frozen):
     """
 
     kind: Literal["waiting_for_rest"] = "waiting_for_rest"
-    run: str
     point: int
     hit: int
     of: int
@@ -98,11 +98,10 @@ class WaitingForRest(Frozen):
     remaining_s: float | None
 
 
-class BlockAcknowledged(Frozen):
+class BlockAcknowledged(RunEvent):
     """A block is on the disk and in the table: from here on it cannot be lost.
 
     Attributes:
-        run: the run.
         n: its number in the run, from 0.
         name: unique in the run.
         first_sample: place of the first sample in the device's own count.
@@ -118,7 +117,6 @@ class BlockAcknowledged(Frozen):
     """
 
     kind: Literal["block"] = "block"
-    run: str
     n: int
     name: str
     first_sample: int
@@ -132,41 +130,36 @@ class BlockAcknowledged(Frozen):
     facts: dict[str, float | str] = Field(default_factory=dict[str, "float | str"])
 
 
-class BlockDropped(Frozen):
+class BlockDropped(RunEvent):
     """A block that was acknowledged no longer counts; its samples stay.
 
     Attributes:
-        run: the run.
         name: of the block.
         reason: why.
     """
 
     kind: Literal["dropped"] = "dropped"
-    run: str
     name: str
     reason: str
 
 
-class BlockAccepted(Frozen):
+class BlockAccepted(RunEvent):
     """A block that was rejected counts all the same, by the operator's word.
 
     Attributes:
-        run: the run.
         name: of the block.
         reason: why.
     """
 
     kind: Literal["accepted"] = "accepted"
-    run: str
     name: str
     reason: str
 
 
-class DecisionRequested(Frozen):
+class DecisionRequested(RunEvent):
     """The run waits for the operator: does this hit count? Accepting or dropping its block is the answer.
 
     Attributes:
-        run: the run.
         n: number of the block.
         name: of the block.
         point: that was to be struck.
@@ -175,7 +168,6 @@ class DecisionRequested(Frozen):
     """
 
     kind: Literal["decision_requested"] = "decision_requested"
-    run: str
     n: int
     name: str
     point: int
@@ -183,48 +175,42 @@ class DecisionRequested(Frozen):
     reason: str = ""
 
 
-class Notice(Frozen):
+class Notice(RunEvent):
     """What the operator should know before or while something moves, such as how long a burst may last.
 
     Attributes:
-        run: the run.
         what: in words.
     """
 
     kind: Literal["notice"] = "notice"
-    run: str
     what: str
 
 
-class Progress(Frozen):
+class Progress(RunEvent):
     """How far the run is.
 
     Attributes:
-        run: the run.
         done: hits, frequencies or blocks so far.
         total: of how many.
         what: was done last, or is waited for.
     """
 
     kind: Literal["progress"] = "progress"
-    run: str
     done: int
     total: int
     what: str
 
 
-class Failed(Frozen):
+class Failed(RunEvent):
     """The run ended early; blocks acknowledged before are kept.
 
     Attributes:
-        run: the run.
         code: of the error.
         what: was wrong.
         remedy: what to do.
     """
 
     kind: Literal["failed"] = "failed"
-    run: str
     code: str
     what: str
     remedy: str = ""

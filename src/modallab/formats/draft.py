@@ -19,7 +19,7 @@ MEASURED: dict[FrfQuantity, Quantity] = {
     "mobility": "velocity",
     "inertance": "acceleration",
 }
-"""What is measured for an FRF."""
+"""Motion that is measured for each kind of FRF."""
 FORCE_NAMES = ("force", "hammer", "ham", "kraft", "impact", "f")
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from modallab.identification.selection.criteria import auto_mac, comac, mac, mpc, mpd
     from modallab.identification.selection.diagram import StabilisationData, stabilisation_diagram
     from modallab.identification.sine import identify_sine
-    from modallab.identification.start.mode_indicators import cmif, mmif
+    from modallab.identification.start.bands import cmif, mmif
     from modallab.identification.start.stabilisation import OrderPoles, StabilityLimits, StablePole, stable_poles
 
 __all__ = [
@@ -60,7 +60,7 @@ __getattr__ = lazy_getattr(
         "selection.criteria": ("auto_mac", "comac", "mac", "mpc", "mpd"),
         "selection.diagram": ("StabilisationData", "stabilisation_diagram"),
         "sine": ("identify_sine",),
-        "start.mode_indicators": ("cmif", "mmif"),
+        "start.bands": ("cmif", "mmif"),
         "start.stabilisation": ("OrderPoles", "StablePole", "StabilityLimits", "stable_poles"),
     },
 )

@@ -17,7 +17,7 @@ from modallab.core.arrays import Complex128, Real
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import Backbone, ModalModel
 from modallab.frf.estimate import convert_frf
-from modallab.identification.likelihood.derivatives import poles_of
+from modallab.identification.likelihood.basis import poles_of
 from modallab.signals.signals import Signals
 
 NEAR = 0.12

@@ -13,7 +13,7 @@ from scipy.special import ndtri, stdtrit
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
-from modallab.identification.likelihood.derivatives import poles_of
+from modallab.identification.likelihood.basis import poles_of
 from modallab.identification.likelihood.frf_fit import fit_frf
 
 PARTS = 4

@@ -19,11 +19,9 @@ from modallab.core.rig import Rig
 from modallab.frf.estimate import lines_of_band, output_quantity
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.estimate import estimate_poles
-from modallab.identification.likelihood.basis import LineBlock
-from modallab.identification.likelihood.derivatives import poles_of
+from modallab.identification.likelihood.basis import LineBlock, StartPoles, poles_of, with_stand_ins
 from modallab.identification.likelihood.excitation import BlockLines
 from modallab.identification.likelihood.fit import LikelihoodFit
-from modallab.identification.likelihood.out_of_band import StartPoles, with_stand_ins
 from modallab.identification.likelihood.projection import LikelihoodProblem, SearchParameters
 from modallab.identification.likelihood.search import (
     FIRST_LOOK,
@@ -37,8 +35,7 @@ from modallab.identification.model.modal_model import model_of_fit, without_sigm
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.readings import floor_of_steps, half_power_readings
 from modallab.identification.selection.operator_choice import chosen_modes, poles_to_search, start_poles
-from modallab.identification.start.missed_modes import add_missing_poles
-from modallab.identification.start.refine_start import polish_poles
+from modallab.identification.start.refine_start import add_missing_poles, polish_poles
 from modallab.identification.start.stabilisation import StabilityLimits
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals

@@ -4,54 +4,26 @@ import hashlib
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
-from pydantic import Field, JsonValue
+from pydantic import JsonValue
 
+from modallab.core.documents.results import JobState, JobView
 from modallab.core.errors import JobError
 from modallab.core.frozen import Frozen
-
-JobState = Literal["queued", "running", "done", "failed", "cancelled"]
-"""Of a job; the last three are for good."""
 
 OPEN: frozenset[JobState] = frozenset({"queued", "running"})
 """States a job will leave by itself."""
 
 
-class Job(Frozen):
-    """One piece of work.
+class Job(JobView):
+    """One piece of work; its id sorts by time.
 
     Attributes:
-        id: its name, which sorts by time.
-        kind: which registered kind computes it.
-        state: `done`, `failed` and `cancelled` are for good.
-        parameters: what was asked for.
-        inputs: names of what it works on, such as runs.
-        progress: 0 to 1.
-        stage: what is being done, in words; "" where nothing is.
-        attempts: times it was begun; more than once if the machine that computed it was lost.
-        created_utc: for people, ISO 8601.
-        ended_utc: "" until it has ended.
-        code_version: of the modallab that took the order.
         revision: of what its inputs held when it was ordered; "" if that cannot change.
-        result: what it gave; None unless it is done.
-        error: why it failed, and what to do; None unless it has.
     """
 
-    id: str
-    kind: str
-    state: JobState
-    parameters: dict[str, JsonValue]
-    inputs: tuple[str, ...]
-    progress: float = Field(ge=0, le=1)
-    attempts: int = Field(ge=0)
-    created_utc: str
-    ended_utc: str = ""
-    code_version: str
     revision: str = ""
-    result: JsonValue = None
-    error: str | None = None
-    stage: str = ""
 
     @property
     def ended(self) -> bool:

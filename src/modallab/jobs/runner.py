@@ -11,9 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Literal, Self
 
 from modallab.core.errors import StorageError
-from modallab.jobs.address import TlsFiles, check_address
 from modallab.jobs.attempt import Attempt
-from modallab.jobs.cluster import Cluster, default_workers
+from modallab.jobs.cluster import Cluster, TlsFiles, check_address, default_workers
 from modallab.jobs.job import Kind
 from modallab.jobs.jobs import Jobs
 from modallab.jobs.leases import LEASE_S, LeasedJob, Leases

@@ -1,13 +1,93 @@
 """FRFs of a model at pairs of points, measured ones or not, with their uncertainty."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
-from modallab.modification.structure import At, Receptances, Structure
+from modallab.core.model import ModalModel
+from modallab.modification.samples import places_of
+from modallab.modification.structure import At, Receptances, Structure, terms_of
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MeasuredPairs:
+    """A model's own constants at measured pairs, and the products of its shapes at the others.
+
+    Attributes:
+        poles: (modes,) rad/s.
+        residue: (modes, freedoms, freedoms) at the poles.
+        powers: (terms,) of s in the residual terms.
+        terms: (terms, freedoms, freedoms) residual terms.
+    """
+
+    poles: Complex
+    residue: Complex
+    powers: tuple[int, ...]
+    terms: Real
+
+    @classmethod
+    def of(cls, model: ModalModel, structure: Structure) -> "MeasuredPairs":
+        """With the model's constants at a pair, and where only the exchanged one was measured, with those of that."""
+        rows, columns = (np.array(places) for places in places_of(model, structure))
+        residue, terms = np.einsum("ro,ri->roi", structure.psi, structure.psi), structure.residual.copy()
+        own = model.modal_constants / (2j * structure.poles.imag)[:, None, None]
+        own_terms = terms_of(model)
+        # The exchanged pairs first, so that a pair of its own measurement keeps it.
+        residue[:, columns[:, None], rows] = own.transpose(0, 2, 1)
+        residue[:, rows[:, None], columns] = own
+        terms[:, columns[:, None], rows] = own_terms.transpose(0, 2, 1)
+        terms[:, rows[:, None], columns] = own_terms
+        return cls(structure.poles, residue, structure.powers, terms)
+
+    def receptance(self, s: Complex, left: Real | None = None, right: Real | None = None) -> Complex:
+        """(lines, left, right) m/N; left and right are unit vectors, all if None."""
+        whole = np.eye(self.residue.shape[1])
+        right = whole if right is None else right
+        ones = np.ones((1, s.size), np.complex128)
+        return np.stack(
+            [self.motion(s, ones, whole if left is None else left, right[:, [i]]).T for i in range(right.shape[1])],
+            axis=2,
+        )
+
+    def motion(self, s: Complex, forces: Complex, left: Real, right: Real) -> Complex:
+        """(left, lines) m, of forces (right, lines) N."""
+        residue, terms = left.T @ self.residue @ right, left.T @ self.terms @ right
+        moved = np.zeros((left.shape[1], s.size), np.complex128)
+        up, down = 1 / (s - self.poles[:, None]), 1 / (s - self.poles.conj()[:, None])
+        powers = np.array([s**p for p in self.powers]).reshape(-1, s.size)
+        for i, force in enumerate(forces):
+            moved += residue[:, :, i].T @ (up * force) + residue[:, :, i].conj().T @ (down * force)
+            moved += terms[:, :, i].T @ (powers * force)
+        return moved
+
+
+def receptance_of_modes(model: ModalModel, s: Complex) -> Complex:
+    """(lines, modes) receptance of each mode of unit constant at complex frequencies."""
+    omega, zeta = 2 * np.pi * model.frequency_hz, model.damping_ratio
+    return np.asarray(1 / (s[:, None] ** 2 + 2 * zeta * omega * s[:, None] + omega**2))
+
+
+def receptances_of_model(model: ModalModel, s: Complex) -> Complex:
+    """(lines, outputs, inputs) receptances of a model at complex frequencies (lines,)."""
+    return np.einsum("lr,roi->loi", receptance_of_modes(model, s), model.modal_constants) + outside_band_receptances(
+        model, s
+    )
+
+
+def outside_band_receptances(model: ModalModel, s: Complex) -> Complex:
+    """(lines, outputs, inputs) what lies outside the band."""
+    powers = s[:, None] ** np.array(model.residual_powers, dtype=float)
+    return np.einsum("lp,poi->loi", powers, model.residuals.astype(np.complex128))
+
+
+def frfs_without_shapes(model: ModalModel, s: Complex, out: Complex, into: Complex) -> Complex:
+    """(lines, outputs, inputs) FRFs without the products of shapes out (outputs, modes) and into (inputs, modes)."""
+    return receptances_of_model(model, s) - np.einsum("lr,or,ir->loi", receptance_of_modes(model, s), out, into)
+
 
 CHUNK = 64
 """Lines of all samples that are computed at once."""

@@ -15,8 +15,7 @@ from modallab.modification.attachments import AttachedPart
 from modallab.modification.conditioning import conditioning_of
 from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.freedoms import Freedom
-from modallab.modification.frfs import frf_between
-from modallab.modification.measured import MeasuredPairs
+from modallab.modification.frfs import MeasuredPairs, frf_between
 from modallab.modification.modified import ModesAfter, modified_modes, residues_of
 from modallab.modification.poles import StructureWithAttachments
 from modallab.modification.remainder import remainder_of_structure

@@ -22,7 +22,7 @@ from modallab.modification.structure import Receptances
 Between = Literal["band-limited", "linear"]
 
 RETURN = 0.05
-"""Of a record: how long a force takes beyond its end to return to where it began."""
+"""Share of a record's length in which a force returns to its first value after the record ends."""
 
 
 PIECE = 8192

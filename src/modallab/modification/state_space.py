@@ -1,7 +1,7 @@
 """Modes as a state space: what simulators and control design take."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,45 +11,15 @@ from scipy.io import savemat
 
 from modallab.core.arrays import Complex, Real
 from modallab.core.discovery import optional_package
+from modallab.core.documents.model_use import StateSpaceMatrices
 from modallab.core.errors import StorageError
 from modallab.core.units import DERIVATIVE, SI_UNIT, Quantity
 from modallab.formats.atomic import replacing
 from modallab.modification.response import ramp_weights
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class StateSpaceModel:
-    """x' = A x + B f, y = C x + D f, with the forces f in N.
-
-    Attributes:
-        A: (states, states) two states for each mode.
-        B: (states, inputs).
-        C: (outputs, states).
-        D: (outputs, inputs).
-        inputs: names of the forces.
-        outputs: names of the motions.
-        unit: of the motions.
-        frequency_hz: (modes,) in the order of the states: all real parts first, then all imaginary parts.
-        frequency_sigma_hz: (modes,) one standard deviation.
-        damping_ratio: (modes,)
-        damping_sigma: (modes,) one standard deviation.
-    """
-
-    A: Real
-    B: Real
-    C: Real
-    D: Real
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-    unit: str
-    frequency_hz: Real
-    frequency_sigma_hz: Real
-    damping_ratio: Real
-    damping_sigma: Real
-
-    def document(self) -> dict[str, Any]:
-        """Every array as lists, for JSON."""
-        return {f.name: _as_lists(getattr(self, f.name)) for f in fields(self)}
+class StateSpaceModel(StateSpaceMatrices):
+    """A state space for simulators and control design."""
 
     def scipy(self) -> Any:
         """As `scipy.signal.StateSpace`."""
@@ -73,9 +43,8 @@ class StateSpaceModel:
         path = Path(path)
         if path.suffix != ".mat":
             raise StorageError(f"{path.name} does not end with .mat", where=str(path), remedy="name it model.mat")
-        content = {f.name: getattr(self, f.name) for f in fields(self)}
         with replacing(path) as draft:
-            savemat(str(draft), content, appendmat=False)
+            savemat(str(draft), dict(self), appendmat=False)
         return path
 
 
@@ -116,10 +85,6 @@ def state_space_of(
         damping_ratio=-poles.real / np.abs(poles),
         damping_sigma=sigma[1],
     )
-
-
-def _as_lists(value: Any) -> Any:
-    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 @dataclass(slots=True)

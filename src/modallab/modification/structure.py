@@ -18,8 +18,7 @@ from modallab.core.digits import number_ranges
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.modification.factors import factor_constants
-from modallab.modification.freedoms import Freedom, freedoms_of
+from modallab.modification.freedoms import Freedom, factor_constants, freedoms_of
 from modallab.modification.outside_band import complete_residuals, terms_of_structure
 
 At = int | Freedom

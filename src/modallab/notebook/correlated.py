@@ -12,8 +12,8 @@ from modallab.notebook.put_to_use import ModelUses
 from modallab.notebook.shown import DisplayedResult, DisplayedTable
 from modallab.pipelines.model_update import update_model
 from modallab.pipelines.structure_gap import read_reference
+from modallab.reporting.modified_table import parameter_rows, updated_mode_rows
 from modallab.reporting.understood_table import correlation_rows
-from modallab.reporting.updated_table import parameter_rows, updated_mode_rows
 from modallab.updating.correlation import ModelCorrelation, correlate_models
 from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters

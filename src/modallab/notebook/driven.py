@@ -11,9 +11,9 @@ from modallab.core.arrays import Complex128, Real
 from modallab.core.digits import percent_text
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
+from modallab.frf.broadband import segment_spectra
 from modallab.frf.local_polynomial import local_polynomial_frf
 from modallab.frf.references import estimate_frf
-from modallab.frf.segments import segment_spectra
 from modallab.frf.sums import Estimator
 from modallab.notebook.measured import MeasuredFrf, frf
 

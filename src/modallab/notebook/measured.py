@@ -50,7 +50,7 @@ class MeasuredFrf:
 
     def plot(self) -> Any:
         """Amplitude of every output over frequency, as a matplotlib figure."""
-        from modallab.reporting.figures.overview import frf_overview
+        from modallab.reporting.figures.mobility import frf_overview
 
         return frf_overview(self.frf)
 
@@ -155,7 +155,7 @@ def _points_of(given: Sequence[int] | None, count: int, which: str) -> tuple[int
     points = tuple(given)
     if not all(isinstance(point, int | np.integer) for point in points):
         raise DataError(
-            f"{which}={list(points)} are no numbers of points", remedy=f"number the points from 1 on: {which}=[1, 2, 3]"
+            f"{which}={list(points)} are not point numbers", remedy=f"number the points from 1 on: {which}=[1, 2, 3]"
         )
     if len(points) != count or min(points) < 1 or (which == "outputs" and len(set(points)) != count):
         raise DataError(

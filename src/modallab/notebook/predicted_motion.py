@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
-from modallab.formats.time_series import write_motion
+from modallab.formats.prediction import write_motion
 from modallab.modification.motion import MotionOverTime
 from modallab.notebook.shown import DisplayedTable
 from modallab.reporting.understood_table import motion_rows
@@ -54,7 +54,7 @@ class PredictedMotion(MotionOverTime):
 
     def plot(self) -> "Figure":
         """Every point over time."""
-        from modallab.reporting.figures.predicted import motion_figure
+        from modallab.reporting.figures.mobility import motion_figure
 
         return motion_figure(self.time, self.values, list(self.names), self.quantity)
 

@@ -15,11 +15,10 @@ from modallab.core.frf import FrfQuantity
 from modallab.core.units import Quantity
 from modallab.modification.attachments import AttachedPart, Element, TunedAbsorber
 from modallab.modification.coupled import CouplingToStructure
-from modallab.modification.forces import force_samples
-from modallab.modification.free_band import changes_for_free_band
 from modallab.modification.frfs import lines_with_peaks
-from modallab.modification.inverse import By, best_absorber, changes_for_frequency
+from modallab.modification.inverse import By, best_absorber, changes_for_free_band, changes_for_frequency
 from modallab.modification.known import KnownStructure
+from modallab.modification.motion import force_samples
 from modallab.modification.response import Between
 from modallab.modification.state_space import StateSpaceModel
 from modallab.modification.structure import At
@@ -285,7 +284,7 @@ class ChangedModel(ModelUses):
             at: point of the force.
             of: point of the motion; None for the same.
         """
-        from modallab.reporting.figures.predicted import before_after
+        from modallab.reporting.figures.mobility import before_after
 
         alone, to = self._known.alone, [at if of is None else of]
         f = lines_with_peaks(alone.model.band_hz, LINES, alone.structure.poles, self._known.poles)

@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Literal, cast
 
-from modallab.bench.simulated import simulated_bench
+from modallab.bench.loader import simulated_bench
 from modallab.cli.demo import demo_plans, demo_rig
 from modallab.core.blas_threads import one_thread
 from modallab.core.errors import BenchError, ConfigurationError, ModallabError

@@ -16,7 +16,7 @@ from modallab.frf.joined import least_blocks, split_blocks
 from modallab.frf.periodic_drive import without_decays
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
-from modallab.identification.likelihood.derivatives import poles_of
+from modallab.identification.likelihood.basis import poles_of
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.model.modal_mass import driving_points
 from modallab.identification.selection.assumptions import (

@@ -20,9 +20,9 @@ from modallab.frf.periodic_drive import RANDOM, driven_frf, resample_to_drive_cl
 from modallab.frf.sums import Estimator
 from modallab.identification.frf_model import NOT_FROM_RECORDS, frf_in_band, identify_frf
 from modallab.identification.impact import default_band, start_frf
-from modallab.identification.likelihood.derivatives import poles_of
+from modallab.identification.likelihood.basis import poles_of
 from modallab.identification.likelihood.fit import LikelihoodFit
-from modallab.identification.model.hit_shares import with_hit_shares
+from modallab.identification.model.modal_model import with_hit_shares
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.parts import PARTS, with_repeatability_sigmas
 from modallab.signals.signals import Signals

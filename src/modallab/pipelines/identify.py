@@ -21,7 +21,7 @@ from modallab.frf.stepped import stepped_frf
 from modallab.identification.backbone import DriveLevel
 from modallab.identification.frf_model import frf_in_band, identify_given_frf
 from modallab.identification.impact import LEAK, default_band, identify_impact
-from modallab.identification.model.scale import with_scale
+from modallab.identification.model.modal_mass import with_scale
 from modallab.identification.odd_hits import agreeing_hits
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.sine import identify_sine
@@ -39,8 +39,7 @@ from modallab.pipelines.levels import (
 from modallab.pipelines.sound import undamaged_records
 from modallab.signals.drive_kind import check_kind
 from modallab.signals.signals import Signals, to_signals_of
-from modallab.verification.assessment import ModelAssessment
-from modallab.verification.reservations import doubts_about_modes, mismatch_warning
+from modallab.verification.assessment import ModelAssessment, doubts_about_modes, mismatch_warning
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
 
 

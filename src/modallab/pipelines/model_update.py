@@ -13,10 +13,9 @@ from modallab.core.rig import Rig
 from modallab.formats.fem.fem_file import FemParameter, read_matrix_model
 from modallab.formats.fem.matrix_model import MASS, STIFFNESS, MatrixModel
 from modallab.modification.known import KnownStructure
-from modallab.updating.beam_model import BeamModel
+from modallab.updating.beam_model import BeamModel, Predictor, predictor_of_matrices
 from modallab.updating.mode_data import measured_modes
 from modallab.updating.posterior import update_parameters
-from modallab.updating.predictor import Predictor, predictor_of_matrices
 from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters
 

@@ -14,7 +14,7 @@ from modallab.core.digits import percent_text
 from modallab.core.frozen import Frozen
 from modallab.core.plan import BLOCK_S
 from modallab.core.rig import Beam
-from modallab.reporting.figures.half_power_reading import half_power_readings
+from modallab.reporting.figures.damping import half_power_readings
 from modallab.twin.modes import solve_modes
 from modallab.twin.structure import TwinStructure
 

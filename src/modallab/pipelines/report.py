@@ -17,7 +17,7 @@ from modallab.identification.setups.readings import SetUpReading
 from modallab.pipelines.curves import diagram_of
 from modallab.pipelines.identify import CampaignResult, IdentifiedTest, UnidentifiedTest, usable_blocks
 from modallab.reporting.content import OutcomeOfTest, ReportContent, ReportedHit, TrueModes
-from modallab.reporting.figures.shape_data import example_block
+from modallab.reporting.figures.mode_shapes import example_block
 from modallab.signals.bandpass import bandpass, remove_mean
 from modallab.signals.signals import Signals, to_signals
 

@@ -7,7 +7,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ErrorCollection
 from modallab.core.rig import Rig
 from modallab.signals.faults.found import faults_of
-from modallab.signals.faults.runs import Fault
+from modallab.signals.faults.repeats import Fault
 
 _NAMED = 3
 """Faults that a message lists; more of them are counted."""

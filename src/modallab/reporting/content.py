@@ -69,7 +69,7 @@ class OutcomeOfTest:
         model: the identified model; None if identification failed, then `missing` says why.
         frf: as measured, with coherence.
         verification: measured against regenerated mobility.
-        example: one block in SI units, to be drawn; see `modallab.reporting.figures.shape_data.example_block`.
+        example: one block in SI units, to be drawn; see `modallab.reporting.figures.mode_shapes.example_block`.
         filtered: (outputs, n) the responses of `example` after the band-pass filter.
         hits: every hit, the rejected ones too.
         missing: why there is no model.

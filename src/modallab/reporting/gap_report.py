@@ -5,14 +5,14 @@ from pathlib import Path
 from modallab.core.block import Campaign
 from modallab.core.budget import Budget, BudgetRow
 from modallab.core.diagnosis import Diagnosis, Found, Percent
-from modallab.core.digits import part_of, probability_text, three_digits, with_interval
-from modallab.core.effect import Learned
+from modallab.core.digits import part_of, probability_text, three_digits
 from modallab.core.effects import kind_of
 from modallab.core.places import x_m_of
 from modallab.core.rig import Rig
 from modallab.formats.atomic import write_text
 from modallab.gap.revisions.history import revision_history
 from modallab.gap.words.effects import FROM_CLAMP, effect_names, interval_m, parameter_in_words, place_of
+from modallab.gap.words.learned import numbers_of_description
 from modallab.gap.words.verdicts import share_of_response, unexplained_sentence, verdict_sentence
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
@@ -163,27 +163,12 @@ def _next_step_section(diagnosis: Diagnosis) -> Markup:
     return page_section("What to do next", html_element("p", typeset_sentence(diagnosis.next_experiment)), notes)
 
 
-def _number_with_interval(element: Learned, name: str) -> tuple[str, str]:
-    """A number and its interval; why there is none, where it is not known."""
-    value, between = with_interval(element.parameters[name], element.interval.get(name))
-    why = element.not_known.get(name)
-    return value, f"not known: {why}" if why else between
-
-
 def described_section(diagnosis: Diagnosis) -> Markup | None:
     """What the gap behaves like, its numbers and how far it closes it; None where nothing describes it."""
     described = diagnosis.described
     if described is None:
         return None
-    rows: list[list[str]] = []
-    for element in described.elements:
-        kind = model_of(element.element).kind
-        for name in element.parameters:
-            parameter = kind.parameter(name)
-            unit = f" ({parameter.unit})" if parameter.unit else ""
-            rows.append([f"{parameter.in_words}{unit}", *_number_with_interval(element, name)])
-    if described.x_m is not None:
-        rows.append(["place (m from the clamp)", *with_interval(described.x_m, described.x_m_interval)])
+    rows = numbers_of_description(described)
     shrink = described.shrink
     caption = (
         f"Share of the reducible gap that this closes on {len(shrink.held_out)} records no fit has seen: from "

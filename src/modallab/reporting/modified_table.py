@@ -1,4 +1,4 @@
-"""Modes before and after a change, and the change that a wanted property needs, as tables: the same at every door."""
+"""Models changed, or corrected by a test, as tables: the same words at every door."""
 
 import csv
 from collections.abc import Sequence
@@ -8,16 +8,19 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from modallab.core.digits import list_in_words, number_with_sigma, significant_digits, to_places_of_sigma
+from modallab.core.digits import list_in_words, number_with_sigma, rounded_to_sigma, significant_digits
+from modallab.core.documents.model_change import CheckedMode
+from modallab.core.documents.model_update import ParameterView, UpdatedModelView
 from modallab.core.errors import StorageError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Tolerance
 from modallab.formats.atomic import replacing
-from modallab.modification.free_band import FreeBand
-from modallab.modification.inverse import BestAbsorber, By, ChangeAtPoint
+from modallab.modification.inverse import BestAbsorber, By, ChangeAtPoint, FreeBand
 from modallab.modification.known import KnownStructure
 from modallab.modification.modified import ModesAfter
 from modallab.modification.structure import At
+from modallab.updating.prior import Prior
+from modallab.updating.result import UpdatedParameters
 
 SAME = 0.5
 """MAC above which a mode after a change is called by the number of the one before."""
@@ -94,18 +97,7 @@ def _joint_note(known: KnownStructure) -> list[str]:
     return [said, "Do not use the result: there, one structure alone says nearly all of how both move."]
 
 
-class PredictedMode(NamedTuple):
-    """A mode that was predicted and measured: both in Hz, whether they agree, and that in words."""
-
-    mode: int
-    predicted_hz: float
-    sigma_hz: float
-    measured_hz: float
-    inside: bool
-    words: str
-
-
-def check_predictions(after: ModesAfter, measured: ModalModel) -> list[PredictedMode]:
+def check_predictions(after: ModesAfter, measured: ModalModel) -> list[CheckedMode]:
     """Each predicted mode beside the nearest one that was measured with the changes."""
     apart = np.abs(np.log(after.frequency_hz[:, None] / measured.frequency_hz))
     rows, columns = linear_sum_assignment(apart)
@@ -116,15 +108,17 @@ def check_predictions(after: ModesAfter, measured: ModalModel) -> list[Predicted
     ]
 
 
-def _check_mode(after: ModesAfter, measured: ModalModel, r: int, m: int) -> PredictedMode:
+def _check_mode(after: ModesAfter, measured: ModalModel, r: int, m: int) -> CheckedMode:
     hz, sigma = float(after.frequency_hz[r]), float(after.frequency_sigma_hz[r])
     found, own = float(measured.frequency_hz[m]), float(np.nan_to_num(measured.frequency_sigma_hz[m]))
     inside = bool(abs(found - hz) <= TWO_SIDED * np.hypot(sigma, own))
     said = (
-        f"Mode {r + 1}: predicted {number_with_sigma(hz, sigma)} Hz, measured "
-        f"{to_places_of_sigma(found, sigma / 10)} Hz"
+        f"Mode {r + 1}: predicted {number_with_sigma(hz, sigma)} Hz, measured {rounded_to_sigma(found, sigma / 10)} Hz"
     )
-    return PredictedMode(r + 1, hz, sigma, found, inside, said if inside else f"{said}, outside the 95 % interval")
+    words = said if inside else f"{said}, outside the 95 % interval"
+    return CheckedMode(
+        mode=r + 1, predicted_hz=hz, predicted_sigma_hz=sigma, measured_hz=found, inside=inside, words=words
+    )
 
 
 def write_rows(path: Path, rows: TableRows) -> Path:
@@ -193,3 +187,84 @@ def absorber_rows(found: BestAbsorber, mode: int) -> TableRows:
     names = ("point", "mass [kg]", "frequency [Hz]", "damping [%]", "peak without [m/(N s)]", "peak with [m/(N s)]")
     share = f"It is {significant_digits(100 * found.mass_ratio, 2)} % of the modal mass there."
     return TableRows(names, (row,), f"The absorber of this mass that leaves the least peak about mode {mode}. {share}")
+
+
+def parameter_rows(found: UpdatedParameters) -> TableRows:
+    """Each parameter as it was believed and as it was found, with its 95 % interval."""
+    rows = tuple(_parameter_row(found, name) for name in found.numbers)
+    return TableRows(
+        ("parameter", "believed", "found", "95 % interval", "determined"), rows, " ".join(_notes_on_parameters(found))
+    )
+
+
+def _parameter_row(found: UpdatedParameters, name: str) -> tuple[str, ...]:
+    prior = found.priors[name]
+    size, unit = (1e-9, "GPa") if prior.unit == "Pa" else (1.0, prior.unit)
+    sigma = prior.sigma * prior.value if prior.relative else prior.sigma
+    low, high, value = (_value_and_prior(v * size, prior) for v in (*found.interval[name], found.numbers[name]))
+    determined = "no" if name in found.undetermined else "yes"
+    title = f"{name} [{unit}]" if unit else name
+    return title, number_with_sigma(size * prior.value, size * sigma), value, f"{low} to {high}", determined
+
+
+def _value_and_prior(value: float, prior: Prior) -> str:
+    return significant_digits(value, 5 if prior.value else 3)
+
+
+def _notes_on_parameters(found: UpdatedParameters) -> list[str]:
+    hz, shapes = found.off
+    sentences = [
+        f"With these the model's frequencies are off by about {100 * hz:.2g} %, its shapes by {100 * shapes:.2g} %."
+    ]
+    if found.undetermined:
+        sentences.append(f"The test says little of {list_in_words(list(found.undetermined))} beside what was believed.")
+    sentences += [f"Of {a} and {b} only a combination is known." for a, b in found.together]
+    if found.held_out:
+        before, after = (100 * e for e in found.rms_error(found.held_out))
+        modes = list_in_words([str(r) for r in found.held_out])
+        sentences.append(f"Held out, mode {modes}: frequency off by {before:.2g} % before, by {after:.2g} % after.")
+    return sentences
+
+
+def updated_mode_rows(found: UpdatedParameters) -> TableRows:
+    """Each measured mode beside the model's, before and after."""
+    before, after = found.errors
+    rows = tuple(
+        (
+            str(r + 1),
+            number_with_sigma(float(hz), float(found.measured_sigma_hz[r])),
+            f"{100 * before[r]:+.3g}",
+            f"{100 * after[r]:+.3g}",
+            f"{found.before.mac[r]:.3f}",
+            f"{found.after.mac[r]:.3f}",
+            "held out" if r + 1 in found.held_out else "",
+        )
+        for r, hz in enumerate(found.measured_hz)
+    )
+    headings = ("mode", "measured [Hz]", "before [%]", "after [%]", "MAC before", "MAC after", "")
+    return TableRows(headings, rows, "Frequencies of the model over the measured ones.")
+
+
+def updated_document(found: UpdatedParameters) -> UpdatedModelView:
+    """All numbers, as a document."""
+    parameters = {
+        name: ParameterView(
+            believed=prior.value,
+            found=found.numbers[name],
+            interval=(found.interval[name][0], found.interval[name][1]),
+            unit=prior.unit,
+            determined=name not in found.undetermined,
+        )
+        for name, prior in found.priors.items()
+    }
+    return UpdatedModelView(
+        parameters=parameters,
+        together=found.together,
+        held_out=found.held_out,
+        measured_hz=found.measured_hz,
+        before_hz=found.before.frequency_hz,
+        after_hz=found.after.frequency_hz,
+        mac_before=found.before.mac,
+        mac_after=found.after.mac,
+        notes=tuple(_notes_on_parameters(found)),
+    )

@@ -6,7 +6,7 @@ from math import isfinite
 from rich import box
 from rich.table import Table
 
-from modallab.core.digits import UNKNOWN, number_with_sigma, probability_text, significant_digits, to_places_of_sigma
+from modallab.core.digits import UNKNOWN, number_with_sigma, probability_text, rounded_to_sigma, significant_digits
 from modallab.core.model import ModalModel
 from modallab.reporting.compare import ComparedMode, Confidence, ModeReading, matched_modes
 from modallab.reporting.content import TrueModes
@@ -63,8 +63,8 @@ def _cells_of_mode(mode: ComparedMode, reading: ModeReading, true: bool) -> list
         return [*cells, UNKNOWN, UNKNOWN]
     return [
         *cells,
-        to_places_of_sigma(reading.true_frequency_hz, reading.frequency_sigma_hz),
-        to_places_of_sigma(100 * reading.true_damping, 100 * reading.damping_sigma),
+        rounded_to_sigma(reading.true_frequency_hz, reading.frequency_sigma_hz),
+        rounded_to_sigma(100 * reading.true_damping, 100 * reading.damping_sigma),
     ]
 
 
@@ -77,5 +77,5 @@ def _caption_of_table(models: Sequence[ModalModel], truth: TrueModes | None) -> 
     drift = f" True values are those at the start; the bench's stiffness then drifts by {by:+.2g} %." if by else ""
     return (
         "4.80(3) stands for 4.80 ± 0.03, one standard deviation. "
-        "If the beam still rings at its end, half-power reads the block, not the beam." + drift
+        "If the beam still rings when a block ends, half-power reads the block's length, not the damping." + drift
     )

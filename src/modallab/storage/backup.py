@@ -10,9 +10,9 @@ import h5py
 from sqlalchemy import Connection, MetaData, Table, func, insert, inspect, select, text
 
 from modallab.core.errors import StorageError
-from modallab.storage.address import database_of, name_database
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import require_space, storage_failure, sync_file, sync_folder
+from modallab.storage.engine import database_of, name_database
 from modallab.storage.recorder import checksum
 from modallab.storage.records import ENDED, BlockRecord
 from modallab.storage.samples import DATASET, open_h5, open_samples

@@ -4,6 +4,7 @@ import logging
 import os
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 
 from sqlalchemy import Connection, Engine, Table, create_engine, event, func, select, text
 from sqlalchemy.engine import make_url
@@ -18,8 +19,54 @@ from sqlalchemy.exc import (
 )
 
 from modallab.core.discovery import how_to_install
-from modallab.core.errors import DatabaseLostError, DiskFullError, RowDamagedError, StorageError
+from modallab.core.errors import DatabaseLostError, DiskFullError, FormatError, RowDamagedError, StorageError
 from modallab.storage.durable import storage_failure
+
+DATABASE = "modallab.db"
+ADDRESS = "database.url"
+"""A text file with one line, the address of a PostgreSQL database: every program that opens the folder finds it."""
+
+
+def database_of(folder: Path) -> str:
+    """The SQLAlchemy URL of a data folder's catalogue.
+
+    Raises:
+        FormatError: the folder has a catalogue of its own and names a server too.
+        StorageError: the address cannot be read.
+    """
+    own, address = folder / DATABASE, folder / ADDRESS
+    if not address.exists():
+        return f"sqlite:///{own.as_posix()}"
+    if own.exists():
+        raise FormatError(
+            f"holds both {DATABASE} and {ADDRESS}",
+            where=str(folder),
+            remedy=f"move its runs to the server with modallab restore, or take {ADDRESS} away",
+        )
+    try:
+        return address.read_text(encoding="utf-8").strip()
+    except OSError as error:
+        raise StorageError(
+            f"cannot be read: {error.strerror}", where=str(address), remedy="check its rights"
+        ) from error
+
+
+def name_database(folder: Path, url: str) -> None:
+    """Have a folder keep its catalogue on a server; the file may be read by its owner only.
+
+    Raises:
+        FormatError: the folder has a catalogue of its own.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    address = folder / ADDRESS
+    address.touch(mode=0o600)
+    address.write_text(url + "\n", encoding="utf-8")
+    try:
+        database_of(folder)
+    except FormatError:
+        address.unlink()
+        raise
+
 
 LOG = logging.getLogger(__name__)
 BUSY_S = 30.0

@@ -14,7 +14,7 @@ import numpy as np
 from modallab.bench.protocol import Delivery
 from modallab.core.errors import DiskFullError, StorageError
 from modallab.core.events import BlockAcknowledged, RunState
-from modallab.core.lease import Lease
+from modallab.core.owned import Lease
 from modallab.core.versions import SAMPLES
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import require_room

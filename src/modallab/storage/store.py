@@ -15,16 +15,15 @@ from modallab.bench.protocol import BenchInfo
 from modallab.bench.recut import RecutRule
 from modallab.core.block import Block, Ramp, other_driven_points
 from modallab.core.errors import BlockDamagedError, StorageError
-from modallab.core.lease import Lease
+from modallab.core.owned import Lease
 from modallab.core.plan import Plan, SinePlan, records_of
 from modallab.core.rig import Rig
-from modallab.storage.address import database_of
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import require_local
+from modallab.storage.engine import database_of
 from modallab.storage.recorder import Recorder, checksum, drop_block, utc_now
 from modallab.storage.records import ENDED, BlockNote, BlockRecord, RunRecord
-from modallab.storage.samples import SampleReader, Samples, open_samples
-from modallab.storage.seal import seal_file
+from modallab.storage.samples import SampleReader, Samples, open_samples, seal_file
 
 INTERRUPTED = "interrupted"
 

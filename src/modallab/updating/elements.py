@@ -12,8 +12,8 @@ from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
-from modallab.identification.likelihood.derivatives import poles_of
-from modallab.identification.model.folded import POWERS, fold_into_residuals
+from modallab.identification.likelihood.basis import poles_of
+from modallab.identification.model.modal_model import POWERS, fold_into_residuals
 from modallab.modification.freedoms import Freedom
 from modallab.modification.mesh import Mesh
 

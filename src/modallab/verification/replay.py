@@ -13,7 +13,7 @@ from modallab.core.arrays import Complex128
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, FrfQuantity
 from modallab.core.model import ModalModel
-from modallab.identification.likelihood.derivatives import poles_of
+from modallab.identification.likelihood.basis import poles_of
 from modallab.identification.likelihood.excitation import BlockLines, Excitation, HitExcitation
 from modallab.identification.likelihood.orthonormal import real_rows
 from modallab.identification.likelihood.sine_block import tone_excitation

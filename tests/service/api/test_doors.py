@@ -9,7 +9,7 @@ import pytest
 from lab import RIG, TOKEN, Lab
 from pydantic import ValidationError
 
-from modallab.core.documents.campaigns import CampaignNew
+from modallab.core.documents.runs import CampaignNew
 from modallab.core.settings import Settings
 from modallab.service.api.app import create_app
 from modallab.service.api.compression import accepts_gzip

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 from postgresql_server import DATABASES
 
-from modallab.core.documents.campaigns import CampaignNew
+from modallab.core.documents.runs import CampaignNew
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.service.records import repository
 from modallab.service.records.repository import CampaignRepository, RunEntry
 from modallab.storage import Store
-from modallab.storage.address import name_database
+from modallab.storage.engine import name_database
 from modallab.storage.records import RunRecord
 
 

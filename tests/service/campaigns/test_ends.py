@@ -13,9 +13,8 @@ from lab import RIG, Lab
 
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.bench.protocol import BenchInfo
-from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.documents.pages import EventView
-from modallab.core.documents.runs import RunNew, Stop
+from modallab.core.documents.runs import CampaignNew, RunNew, Stop
 from modallab.core.errors import DeviceGoneError
 from modallab.core.events import RunState, StateChanged
 from modallab.core.plan import ImpactPlan

@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 from recorded_run import record_run
 
-from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.documents.results import JobNew
-from modallab.core.documents.runs import Verdict
+from modallab.core.documents.runs import CampaignNew, Verdict
 from modallab.jobs import Job
 from modallab.jobs.attempt import Attempt
 from modallab.jobs.leases import Leases

@@ -8,9 +8,9 @@ import pytest
 from recorded_run import record_run
 
 from modallab.bench.protocol import BenchInfo
-from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.documents.queue import QueueItemNew
 from modallab.core.documents.results import JobNew
+from modallab.core.documents.runs import CampaignNew
 from modallab.core.errors import StorageError
 from modallab.core.plan import ImpactPlan
 from modallab.jobs.leases import Leases as JobLeases

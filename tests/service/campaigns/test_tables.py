@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
-from modallab.core.documents.campaigns import CampaignChange, CampaignNew
+from modallab.core.documents.runs import CampaignChange, CampaignNew
 from modallab.core.errors import StorageError
 from modallab.service.api.router import IdempotencyKeys, StoredAnswer
 from modallab.service.errors import ChangedError, ConflictError, IdempotencyError, LeaseHeldError, LeaseNeededError

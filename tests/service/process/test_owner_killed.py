@@ -13,8 +13,8 @@ import pytest
 from service_process import COMMAND, ServiceProcess
 
 from modallab.core.errors import ModallabError
+from modallab.service.process.child import ProcessList
 from modallab.service.process.connections import bound_socket
-from modallab.service.process.orphans import ProcessList
 
 MOMENTS_S = (0.7, 1.2, 1.8, 2.5, 4.0)
 GONE_S = 15.0

@@ -10,7 +10,7 @@ from modallab.core.settings import Settings
 from modallab.service.errors import ServiceError
 from modallab.service.process.start_up import require_scheduler, settle_database, tls_of
 from modallab.storage import Store
-from modallab.storage.address import database_of
+from modallab.storage.engine import database_of
 
 URL = "postgresql+psycopg://modallab:s3cret@db.example:5432/lab"
 

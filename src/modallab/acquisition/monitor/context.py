@@ -4,8 +4,7 @@ import time
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 
-from modallab.acquisition.monitor.requests import Excitation, Requests
-from modallab.acquisition.monitor.run_states import Emit, Lifecycle
+from modallab.acquisition.monitor.run_states import Emit, Excitation, Lifecycle, Requests
 from modallab.acquisition.monitor.settled import (
     Floor,
     SettledCheck,

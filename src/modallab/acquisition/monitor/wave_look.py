@@ -41,7 +41,7 @@ DRIVE_SCALE = 100.0
 """The drive's root mean square over the part of it that explains nothing."""
 
 STILL = 2.0
-"""A channel that stays within so many times its noise does not move."""
+"""Multiple of its noise within which a channel counts as still."""
 
 MOVING = 10.0
 """It was to move by so many times its noise."""

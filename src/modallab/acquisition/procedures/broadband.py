@@ -6,7 +6,7 @@ from math import ceil
 
 from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch, expected_to_move
 from modallab.acquisition.monitor.context import HeldBlock, RunContext
-from modallab.acquisition.monitor.requests import DropBlock
+from modallab.acquisition.monitor.run_states import DropBlock
 from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
 from modallab.acquisition.procedures.broadband_checks import driven_points, over_limits
 from modallab.acquisition.procedures.broadband_wave import (

@@ -3,14 +3,12 @@
 from dataclasses import asdict, dataclass, field
 
 from modallab.acquisition.monitor.context import RunContext, measure_floor
-from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
+from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock
 from modallab.acquisition.monitor.settled import Floor
-from modallab.acquisition.procedures.hit_acceptance import Hit, MotionBeforeHit, hit_of, rejections
-from modallab.acquisition.procedures.hit_queue import HitQueue
+from modallab.acquisition.procedures.hit_acceptance import Hit, HitQueue, MotionBeforeHit, hit_of, rejections
 from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, RestState, RestWait
-from modallab.acquisition.procedures.struck_point.answer import answer_of
 from modallab.acquisition.procedures.struck_point.check import HitLocation, StruckPointCheck
-from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, answer_of
 from modallab.acquisition.procedures.target import Target
 from modallab.acquisition.procedures.trigger import Trigger, wait_for_record
 from modallab.core.errors import BenchError, BenchTimeoutError, SamplesLostError

@@ -4,8 +4,7 @@ from math import pi
 
 from modallab.acquisition.procedures.broadband_checks import driven_points, wave_problems
 from modallab.acquisition.procedures.broadband_wave import GROUP
-from modallab.acquisition.procedures.burst import longest_burst_s
-from modallab.acquisition.procedures.drive import HEADROOM
+from modallab.acquisition.procedures.burst import HEADROOM, longest_burst_s
 from modallab.acquisition.procedures.target import block_name
 from modallab.bench.protocol import BenchInfo
 from modallab.core.errors import PlanError

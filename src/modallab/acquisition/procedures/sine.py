@@ -7,8 +7,7 @@ from math import ceil
 from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch
 from modallab.acquisition.monitor.context import RunContext, measure_floor
 from modallab.acquisition.monitor.settled import Floor, SettledCheck
-from modallab.acquisition.procedures.burst import BurstCheck, Setting, burst_of, check_burst
-from modallab.acquisition.procedures.drive import Drive
+from modallab.acquisition.procedures.burst import BurstCheck, Drive, Setting, burst_of, check_burst
 from modallab.acquisition.procedures.target import Step, repeated_steps, steps_of
 from modallab.bench.abilities import SelfReporting, SensorSupplyCheck
 from modallab.core.documents.runs import Repeat

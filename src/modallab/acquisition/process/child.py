@@ -8,7 +8,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from modallab.acquisition.monitor.live import IDLE, LiveRing, clear_left_over
-from modallab.acquisition.monitor.requests import Excitation
+from modallab.acquisition.monitor.run_states import Excitation
 from modallab.acquisition.process.host import take_priority, without_sleep
 from modallab.acquisition.process.idle_scope import IdleScope, idle_ring_name
 from modallab.acquisition.process.link import BenchOpened, Ended, Link, RunPlan

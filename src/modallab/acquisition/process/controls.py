@@ -5,8 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Self
 
-from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
-from modallab.acquisition.monitor.run_states import require_legal
+from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock, require_legal
 from modallab.acquisition.procedures.target import require_recorded, require_step
 from modallab.acquisition.process.link import Message
 from modallab.core.block import Block

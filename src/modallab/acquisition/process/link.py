@@ -8,7 +8,7 @@ from queue import SimpleQueue
 from threading import Event as Flag
 from threading import Thread
 
-from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock, Requests
+from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock, Requests
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.ready import Order
 from modallab.bench.protocol import BenchInfo

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from modallab.acquisition.monitor.burst_watch import load_filters
 from modallab.acquisition.monitor.context import RunContext
 from modallab.acquisition.monitor.live import LiveRing, LiveTap
-from modallab.acquisition.monitor.requests import Excitation, Requests
-from modallab.acquisition.monitor.run_states import Emit, Lifecycle
+from modallab.acquisition.monitor.run_states import Emit, Excitation, Lifecycle, Requests
 from modallab.acquisition.monitor.stream import Stream
 from modallab.acquisition.procedures.broadband_checks import longest_wave_s
 from modallab.acquisition.procedures.burst import longest_burst_s, tail_s

@@ -1,8 +1,7 @@
 """One run, from its check to its end: however it ends, the output is at 0 V and what was acknowledged is kept."""
 
 from modallab.acquisition.monitor.live import LiveRing
-from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
-from modallab.acquisition.monitor.run_states import Emit, Lifecycle
+from modallab.acquisition.monitor.run_states import DropBlock, Emit, Excitation, Lifecycle, Requests
 from modallab.acquisition.procedures.broadband import run_broadband
 from modallab.acquisition.procedures.broadband_checks import require_waves
 from modallab.acquisition.procedures.impact import run_impact

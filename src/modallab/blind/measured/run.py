@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
-from modallab.blind.measured.draw import MeasuredRequest, draw_effects, places_of
-from modallab.blind.measured.put import AppliedEffect, with_effect
+from modallab.blind.measured.draw import AppliedEffect, MeasuredRequest, draw_effects, places_of, with_effect
 from modallab.blind.measured.score import MeasuredOutcome, Truth, judge_trial, trial_figures
 from modallab.blind.seal import open_truth, publish_hashes, seal_truth
 from modallab.core.arrays import Real

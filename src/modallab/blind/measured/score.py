@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.blind.measured.put import AppliedEffect
+from modallab.blind.measured.draw import AppliedEffect
 from modallab.blind.outcome import OutcomeFigure
 from modallab.core.frozen import Frozen
 from modallab.core.modal_diagnosis import ModalDiagnosis

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PositiveInt
 
+from modallab.core.documents.model_use import AskedOfModel, OfModel
 from modallab.core.frozen import ComplexArray, Frozen, RealArray
-from modallab.core.units import Test
 
 Added = Annotated[float, Field(ge=-1e12, le=1e12, allow_inf_nan=False)]
 Mass = Annotated[float, Field(ge=1e-9, le=1e9)]
@@ -95,17 +95,15 @@ class PairNew(Frozen):
     lines: Annotated[int, Field(ge=2, le=4000)] = 500
 
 
-class ModificationNew(Frozen):
+class ModificationNew(AskedOfModel):
     """Changes of a structure, all at once.
 
     Attributes:
-        test: whose model; null for the first.
         changes: what is hung on the structure.
         frf: whose mobility is asked for before and after; null for none.
         check: campaign that was measured with the changes; null for none.
     """
 
-    test: Test | None = None
     changes: Annotated[tuple[ChangeNew, ...], Field(min_length=1, max_length=20)]
     frf: PairNew | None = None
     check: str | None = None
@@ -145,11 +143,10 @@ class CheckedMode(Frozen):
     words: str
 
 
-class ModifiedView(Frozen):
+class ModifiedView(OfModel):
     """The modes of a structure after changes.
 
     Attributes:
-        test: whose model.
         changes: in words.
         frequency_hz: (modes,) after.
         frequency_sigma_hz: (modes,) one standard deviation.
@@ -166,7 +163,6 @@ class ModifiedView(Frozen):
         checked: modes of the campaign that was measured with the changes.
     """
 
-    test: Test | None
     changes: tuple[str, ...]
     frequency_hz: RealArray
     frequency_sigma_hz: RealArray

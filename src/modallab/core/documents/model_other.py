@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PositiveInt
 
 from modallab.core.documents.model_change import Frequency, Mass
+from modallab.core.documents.model_use import AskedOfModel, OfModel
 from modallab.core.frozen import Frozen, RealArray
 from modallab.core.units import Test
 
@@ -51,18 +52,16 @@ class CorrelationView(Frozen):
     comac: RealArray
 
 
-class ChangeForFrequencyNew(Frozen):
+class ChangeForFrequencyNew(AskedOfModel):
     """A frequency that a mode shall have.
 
     Attributes:
-        test: whose model; null for the first.
         mode: from 1.
         to_hz: that frequency.
         by: what is hung on the structure: a mass, or a spring to ground.
         at: points to try; null for all that have a sensor.
     """
 
-    test: Test | None = None
     mode: PositiveInt
     to_hz: Frequency
     by: Literal["mass", "spring"]
@@ -89,30 +88,26 @@ class ChangeForFrequencyView(Frozen):
     highest_hz: float
 
 
-class ChangesForFrequencyView(Frozen):
+class ChangesForFrequencyView(OfModel):
     """The same at several points, the smallest first.
 
     Attributes:
-        test: whose model.
         tunings: one for each point.
     """
 
-    test: Test | None
     tunings: tuple[ChangeForFrequencyView, ...]
 
 
-class ChangeForFreeBandNew(Frozen):
+class ChangeForFreeBandNew(AskedOfModel):
     """A band that shall hold no mode.
 
     Attributes:
-        test: whose model; null for the first.
         low_hz: its lower edge.
         high_hz: its upper edge.
         by: what is hung on the structure: a mass, or a spring to ground.
         at: points to try; null for all that have a sensor.
     """
 
-    test: Test | None = None
     low_hz: Frequency
     high_hz: Frequency
     by: Literal["mass", "spring"]
@@ -139,39 +134,34 @@ class ChangeForFreeBandView(Frozen):
     stays_hz: float | None
 
 
-class ChangesForFreeBandView(Frozen):
+class ChangesForFreeBandView(OfModel):
     """The same at several points, the smallest first.
 
     Attributes:
-        test: whose model.
         answers: one for each point.
     """
 
-    test: Test | None
     answers: tuple[ChangeForFreeBandView, ...]
 
 
-class BestAbsorberNew(Frozen):
+class BestAbsorberNew(AskedOfModel):
     """A mode whose motion at a point shall be as small as an absorber of a mass makes it.
 
     Attributes:
-        test: whose model; null for the first.
         mode: from 1.
         at: where the absorber hangs.
         mass_kg: of it.
     """
 
-    test: Test | None = None
     mode: PositiveInt
     at: PositiveInt
     mass_kg: Mass
 
 
-class BestAbsorberView(Frozen):
+class BestAbsorberView(OfModel):
     """That absorber.
 
     Attributes:
-        test: whose model.
         at: where it hangs.
         mass_kg: of it.
         frequency_hz: of it on a point at rest.
@@ -183,7 +173,6 @@ class BestAbsorberView(Frozen):
         peak_after_sigma: one standard deviation.
     """
 
-    test: Test | None
     at: int
     mass_kg: float
     frequency_hz: float

@@ -1,14 +1,14 @@
 """How a structure behaves, as its modal model says it: what makes a response, where modes move, and how."""
 
+from modallab.core.documents.model_use import OfModel
 from modallab.core.frozen import ComplexArray, Frozen, RealArray
 from modallab.core.units import Quantity, Test
 
 
-class ParticipationView(Frozen):
+class ParticipationView(OfModel):
     """Which modes make the response at a point: shares, with `outside`, add up to 1.
 
     Attributes:
-        test: whose model.
         at: point of the force.
         of: point of the motion.
         quantity: of the motion.
@@ -21,7 +21,6 @@ class ParticipationView(Frozen):
         outside: share of what lies outside the band of the model.
     """
 
-    test: Test | None
     at: int
     of: int
     quantity: Quantity
@@ -48,11 +47,10 @@ class CrossingView(Frozen):
     place_sigma_m: float
 
 
-class NodesView(Frozen):
+class NodesView(OfModel):
     """Where each mode moves most and where its nodes are.
 
     Attributes:
-        test: whose model.
         frequency_hz: (modes,) of each mode.
         points: (points,) that are known.
         axes: (points,) of motion at each.
@@ -64,7 +62,6 @@ class NodesView(Frozen):
         advice: where to hit and where to mount, in sentences.
     """
 
-    test: Test | None
     frequency_hz: RealArray
     points: tuple[int, ...]
     axes: tuple[str, ...]
@@ -76,11 +73,10 @@ class NodesView(Frozen):
     advice: tuple[str, ...]
 
 
-class ShapesView(Frozen):
+class ShapesView(OfModel):
     """A structure as points and lines, and how it moves in each mode.
 
     Attributes:
-        test: whose model.
         frequency_hz: (modes,) of each mode.
         points: (places,) points of the rig; 0 for a clamp.
         places_m: (places, 3) where they are.
@@ -89,7 +85,6 @@ class ShapesView(Frozen):
         motion: (modes, places, 3) complex, along x, y, z, the largest of each mode 1; 0 where it is not known.
     """
 
-    test: Test | None
     frequency_hz: RealArray
     points: tuple[int, ...]
     places_m: RealArray

@@ -104,7 +104,7 @@ class ParameterView(Frozen):
     determined: bool
 
 
-class UpdatedView(Frozen):
+class UpdatedModelView(Frozen):
     """Parameters of a finite-element model estimated from measured modes.
 
     Attributes:

@@ -13,11 +13,30 @@ Force = Annotated[float, Field(ge=-1e9, le=1e9, allow_inf_nan=False)]
 Step = Annotated[float, Field(ge=1e-9, le=1e3)]
 
 
-class PredictedFrf(Frozen):
-    """FRFs of a model between points, measured pairs or not.
+class OfModel(Frozen):
+    """What a modal model says.
 
     Attributes:
         test: whose model.
+    """
+
+    test: Test | None
+
+
+class AskedOfModel(Frozen):
+    """What is asked of a modal model.
+
+    Attributes:
+        test: whose model; null for the first.
+    """
+
+    test: Test | None = None
+
+
+class PredictedFrf(OfModel):
+    """FRFs of a model between points, measured pairs or not.
+
+    Attributes:
         quantity: receptance, mobility or inertance.
         frequency_hz: (lines,) evenly over the band of the model.
         outputs: (outputs,) points of the motion.
@@ -26,7 +45,6 @@ class PredictedFrf(Frozen):
         sigma: (outputs, inputs, lines) one standard deviation.
     """
 
-    test: Test | None
     quantity: FrfQuantity
     frequency_hz: RealArray
     outputs: tuple[int, ...]
@@ -49,11 +67,10 @@ class StartNew(Frozen):
     velocity_m_s: Force | None = None
 
 
-class ResponseNew(Frozen):
+class ResponseNew(AskedOfModel):
     """Forces whose response is asked for.
 
     Attributes:
-        test: whose model; null for the first.
         at: points of the forces.
         forces_n: (forces, samples) a row for each point; null where forces are given by kind.
         forces: one for each point by kind; null where samples are given.
@@ -66,7 +83,6 @@ class ResponseNew(Frozen):
         samples: whether motion over time is asked for, or its figures alone.
     """
 
-    test: Test | None = None
     at: Annotated[tuple[PositiveInt, ...], Field(min_length=1, max_length=100)]
     forces_n: Annotated[tuple[tuple[Force, ...], ...], Field(min_length=1, max_length=100)] | None = None
     forces: Annotated[tuple[ForceKind, ...], Field(min_length=1, max_length=100)] | None = None
@@ -79,11 +95,10 @@ class ResponseNew(Frozen):
     samples: bool = True
 
 
-class ResponseView(Frozen):
+class ResponseView(OfModel):
     """The motion that forces give.
 
     Attributes:
-        test: whose model.
         quantity: of the motion, in SI units.
         step_s: between samples.
         of: (points,) that move.
@@ -99,7 +114,6 @@ class ResponseView(Frozen):
         outside: share of the forces' power outside the band of the model, where it says little.
     """
 
-    test: Test | None
     quantity: Quantity
     step_s: float
     of: tuple[int, ...]
@@ -115,12 +129,11 @@ class ResponseView(Frozen):
     outside: float
 
 
-class StateSpaceView(Frozen):
+class StateSpaceMatrices(Frozen):
     """x' = A x + B f, y = C x + D f, with two states for each mode and the forces f in N.
 
     Attributes:
-        test: whose model.
-        A: (states, states).
+        A: (states, states), two states for each mode.
         B: (states, inputs).
         C: (outputs, states).
         D: (outputs, inputs).
@@ -133,7 +146,6 @@ class StateSpaceView(Frozen):
         damping_sigma: (modes,) one standard deviation.
     """
 
-    test: Test | None
     A: RealArray
     B: RealArray
     C: RealArray
@@ -145,3 +157,7 @@ class StateSpaceView(Frozen):
     frequency_sigma_hz: RealArray
     damping_ratio: RealArray
     damping_sigma: RealArray
+
+
+class StateSpaceView(OfModel, StateSpaceMatrices):
+    """The state space of a campaign's newest model."""

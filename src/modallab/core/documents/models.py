@@ -121,6 +121,7 @@ class DiagnosisView(Frozen):
         current: whether the blocks that count now are still those it was computed from.
         code_version: of the modallab that computed it.
         sentence: the verdict in words, with units and 95 % intervals.
+        numbers: those of what the gap behaves like: name with SI unit, value, 95 % interval or why there is none.
         diagnosis: itself.
     """
 
@@ -129,6 +130,7 @@ class DiagnosisView(Frozen):
     current: bool
     code_version: str
     sentence: str
+    numbers: tuple[tuple[str, str, str], ...]
     diagnosis: Diagnosis
 
 

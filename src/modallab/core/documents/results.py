@@ -8,6 +8,8 @@ from modallab.core.frf import FrfQuantity
 from modallab.core.frozen import ComplexArray, Frozen, RealArray
 
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
+"""Of a job; the last three are for good."""
+
 JobKind = Literal["identify", "diagnose", "report", "estimate", "blind"]
 
 
@@ -35,10 +37,10 @@ class JobView(Frozen):
     state: JobState
     parameters: dict[str, JsonValue]
     inputs: tuple[str, ...]
-    progress: float
-    attempts: int
+    progress: float = Field(ge=0, le=1)
+    attempts: int = Field(ge=0)
     created_utc: str
-    ended_utc: str
+    ended_utc: str = ""
     code_version: str
     result: JsonValue = None
     error: str | None = None

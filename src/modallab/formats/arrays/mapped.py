@@ -15,7 +15,7 @@ from modallab.core.rig import Channel, Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, in_order
 from modallab.formats.arrays.channel_times import channel_times
 from modallab.formats.block_facts import facts_or_options
-from modallab.formats.frf_conventions import assumed_factor, rising, share_of_one, turned
+from modallab.formats.frf_file import assumed_factor, rising, share_of_one, turned
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, normal_unit
 

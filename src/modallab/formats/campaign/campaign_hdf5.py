@@ -8,7 +8,7 @@ import h5py
 
 from modallab.core.block import Campaign
 from modallab.core.errors import FormatError, RigError
-from modallab.core.metrology import judge_mass_ratios
+from modallab.core.hardware import judge_mass_ratios
 from modallab.core.rig import Rig
 from modallab.core.versions import CAMPAIGN_INT16, CAMPAIGN_NATIVE
 from modallab.formats.atomic import replacing

@@ -22,7 +22,7 @@ from modallab.formats.csv.frf_heading import (
     reference_of,
     response_of,
 )
-from modallab.formats.frf_conventions import assumed_factor, rising, share_of_one, turned
+from modallab.formats.frf_file import assumed_factor, rising, share_of_one, turned
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, normal_unit, to_hertz
 

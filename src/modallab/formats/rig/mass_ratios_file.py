@@ -6,7 +6,7 @@ import yaml
 from pydantic import TypeAdapter, ValidationError
 
 from modallab.core.errors import FormatError
-from modallab.core.metrology import MassRatio
+from modallab.core.hardware import MassRatio
 from modallab.formats.atomic import replacing
 
 FILE = "mass_ratios.yaml"

@@ -9,7 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from modallab.core.errors import RigError
 from modallab.core.field_errors import Problem
-from modallab.core.metrology import Certificate
+from modallab.core.hardware import Certificate
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
 from modallab.formats.rig.rig_yaml import load_yaml, rig_problems
@@ -62,7 +62,7 @@ def parse_rig(text: str, where: str, folder: Path | None = None) -> Rig:
             raise RigError(f"{what}, not a rig file", where=where, remedy="name the YAML file that describes the rig")
     if "kind" in fields and "channels" not in fields:
         found = f"is the plan of a test (kind: {fields['kind']}), not a rig file"
-        raise RigError(found, where=where, remedy="name the rig file here, and the plan in its own place")
+        raise RigError(found, where=where, remedy="name the rig file here; a plan is given where a plan is asked for")
     if folder is not None:
         fields = _with_certificates(fields, folder, where)
     try:

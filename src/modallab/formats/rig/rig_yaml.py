@@ -11,8 +11,7 @@ from pydantic_core import ErrorDetails
 from modallab.core.effect import Revision
 from modallab.core.field_errors import INVALID, Problem, allowed_values, is_short_by_wrong_entries, quoted_value
 from modallab.core.frozen import Frozen
-from modallab.core.hardware import Calibration, Excitation, Shaker, Synchronisation
-from modallab.core.metrology import Certificate
+from modallab.core.hardware import Calibration, Certificate, Excitation, Shaker, Synchronisation
 from modallab.core.rig import Beam, Channel, Converter, DampingPrior, Limits, Point, Rig, Tolerance
 from modallab.core.rig_checks import cross_problems
 

@@ -10,7 +10,7 @@ from modallab.core.array_checks import check_frequencies
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
-from modallab.formats.frf_conventions import rising, share_of_one
+from modallab.formats.frf_file import rising, share_of_one
 from modallab.formats.uff.uff_functions import KINDS, FileUnits, Function, UniversalFile
 from modallab.formats.uff.uff_lines import axis_of
 from modallab.formats.uff.uff_match import divisor_unit_of, known_point, match_channel, sense, unit_of

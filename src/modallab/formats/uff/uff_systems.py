@@ -69,8 +69,8 @@ class Nodes:
         main = int(np.argmax(np.abs(row)))
         if abs(row[main]) < 1 - _SQUARE:
             raise DataError(
-                f"direction {local} at node {node} is {np.round(row, 3).tolist()} in the axes of the whole part, "
-                "between those that a rig has",
+                f"direction {local} at node {node} is {np.round(row, 3).tolist()} in global coordinates, "
+                "and along none of their axes",
                 where=where,
                 remedy="export in the global coordinate system, or give a rig file with --rig",
             )

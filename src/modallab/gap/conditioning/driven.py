@@ -23,7 +23,7 @@ from modallab.frf.broadband import driven_band
 from modallab.frf.joined import contiguous_blocks
 from modallab.frf.periodic_drive import cut_to_drive_clock, driven_frf
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.likelihood.derivatives import poles_of
+from modallab.identification.likelihood.basis import poles_of
 from modallab.identification.options import IdentificationOptions
 from modallab.signals.signals import Signals, to_signals
 

@@ -18,7 +18,7 @@ from modallab.twin.modes import solve_modes
 from modallab.twin.structure import TwinStructure
 
 LINKS = 20
-"""At least so many; points at which something acts or is sensed are nodes."""
+"""Least number of links. There is a node at each point that is driven or measured."""
 CLOSE = 0.3
 """Of a link's length: nodes nearer than that to a point make room for it."""
 LEAST_MASS = 1e-3

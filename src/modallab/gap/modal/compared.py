@@ -23,9 +23,9 @@ from modallab.gap.modal.rigid import with_rigid_mode
 from modallab.gap.modal.state import AttachedElement
 from modallab.gap.modal.weights import Weights
 from modallab.modification.freedoms import Freedom, freedoms_of
+from modallab.modification.frfs import receptance_of_modes, receptances_of_model
 from modallab.modification.mesh import Mesh
 from modallab.modification.shapes import FreedomShapes, shapes_of
-from modallab.modification.synthesis import receptance_of_modes, receptances_of_model
 from modallab.updating.elements import COMPUTED
 
 SMOOTH = 0.01

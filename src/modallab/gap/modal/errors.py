@@ -10,7 +10,7 @@ import numpy as np
 from modallab.core.arrays import Complex, Real
 from modallab.core.model import ModalModel
 from modallab.gap.modal.weights import Weights
-from modallab.modification.synthesis import receptance_of_modes
+from modallab.modification.frfs import receptance_of_modes
 
 ERROR = 0.007
 """By how much of its size a line of an FRF is off for reasons that no free number stands for, one deviation."""

@@ -19,7 +19,7 @@ from modallab.gap.modal.fitting import FittedExplanation, fit
 from modallab.gap.modal.marginal import Marginal
 from modallab.gap.modal.scales import SUSPECTS, USUAL, Rung, departed, nameless, settled, unusual_rungs, usual
 from modallab.gap.modal.search import ModalSearch, best_first
-from modallab.modification.synthesis import frfs_without_shapes
+from modallab.modification.frfs import frfs_without_shapes
 
 PRIOR = {"no_gap": 0.5, "known": 0.4, "unknown": 0.1}
 """Probabilities before the comparison."""

@@ -7,8 +7,8 @@ axis, that is several per cent of an FRF, which would pass for a gap.
 import numpy as np
 
 from modallab.core.model import ModalModel
-from modallab.identification.likelihood.derivatives import poles_of
-from modallab.identification.model.folded import POWERS, fold_into_residuals
+from modallab.identification.likelihood.basis import poles_of
+from modallab.identification.model.modal_model import POWERS, fold_into_residuals
 
 BY_MODE = (
     "frequency_hz",

@@ -9,7 +9,7 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
-from modallab.identification.likelihood.out_of_band import RESIDUAL_POWERS, STAND_INS
+from modallab.identification.likelihood.basis import RESIDUAL_POWERS, STAND_INS
 from modallab.identification.model.modal_model import readings_of_fit
 from modallab.identification.setups.roving import poles_at_points, roved_axis
 

@@ -25,7 +25,7 @@ from modallab.gap.search.fitting import FLOOR_MARGIN, Bench
 from modallab.twin.bench import Twin
 
 TOP_HZ = 650.0
-"""Modes up to here have a damping ratio of their own."""
+"""Each mode up to this frequency has its own damping ratio."""
 
 NOT_BETTER = 1.3
 """Rms residual that counts as the floor where the base shakes or the beam still rings."""

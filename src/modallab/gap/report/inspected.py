@@ -1,7 +1,7 @@
 """Effects that no force predicts: read off the records themselves.
 
 Variances add: a row's own noise is what it shows less the rounding, step^2 / 12. The base's motion is the response over
-the beam's transmission from its base (`modallab.twin.base_motion`), median over the channels.
+the beam's transmission from its base (`modallab.twin.response`), median over the channels.
 """
 
 from collections.abc import Callable
@@ -18,8 +18,8 @@ from modallab.core.units import DERIVATIVE
 from modallab.gap.conditioning.prepare import ORDINARY_HUM, PreparedCampaign
 from modallab.gap.model.predicted_records import predict_record
 from modallab.signals.conversion import volts_per_si
-from modallab.twin.base_motion import base_transmission
 from modallab.twin.bench import Twin
+from modallab.twin.response import base_transmission
 
 SURE = 0.98
 """Probability of an effect that the records show as such."""

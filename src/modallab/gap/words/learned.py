@@ -4,10 +4,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from modallab.core.digits import percent_text
+from modallab.core.diagnosis import Described
+from modallab.core.digits import percent_text, with_interval
 from modallab.core.effect import Learned
+from modallab.core.effects import Parameter
 from modallab.core.places import AllChannels, OneChannel, x_m_of
 from modallab.core.rig import Rig
+from modallab.twin.effects import model_of
 
 Numbers = Mapping[str, float]
 
@@ -25,6 +28,22 @@ class _Phrase:
 def learned_in_words(learned: Sequence[Learned], rig: Rig) -> str:
     """What they behave like, as the end of a sentence: "a spring of 120 N/m to ground at 0.379 m"."""
     return " and ".join(f"{_PHRASES[one.element](one.parameters)}{_learned_place(one, rig)}" for one in learned)
+
+
+def numbers_of_description(described: Described) -> tuple[tuple[str, str, str], ...]:
+    """A row for each number: its name with the SI unit, its value, its 95 % interval or why there is none."""
+    rows = [_row(model_of(e.element).kind.parameter(name), e) for e in described.elements for name in e.parameters]
+    if described.x_m is not None:
+        rows.append(("place (m from the clamp)", *with_interval(described.x_m, described.x_m_interval)))
+    return tuple(rows)
+
+
+def _row(parameter: Parameter, element: Learned) -> tuple[str, str, str]:
+    name = parameter.name
+    value, between = with_interval(element.parameters[name], element.interval.get(name))
+    why = element.not_known.get(name)
+    unit = f" ({parameter.unit})" if parameter.unit else ""
+    return f"{parameter.in_words}{unit}", value, f"not known: {why}" if why else between
 
 
 def _learned_place(one: Learned, rig: Rig) -> str:

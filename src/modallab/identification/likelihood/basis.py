@@ -1,4 +1,4 @@
-"""Columns of the modal model in a block, for given poles."""
+"""Columns of the modal model in a block for given poles, out-of-band ones among them, and their derivatives."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -8,17 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.identification.likelihood.derivatives import (
-    DerivativeVectors,
-    HalfOfPair,
-    columns_of_residue,
-    drive_vectors,
-    join_vectors,
-    pole_vectors,
-    poles_of,
-    residual_term_columns,
-    state_vectors,
-)
 from modallab.identification.likelihood.excitation import (
     BlockLines,
     Excitation,
@@ -28,6 +17,168 @@ from modallab.identification.likelihood.excitation import (
     kernel_of_poles,
 )
 from modallab.identification.likelihood.orthonormal import real_rows
+
+RESIDUAL_POWERS = (-2, 0, 2, 4)
+"""Powers of s for what modes outside the band leave. -2 in a receptance is an acceleration like the force itself, as
+modes below the band leave it. So do, a little, far modes that are sampled too slowly, and cross-talk. Left out, it
+passes for damping of the lowest mode."""
+STAND_INS = (1.05,)
+"""A pole that begins at this multiple of the upper edge stands for the modes above."""
+STAND_IN_SHARE = 0.4
+"""The stand-ins are damped as the band's own modes are, give or take this share. The band's lines hardly say: left to
+them a damping ratio runs to zero, where a pole rings through the whole block. But it turns the phase of all that lies
+below, so that a wrong one that is held too fast makes the upper modes' constants wrong."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StartPoles:
+    """Where a search begins.
+
+    Attributes:
+        omega: (poles,) rad/s; the last `stand_ins` stand for modes above the band.
+        zeta: (poles,)
+        zeta_prior: (poles, 2) centre and sigma.
+        stand_ins: how many.
+    """
+
+    omega: NDArray[np.float64]
+    zeta: NDArray[np.float64]
+    zeta_prior: NDArray[np.float64]
+    stand_ins: int
+
+
+def with_stand_ins(
+    poles: NDArray[np.complex128], top_hz: float, multiples: tuple[float, ...], zeta_range: tuple[float, float]
+) -> StartPoles:
+    """Start poles, with stand-ins for the modes above the band appended.
+
+    A power series in s converges slowly for a mode just above the band; a pole there, free to move, does better.
+
+    Args:
+        poles: (modes,) rad/s.
+        top_hz: upper edge of the band.
+        multiples: of the upper edge, where the stand-ins begin.
+        zeta_range: damping ratios of the start poles are brought into this range.
+    """
+    omega = np.concatenate([np.abs(poles), 2 * np.pi * top_hz * np.array(multiples)])
+    low, high = zeta_range
+    zeta = np.clip(-poles.real / np.abs(poles), low, high)
+    like_them = float(np.median(zeta))
+    prior = np.tile([0.0, np.inf], (omega.size, 1))
+    prior[poles.size :] = like_them, STAND_IN_SHARE * like_them
+    zeta = np.append(zeta, np.full(len(multiples), like_them))
+    return StartPoles(omega, zeta, prior, len(multiples))
+
+
+def edges_of_stand_ins(omega: NDArray[np.float64], top_hz: float) -> tuple[float, ...]:
+    """Multiples of the upper edge at which stand-ins begin again: where a fit has moved them to, if that is above.
+
+    Args:
+        omega: (poles,) rad/s of the fit, its stand-in last.
+        top_hz: upper edge of the band.
+    """
+    moved = float(omega[-1]) / (2 * np.pi * top_hz)
+    return STAND_INS if moved < 1 else (moved,)
+
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DerivativeVectors:
+    """Derivatives of columns.
+
+    The derivative of output o by parameter i is the sum over its vectors of value * C[column, o].
+
+    Attributes:
+        values: (rows, vectors), ordered by parameter.
+        parameter: (vectors,) which parameter.
+        column: (vectors,) which column's coefficient multiplies it.
+    """
+
+    values: Real
+    parameter: Index
+    column: Index
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class HalfOfPair:
+    """What belongs to one of a pole pair, each (modes, lines)."""
+
+    forced: Lines
+    slope: Lines
+    free: Lines
+    free_slope: Lines
+
+
+def pole_vectors(
+    omega: Real, zeta: Real, halves: tuple[HalfOfPair, HalfOfPair], start: NDArray[np.complex128]
+) -> DerivativeVectors:
+    """By omega and zeta, mode by mode; `start` (modes,) is the unknown state."""
+    up, down = halves
+    slope_up = up.slope + start[:, None] * up.free_slope
+    slope_down = down.slope + start.conj()[:, None] * down.free_slope
+    rates = (poles_of(omega, zeta) / omega, -omega - 1j * omega * zeta / np.sqrt(1 - zeta**2))
+    values = np.stack(
+        [columns_of_residue(slope_up * r[:, None], slope_down * r.conj()[:, None]) for r in rates], axis=1
+    )
+    mode = np.repeat(np.arange(len(omega)), 4)
+    which = np.tile([0, 0, 1, 1], len(omega))
+    part = np.tile([0, 1, 0, 1], len(omega))
+    return DerivativeVectors(real_rows(values.reshape(-1, values.shape[-1])), 2 * mode + which, 2 * mode + part)
+
+
+def columns_of_residue(up: Lines, down: Lines) -> Lines:
+    """(modes, 2, lines): what the real and the imaginary part of the residue multiply, R up + conj(R) down."""
+    return np.stack([up + down, 1j * (up - down)], axis=1)
+
+
+def residual_term_columns(excitation: Excitation, powers: Sequence[int]) -> Lines:
+    """(powers, lines): the residual terms' columns."""
+    if not powers:
+        return np.zeros((0, excitation.static(0).size), complex)
+    return np.stack([excitation.static(power) for power in powers])
+
+
+def state_vectors(up: Lines, down: Lines) -> DerivativeVectors:
+    """By both parts of every mode's unknown state."""
+    u, v = np.moveaxis(columns_of_residue(up, down), 1, 0)
+    n_modes = len(up)
+    values = np.stack([u, v, v, -u], axis=1).reshape(4 * n_modes, -1)
+    mode = np.repeat(np.arange(n_modes), 4)
+    return DerivativeVectors(
+        real_rows(values), 2 * mode + np.tile([0, 0, 1, 1], n_modes), 2 * mode + np.tile([0, 1, 0, 1], n_modes)
+    )
+
+
+def drive_vectors(
+    excitation: Excitation, poles: NDArray[np.complex128], powers: Sequence[int], *, first: int
+) -> DerivativeVectors:
+    """By both parts of the drive's relative error, which are parameters `first` and the next."""
+    found: list[Lines] = []
+    for turned in (excitation, excitation.scaled(1j)):
+        pairs = columns_of_residue(turned.forced(poles)[0], turned.forced(poles.conj())[0])
+        found.append(np.concatenate([pairs.reshape(-1, pairs.shape[-1]), residual_term_columns(turned, powers)]))
+    n = len(found[0])
+    return DerivativeVectors(real_rows(np.concatenate(found)), first + np.repeat([0, 1], n), np.tile(np.arange(n), 2))
+
+
+def join_vectors(parts: Sequence[DerivativeVectors]) -> DerivativeVectors:
+    """All of them as one."""
+    if len(parts) == 1:
+        return parts[0]
+    if not parts:
+        return DerivativeVectors(np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(0, np.int64))
+    return DerivativeVectors(
+        np.concatenate([p.values for p in parts], axis=1),
+        np.concatenate([p.parameter for p in parts]),
+        np.concatenate([p.column for p in parts]),
+    )
+
+
+def poles_of(omega: Real, zeta: Real) -> NDArray[np.complex128]:
+    """Poles lambda = -zeta omega + j omega sqrt(1 - zeta^2), in rad/s."""
+    return -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -21,8 +21,7 @@ from scipy import linalg, ndimage, optimize
 
 from modallab.core.arrays import Complex128, Real
 from modallab.frf.joined import RecordSpectra
-from modallab.identification.likelihood.basis import BlockColumns, columns_of_block
-from modallab.identification.likelihood.derivatives import DerivativeVectors
+from modallab.identification.likelihood.basis import BlockColumns, DerivativeVectors, columns_of_block
 from modallab.identification.likelihood.equations import covariance_of
 from modallab.identification.likelihood.excitation import BlockLines, RandomExcitation
 from modallab.identification.likelihood.orthonormal import complex_lines

@@ -10,7 +10,7 @@ from scipy.special import chdtrc
 
 from modallab.core.arrays import Real
 from modallab.identification.likelihood.fit import LikelihoodFit
-from modallab.identification.likelihood.projection import GroupSolution, sum_of_squares
+from modallab.identification.likelihood.projection import InputSolution, sum_of_squares
 
 ROWS = 40
 """Of a piece: real and imaginary parts of twenty lines."""
@@ -33,7 +33,7 @@ def is_even(fit: LikelihoodFit) -> bool:
     return bool(chdtrc(freedom, np.sum(likely) / small) > CHANCE)
 
 
-def _squares_by_piece(group: GroupSolution) -> tuple[Real, Real]:
+def _squares_by_piece(group: InputSolution) -> tuple[Real, Real]:
     """(pieces,) degrees of freedom and (pieces, outputs) squares of the residual."""
     rows = group.columns[0].phi.shape[0]
     # What the columns take up is no residual.

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.identification.likelihood.basis import columns_of_block
-from modallab.identification.likelihood.derivatives import DerivativeVectors, poles_of
+from modallab.identification.likelihood.basis import DerivativeVectors, columns_of_block, poles_of
 from modallab.identification.likelihood.excitation import Excitation
 from modallab.identification.likelihood.force_noise import force_parts
 from modallab.identification.likelihood.orthonormal import complex_lines
 from modallab.identification.likelihood.projection import (
-    GroupSolution,
+    InputSolution,
     LikelihoodPoint,
     LikelihoodProblem,
     true_excitation,
@@ -109,7 +108,7 @@ def residual_coefficients(fit: LikelihoodFit) -> Real:
     return _unfold_channels(fit, np.stack([group.coefficients[n:] for group in fit.point.groups], axis=-1))
 
 
-def _coefficient_variance(fit: LikelihoodFit, group: GroupSolution, covariance: Real) -> Real:
+def _coefficient_variance(fit: LikelihoodFit, group: InputSolution, covariance: Real) -> Real:
     """Variance (columns, outputs) of the coefficients: their own noise, and what the searched parameters add."""
     inverse = np.linalg.inv(group.r)
     own = np.sum(inverse**2, axis=1)[:, None] * fit.point.noise**2
@@ -121,7 +120,7 @@ def _coefficient_variance(fit: LikelihoodFit, group: GroupSolution, covariance: 
     return own + added
 
 
-def _slopes_on_q(fit: LikelihoodFit, group: GroupSolution) -> Callable[[int], Real]:
+def _slopes_on_q(fit: LikelihoodFit, group: InputSolution) -> Callable[[int], Real]:
     """Q^T (slope of an output) by the poles and by what the blocks of this input have to themselves."""
     problem, n_poles = fit.problem, 2 * fit.point.parameters.omega.size
     rows, width = group.columns[0].phi.shape[0], problem.n_local

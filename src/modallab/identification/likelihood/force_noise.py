@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.identification.likelihood.derivatives import poles_of
+from modallab.identification.likelihood.basis import poles_of
 from modallab.identification.likelihood.excitation import BlockLines, Excitation, HitExcitation
 from modallab.identification.likelihood.orthonormal import complex_lines, stack_lines
-from modallab.identification.likelihood.projection import GroupSolution, LikelihoodPoint, LikelihoodProblem
+from modallab.identification.likelihood.projection import InputSolution, LikelihoodPoint, LikelihoodProblem
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -115,7 +115,7 @@ class ForceParts:
         return tuple(part[..., place] for part, place in zip(self.all_on_q, self.places, strict=True))
 
 
-def force_parts(problem: LikelihoodProblem, point: LikelihoodPoint, group: GroupSolution) -> ForceParts:
+def force_parts(problem: LikelihoodProblem, point: LikelihoodPoint, group: InputSolution) -> ForceParts:
     """See ForceParts."""
     rows, width = group.columns[0].phi.shape[0], point.parameters.force.shape[1]
     firsts = [_require_hit(problem.blocks[i].excitation).first for i in group.members]
@@ -128,7 +128,7 @@ def force_parts(problem: LikelihoodProblem, point: LikelihoodPoint, group: Group
     return ForceParts(windows, places, on_q)
 
 
-def _shared_columns(problem: LikelihoodProblem, point: LikelihoodPoint, group: GroupSolution) -> _SharedColumns:
+def _shared_columns(problem: LikelihoodProblem, point: LikelihoodPoint, group: InputSolution) -> _SharedColumns:
     at, grid = point.parameters, _require_hit(problem.blocks[group.members[0]].excitation).grid
     poles = poles_of(at.omega, at.zeta)
     n = 2 * poles.size
@@ -159,7 +159,7 @@ def _require_hit(excitation: Excitation) -> HitExcitation:
 
 
 def force_equations(
-    problem: LikelihoodProblem, point: LikelihoodPoint, group: GroupSolution, others: tuple[Real, Real]
+    problem: LikelihoodProblem, point: LikelihoodPoint, group: InputSolution, others: tuple[Real, Real]
 ) -> tuple[Real, Real]:
     """J^T J and J^T residual of one input: poles, its members' states, then its members' force samples.
 
@@ -191,7 +191,7 @@ def force_equations(
 class _PoleVectors:
     """The derivative vectors of poles and states of one input, to be multiplied with slopes by force samples."""
 
-    def __init__(self, group: GroupSolution, noise: Real) -> None:
+    def __init__(self, group: InputSolution, noise: Real) -> None:
         found, rows = group.columns, group.columns[0].phi.shape[0]
         self._columns, self._n_poles = found, found[0].poles.values.shape[1]
         self._width = found[0].local.parameter.size

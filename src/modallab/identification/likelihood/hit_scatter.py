@@ -24,7 +24,7 @@ from scipy.special import chdtri, ndtri, stdtrit
 from modallab.core.arrays import Real
 from modallab.identification.likelihood.even_residual import is_even
 from modallab.identification.likelihood.fit import LikelihoodFit
-from modallab.identification.likelihood.projection import GroupSolution
+from modallab.identification.likelihood.projection import InputSolution
 
 LEAST_FREEDOM = 2.5
 """Degrees of freedom below which hits say nothing of their scatter: four that are alike have three."""
@@ -160,7 +160,7 @@ def _pulls_by_output(fit: LikelihoodFit) -> tuple[Real, Real]:
     return scores, known
 
 
-def _scores_of_input(group: GroupSolution, noise: Real) -> tuple[Real, Real]:
+def _scores_of_input(group: InputSolution, noise: Real) -> tuple[Real, Real]:
     """(members, 2 modes, outputs) of an input; the residues are solved for along with the poles."""
     rows = group.columns[0].phi.shape[0]
     vectors = np.concatenate([c.poles.values for c in group.columns])

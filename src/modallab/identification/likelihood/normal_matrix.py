@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Real
-from modallab.identification.likelihood.derivatives import DerivativeVectors
+from modallab.identification.likelihood.basis import DerivativeVectors
 from modallab.identification.likelihood.equations import BlockEquations, NormalEquations
 from modallab.identification.likelihood.force_noise import force_equations
-from modallab.identification.likelihood.projection import GroupSolution, LikelihoodPoint, LikelihoodProblem
+from modallab.identification.likelihood.projection import InputSolution, LikelihoodPoint, LikelihoodProblem
 
 
 def normal_equations(problem: LikelihoodProblem, point: LikelihoodPoint) -> NormalEquations:
@@ -37,7 +37,7 @@ def normal_equations(problem: LikelihoodProblem, point: LikelihoodPoint) -> Norm
     return NormalEquations(poles, inputs, gradient)
 
 
-def _input_equations(problem: LikelihoodProblem, point: LikelihoodPoint, group: GroupSolution) -> tuple[Real, Real]:
+def _input_equations(problem: LikelihoodProblem, point: LikelihoodPoint, group: InputSolution) -> tuple[Real, Real]:
     """Of one input: poles, then what each of its blocks has to itself."""
     width = 0 if problem.force_sigma is None else problem.force_sigma.shape[1]
     n, n_states = 2 * point.parameters.omega.size, problem.n_local - width
@@ -80,7 +80,7 @@ def _real_parts(values: NDArray[np.complex128]) -> Real:
     return np.stack([values.real, values.imag], axis=-1).reshape(len(values), -1)
 
 
-def _group_equations(group: GroupSolution, noise: Real, n_local: int) -> tuple[Real, Real]:
+def _group_equations(group: InputSolution, noise: Real, n_local: int) -> tuple[Real, Real]:
     weighted = group.coefficients / noise
     gram, on_residual = _gram_of_group(group)
     pole, local = group.columns[0].poles, group.columns[0].local
@@ -102,7 +102,7 @@ def _first_columns(pole: DerivativeVectors, local: DerivativeVectors, members: i
     return np.concatenate([firsts, *[pole.parameter.size + m * width + own for m in range(members)]])
 
 
-def _gram_of_group(group: GroupSolution) -> tuple[Real, Real]:
+def _gram_of_group(group: InputSolution) -> tuple[Real, Real]:
     """Gram matrix of all projected vectors, and their products with the residual (vectors, outputs)."""
     rows, residual = group.columns[0].phi.shape[0], group.residual
     poles = np.concatenate([c.poles.values for c in group.columns])

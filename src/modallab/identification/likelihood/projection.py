@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import IdentificationError
-from modallab.identification.likelihood.basis import BlockColumns, LineBlock, SharedKernels, columns_of_block
-from modallab.identification.likelihood.derivatives import poles_of
+from modallab.identification.likelihood.basis import BlockColumns, LineBlock, SharedKernels, columns_of_block, poles_of
 from modallab.identification.likelihood.excitation import Excitation, HitExcitation
 from modallab.identification.likelihood.orthonormal import qr_decomposition, real_rows
 
@@ -74,7 +73,7 @@ class LikelihoodProblem:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class GroupSolution:
+class InputSolution:
     """One input's linear solution.
 
     Attributes:
@@ -99,7 +98,7 @@ class LikelihoodPoint:
     """The model at one set of parameters: each input's solution, noise (outputs,) of a DFT line's real part, cost."""
 
     parameters: SearchParameters
-    groups: tuple[GroupSolution, ...]
+    groups: tuple[InputSolution, ...]
     noise: Real
     cost: float
 
@@ -122,7 +121,7 @@ def with_own_noise(problem: LikelihoodProblem, point: LikelihoodPoint) -> Likeli
 
 
 def _point_of_parameters(
-    problem: LikelihoodProblem, parameters: SearchParameters, groups: tuple[GroupSolution, ...], noise: Real | None
+    problem: LikelihoodProblem, parameters: SearchParameters, groups: tuple[InputSolution, ...], noise: Real | None
 ) -> LikelihoodPoint:
     squares = np.sum([sum_of_squares(g.residual) for g in groups], axis=0)
     if noise is None:
@@ -179,7 +178,7 @@ def _block_columns(
 
 def _solve_group(
     problem: LikelihoodProblem, parameters: SearchParameters, group: int, shared: SharedKernels
-) -> GroupSolution:
+) -> InputSolution:
     members = tuple(i for i, block in enumerate(problem.blocks) if block.group == group)
     found = tuple(_block_columns(problem, parameters, i, shared) for i in members)
     phi = np.concatenate([c.phi for c in found])
@@ -198,4 +197,4 @@ def _solve_group(
     # Laid out as the response is, and written once: with hundreds of outputs fresh memory costs more than the product.
     residual = projected.T @ q.T
     np.subtract(response.T, residual, out=residual)
-    return GroupSolution(members, coefficients, residual.T, q, r * scale, found)
+    return InputSolution(members, coefficients, residual.T, q, r * scale, found)

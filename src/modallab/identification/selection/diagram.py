@@ -11,7 +11,7 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.frf.estimate import convert_frf
 from modallab.identification.estimator import USUAL
-from modallab.identification.start.mode_indicators import cmif, mmif
+from modallab.identification.start.bands import cmif, mmif
 from modallab.identification.start.stabilisation import OrderPoles, StabilityLimits, stable_poles
 
 NEW, IN_FREQUENCY, STABLE = 0, 1, 2

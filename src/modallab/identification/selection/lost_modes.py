@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from modallab.core.arrays import Complex128, Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
+from modallab.identification.likelihood.basis import edges_of_stand_ins
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.out_of_band import edges_of_stand_ins
 from modallab.identification.selection.prune import MAX_ZETA, MIN_SIGNIFICANCE, is_mode
 from modallab.identification.start.stabilisation import OrderPoles, StabilityLimits, stable_poles
 

@@ -8,10 +8,10 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
+from modallab.identification.likelihood.basis import edges_of_stand_ins
 from modallab.identification.likelihood.equations import ParameterCovariance
 from modallab.identification.likelihood.fit import LikelihoodFit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.out_of_band import edges_of_stand_ins
 from modallab.identification.likelihood.projection import sum_of_squares
 from modallab.identification.model.modal_model import FitReadings, readings_of_fit
 from modallab.identification.options import IdentificationOptions

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from modallab.core.digits import significant_digits, with_hard_blanks
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.reporting.figures.shape_data import BeamShape, beam_shape, smooth_curve
+from modallab.reporting.figures.mode_shapes import BeamShape, beam_shape, smooth_curve
 from modallab.reporting.figures.wireframe import moving_pictures
 from modallab.reporting.markup import Markup, html_element, trusted_markup
 

@@ -14,8 +14,8 @@ from modallab.core.rig import Rig
 from modallab.core.units import SI_UNIT
 from modallab.reporting.content import ReportedHit
 from modallab.reporting.figures import style
-from modallab.reporting.figures.overview import spread_colours, zero_as_gap
-from modallab.reporting.figures.shape_data import sensor_label
+from modallab.reporting.figures.mobility import hide_zeros, spread_colours
+from modallab.reporting.figures.mode_shapes import sensor_label
 from modallab.signals.signals import Signals
 
 BEFORE_S, AFTER_S = 0.005, 0.04
@@ -136,7 +136,7 @@ def hits_figure(hits: Sequence[ReportedHit], band_hz: tuple[float, float]) -> Fi
             time, force = cut_pulse(hit)
             pulse.plot(time * 1e3, force, **options)
             frequency, height = _impulse_spectrum(hit)
-            spectrum.plot(frequency[1:], zero_as_gap(height)[1:], **options)
+            spectrum.plot(frequency[1:], hide_zeros(height)[1:], **options)
         style.label_axes(pulse, "Force pulses", "time from the peak [ms]", "force [N]")
         top = max(_impulse_spectrum(h)[1][1:].max() for h in hits)
         style.make_logarithmic(spectrum)

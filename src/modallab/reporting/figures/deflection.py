@@ -12,7 +12,7 @@ from modallab.core.arrays import Complex128, Real
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
 from modallab.modification.deflection import turn_to_real
-from modallab.modification.skeleton import Skeleton
+from modallab.modification.mesh import Skeleton
 from modallab.reporting.figures import style
 from modallab.reporting.figures.wireframe import drawing_projection, is_spatial
 

@@ -1,4 +1,4 @@
-"""Measured against regenerated mobility, at every point and at one in full (figures 7 and 8 of the paper)."""
+"""Mobility, measured against regenerated (figures 7 and 8 of the paper): one, all at once, or as predicted."""
 
 from collections.abc import Callable
 from typing import Any
@@ -6,14 +6,16 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from modallab.core.arrays import Real
 from modallab.core.digits import four_places
-from modallab.core.frf import Frf
+from modallab.core.frf import UNIT, Frf
 from modallab.core.model import Verification
+from modallab.core.units import SI_UNIT, Quantity
 from modallab.reporting.figures import style
-from modallab.reporting.figures.overview import FEW, unit_of_frf, zero_as_gap
-from modallab.reporting.figures.shape_data import sensor_label
+from modallab.reporting.figures.mode_shapes import sensor_label
 
 Part = Callable[[NDArray[np.complex128]], NDArray[np.float64]]
 """Amplitude, real part or another part of complex numbers."""
@@ -58,7 +60,7 @@ def draw_mobility(axes: Axes, check: Verification, output: int, input_: int, par
     )
     for frf, name, options in curves:
         values = part(frf.values[output, input_])
-        axes.plot(frf.frequency_hz, zero_as_gap(values) if part is np.abs else values, label=name, **options)
+        axes.plot(frf.frequency_hz, hide_zeros(values) if part is np.abs else values, label=name, **options)
     low, high = check.measured.frequency_hz[[0, -1]]
     edge = 0.012 * (high - low)
     axes.set_xlim(low - edge, high + edge)
@@ -70,7 +72,7 @@ def draw_residual(axes: Axes, check: Verification, output: int, input_: int) -> 
     low, high = axes.get_ylim()
     few = check.measured.frequency_hz.size <= FEW
     options: dict[str, Any] = {"marker": "v", "linestyle": "none", "markersize": 4} if few else {"linewidth": 0.9}
-    axes.plot(check.measured.frequency_hz, zero_as_gap(left), color=style.SECOND, label="residual", **options)
+    axes.plot(check.measured.frequency_hz, hide_zeros(left), color=style.SECOND, label="residual", **options)
     # Three decades below the curves are enough to see a residual that matters, and leave these their height.
     seen = left[left > 0]
     axes.set_ylim(max(low / 1000, min(low, float(seen.min()) / 2 if seen.size else low)), high)
@@ -136,3 +138,114 @@ def _draw_frame(axes: Axes, part: Part, check: Verification, output: int, input_
 
 def _phase_deg(values: np.ndarray) -> np.ndarray:
     return np.angle(values, deg=True)
+
+
+FEW = 60
+"""Up to so many lines an FRF was measured at single frequencies and is drawn with a dot at each."""
+
+
+def frf_overview(frf: Frf, input_: int = 0, modes_hz: NDArray[np.float64] | None = None) -> Figure:
+    """Amplitude of every output over frequency, and the coherence below or beside it if there is any.
+
+    Args:
+        frf: as measured.
+        input_: which drive point.
+        modes_hz: identified frequencies, marked on the axis.
+    """
+    with style.figure_style():
+        figure, axes = style.panel_grid(1 if frf.coherence is None else 2, 2, style.PanelSize(460, 300))
+        colours = spread_colours(len(frf.outputs))
+        marker = "o" if frf.frequency_hz.size <= FEW else ""
+        for i, colour in enumerate(colours):
+            name = sensor_label(frf.outputs[i], frf.output_points[i])
+            axes[0].plot(
+                frf.frequency_hz,
+                hide_zeros(np.abs(frf.values[i, input_])),
+                marker=marker,
+                linestyle="-",
+                color=colour,
+                markersize=3,
+                linewidth=1.1,
+                label=name,
+            )
+        style.make_logarithmic(axes[0])
+        style.label_axes(axes[0], _title(frf, input_), "frequency [Hz]", f"{frf.quantity} [{unit_of_frf(frf)}]")
+        if frf.coherence is not None:
+            _draw_coherence(axes[1], frf, input_, colours)
+        for panel in axes:
+            panel.set_xlim(frf.frequency_hz[0], frf.frequency_hz[-1])
+            for mode in () if modes_hz is None else modes_hz:
+                panel.axvline(float(mode), color=style.SOFT, linewidth=0.8, linestyle=":", zorder=0)
+        style.figure_legend(figure, _legend_key(axes[0].lines[: len(colours)]))
+    return figure
+
+
+def spread_colours(n: int) -> list[str]:
+    """n colours from the clamp to the tip."""
+    if n == 1:
+        return [style.MEASURED]
+    return [style.PLACES[round(i * (len(style.PLACES) - 1) / (n - 1))] for i in range(n)]
+
+
+def hide_zeros(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """For a logarithmic axis, which holds no zero: a line breaks there."""
+    return np.where(values > 0, values, np.nan)
+
+
+def unit_of_frf(frf: Frf) -> str:
+    """The unit of an FRF, set for reading: m/(N·s²)."""
+    return UNIT[frf.quantity].replace("^2", "²").replace("N s", "N·s")
+
+
+def _title(frf: Frf, input_: int) -> str:
+    point = frf.input_points[input_]
+    return "Amplitude" if point is None else f"Amplitude, force at point {point}"
+
+
+def _draw_coherence(axes: Axes, frf: Frf, input_: int, colours: list[str]) -> None:
+    assert frf.coherence is not None
+    for i, colour in enumerate(colours):
+        axes.plot(frf.frequency_hz, frf.coherence[i, input_], color=colour, linewidth=1.1)
+    averages = frf.averages[input_] if len(frf.averages) > input_ else 0
+    style.label_axes(
+        axes, f"Coherence of {averages} averages" if averages else "Coherence", "frequency [Hz]", "coherence [1]"
+    )
+    axes.set_ylim(0, 1.03)
+
+
+def _legend_key(lines: list[Line2D]) -> list[Line2D]:
+    # Ten names say less than the two ends of a scale.
+    return lines if len(lines) <= 4 else [lines[0], lines[len(lines) // 2], lines[-1]]
+
+
+def before_after(before: Frf, after: Frf) -> Figure:
+    """Amplitude of one FRF before a change and after it, with two standard deviations.
+
+    Args:
+        before: one output, one input.
+        after: on the same lines, with its variance.
+    """
+    with style.figure_style():
+        figure, axes = style.panel_grid(1, 1, style.PanelSize(760, 300))
+        for frf, name, colour in ((before, "before", style.SOFT), (after, "after", style.MEASURED)):
+            size = np.abs(frf.values[0, 0])
+            axes[0].plot(frf.frequency_hz, hide_zeros(size), color=colour, linewidth=1.2, label=name)
+            if frf is after and frf.variance is not None:
+                wide = 2 * np.sqrt(frf.variance[0, 0])
+                axes[0].fill_between(frf.frequency_hz, hide_zeros(size - wide), size + wide, color=colour, alpha=0.25)
+        style.make_logarithmic(axes[0])
+        title = f"Force at {after.input_points[0]}, motion of {after.output_points[0]}"
+        style.label_axes(axes[0], title, "frequency [Hz]", "mobility [m/(N·s)]")
+        axes[0].legend()
+    return figure
+
+
+def motion_figure(time: Real, values: Real, names: list[str], quantity: Quantity) -> Figure:
+    """Motion (points, samples) of every point over time (samples,) in s."""
+    with style.figure_style():
+        figure, axes = style.panel_grid(1, 1, style.PanelSize(760, 300))
+        for row, name, colour in zip(values, names, spread_colours(len(names)), strict=True):
+            axes[0].plot(time, row, color=colour, linewidth=0.9, label=f"point {name}")
+        style.label_axes(axes[0], quantity.capitalize(), "time [s]", f"{quantity} [{SI_UNIT[quantity]}]")
+        axes[0].legend(fontsize="small")
+    return figure

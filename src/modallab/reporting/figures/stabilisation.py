@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.identification.selection.diagram import IN_FREQUENCY, NEW, STABLE, StabilisationData
 from modallab.reporting.figures import style
-from modallab.reporting.figures.overview import FEW, zero_as_gap
+from modallab.reporting.figures.mobility import FEW, hide_zeros
 
 MOST_ORDERS = 40
 """Of more orders every second, third ... is drawn: more marks than these are a smear, and a page of many MB."""
@@ -70,7 +70,12 @@ def _draw_indicators(above: Axes, below: Axes, diagram: StabilisationData) -> No
         for axes, curves in ((above, diagram.cmif), (below, diagram.mmif)):
             if i < len(curves):
                 axes.plot(
-                    diagram.line_hz, zero_as_gap(curves[i]), color=colour, marker=marker, markersize=3, linewidth=1.2
+                    diagram.line_hz,
+                    hide_zeros(curves[i]),
+                    color=colour,
+                    marker=marker,
+                    markersize=3,
+                    linewidth=1.2,
                 )
     style.make_logarithmic(above)
     style.label_axes(above, "CMIF", "frequency [Hz]", "squared singular value [m²/(N·s)²]")

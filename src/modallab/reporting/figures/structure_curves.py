@@ -11,9 +11,9 @@ from modallab.core.arrays import Complex, Real
 from modallab.core.frf import Frf
 from modallab.gap.modal.diagnosis import ComparisonOutcome
 from modallab.gap.modal.free import Free
-from modallab.modification.synthesis import outside_band_receptances, receptances_of_model
+from modallab.modification.frfs import outside_band_receptances, receptances_of_model
 from modallab.reporting.figures import style
-from modallab.reporting.figures.overview import zero_as_gap
+from modallab.reporting.figures.mobility import hide_zeros
 
 MOST, LINES = 4, 600
 """Panels, and lines of a curve besides those about the modes."""
@@ -96,7 +96,7 @@ def _row_of_output(records: Frf | None, output: str, point: int | None) -> tuple
 def _draw_panel(axes: Axes, curves: _Curves, records: tuple[Real, Real] | None, o: int, i: int) -> None:
     measured, before, after = (np.abs(v[:, o, i]) for v in (curves.measured, curves.before, curves.after))
     if records is not None:
-        axes.plot(records[0], zero_as_gap(records[1]), label=RECORDS, color=style.SOFT, linewidth=0.7, alpha=0.6)
+        axes.plot(records[0], hide_zeros(records[1]), label=RECORDS, color=style.SOFT, linewidth=0.7, alpha=0.6)
     axes.plot(curves.hz, measured, label=MEASURED, color=style.MEASURED, linewidth=3.6, alpha=0.5)
     axes.plot(curves.hz, before, label=BEFORE, color=style.INK, linewidth=1.0, linestyle=":")
     axes.plot(curves.hz, after, label=curves.after_said, color=style.MODEL, linewidth=1.5, linestyle="--")

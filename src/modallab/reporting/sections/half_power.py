@@ -7,8 +7,7 @@ import numpy as np
 from modallab.core.digits import short_number, significant_digits
 from modallab.reporting.compare import ComparedMode, ModeReading
 from modallab.reporting.content import ReportContent
-from modallab.reporting.figures.damping import damping_figure, is_bench_of_paper, paper_value
-from modallab.reporting.figures.half_power_reading import half_power_reading
+from modallab.reporting.figures.damping import damping_figure, half_power_reading, is_bench_of_paper, paper_value
 from modallab.reporting.markup import Markup, html_element, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
 

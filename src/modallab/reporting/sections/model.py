@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.digits import scientific_text, significant_digits, three_digits, to_places_of_sigma
+from modallab.core.digits import rounded_to_sigma, scientific_text, significant_digits, three_digits
 from modallab.core.model import ModalModel
 from modallab.identification.estimator import estimator_of
 from modallab.reporting.content import ReportContent
-from modallab.reporting.figures.shape_data import sensor_label
+from modallab.reporting.figures.mode_shapes import sensor_label
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, paragraph
 
@@ -165,12 +165,12 @@ def _residuals_table(model: ModalModel) -> Markup:
 
 def _complex_text(value: complex, sigma: float, sigma_imag: float) -> str:
     known = bool(np.isfinite(sigma)) and sigma > 0
-    text = to_places_of_sigma(value.real, sigma) if known else significant_digits(value.real, 3)
+    text = rounded_to_sigma(value.real, sigma) if known else significant_digits(value.real, 3)
     # An imaginary part that its sigma hides is left out.
     if abs(value.imag) > 1e-9 * abs(value) and not abs(value.imag) < 2 * sigma_imag:
-        size = to_places_of_sigma(abs(value.imag), sigma_imag) if known else significant_digits(abs(value.imag), 3)
+        size = rounded_to_sigma(abs(value.imag), sigma_imag) if known else significant_digits(abs(value.imag), 3)
         text += f" {'−' if value.imag < 0 else '+'} {size}j"
-    return f"{text} ± {to_places_of_sigma(sigma, sigma)}" if known else text
+    return f"{text} ± {rounded_to_sigma(sigma, sigma)}" if known else text
 
 
 def _point_of_output(model: ModalModel, output: int) -> str:

@@ -9,8 +9,8 @@ from modallab.core.digits import (
     probability_text,
     relative_change,
     relative_difference,
+    rounded_to_sigma,
     significant_digits,
-    to_places_of_sigma,
     with_hard_blanks,
     with_sigma,
 )
@@ -111,7 +111,7 @@ def _true_cells(reading: ModeReading) -> list[str]:
 def _difference_from_truth(value: float, sigma: float, truth: float, drift: float = 0.0) -> Markup:
     gap = joint_deviations(value, sigma, truth, truth * drift)
     error = relative_difference(value, truth) + (f" ({in_sigmas(gap)})" if isfinite(gap) else "")
-    return join_markup([to_places_of_sigma(truth, sigma), html_element("br"), html_element("small", error)])
+    return join_markup([rounded_to_sigma(truth, sigma), html_element("br"), html_element("small", error)])
 
 
 def _drift_sentence(content: ReportContent) -> Markup | None:

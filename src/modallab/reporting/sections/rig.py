@@ -11,7 +11,7 @@ from modallab.core.digits import (
     significant_digits,
     with_hard_blanks,
 )
-from modallab.core.metrology import Certificate
+from modallab.core.hardware import Certificate
 from modallab.core.rig import Beam, Channel, Rig
 from modallab.core.units import BROADBAND, TESTS, Test
 from modallab.reporting.content import ReportContent

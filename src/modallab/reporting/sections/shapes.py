@@ -7,8 +7,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.figures.animation import animated_shapes
-from modallab.reporting.figures.mode_shapes import mode_shapes
-from modallab.reporting.figures.shape_data import beam_shape
+from modallab.reporting.figures.mode_shapes import beam_shape, mode_shapes
 from modallab.reporting.figures.wireframe import is_spatial, moving_wireframes, shapes_of_model
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph

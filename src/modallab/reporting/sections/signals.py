@@ -4,8 +4,8 @@ from modallab.core.digits import count_with_noun, significant_digits
 from modallab.core.units import Test
 from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.figures.blocks import hits_figure, impact_block, sine_block
-from modallab.reporting.figures.overview import frf_overview
-from modallab.reporting.figures.shape_data import farthest_sensor
+from modallab.reporting.figures.mobility import frf_overview
+from modallab.reporting.figures.mode_shapes import farthest_sensor
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure
 

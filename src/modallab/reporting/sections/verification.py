@@ -6,7 +6,7 @@ from modallab.core.digits import four_places, list_in_words
 from modallab.core.model import Verification
 from modallab.reporting.content import OutcomeOfTest, ReportContent
 from modallab.reporting.figures.mobility import mobility_panels, one_point
-from modallab.reporting.figures.shape_data import farthest_sensor, sensor_label
+from modallab.reporting.figures.mode_shapes import farthest_sensor, sensor_label
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
 

@@ -8,14 +8,14 @@ from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from modallab.core.documents.users import RANK, Role
+from modallab.core.documents.users import RANK, CallerView, Role
 from modallab.core.errors import UnknownJobError
 from modallab.service.api.problems import problem_kinds, problem_response
 from modallab.service.api.request_context import CALLER, LEASE, caller_of
 from modallab.service.context import Service
 from modallab.service.errors import LeaseNeededError, NotFoundError, RoleNeededError
-from modallab.service.records.callers import Caller, Callers
 from modallab.service.records.sessions import Sessions
+from modallab.service.records.users import Callers
 
 COOKIE = "modallab_session"
 OPEN_PATHS = frozenset({"/health", "/api/v1/session", "/login", "/", "/docs", "/openapi.json", "/asyncapi.json"})
@@ -69,7 +69,7 @@ class Guard:
             limited = await _whole_body(limited)
         await self._app(scope, limited, send)
 
-    def _rejection(self, connection: HTTPConnection, caller: Caller | None) -> tuple[str, str] | None:
+    def _rejection(self, connection: HTTPConnection, caller: CallerView | None) -> tuple[str, str] | None:
         headers, path = connection.headers, connection.scope["path"]
         host = headers.get("host", "")
         if _host_name(host) not in self._hosts:
@@ -89,7 +89,7 @@ class Guard:
     def _most(self, path: str) -> int:
         return self._file_bytes if path == FILES else self._body_bytes
 
-    def _caller(self, connection: HTTPConnection) -> Caller | None:
+    def _caller(self, connection: HTTPConnection) -> CallerView | None:
         kind, _, sent = connection.headers.get("authorization", "").partition(" ")
         known = self._callers.of_token(sent.strip()) if kind.lower() == "bearer" else None
         if known is not None:
@@ -207,7 +207,7 @@ def require_own(request: Request, extra: dict[str, Any]) -> None:
     _require_own_lease(service, caller, request.headers.get(LEASE))
 
 
-def require_rig(caller: Caller, rig: str | None) -> None:
+def require_rig(caller: CallerView, rig: str | None) -> None:
     """Reject who may not work at a rig.
 
     Raises:
@@ -221,7 +221,7 @@ def require_rig(caller: Caller, rig: str | None) -> None:
         )
 
 
-def _require_own_lease(service: Service, caller: Caller, lease: str | None) -> None:
+def _require_own_lease(service: Service, caller: CallerView, lease: str | None) -> None:
     # Who has the service's own token says himself who he is.
     if not lease or not caller.name:
         return

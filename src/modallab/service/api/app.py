@@ -31,8 +31,8 @@ from modallab.service.api.request_context import LEASE, OPERATOR
 from modallab.service.api.router import HEADER as KEY
 from modallab.service.api.router import IdempotencyKeys
 from modallab.service.context import Service
-from modallab.service.records.callers import Callers
 from modallab.service.records.sessions import Sessions
+from modallab.service.records.users import Callers
 
 API_VERSION = "1.2"
 """Grows with every change of the JSON; docs/reference/api.md names the words that changed."""

@@ -7,8 +7,8 @@ from fastapi.openapi.models import Example
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
 
-from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
 from modallab.core.documents.pages import Page
+from modallab.core.documents.runs import CampaignChange, CampaignNew, CampaignView
 from modallab.service.api.access import require_rig
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import (

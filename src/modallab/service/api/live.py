@@ -12,14 +12,14 @@ from pydantic import ValidationError
 
 from modallab.acquisition.process.idle_scope import idle_ring_name
 from modallab.core.documents.rigs import StopAsked
+from modallab.core.documents.users import CallerView
 from modallab.core.errors import ModallabError
 from modallab.service.api.events import EventFeed
 from modallab.service.api.request_context import CALLER
 from modallab.service.api.router import PREFIX
-from modallab.service.campaigns.live_frf_messages import FrfSelection, FrfWatch
+from modallab.service.campaigns.live_frf import FrfSelection, FrfWatch
 from modallab.service.campaigns.live_samples import LiveView, ViewSelection
 from modallab.service.context import Service
-from modallab.service.records.callers import Caller
 from modallab.service.records.event_log import EventTopic
 
 router = APIRouter(prefix=PREFIX)
@@ -103,7 +103,7 @@ async def _show_samples(socket: WebSocket, chosen: ViewSelection, idle: bool) ->
     view = LiveView(service.folder, rig_of, chosen)
 
     async def stop(asked: StopAsked) -> None:
-        caller: Caller = socket.scope[CALLER]
+        caller: CallerView = socket.scope[CALLER]
         reason = asked.reason or "asked for by the operator"
         operator = caller.name or asked.operator
         await asyncio.to_thread(service.control.emergency_stop, asked.rig, reason, operator)

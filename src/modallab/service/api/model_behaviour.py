@@ -106,7 +106,7 @@ def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesVi
 @router.get("/campaigns/{campaign}/model/shapes", responses=documented_responses(404))
 def get_shapes(campaign: str, service: ServiceOf, test: OfTest = None) -> ShapesView:
     """The structure as points and lines, and how it moves in each mode."""
-    from modallab.modification.skeleton import Skeleton, motion_of, motion_without_scale
+    from modallab.modification.mesh import Skeleton, motion_of, motion_without_scale
 
     found = model_of_campaign(service, campaign, test)
     rig = service.store.catalogue.run(found.runs[0]).rig

@@ -8,7 +8,6 @@ from fastapi import Body
 from modallab.core.documents.model_change import (
     AbsorberNew,
     ChangeNew,
-    CheckedMode,
     CouplingNew,
     ElementNew,
     MobilityView,
@@ -47,7 +46,7 @@ router = make_router("model-use")
 )
 def modify_model(campaign: str, new: Annotated[ModificationNew, Body()], service: ServiceOf) -> ModifiedView:
     """Predict the modes after changes of the structure; nothing is kept."""
-    from modallab.modification.skeleton import motion_of
+    from modallab.modification.mesh import motion_of
     from modallab.reporting.modified_table import check_predictions, notes_of
 
     known = known_of_campaign(service, campaign, new.test)
@@ -69,19 +68,7 @@ def modify_model(campaign: str, new: Annotated[ModificationNew, Body()], service
         notes=tuple(notes_of(changed)),
         before_hz=known.model.frequency_hz,
         frf=None if new.frf is None else _mobility(known, changed, new.frf),
-        checked=()
-        if measured is None
-        else tuple(
-            CheckedMode(
-                mode=c.mode,
-                predicted_hz=c.predicted_hz,
-                predicted_sigma_hz=c.sigma_hz,
-                measured_hz=c.measured_hz,
-                inside=c.inside,
-                words=c.words,
-            )
-            for c in check_predictions(after, measured)
-        ),
+        checked=() if measured is None else tuple(check_predictions(after, measured)),
         motion=None if known.rig is None else motion_of(known.structure, known.rig, after.psi),
     )
 
@@ -143,7 +130,7 @@ def free_band(
     campaign: str, new: Annotated[ChangeForFreeBandNew, Body()], service: ServiceOf
 ) -> ChangesForFreeBandView:
     """Find the mass or spring that leaves no mode in a band, at each point; nothing is kept."""
-    from modallab.modification.free_band import changes_for_free_band
+    from modallab.modification.inverse import changes_for_free_band
 
     known = known_of_campaign(service, campaign, new.test)
     answers = tuple(

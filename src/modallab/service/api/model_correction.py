@@ -8,7 +8,7 @@ from modallab.core.documents.model_other import (
     CorrelationView,
     PairView,
 )
-from modallab.core.documents.model_update import MatricesNew, PriorNew, UpdatedView, UpdateNew
+from modallab.core.documents.model_update import MatricesNew, PriorNew, UpdatedModelView, UpdateNew
 from modallab.core.units import Test
 from modallab.service.api.access import role_needed
 from modallab.service.api.problems import documented_responses
@@ -61,10 +61,10 @@ def get_correlation(
 @router.post(
     "/campaigns/{campaign}/model/updates", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
-def update_finite_elements(campaign: str, new: Annotated[UpdateNew, Body()], service: ServiceOf) -> UpdatedView:
+def update_finite_elements(campaign: str, new: Annotated[UpdateNew, Body()], service: ServiceOf) -> UpdatedModelView:
     """Estimate the parameters of a finite-element model, or of the rig file's beam; nothing is kept."""
     from modallab.pipelines.model_update import update_model
-    from modallab.reporting.updated_table import updated_document
+    from modallab.reporting.modified_table import updated_document
 
     known = known_of_campaign(service, campaign, new.test)
     own = {} if new.matrices is None else new.matrices.parameters

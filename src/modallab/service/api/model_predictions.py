@@ -138,7 +138,7 @@ def predict_response(campaign: str, new: Annotated[ResponseNew, Body()], service
 
 def _forces(new: ResponseNew) -> "NDArray[np.float64]":
     """(forces, samples) N."""
-    from modallab.modification.forces import force_samples
+    from modallab.modification.motion import force_samples
 
     if (new.forces_n is None) == (new.forces is None):
         raise DataError("forces are given twice, or not at all", where="forces", remedy="give forces_n or forces")
@@ -172,4 +172,4 @@ def get_state_space(
     """Matrices A, B, C, D from forces in N to motions, of the modes alone."""
     known = known_of_campaign(service, campaign, test)
     found = known.state_space(at, of or known.sensors, quantity)
-    return StateSpaceView.model_validate({"test": known.model.test, **found.document()})
+    return StateSpaceView(test=known.model.test, **dict(found))

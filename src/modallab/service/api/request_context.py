@@ -8,11 +8,12 @@ from typing import Annotated, Literal, TypeVar
 from fastapi import Depends, Header, Query, Request, Response
 
 from modallab.core.documents.pages import Page
+from modallab.core.documents.users import CallerView
 from modallab.core.errors import DataError
 from modallab.core.units import Test
 from modallab.service.context import Service
 from modallab.service.errors import ChangedError, PreconditionNeededError
-from modallab.service.records.callers import UNKNOWN, Caller
+from modallab.service.records.users import UNKNOWN
 
 OPERATOR = "Modallab-Operator"
 LEASE = "Modallab-Lease"
@@ -30,7 +31,7 @@ def _service(request: Request) -> Service:
     return request.app.state.service
 
 
-def caller_of(request: Request) -> Caller:
+def caller_of(request: Request) -> CallerView:
     """Who asks.
 
     Raises:
@@ -67,7 +68,7 @@ def _text_as_sent(text: str) -> str:
         return text
 
 
-CallerOf = Annotated[Caller, Depends(caller_of)]
+CallerOf = Annotated[CallerView, Depends(caller_of)]
 ServiceOf = Annotated[Service, Depends(_service)]
 Operator = Annotated[str, Depends(_operator)]
 LeaseId = Annotated[

@@ -32,8 +32,8 @@ from modallab.service.campaigns.queueing import duration_s
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, LeaseHeldError, NotFoundError
 from modallab.service.jobs.results import diagnosis_of_campaign
-from modallab.service.records.callers import UNKNOWN
 from modallab.service.records.rig_revisions import RigRevisions
+from modallab.service.records.users import UNKNOWN
 from modallab.service.rigs.control import ControllerState
 from modallab.storage import rig_hash
 from modallab.storage.durable import planned_blocks

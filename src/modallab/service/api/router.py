@@ -13,12 +13,12 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
 from sqlalchemy import Engine, delete, insert, select, update
 
+from modallab.core.documents.users import CallerView
 from modallab.core.errors import DataError, ModallabError
 from modallab.service.api.access import declared_role, require_own, require_role
 from modallab.service.api.problems import documented_responses, response_of_error
 from modallab.service.api.request_context import CALLER, OPERATOR
 from modallab.service.errors import ConflictError, MediaTypeError
-from modallab.service.records.callers import Caller
 from modallab.service.records.repository import key_limit, key_of_another
 from modallab.storage.engine import write_transaction
 from modallab.storage.recorder import utc_now
@@ -252,7 +252,7 @@ async def answer_once(request: Request, body: bytes, answer: Callable[[], Awaita
         return await answer()
     keys: IdempotencyKeys = request.app.state.keys
     # Who asks is kept with what he did, so it is part of the request; the lease is not, since it may be another by now.
-    caller: Caller | None = request.scope.get(CALLER)
+    caller: CallerView | None = request.scope.get(CALLER)
     name = caller.name if caller is not None else ""
     operator = (name or repr(request.headers.get(OPERATOR))).encode()
     asked = b"\0".join([request.method.encode(), request.url.path.encode(), operator, body])

@@ -12,8 +12,8 @@ from modallab.service.api.access import COOKIE, role_needed
 from modallab.service.api.problems import documented_responses, problem_kinds, problem_response
 from modallab.service.api.request_context import CallerOf
 from modallab.service.api.router import OPEN, make_router
-from modallab.service.records.callers import Callers
 from modallab.service.records.sessions import Sessions, make_link
+from modallab.service.records.users import Callers
 
 router = make_router("session")
 pages = APIRouter(include_in_schema=False)
@@ -54,7 +54,7 @@ def log_out(request: Request) -> Response:
 @router.get("/me")
 def show_caller(caller: CallerOf) -> CallerView:
     """Who you are to the service, by the token or the cookie that was sent."""
-    return caller.view
+    return caller
 
 
 @router.post(

@@ -4,9 +4,8 @@ from datetime import timedelta
 
 from fastapi import Request
 
-from modallab.core.documents.campaigns import CampaignView
 from modallab.core.documents.messages import SetAsideChanged
-from modallab.core.documents.runs import RunView
+from modallab.core.documents.runs import CampaignView, RunView
 from modallab.core.settings import Settings
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Operator, ServiceOf

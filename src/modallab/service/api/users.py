@@ -12,8 +12,7 @@ from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Operator, ServiceOf
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.context import Service
-from modallab.service.records.callers import Callers
-from modallab.service.records.users import Users
+from modallab.service.records.users import Callers, Users
 
 router = make_router("users")
 ADMIN = role_needed("admin")

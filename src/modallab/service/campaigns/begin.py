@@ -135,7 +135,7 @@ def _remaining_levels(plan: BroadbandPlan, good: Sequence[BlockNote]) -> Broadba
 
 
 def _complete() -> ConflictError:
-    return ConflictError("the run has all its plan asked for", where="continues", remedy="send a plan of its own")
+    return ConflictError("the run has all its plan asked for", where="continues", remedy="send a plan with the request")
 
 
 def require_reasonable(plan: Plan, rig: Rig) -> None:

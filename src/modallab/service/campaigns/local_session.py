@@ -10,11 +10,10 @@ from queue import Empty, SimpleQueue
 from typing import Self
 
 from modallab.core.block import Campaign
-from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.documents.pages import EventView
-from modallab.core.documents.runs import Command, RunNew
+from modallab.core.documents.runs import CampaignNew, Command, RunNew
 from modallab.core.errors import PlanError
-from modallab.core.lease import Lease
+from modallab.core.owned import Lease
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.core.setups import SensorMove, require_setups, rig_of, sensor_moves, split_setups

@@ -96,11 +96,13 @@ def diagnosis_of_campaign(service: Service, campaign: str) -> DiagnosisView:
     except ValidationError as error:
         raise _unreadable_result(job) from error
     # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
+    from modallab.gap.words.learned import numbers_of_description
     from modallab.gap.words.verdicts import verdict_sentence
 
     channels = service.store.catalogue.run(job.inputs[0]).rig.channels
     sentence = verdict_sentence(found, [channel.name for channel in channels])
-    return DiagnosisView(**_about_job(service, job), sentence=sentence, diagnosis=found)
+    numbers = numbers_of_description(found.described) if found.described else ()
+    return DiagnosisView(**_about_job(service, job), sentence=sentence, numbers=numbers, diagnosis=found)
 
 
 def comparison_of_runs(service: Service, one: str, other: str) -> ComparisonView:

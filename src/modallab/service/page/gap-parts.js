@@ -21,16 +21,13 @@ export function where({ stage, x_m: x, channels: rows, why, share }) {
     rows.length > 0 && h("p", {}, `Channels: ${rows.join(", ")}. They hold ${percent(share, 2)} of it.`), h("ul", { class: "plainlist" }, why.map((one) => h("li", {}, sentence(one)))));
 }
 
-/** What a gap behaves like that no effect explains: place, law, numbers, and how much of it that closes. */
-export function described(found) {
+/** What a gap behaves like that no effect explains: law, numbers, and how much of it that closes. */
+export function described(found, numbers) {
   if (!found) return null;
-  const { says, x_m: x, x_m_interval: between, shrink: shrunk, elements, alternatives } = found;
-  const range = (interval) => (interval ? `${number(interval[0])} to ${number(interval[1])}` : "–");
-  const numbers = elements.flatMap(({ parameters, interval }) => Object.entries(parameters).map(([name, value]) => [spaced(name), number(value), range(interval[name])]));
-  if (x !== null) numbers.unshift(["place, m from the clamp", number(x), range(between)]);
+  const { says, shrink: shrunk, alternatives } = found;
   return panel("What it behaves like", h("p", {}, `The gap behaves like ${says.replace(/,+$/, "")}.`),
     shrunk.closed !== null && h("p", {}, h("strong", {}, `That closes ${closed(shrunk.closed)} of it`), ` on ${shrunk.held_out.length} records that no fit has seen: from ${number(shrunk.before, 3)} to ${number(shrunk.after, 3)} noise units. It need not be the cause: another change may behave alike.`),
-    table("Its numbers, in SI units", ["Number", ["Value", "n"], ["95 % interval", "n"]], numbers),
+    table("Its numbers", ["Number", ["Value", "n"], ["95 % interval", "n"]], numbers),
     alternatives.length > 0 && h("ul", { class: "plainlist" }, alternatives.map((other) => h("li", {}, `${sentence(other.says)} It leaves ${number(other.gap, 3)} noise units.`))));
 }
 

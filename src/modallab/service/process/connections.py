@@ -111,7 +111,7 @@ def guarded_protocol(descriptors: int) -> type[GuardedHttp]:
 ENOUGH = 16384
 
 
-def raise_limit() -> int:
+def raise_connection_limit() -> int:
     """Let this process, and those that it starts, have as many as the system allows; how many that is."""
     if sys.platform == "win32":
         return ENOUGH

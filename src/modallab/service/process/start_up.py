@@ -11,10 +11,10 @@ from sqlalchemy.exc import ArgumentError
 from modallab.core.discovery import require_package
 from modallab.core.settings import Settings
 from modallab.service.errors import ServiceError
-from modallab.storage.address import ADDRESS, database_of, name_database
+from modallab.storage.engine import ADDRESS, database_of, name_database
 
 if TYPE_CHECKING:
-    from modallab.jobs.address import TlsFiles
+    from modallab.jobs.cluster import TlsFiles
 
 
 NAME = "token"
@@ -115,7 +115,7 @@ def tls_of(settings: Settings) -> "TlsFiles | None":
     Raises:
         ServiceError: only some of the three files are named.
     """
-    from modallab.jobs.address import TlsFiles
+    from modallab.jobs.cluster import TlsFiles
 
     ca, cert, key = settings.scheduler_ca, settings.scheduler_cert, settings.scheduler_key
     if ca is not None and cert is not None and key is not None:
@@ -141,7 +141,7 @@ def require_scheduler(settings: Settings) -> None:
         require_package("distributed", "computing models and diagnoses in the service (or start it with --no-jobs)")
     if settings.scheduler is None:
         return
-    from modallab.jobs.address import TlsFiles, check_address
+    from modallab.jobs.cluster import TlsFiles, check_address
 
     tls = tls_of(settings) or TlsFiles.configured()
     check_address(settings.scheduler, tls)

@@ -14,16 +14,15 @@ from typing import Self
 from urllib.parse import urlsplit
 
 from modallab.core.errors import ModallabError
-from modallab.core.lease import Lease
+from modallab.core.owned import Lease
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.jobs import Jobs
 from modallab.service.campaigns.purge import Purge
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
-from modallab.service.process.child import Child, HeartbeatTimer
-from modallab.service.process.connections import bound_socket, port_taken_error, raise_limit
-from modallab.service.process.orphans import ProcessList
+from modallab.service.process.child import Child, HeartbeatTimer, ProcessList
+from modallab.service.process.connections import bound_socket, port_taken_error, raise_connection_limit
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.tls import server_context
 from modallab.service.process.wire import CallServer
@@ -67,7 +66,7 @@ class ServiceSupervisor:
             StorageError: the data folder cannot be used.
         """
         # Inherited by every process that is started from here.
-        raise_limit()
+        raise_connection_limit()
         self._settings, self._token = settings, token
         self._closing = Flag()
         self._closed = Flag()

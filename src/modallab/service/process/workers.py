@@ -97,14 +97,14 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
 def _configuration(app: "FastAPI", settings: Settings) -> "uvicorn.Config":
     import uvicorn
 
-    from modallab.service.process.connections import guarded_protocol, raise_limit
+    from modallab.service.process.connections import guarded_protocol, raise_connection_limit
 
     return uvicorn.Config(
         app,
         log_config=None,
         access_log=False,
         server_header=False,
-        http=guarded_protocol(raise_limit()),
+        http=guarded_protocol(raise_connection_limit()),
         ws="websockets-sansio",
         # Samples hardly shrink, and what shrinks them would keep everyone else waiting meanwhile.
         ws_per_message_deflate=False,

@@ -9,7 +9,7 @@ from sqlalchemy import Connection, Engine, delete, insert, select, update
 from modallab.core.documents.rigs import Lease, LeaseHolder
 from modallab.service.errors import LeaseHeldError, LeaseNeededError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.callers import UNKNOWN
+from modallab.service.records.users import UNKNOWN
 from modallab.storage.engine import read_transaction, write_transaction
 from modallab.storage.service_tables import LEASES
 

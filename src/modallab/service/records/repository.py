@@ -8,7 +8,7 @@ from typing import Any
 
 from sqlalchemy import Connection, Engine, delete, insert, or_, select, update
 
-from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
+from modallab.core.documents.runs import CampaignChange, CampaignNew, CampaignView
 from modallab.jobs import Job
 from modallab.service.errors import ChangedError, IdempotencyError, NotFoundError
 from modallab.service.records import audit

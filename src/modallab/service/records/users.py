@@ -1,13 +1,17 @@
 """Users and their tokens, in the service's database."""
 
 import hashlib
+import logging
 import secrets
 from datetime import UTC, datetime, timedelta
+from threading import Event as Flag
+from threading import Thread
 from typing import Any
 
 from sqlalchemy import Connection, Engine, insert, select, update
 
-from modallab.core.documents.users import RANK, Role, TokenMade, TokenNew, TokenView, UserNew, UserView
+from modallab.core.documents.users import RANK, CallerView, Role, TokenMade, TokenNew, TokenView, UserNew, UserView
+from modallab.core.errors import StorageError
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records import audit
 from modallab.storage.engine import read_transaction, write_transaction
@@ -173,3 +177,79 @@ def _user_view(row: Any, most: Role) -> TokenView:
     role: Role = row["role"] if row["role"] is not None and RANK[row["role"]] < RANK[most] else most
     known = {name: row[name] for name in TokenView.model_fields if name not in ("role", "rigs")}
     return TokenView(**known, role=role, rigs=tuple(row["rigs"]))
+
+
+LOG = logging.getLogger(__name__)
+UNKNOWN = "unknown"
+"""Who asks without a name, by the service's own token."""
+LOOK_S = 1.0
+"""Another process may revoke a token: for so long it may count yet."""
+
+
+OWN = CallerView(name="", role="admin", rigs=(), token="", expires_utc="")
+"""Whoever has the service's own token."""
+
+
+class Callers:
+    """Tokens that count now: the service's own, and those of its users."""
+
+    def __init__(self, engine: Engine, token: str) -> None:
+        """Read them.
+
+        Raises:
+            StorageError: they cannot be read.
+        """
+        self._users = Users(engine)
+        self._own = token
+        self._known: dict[str, tuple[str, TokenView]] = {}
+        self._closing = Flag()
+        self.refresh()
+
+    def open(self) -> None:
+        """Read them again now and then, until `close`."""
+        Thread(target=self._keep_up, name="tokens", daemon=True).start()
+
+    def close(self) -> None:
+        """Read them no more."""
+        self._closing.set()
+
+    def refresh(self) -> None:
+        """Read them again.
+
+        Raises:
+            StorageError: they cannot be read; those that were known still are.
+        """
+        self._known = self._users.digests()
+
+    def of_token(self, sent: str) -> CallerView | None:
+        """Whose a token is; None if it counts for nothing."""
+        if secrets.compare_digest(sent.encode(), self._own.encode()):
+            return OWN
+        ident, _, _ = sent.partition(".")
+        known = self._known.get(ident)
+        if known is None or not secrets.compare_digest(known[0], digest_of(sent)):
+            return None
+        return self.of_id(ident)
+
+    def of_id(self, ident: str) -> CallerView | None:
+        """Whose the token of an id is, "" for the service's own; None if it counts for nothing."""
+        if ident == "":
+            return OWN
+        known = self._known.get(ident)
+        if known is None or (known[1].expires_utc and known[1].expires_utc <= utc_now()):
+            return None
+        view = known[1]
+        return CallerView(name=view.user, role=view.role, rigs=view.rigs, token=ident, expires_utc=view.expires_utc)
+
+    def secret(self, ident: str) -> str:
+        """What cookies of a token are hashed with: with another token they are void; "" if it counts for nothing."""
+        if ident == "":
+            return self._own
+        return "" if self.of_id(ident) is None else self._known[ident][0]
+
+    def _keep_up(self) -> None:
+        while not self._closing.wait(LOOK_S):
+            try:
+                self.refresh()
+            except StorageError as error:
+                LOG.debug("tokens: %s", error)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.runs import Fault, SampleRuns, equal_runs
+from modallab.signals.faults.repeats import Fault, SampleRuns, equal_runs
 
 LEAST_RUN = 3
 BESIDE = 16

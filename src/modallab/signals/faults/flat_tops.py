@@ -9,7 +9,7 @@ below, even if all tops are as high.
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.runs import Fault, SampleRuns, stretches_where
+from modallab.signals.faults.repeats import Fault, SampleRuns, stretches_where
 
 LEAST_RUN = 3
 """Equal samples in a row: two may stand astride any top."""

@@ -8,8 +8,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.signals.faults.drop_outs import drop_outs
 from modallab.signals.faults.flat_tops import flat_tops
-from modallab.signals.faults.repeats import copies, repeated_values
-from modallab.signals.faults.runs import Fault, steps_of
+from modallab.signals.faults.repeats import Fault, copies, repeated_values, steps_of
 from modallab.signals.faults.spikes import find_spikes
 from modallab.signals.faults.whole_channels import constant, dead, drift, overloads
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.signals.faults.runs import Fault
+from modallab.signals.faults.repeats import Fault
 
 ALONE = 50.0
 """How many times further than anything near it a sample stands off the middle of its neighbours."""

@@ -9,7 +9,7 @@ from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.signals.checks import check_block
 from modallab.signals.conversion import Conversion
-from modallab.signals.faults.runs import Fault
+from modallab.signals.faults.repeats import Fault
 
 MOST_STEPS = 4
 """Between the smallest and the largest value: the noise of a converter without a signal."""
@@ -87,7 +87,12 @@ def drift(row: Real, rate_hz: float, channel: str) -> tuple[Fault, ...]:
         return ()
     first = _begins_at(row)
     return (
-        Fault(channel, f"its zero drifts by {np.ptp(slow):.3g}, more than it moves", first / rate_hz, row.size - first),
+        Fault(
+            channel,
+            f"its zero drifts by {np.ptp(slow):.3g}, more than its vibration",
+            first / rate_hz,
+            row.size - first,
+        ),
     )
 
 

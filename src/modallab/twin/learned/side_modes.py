@@ -50,7 +50,7 @@ MODEL = EffectModel(
             Parameter("twist_hz", "Hz", 1.0, 5000.0, spoken="lowest mode of twisting"),
             Parameter("across_hz", "Hz", 1.0, 5000.0, spoken="lowest mode across the drive"),
             Parameter("alone_hz", "Hz", 1.0, 5000.0, spoken="frequency of the mode"),
-            Parameter("alone_power", "", 1.0, 8.0, spoken="power of its shape along the beam"),
+            Parameter("alone_power", "", 1.0, 8.0, spoken="exponent of its shape along the beam"),
             Parameter("kg", "kg", 1e-2, 1e6, "m", spoken="modal mass"),
             Parameter("zeta", "", 1e-4, 0.3, spoken="damping ratio"),
         ),

@@ -36,10 +36,10 @@ async function draw(place, campaign, signal) {
   const diagnose = (text) => button(text, async () => follow((await post(`campaigns/${id}/diagnoses`)).id));
   if (jobs.open) follow(jobs.open.id).catch((error) => { waiting.textContent = error.detail ?? ""; });
   if (!jobs.done) { put(place, panel("No diagnosis yet", waiting, bar, !jobs.open && h("p", { class: "buttons" }, diagnose("Diagnose")))); return; }
-  const { diagnosis, sentence: said, current, runs } = await get(`campaigns/${id}/gap`);
+  const { diagnosis, sentence: said, numbers, current, runs } = await get(`campaigns/${id}/gap`);
   if (signal.aborted) return;
   put(place, waiting, bar, !current && h("p", { class: "alarm" }, "The accepted blocks have changed since: compute the diagnosis again.", diagnose("Diagnose again")),
-    verdict(said, diagnosis, campaign, runs), h("div", { class: "pair" }, where(diagnosis.where), diagnosis.verdict === "known" && shrink(diagnosis.shrink)), described(diagnosis.described), candidates(diagnosis.candidates, diagnosis.unknown), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
+    verdict(said, diagnosis, campaign, runs), h("div", { class: "pair" }, where(diagnosis.where), diagnosis.verdict === "known" && shrink(diagnosis.shrink)), described(diagnosis.described, numbers), candidates(diagnosis.candidates, diagnosis.unknown), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
 }
 
 function verdict(said, { verdict: found, effects, gap, next_experiment: next, notes }, campaign, runs) {
