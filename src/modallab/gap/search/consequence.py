@@ -64,20 +64,21 @@ def without_inconsequential(fit: Fit, held: Reduced, clock_visible: bool = False
     dismissed: list[Dismissed] = []
     at = 0
     while at < len(fit.problem.candidates):
-        alone = no_tolerance_acts_like(fit.problem.candidates[at].effect, clock_visible)
-        bare = evaluated(*without_effect(fit.problem, fit.u, at)) if alone else refitted_without(fit, at)
-        found = _dismissal(fit, bare, at, held)
+        refitted = refitted_without(fit, at)
+        found = _dismissal(fit, refitted, at, held, clock_visible)
         if found.deviations <= ABOVE or found.moves < least:
             dismissed.append(found)
-            fit, at = refitted_without(fit, at) if alone else bare, 0
+            fit, at = refitted, 0
         else:
             at += 1
     return fit, dismissed
 
 
-def _dismissal(fit: Fit, bare: Fit, at: int, held: Reduced) -> Dismissed:
+def _dismissal(fit: Fit, refitted: Fit, at: int, held: Reduced, clock_visible: bool) -> Dismissed:
     effect = fit.effects[at]
+    alone = no_tolerance_acts_like(effect.effect, clock_visible)
+    bare = evaluated(*without_effect(fit.problem, fit.u, at)) if alone else refitted
     answers = (forward(twin_of(f, held), held) for f in (fit, bare))
     # What takes its work over only by leaving its own tolerance is no ordinary bench.
-    moves = largest_difference(held, *answers) if within_tolerances(bare) else float("inf")
+    moves = largest_difference(held, *answers) if within_tolerances(refitted) else float("inf")
     return Dismissed(effect, search_of(effect.effect).tolerance.deviations(effect, held.rig), moves)
