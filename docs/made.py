@@ -99,7 +99,7 @@ def formats() -> str:
 
 
 def _format(one: Any) -> tuple[str, ...]:
-    from modallab.formats.options import ASKED
+    from modallab.formats.asked import ASKED
 
     does = ", ".join(word for word, there in (("read", one.read), ("written", one.write)) if there)
     asks = ", ".join(f"`--{(ASKED[option].called or option).replace('_', '-')}`" for option in one.asks)

@@ -6,7 +6,8 @@ import pytest
 
 from modallab.cli.parser import build_parser
 from modallab.core.errors import DataError
-from modallab.formats.options import ASKED, ImportOptions, options_of
+from modallab.formats.asked import ASKED
+from modallab.formats.options import ImportOptions, options_of
 from modallab.service.api.imports import router
 
 VALUES = {"number": "2.5", "count": "3", "test": "sine", "map": "map.yaml", "text": "x=y"}

@@ -9,10 +9,10 @@ from rich.table import Table
 from modallab.cli.console import console_of
 from modallab.core.block import Block, Campaign
 from modallab.formats.arrays.array_map import read_map
+from modallab.formats.asked import ASKED
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.draft import assumptions, write_draft
 from modallab.formats.importer import import_recordings
-from modallab.formats.options import ASKED
 from modallab.formats.rig.rig_file import read_rig
 from modallab.pipelines.results import holds_results_only, import_results
 from modallab.reporting.waiting import waiting_line

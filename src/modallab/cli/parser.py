@@ -17,8 +17,8 @@ from modallab.cli.options import (
     positive_number,
 )
 from modallab.core.units import FRF_ESTIMATORS, TESTS
+from modallab.formats.asked import ASKED, ImportOption, Kind
 from modallab.formats.format import readers
-from modallab.formats.options import ASKED, ImportOption, Kind
 from modallab.identification.estimator import USUAL, estimator_names
 
 _KINDS: dict[Kind, Any] = {"text": str, "number": positive_number, "count": positive_integer, "map": Path}

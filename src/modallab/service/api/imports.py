@@ -18,8 +18,8 @@ from modallab.core.events import StateChanged
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.arrays.array_map import ArrayMap, parse_map
+from modallab.formats.asked import ASKED, ImportOption, Kind
 from modallab.formats.format import Format, readers
-from modallab.formats.options import ASKED, ImportOption, Kind
 from modallab.service.api.access import require_rig
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import CallerOf, Operator, ServiceOf, set_etag
