@@ -1,6 +1,8 @@
 """Kinds whose work is small and whose end can be steered from a test. Workers import them by name."""
 
+import importlib
 import os
+import sys
 import threading
 import time
 from pathlib import Path
@@ -55,6 +57,13 @@ def die(_payload: Any, _notify: Notify) -> ComputationResult:
     os._exit(3)
 
 
+def bring_in(payload: Any, notify: Notify) -> ComputationResult:
+    """Imports a package that is not there yet."""
+    notify(0.5)
+    sys.path.insert(0, payload["folder"])
+    return ComputationResult(importlib.import_module(payload["package"]).WHOLE)
+
+
 def _load(parameters: dict[str, Any], inputs: tuple[str, ...]) -> dict[str, Any]:
     return parameters | {"inputs": inputs}
 
@@ -66,6 +75,7 @@ def kinds(folder: Path, **limits: float) -> list[Kind]:
         return computed.result
 
     work = {"square": square, "wait": wait, "gate": gate, "spin": spin, "reject": reject, "break": break_, "die": die}
+    work["import"] = bring_in
     return [Kind(name, _load, compute, keep, limits.get(name, 3600.0)) for name, compute in work.items()]
 
 

@@ -61,6 +61,22 @@ def test_progress_is_seen_and_a_cancelled_job_stops_at_once(jobs: Jobs, runner: 
 
 
 @pytest.mark.thorough("starts a scheduler and workers, and kills them")
+def test_a_job_cancelled_while_it_imports_leaves_the_package_whole(jobs: Jobs, runner: Runner, tmp_path: Path) -> None:
+    package, begun = tmp_path / "slow_package", tmp_path / "begun"
+    package.mkdir()
+    (package / "part.py").write_text("WHOLE = True\n")
+    lines = ["import pathlib, time, slow_package.part", f"pathlib.Path({str(begun)!r}).touch()"]
+    lines += ["end = time.monotonic() + 1", "while time.monotonic() < end:", "    pass"]
+    # Of a package of which half was imported its parts are known, but not that they are its own.
+    (package / "__init__.py").write_text("\n".join([*lines, "WHOLE = slow_package.part.WHOLE"]))
+    asked = {"folder": str(tmp_path), "package": "slow_package"}
+    first = jobs.submit("import", asked, ["first"])
+    until(begun.exists)
+    jobs.cancel(first.id)
+    (after,) = ended(jobs, jobs.submit("import", asked, ["second"]))
+    assert (after.state, after.result) == ("done", True)
+
+
 def test_what_looks_out_for_nothing_is_stopped_too_when_its_time_is_over(jobs: Jobs, runner: Runner) -> None:
     long, after = ended(jobs, jobs.submit("spin", {"seconds": 600}, []), jobs.submit("square", {"x": 2}, []))
     assert (long.state, long.attempts) == ("failed", 1)

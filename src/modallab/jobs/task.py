@@ -1,6 +1,8 @@
 """What a worker runs: one computation, which can say how far it is and be interrupted."""
 
+import asyncio
 import ctypes
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -41,6 +43,14 @@ class _Running:
             # An interrupt that came with the last instruction must not hit what this thread does next.
             _raise_in(threading.get_ident(), None)
 
+    def imports(self, attempt: str) -> bool:
+        """Whether a module is being imported for it."""
+        with self._lock:
+            frame = sys._current_frames().get(self._threads.get(attempt, 0))
+        while frame is not None and "importlib._bootstrap" not in frame.f_code.co_filename:
+            frame = frame.f_back
+        return frame is not None
+
     def interrupt(self, attempt: str) -> bool:
         with self._lock:
             thread = self._threads.pop(attempt, None)
@@ -60,6 +70,9 @@ def _raise_in(thread: int, error: type[BaseException] | None) -> None:
 
 async def interrupt_computation(attempt: str) -> bool:
     """Interrupt a computation of this process; False if it is not here. Asynchronous, so that Dask need not wait."""
+    # A package of which half was imported would stay, and fail every later computation of this process.
+    while _RUNNING.imports(attempt):
+        await asyncio.sleep(0.02)
     return _RUNNING.interrupt(attempt)
 
 
