@@ -76,9 +76,11 @@ def without_inconsequential(fit: Fit, held: Reduced, clock_visible: bool = False
 
 def _dismissal(fit: Fit, refitted: Fit, at: int, held: Reduced, clock_visible: bool) -> Dismissed:
     effect = fit.effects[at]
+    deviations = search_of(effect.effect).tolerance.deviations(effect, held.rig)
+    if not within_tolerances(refitted):
+        # What takes its work over only by leaving its own tolerance is no ordinary bench.
+        return Dismissed(effect, deviations, float("inf"))
     alone = no_tolerance_acts_like(effect.effect, clock_visible)
     bare = evaluated(*without_effect(fit.problem, fit.u, at)) if alone else refitted
     answers = (forward(twin_of(f, held), held) for f in (fit, bare))
-    # What takes its work over only by leaving its own tolerance is no ordinary bench.
-    moves = largest_difference(held, *answers) if within_tolerances(refitted) else float("inf")
-    return Dismissed(effect, search_of(effect.effect).tolerance.deviations(effect, held.rig), moves)
+    return Dismissed(effect, deviations, largest_difference(held, *answers))
