@@ -250,9 +250,15 @@ def _text(found: object) -> str:
     return "\n".join(text).strip()
 
 
-PARTS: dict[str, Callable[..., str]] = {
-    part.__name__: part for part in (commands, errors, estimators, events, fields, formats, problems, python, settings)
-}
+def decisions(numbers: str) -> str:
+    """The titles of decisions, given their numbers with dots between."""
+    pages = [next(Path(__file__).parent.glob(f"decisions/{number}-*.md")) for number in numbers.split(".")]
+    titles = [page.read_text(encoding="utf-8").partition("\n")[0].partition(": ")[2] for page in pages]
+    return "\n".join(f"- [{title}]({page.name})" for title, page in zip(titles, pages, strict=True))
+
+
+_ALL = (commands, decisions, errors, estimators, events, fields, formats, problems, python, settings)
+PARTS: dict[str, Callable[..., str]] = {part.__name__: part for part in _ALL}
 
 if __name__ == "__main__":
     print(filled(Path(sys.argv[1]).read_text(encoding="utf-8")))

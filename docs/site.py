@@ -78,7 +78,7 @@ def _as_page(path: str) -> str:
 
 def _toctrees(index: Path) -> str:
     """The lists of an index page as what Sphinx makes its navigation of."""
-    before, *parts = _SECTION.split(index.read_text(encoding="utf-8"))
+    before, *parts = _SECTION.split(filled(index.read_text(encoding="utf-8")))
     trees: list[str] = []
     for heading, body in [("", before), *zip(parts[::2], parts[1::2], strict=True)]:
         listed = {_as_page(path): title.replace("`", "") for title, path in _LINK.findall(body) if _is_page(path)}
