@@ -58,7 +58,7 @@ def main() -> None:
         f"{t.name} {true_name(t)}: {'+'.join(sorted(t.said)) or t.diagnosis.verdict}" for _, t in listed if not t.right
     ]
     print(f"right {len(listed) - len(wrong)} of {len(listed)}; {'; '.join(wrong)}")
-    print(f"gap shut in a later campaign: {sum(e['shut'] for e in there)} of {len(there)}")
+    print(f"gap closed in a later campaign: {sum(e['shut'] for e in there)} of {len(there)}")
     errors = [abs(e["predicted"] - e["seen"]) for e in there if None not in (e["predicted"], e["seen"])]
     if errors:
         near = sum(e <= 0.05 for e in errors)

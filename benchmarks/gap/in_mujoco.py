@@ -1,4 +1,4 @@
-"""The corrected link in MuJoCo: how far records that no fit has seen are closed there, and by the twin itself.
+"""The corrected link in MuJoCo: how far held-out records are closed there, and by the twin itself.
 
     python benchmarks/gap/in_mujoco.py --seed 181818 --effects clamp_rotation,ground_spring,cubic_spring --out F.jsonl
 

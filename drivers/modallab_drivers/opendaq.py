@@ -129,7 +129,7 @@ class OpenDaqBench(WithoutOutput):
                 raise BenchTimeoutError(
                     f"{self._left.shape[1]} of {count} samples came within {timeout_s:g} s",
                     where=self._url,
-                    remedy="wait longer; what came is kept",
+                    remedy="wait longer; samples received so far are kept",
                 )
             else:
                 time.sleep(POLL_S)
@@ -158,7 +158,7 @@ class OpenDaqBench(WithoutOutput):
             raise SamplesLostError(
                 f"the stream was broken after sample {self._position + self._left.shape[1]}",
                 where=self._url,
-                remedy="start again: what comes is a new stretch",
+                remedy="start again, with a gap in the samples",
             )
         return np.asarray(values, dtype=np.float64).reshape(len(self._channels), -1)
 

@@ -55,7 +55,7 @@ def test_what_cannot_be_done_now_is_a_typed_error(link_rig: Rig, tmp_path: Path)
                 request()
         with pytest.raises(PlanError, match="no block 'impact_p10_1' counts"):
             process.drop("impact_p10_1")
-        with pytest.raises(PlanError, match="no run is going on"):
+        with pytest.raises(PlanError, match="no run is active"):
             process.repeat(20.0)
         for event in process.run(IMPACT):
             if event.kind == "block" and event.n == 0:

@@ -73,7 +73,7 @@ def test_the_ripple_of_a_sharp_filter_is_no_second_contact(centre_s: float, widt
         (force(peak_n=6.0), {}, "too weak: 5.9"),
         (force(peak_n=100.0), {"max_force_n": 80.0}, "too strong: 99."),
         (force(width_s=0.03), {}, "contact too long: 2"),
-        (force(second=0.3), {}, "double hit: a second one of 30"),
+        (force(second=0.3), {}, "double hit: a second pulse of 30"),
         (force(width_s=0.016), {}, "force spectrum too narrow: down"),
     ],
 )

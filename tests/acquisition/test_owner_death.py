@@ -70,7 +70,7 @@ def test_the_output_is_zero_soon_after_the_owners_death(tmp_path: Path, link_rig
     with Store(tmp_path / "data") as store:
         (run,) = store.catalogue.runs()
         assert run.state == "failed"
-        assert run.reason == "interrupted: the process that asked for the run is gone"
+        assert run.reason == "interrupted: the process that requested the run has ended"
 
 
 @pytest.mark.thorough("starts an owner with its rig process, and kills it")

@@ -102,7 +102,7 @@ class Weakened(ScriptedBench):
 def test_a_force_that_does_not_answer_the_drive_as_in_the_burst_before_is_not_corrected_by(store: Store) -> None:
     bench = Weakened()
     plan = PLAN.model_copy(update={"force": ForceControl(levels_n={"low": 1.0})})
-    with pytest.raises(SafetyError, match=r"where the\s+burst before gave"):
+    with pytest.raises(SafetyError, match=r"where the\s+previous burst gave"):
         record(bench, SCRIPTED, plan, store, lambda _: None)
     assert bench.done.count("play") == 2
 
@@ -155,8 +155,8 @@ def test_what_a_channel_does_instead_says_what_has_become_of_it() -> None:
     assert is_dead(seen, foreseen, noise).tolist() == [True, False, False]
     seen, foreseen, noise = windows(sound()[[0, 2, 1]])
     assert channel_faults(seen, foreseen, noise, noise) == {
-        1: "and {2} have changed places",
-        2: "and {1} have changed places",
+        1: "and {2} are exchanged",
+        2: "and {1} are exchanged",
     }
     seen, foreseen, noise = windows(sound())
     seen[2] = np.clip(seen[2], -1.8, 1.8)

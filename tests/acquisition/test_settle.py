@@ -116,7 +116,7 @@ def test_a_block_that_has_not_settled_is_recorded_again_from_a_longer_burst(stor
     share = 0.5 * np.exp(-2.0 * 2 * np.pi * 60 * 0.002)
     assert first.note.facts["decay_ratio"] == pytest.approx(share, rel=0.02)
     assert (first.note.name, first.note.accepted) == ("sine_low_027.344_rejected_1", False)
-    assert "not settled: the decay of 60 Hz is 11" in first.note.reason
+    assert "not settled: the free decay at 60 Hz is 11" in first.note.reason
     assert (second.note.name, second.note.accepted, second.note.reason) == ("sine_low_027.344", True, "")
     assert second.note.facts["settled"] in ("yes", "unknown")
     assert float(second.note.facts["settle_s"]) == pytest.approx(2 + np.log(share / 0.005) * 1.326, abs=0.1)

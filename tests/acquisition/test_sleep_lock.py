@@ -35,7 +35,7 @@ def holders() -> list[psutil.Process]:
 
 def test_sleep_is_held_off_for_as_long_as_the_test_drives(inhibitor: Path) -> None:
     with without_sleep() as said:
-        assert said == "this machine is kept from going to sleep"
+        assert said == "this machine is kept awake"
         assert holders()
     assert not holders()
     assert "--what=sleep:idle" in inhibitor.read_text()

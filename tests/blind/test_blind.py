@@ -146,12 +146,12 @@ def test_the_outcome_sums_up_effect_by_effect(rig: Rig) -> None:
     assert by_name["added_mass"].said == {"added_mass": 1, "unknown": 1}
     assert (by_name["added_mass"].right, by_name["support_resonance"].right) == (1, 1)
     figures = {figure.name: figure for figure in found.figures}
-    assert figures["shrinkage predicted less seen, median"].value == pytest.approx(0.01)
-    assert figures["gap shut in a later campaign"].value == 1.0
+    assert figures["shrinkage predicted less measured, median"].value == pytest.approx(0.01)
+    assert figures["gap closed in a later campaign"].value == 1.0
     assert figures["two effects named right"].value is None
     assert BlindOutcome.model_validate_json(found.model_dump_json()) == found
     page = render(found)
-    for heading in ("Figures", "Effect by effect", "What was said of what", "Reliability", "Shrinkage"):
+    for heading in ("Figures", "Effect by effect", "Diagnosis of each effect", "Reliability", "Shrinkage"):
         assert f"<h2>{heading}</h2>" in page
 
 

@@ -78,7 +78,7 @@ def test_a_wrong_name_a_wrong_channel_and_a_false_alarm_are_listed() -> None:
     assert f["single effect named right"].misses == ("wrong",)
     assert f["channel right"].misses == ("wrong",)
     assert f["false alarms"].misses == ("alarm",)
-    assert f["precision where it names above 0.9"].misses == ("wrong",)
+    assert f["precision where the probability is above 0.9"].misses == ("wrong",)
 
 
 def test_what_is_withheld_must_be_called_unknown() -> None:

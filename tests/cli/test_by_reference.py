@@ -48,7 +48,7 @@ def test_a_mass_that_came_later_is_found_beside_the_campaign_from_before(
     capsys.readouterr()
     page = tmp_path / "found.html"
     assert main(["gap", "diagnose", before, "--reference", before, "--report", str(page)]) == 0
-    assert "a campaign from before, campaign.h5" in page.read_text(encoding="utf-8")
+    assert "an earlier campaign, campaign.h5" in page.read_text(encoding="utf-8")
     assert "No gap beyond the tolerances" in " ".join(capsys.readouterr().out.split())
 
 

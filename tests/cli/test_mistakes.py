@@ -122,7 +122,7 @@ MISTAKES = {
     "gap distinguishability rig.yaml plan_tabs.yaml": "plan_tabs.yaml: is not YAML: line 2",
     "gap distinguishability rig.yaml plan_kindless.yaml": "no kind is given; allowed: impact, sine, broadband",
     "gap distinguishability rig.yaml plan_kind.yaml": "no test is of kind 'hammer'",
-    "gap distinguishability rig.yaml plan_field.yaml": "point is no field here; allowed: kind, points",
+    "gap distinguishability rig.yaml plan_field.yaml": "point is an unknown field; allowed: kind, points",
     "gap distinguishability rig.yaml plan_value.yaml": "hits is -1; allowed: more than 0",
     "gap distinguishability rig.yaml plan_word.yaml": "'just a word' is no test",
     "gap distinguishability rig.yaml plan_second.yaml": "test 2: levels_v is 3",
@@ -174,7 +174,7 @@ MISTAKES = {
     "export empty --run one --format csv --out x": "empty: is no data folder",
     "serve --data notes.txt": "notes.txt: is a file",
     "rig reset rig.yaml --data nowhere": "nowhere: is no folder",
-    "identify campaign.h5 campaign.h5": "holds the same records as campaign.h5",
+    "identify campaign.h5 campaign.h5": "contains the same records as campaign.h5",
     "import empty.csv --rig rig.yaml --out new.h5": "empty.csv",
     # Options that would have no effect, and files that are not what the newest commands take.
     "gap blind --out b --truth empty": "--truth has no effect without --folder",

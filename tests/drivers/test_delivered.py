@@ -41,7 +41,7 @@ def test_the_device_says_the_rate_it_gives_and_rejects_what_is_far_from_it(serve
     assert delivery.requested_rate_hz == 1000.0
     assert delivery.actual_rate_hz == pytest.approx(51_200 / 31)
     assert bench.configure(Request("impact", 2000.0)).actual_rate_hz == pytest.approx(2048.0)
-    with pytest.raises(ConfigurationError, match=r"rate_hz: 100 Hz was asked for, the device gives 1651\.61 Hz"):
+    with pytest.raises(ConfigurationError, match=r"rate_hz: 100 Hz was requested, the device gives 1651\.61 Hz"):
         bench.configure(Request("impact", 100.0))
     bench.close()
 

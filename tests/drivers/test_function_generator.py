@@ -131,7 +131,7 @@ def test_a_value_that_was_clipped_is_seen_and_the_output_is_off(instrument: Inst
     generator = open_generator(instrument.rig(rig))
     instrument.pty.fault("clipped-set-point 0.2")
     generator.play(BURST, 0, RATE_HZ)
-    with pytest.raises(ConfigurationError, match=r"amplitude: .* was set, the generator says .*0\.2|2\.0+E-01"):
+    with pytest.raises(ConfigurationError, match=r"amplitude: .* was set, the generator reports .*0\.2|2\.0+E-01"):
         pace(instrument, generator, 0, 1000)
     assert instrument.line.at(instrument.clock.time_s + 0.01) == 0.0
 
@@ -198,7 +198,7 @@ def test_the_generator_drives_the_bench_that_ni_devices_listen_to(rig: Rig):
         handle.zero()
         handle.close()
         # Its owner finds the output switched off.
-        with pytest.raises(OutputLostError, match="output: ON was set, the generator now says OFF"):
+        with pytest.raises(OutputLostError, match="output: ON was set, the generator now reports OFF"):
             bench.read(200, 5.0)
         bench.read(200, 5.0)
         assert server.say("levels")["generator"] == 0.0

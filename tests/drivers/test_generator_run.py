@@ -36,7 +36,7 @@ def test_of_a_burst_that_was_changed_by_hand_no_block_is_kept(rig: Rig, tmp_path
                 done.append(str(server.say("generator-fault front-panel offset 0.2")))
             return None
 
-        with pytest.raises(OutputLostError, match="offset: 0 was set, the generator now says 2"):
+        with pytest.raises(OutputLostError, match="offset: 0 was set, the generator now reports 2"):
             record(bench, driven, PLAN, store, lambda _: None, hand)
         bench.close()
         assert store.catalogue.blocks(store.catalogue.runs()[-1].id) == ()

@@ -59,7 +59,7 @@ def test_a_hand_at_the_front_panel_is_noticed_within_a_poll_and_ends_the_burst(
     generator.play(BURST, 0, RATE_HZ)
     tick_through(generator, 0, 400)
     bench.port.fault(f"front-panel {change}")
-    with pytest.raises(OutputLostError, match=f"{change.split()[0]}: .* was set, the generator now says"):
+    with pytest.raises(OutputLostError, match=f"{change.split()[0]}: .* was set, the generator now reports"):
         tick_through(generator, 400, 600)
     assert not bench.volts(time.monotonic() + 0.01, time.monotonic() + 0.2).any()
     # The settings were set again: the next burst is as it should be.
@@ -154,7 +154,7 @@ def test_an_amplitude_that_is_taken_otherwise_is_rejected(bench: Bench):
     bench.port.fault("coerced-set-point 0.9")
     began = time.monotonic()
     generator.play(BURST, 0, RATE_HZ)
-    with pytest.raises(ConfigurationError, match=r"amplitude: .* was set, the generator says"):
+    with pytest.raises(ConfigurationError, match=r"amplitude: .* was set, the generator reports"):
         bench.pace(generator, began, 1.0)
     assert not bench.volts(time.monotonic() + 0.01, time.monotonic() + 0.2).any()
 

@@ -108,7 +108,7 @@ def test_turnover_and_step_and_reference_and_mass_give_the_sensitivity():
 
 def test_what_was_not_turned_shaken_or_coupled_is_rejected():
     noise = RNG.standard_normal((2, 4000)) * 1e-4
-    with pytest.raises(DataError, match="nothing was seen"):
+    with pytest.raises(DataError, match="no step was detected"):
         calibrate.sensitivity_by_turnover(noise[0], noise[1])
     with pytest.raises(DataError):
         calibrate.sensitivity_by_reference(noise[0], 2000.0, 159.15, 10.0)
@@ -142,7 +142,7 @@ def test_the_commands_say_what_they_found(rig: Rig, tmp_path: Path, capsys: pyte
     # A simulated sensor can't be turned over: that is seen, and nothing is written.
     command = ["rig", "calibrate", str(tmp_path / "rig.yaml"), "--bench", SIM, "--channel", "a04", "--yes"]
     assert main([*command, "--method", "turnover", "--seconds", "0.5"]) == 2
-    assert "nothing was seen" in capsys.readouterr().err
+    assert "no step was detected" in capsys.readouterr().err
     assert read_rig(tmp_path / "rig.yaml").history == ()
 
 

@@ -149,7 +149,7 @@ def test_the_report_shows_curves_and_budget(sound: Diagnosis, campaign: Campaign
     page = render(sound, campaign)
     for shown in (
         "as the rig file describes it",
-        "with what was found",
+        "with the effects found",
         "what is left",
         "Budget of the gap",
         "FRF of the hits",

@@ -120,4 +120,4 @@ def test_at_the_terminal(rig: Rig, make: Make, tmp_path: Path, capsys: pytest.Ca
     page = tmp_path / "history.html"
     assert main(["gap", "history", str(second), "--on", str(tmp_path / "c.h5"), "--report", str(page)]) == 0
     assert "revision 1, with added mass" in capsys.readouterr().out
-    assert "How the simulation came closer" in page.read_text(encoding="utf-8")
+    assert "Progress of the simulation" in page.read_text(encoding="utf-8")

@@ -34,7 +34,7 @@ def _campaign(inputs: tuple[str, ...]) -> Campaign:
     if name == "link":
         return built(link(), tests=("impact",))
     if name != "hammer_5hits":
-        raise StorageError(f"there is no run {name!r}", remedy="look at the list of runs")
+        raise StorageError(f"there is no run {name!r}", remedy="read the list of runs")
     return read_campaign(DATA / "hammer_5hits.h5", read_rig(DATA / "hammer_rig.yaml"))
 
 
@@ -75,7 +75,7 @@ def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp
     assert "there is no run 'nothing'" in str(absent.error)
     # This rig file describes no beam, so that there is nothing to hold the recording against.
     assert bad.state == "failed"
-    assert "there is no beam to predict from" in str(bad.error)
+    assert "the rig file has no beam" in str(bad.error)
 
 
 def test_parameters_are_checked_before_a_job_is_ordered() -> None:
@@ -106,5 +106,5 @@ def test_runs_from_before_stand_for_the_simulation(jobs: Jobs, tmp_path: Path) -
     assert found.error is None
     (effect,) = found.result["document"]["effects"]
     assert effect["effect"] == "added_mass"
-    assert "a campaign from before" in (tmp_path / found.result["files"]["gap.html"]).read_text(encoding="utf-8")
-    assert "all runs are from before" in str(alone.error)
+    assert "an earlier campaign" in (tmp_path / found.result["files"]["gap.html"]).read_text(encoding="utf-8")
+    assert "all runs are earlier ones" in str(alone.error)

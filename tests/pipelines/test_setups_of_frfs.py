@@ -58,7 +58,7 @@ def test_set_ups_at_other_lines_or_named_twice_are_rejected() -> None:
     fewer = replace(frf, frequency_hz=LINES[::2], values=frf.values[..., ::2])
     with pytest.raises(DataError, match="lines in the band are not the"):
         identify_setups([one, replace(other, frfs=(fewer,))], IdentificationOptions())
-    with pytest.raises(DataError, match=r"holds the same records as at2\.h5"):
+    with pytest.raises(DataError, match=r"contains the same records as at2\.h5"):
         identify_setups([one, replace(one, source="again.h5")], IdentificationOptions())
 
 

@@ -103,7 +103,7 @@ def test_a_model_that_misses_its_measurement_is_said_to_at_the_top(content, slim
     check = content.outcomes[0].verification
     poor = replace(check, frac=np.where(np.arange(10)[:, None] == 4, 0.31, check.frac))
     lead = Page(render(replace(slim, outcomes=(replace(impact, verification=poor),)))).text
-    assert "at some points the model does not repeat the impact test (FRAC down to 0.3100)." in lead
+    assert "at some points the model does not reproduce the impact test (FRAC down to 0.3100)." in lead
 
 
 def test_a_mode_that_a_test_missed_in_its_band_is_named(slim):
@@ -124,7 +124,7 @@ def test_a_mode_that_a_test_missed_in_its_band_is_named(slim):
         )
     }
     text = Page(render(replace(slim, outcomes=(impact, replace(sine, model=sine.model.model_copy(update=lost)))))).text
-    assert "The sine test did not find mode 2, though in its band." in text
+    assert "The sine test did not find mode 2, although they are in its band." in text
 
 
 def test_a_sigma_that_the_truth_refutes_is_named(slim, parsed):
@@ -365,7 +365,7 @@ def test_the_page_begins_with_what_is_good_and_what_is_to_be_looked_at(content, 
     page = Page(render(replace(slim, outcomes=(replace(slim.outcomes[0], verification=poor),))))
     assert "look" in [a.get("class") for a in page.all("li")]
     assert (
-        "At some points the model does not repeat what was measured in the impact test: FRAC is down to 0.3100"
+        "At some points the model does not reproduce what was measured in the impact test: FRAC is down to 0.3100"
         in page.text
     )
 

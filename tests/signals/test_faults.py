@@ -165,7 +165,7 @@ def test_a_part_that_is_held_is_named_where_it_begins() -> None:
         rows = 1e-6 * counts(record("hit", seed, 1e-2), 16)
         rows[0, 2500:] = held(rows[0], 5)[2500:]
         (found,) = faults_of(block(rows), RIG)
-        assert (found.channel, found.what) == ("force", "values held for 5 samples, as a slower converter gives them")
+        assert (found.channel, found.what) == ("force", "values held for 5 samples, as from a slower converter")
         assert abs(found.first_s - 2500 / RATE_HZ) < 40 / RATE_HZ
 
 
@@ -222,7 +222,7 @@ def test_a_spoilt_record_is_left_out_by_name_and_none_left_is_an_error() -> None
     kept, _, notes = undamaged_records(campaign, campaign.blocks)
     assert [b.name for b in kept] == ["good"]
     assert "faults in their samples: bad, channel force: flat tops at" in notes[0]
-    with pytest.raises(DataError, match="every record has a fault in its samples: bad, channel force: flat tops"):
+    with pytest.raises(DataError, match="every record has a fault: bad, channel force: flat tops"):
         undamaged_records(campaign, campaign.blocks[1:])
 
 

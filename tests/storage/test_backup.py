@@ -158,7 +158,7 @@ def test_retention_takes_invalid_runs_only_unless_it_is_asked_to(store: Store) -
             "old": RetentionRule(older_than=timedelta(days=1), states=("done", "aborted"), also_valid=True),
         }
         found = {name: {item.run.id for item in find_removable(store, rule)} for name, rule in rules.items()}
-        with pytest.raises(StorageError, match="acquiring still go on"):
+        with pytest.raises(StorageError, match="acquiring are active"):
             find_removable(store, RetentionRule(states=("acquiring",)))
     assert found == {
         "default": {aborted},

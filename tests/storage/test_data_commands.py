@@ -36,7 +36,7 @@ def test_retention_lists_first_and_deletes_on_request(data: Path, capsys: pytest
     assert main(["retention", str(data)]) == 0
     said = capsys.readouterr().out
     assert f"{files[2].stem}  aborted, invalid, 0.0 MB" in said
-    assert "1 runs, 0.0 MB: would be deleted, with --delete" in said
+    assert "1 runs, 0.0 MB: deleted only with --delete" in said
     assert sorted((data / "runs").glob("*.h5")) == files
     assert main(["retention", str(data), "--delete"]) == 0
     assert "1 runs, 0.0 MB: deleted" in capsys.readouterr().out

@@ -15,11 +15,11 @@ from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 
 FIGURES = {
-    "in_three": "returned set of three holds the truth",
+    "in_three": "the three best explanations contain the truth",
     "stage_right": "stage right",
     "channel_right": "channel right",
     "place_right": "place within 0.05 L",
-    "claims_right": "precision where it names above 0.9",
+    "claims_right": "precision where the probability is above 0.9",
 }
 
 

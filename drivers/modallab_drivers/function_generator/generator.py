@@ -244,7 +244,7 @@ class Generator:
                 f"{changed}: it was changed at the front panel or by another program, or the generator was switched off"
                 " and on; the output was brought to 0 V",
                 where=self._instrument.where,
-                remedy="leave the generator alone during a test; its settings are set again for the next burst",
+                remedy="do not operate the generator during a test; its settings are written again for the next burst",
             )
 
     @contextmanager
@@ -263,9 +263,9 @@ class Generator:
                 raise error from dead
             if isinstance(error, DeviceGoneError):
                 raise OutputLostError(
-                    f"{error.what}; it answers again, and the output was brought to 0 V",
+                    f"{error.what}; the generator answers again, and the output was brought to 0 V",
                     where=self._instrument.where,
-                    remedy="look at the cable and at what else speaks to the generator",
+                    remedy="check the cable and other programs that use the generator",
                 ) from error
             raise
 

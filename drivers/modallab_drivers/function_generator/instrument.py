@@ -8,7 +8,7 @@ from modallab.core.errors import ConfigurationError, DeviceGoneError
 from modallab_drivers.function_generator.dialects import DANGEROUS, LANGUAGES, Name
 from modallab_drivers.function_generator.line import Line, agrees, number
 
-AMPLIFIER_OFF = "switch the shaker's amplifier off by hand, now: nothing else can end the output"
+AMPLIFIER_OFF = "switch the shaker's amplifier off by hand now: nothing else can end the output"
 
 STOP_STEPS = 25
 """Of 4 % of the level each, where the instrument is fast enough."""
@@ -73,9 +73,9 @@ class Instrument:
         if not good or errors:
             reports = f"; it reports {', '.join(errors)}" if errors else ""
             raise ConfigurationError(
-                f"{name}: {value} was set, the generator says {found}{reports}",
+                f"{name}: {value} was set, the generator reports {found}{reports}",
                 where=self.where,
-                remedy="ask for what the instrument can do",
+                remedy="request a value that the instrument supports",
             )
 
     def put(self, name: Name, value: float | str) -> None:
@@ -125,7 +125,7 @@ class Instrument:
                 if not good:
                     name, found = cause, other
                     break
-        return f"{name}: {self._wanted[name]} was set, the generator now says {found}"
+        return f"{name}: {self._wanted[name]} was set, the generator now reports {found}"
 
     def bring_down(self) -> None:
         """Bring the amplitude down in steps, then switch the output off, by every way the instrument knows.
@@ -152,7 +152,7 @@ class Instrument:
                 self.line.flush()
             raise
         raise DeviceGoneError(
-            "the output was switched off, and the generator does not say that it is", where=self.where,
+            "the output was switched off, but the generator does not confirm it", where=self.where,
             remedy=AMPLIFIER_OFF,
         )  # fmt: skip
 

@@ -76,7 +76,7 @@ TIMEOUT_S = 1.0
 SPENT_S = 0.02
 """Nothing more came for so long: no late answer is on its way."""
 
-_REMEDY = "look at the cable, the address or port, the baud rate and the instrument's remote setting"
+_REMEDY = "check cable, address or port, baud rate and the instrument's remote setting"
 
 
 class Line:
@@ -161,7 +161,7 @@ class Line:
         if self.identity and answer == self.identity and text != "*IDN?":
             answer = self._read(text, TIMEOUT_S)
         if answer == text:
-            raise self._unreadable(f"{text!r} is echoed", "switch its echo off")
+            raise self._unreadable(f"{text!r} is echoed", "switch the instrument's echo off")
         return answer
 
     def close(self) -> None:

@@ -73,7 +73,7 @@ class NiBench:
             given = inputs.rate_hz
             self._drop_inputs()
             raise ConfigurationError(
-                f"rate_hz: {request.rate_hz:g} Hz was asked for, the device gives {given:.6g} Hz",
+                f"rate_hz: {request.rate_hz:g} Hz was requested, the device gives {given:.6g} Hz",
                 where=self._url,
                 remedy=f"ask for {given / MOST_COERCED:.6g} Hz or more",
             )

@@ -49,7 +49,7 @@ def add_channel(task: Any, plug: Plug, test: Test, where: str) -> float:
             raise ConfigurationError(
                 f"coupling {channel.coupling} is not possible for a channel of {channel.quantity}",
                 where=where,
-                remedy="use DC or AC with a preamplifier, IEPE for a sensor that is fed, bridge for acceleration",
+                remedy="use DC or AC with a preamplifier, IEPE for a sensor with supply, bridge for acceleration",
             )
     return volts
 

@@ -24,21 +24,23 @@ DUPLICATE = -200089
 UNSUPPORTED_HERE = -200452
 CHASSIS_EXPIRED = -201478
 
-_LOST = "start again: what comes is a new stretch; record at a lower rate or on a less busy machine if it happens often"
-_GONE = "look at the device's power, cable and network; the output is at 0 V or ends by itself; then start a new run"
-_CONFIGURATION = "correct the field of the rig file or the plan that the message names; this is not tried again"
-_TOGETHER = "see how the devices are connected: rig file field synchronisation"
+_LOST = "start again, with a gap in the samples; record at a lower rate or on a less busy machine if this repeats"
+_GONE = "check the device's power, cable and network; the output is at 0 V or its burst ends; then start a new run"
+_CONFIGURATION = "correct the named field of the rig file or the plan; modallab does not retry"
+_TOGETHER = "check the connections of the devices: rig file field synchronisation"
 _BUSY = (
-    "end the program that holds it, or wait for it; what a killed modallab left behind (tasks named modallab-...)"
-    " is given back by: modallab devices ADDRESS --release"
+    "end the program that uses the device, or wait; tasks of a killed modallab (named modallab-...) are "
+    "released by: modallab devices ADDRESS --release"
 )
 _LOG = "look at the server's log"
-_EXPIRED = "allow it longer (excitation.watchdog_s), or use a less busy machine; the next start resets the chassis"
-_NO_WATCHDOG = "this device has no watchdog: leave excitation.watchdog_s out, and say why in excitation.watchdog_waived"
+_EXPIRED = "raise excitation.watchdog_s, or use a less busy machine; the next start resets the chassis"
+_NO_WATCHDOG = (
+    "this device has no watchdog: leave excitation.watchdog_s out, and give the reason in excitation.watchdog_waived"
+)
 _OUTPUT = "the output was brought to 0 V; play a shorter burst or use a faster link"
 
 
-EXPIRED = "the watchdog has expired, since nothing was read for longer than it allows; the output is held at 0 V"
+EXPIRED = "the watchdog has expired, since no sample was read within its time; the output is held at 0 V"
 
 
 class WatchdogExpiredError(OutputLostError):
@@ -46,11 +48,11 @@ class WatchdogExpiredError(OutputLostError):
 
 
 TABLE: dict[int, tuple[type[BenchError], str]] = {
-    NOT_YET: (BenchTimeoutError, "wait longer; what had come is kept"),
+    NOT_YET: (BenchTimeoutError, "wait longer; samples received so far are kept"),
     -200279: (SamplesLostError, _LOST),
     -200222: (SamplesLostError, _LOST),
     -200361: (SamplesLostError, _LOST),
-    NEVER: (SamplesLostError, "the record is short: what there is was kept; start again"),
+    NEVER: (SamplesLostError, "the record is short, and is kept; start again"),
     HANDLE_DEAD: (SamplesLostError, "the task was lost on the device's side and is built again at the next start"),
     -201003: (DeviceGoneError, _GONE),
     -88705: (DeviceGoneError, _GONE),

@@ -164,7 +164,7 @@ class InputTask:
 
     def _ended(self, error: Any) -> BenchError:
         kept = self._part.shape[1]
-        text = f"{error}" if int(error.error_code) != NEVER else f"{error} {kept} samples had come before"
+        text = f"{error}" if int(error.error_code) != NEVER else f"{error} {kept} samples had been received before"
         return of_code(int(error.error_code), text, self._where)
 
     def convert_rate_hz(self) -> float | None:

@@ -80,7 +80,7 @@ class InputFaults:
             if found:
                 names = [plug.channel.name for plug in self._plugs if plug.physical in found]
                 raise BenchError(
-                    f"channel {', '.join(names)} is {what}", where=self._where, remedy="look at its cable and sensor"
+                    f"channel {', '.join(names)} is {what}", where=self._where, remedy="check its cable and sensor"
                 )
 
     def unlocked(self) -> list[str]:
@@ -181,7 +181,7 @@ class Inputs:
             raise BenchTimeoutError(
                 f"{came} of {count} samples came within {timeout_s:g} s ({NOT_YET})",
                 where=self._where,
-                remedy="wait longer; what came is kept",
+                remedy="wait longer; samples received so far are kept",
             )
         if len(self.tasks) == 1:
             return self.tasks[0].take(count)
@@ -228,7 +228,7 @@ class Inputs:
             raise ConfigurationError(
                 f"modules of different delay in one test: {listed}",
                 where=f"{self._where}, rig file field channels[].input",
-                remedy="put all channels on modules of one kind, or state these delays as channels[].delay_s",
+                remedy="connect all channels to modules of one kind, or state these delays as channels[].delay_s",
             )
         return max(delays.values())
 

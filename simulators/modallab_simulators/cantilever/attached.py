@@ -178,8 +178,8 @@ class AttachedModes(SolvedModes):
         values, vectors = eigh(stiffness * np.outer(scale, scale), mass * np.outer(scale, scale))
         if values[0] <= 0:
             raise ConfigurationError(
-                f"what hangs on the beam at {', '.join(f'{a.x_m:g}' for a in self._at)} m leaves it a mode that no "
-                f"spring holds: omega^2 = {values[0]:.3g} 1/s^2",
+                f"parts attached to the beam at {', '.join(f'{a.x_m:g}' for a in self._at)} m give the beam an "
+                f"unstable mode: omega^2 = {values[0]:.3g} 1/s^2",
                 remedy="give masses and springs greater than 0, and places further apart",
             )
         return np.sqrt(values), vectors * scale[:, None]

@@ -59,7 +59,9 @@ def _output(rig: Rig, channel: Channel, row: int, changes: ChainChanges) -> Outp
         return Output("voltage", later_s=later)
     if channel.point is None:
         raise ConfigurationError(
-            f"a {channel.quantity} that stands at no point", where=f"channel {channel.name}", remedy="give it a point"
+            f"a {channel.quantity} that stands at no point",
+            where=f"channel {channel.name}",
+            remedy="give the channel a point",
         )
     later += changes.delay_s
     x_m = rig.x_of(channel.point) + changes.moved_m.get(channel.index, 0.0)
@@ -187,8 +189,8 @@ class Chain:
         if not np.all(np.isfinite(seen)):
             row = int(np.flatnonzero(~np.isfinite(seen).all(axis=1))[0])
             raise ConfigurationError(
-                f"row {row} of the simulated bench sees what is no number from {times_s[0]:.3f} s on",
-                remedy="make its effects smaller: its structure has become unstable",
+                f"row {row} of the simulated bench has NaN values from {times_s[0]:.3f} s on",
+                remedy="make the effects smaller: the structure is unstable",
             )
         if luck.late is not None:
             seen = seen + np.gradient(seen, times_s, axis=1) * (self.jitter_s * luck.late)

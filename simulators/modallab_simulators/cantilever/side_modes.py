@@ -49,7 +49,7 @@ class TorsionBar:
     def shapes(self, x_m: Real, count: int, order: int = 0) -> Real:
         """Angle of the modes, (points, count)."""
         if order:
-            raise ValueError("the slope of an angle is asked of nobody")
+            raise ValueError("the slope of an angle is not defined")
         angle: Real = np.sin(np.multiply.outer(x_m, self._waves(count)))
         angle *= sqrt(2 / self.total_mass_kg)
         return angle
@@ -100,7 +100,7 @@ class LoneMode:
     def shapes(self, x_m: Real, count: int, order: int = 0) -> Real:
         """Displacement of the mode in kg^-1/2, (points, count)."""
         if order:
-            raise ValueError("the slope of a lone mode is asked of nobody")
+            raise ValueError("the slope of a single mode is not defined")
         return self._shape(x_m)[:, None][:, :count]
 
     def participation(self, count: int) -> Real:

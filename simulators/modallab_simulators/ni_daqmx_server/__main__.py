@@ -111,19 +111,21 @@ def _credentials(folder: Path | None) -> grpc.ServerCredentials | None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="modallab_simulators.ni_daqmx_server", description=__doc__)
-    parser.add_argument("--rig", type=Path, required=True, help="what truly stands on the bench, JSON or YAML")
+    parser.add_argument("--rig", type=Path, required=True, help="true parameters of the bench, JSON or YAML")
     parser.add_argument("--system", choices=sorted(SYSTEMS), default="9215")
     parser.add_argument(
         "--devices", type=Path, action="append", help="the vendor's file of devices, in place of --system"
     )
     parser.add_argument("--port", type=int, default=0)
     parser.add_argument("--bench", default="sim://cantilever?seed=1&bad_hits=0", help="the bench behind the devices")
-    parser.add_argument("--bits", type=int, default=24, help="at most so many of the converters")
-    parser.add_argument("--pace", action="store_true", help="run as the clock on the wall does")
-    parser.add_argument("--local", action="store_true", help="bursts die with their client, as with its own driver")
+    parser.add_argument("--bits", type=int, default=24, help="largest number of converters")
+    parser.add_argument("--pace", action="store_true", help="run in real time")
+    parser.add_argument(
+        "--local", action="store_true", help="bursts end with their client, as with the vendor's driver"
+    )
     parser.add_argument("--cables", action="store_true", help="every input on the output by a cable, no beam")
     parser.add_argument("--generator", choices=sorted(SINE_DIALECTS), help="a serial generator on the same bench")
-    parser.add_argument("--tls", type=Path, help="folder with server.crt, server.key; clients.crt: who may ask")
+    parser.add_argument("--tls", type=Path, help="folder with server.crt, server.key; clients.crt: accepted clients")
     return parser
 
 

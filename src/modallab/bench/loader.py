@@ -109,5 +109,7 @@ def find_devices(address: str = "") -> list[Found]:
     scheme = address.partition("://")[0]
     finders = [e for e in installed_entry_points(DEVICES) if not scheme or e.name == scheme]
     if scheme and not finders:
-        raise ConfigurationError(f"nothing to look for at {address!r}", remedy="give an address such as nidaqmx://")
+        raise ConfigurationError(
+            f"no devices can be listed at {address!r}", remedy="give an address such as nidaqmx://"
+        )
     return [found for entry in finders for found in cast("DeviceFinder", entry.load())(address)]

@@ -47,7 +47,7 @@ def resample(values: NDArray[np.generic], from_hz: float, to_hz: float, lead: in
     place = lead + np.arange(count) * (from_hz / to_hz)
     base = np.floor(place).astype(np.int64)
     if base[0] - half + 1 < 0 or base[-1] + half >= values.shape[1]:
-        raise ValueError(f"{values.shape[1]} samples are too few for {count} new ones with {half} on either side")
+        raise ValueError(f"{values.shape[1]} samples are too few for {count} resampled ones with {half} on either side")
     around = np.arange(1 - half, half + 1)
     weights = _weights(around - (place - base)[:, None], half, min(1.0, to_hz / from_hz))
     index = base[:, None] + around

@@ -82,7 +82,7 @@ def _read_answer(line: str, where: str) -> Answer:
         return Answer(entry["name"], diagnosis, entry["seconds"], entry.get("length_m", 1.0), withheld)
     except (ValueError, KeyError) as error:
         raise FormatError(
-            f"is no answer: {error}", where=where, remedy="delete that line: its trial is answered again"
+            f"is no answer: {error}", where=where, remedy="delete that line; its trial is then diagnosed again"
         ) from error
 
 

@@ -59,7 +59,8 @@ def _confusion_table(effects: Sequence[EffectOutcome]) -> Markup:
     head = ["true", *(name.replace("_", " ") for name in caption)]
     numbers = tuple(range(1, len(head)))
     return page_section(
-        "What was said of what", html_element("div", html_table("Trials", head, rows, numeric=numbers), class_="scroll")
+        "Diagnosis of each effect",
+        html_element("div", html_table("Trials", head, rows, numeric=numbers), class_="scroll"),
     )
 
 
@@ -68,7 +69,7 @@ def _reliability(found: BlindOutcome) -> Markup | None:
     if not points:
         return None
     caption = (
-        f"Probability that was said, and the share of names that was right; on the line both are the same. Calibration "
+        f"Stated probability, and share of right names; both are equal on the line. Calibration "
         f"error {found.calibration_error:.3f}."
     )
     return page_section("Reliability", captioned_picture(_square_plot(points, "said", "right", 0.0), caption))
@@ -78,8 +79,8 @@ def _shrinkage(shrinkage: Sequence[ShrinkageOutcome]) -> Markup | None:
     if not shrinkage:
         return None
     caption = (
-        "Share of the gap that a diagnosis closes: as predicted, on records held out of the fit, and as seen in a "
-        "later campaign on the same bench, with the effect in the simulation. What lies below -1 is drawn at -1."
+        "Share of the gap that a diagnosis closes: as predicted, on held-out records, and as measured in a "
+        "later campaign on the same bench, with the effect in the simulation. Values below -1 are drawn at -1."
     )
     points = [(s.predicted, s.seen) for s in shrinkage]
     return page_section("Shrinkage", captioned_picture(_square_plot(points, "predicted", "seen", -1.0), caption))

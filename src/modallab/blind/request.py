@@ -32,7 +32,7 @@ class BlindRequest(Frozen):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if not self.trials + self.none + self.pairs:
-            raise ValueError("no trial is asked for")
+            raise ValueError("no trial is requested")
         known = trial_bench().kinds()
         strange = [name for name in self.effects if name not in known]
         if strange:

@@ -135,7 +135,7 @@ def _require_same(folder: Path, plan: dict[str, Any]) -> None:
         raise DataError(
             "other trials were sealed in this folder",
             where=str(folder),
-            remedy="ask for the same trials, or name an empty folder",
+            remedy="request the same trials, or name an empty folder",
         )
 
 

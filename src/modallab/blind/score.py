@@ -98,19 +98,21 @@ def score_trials(trials: Sequence[Trial]) -> list[Figure]:
     return [
         _share("single effect named right", singles, lambda t: t.said == t.names),
         _share("two effects named right", doubles, lambda t: t.said == t.names),
-        _share("returned set of three holds the truth", singles, _truth_in_set),
+        _share("the three best explanations contain the truth", singles, _truth_in_set),
         _share("stage right", present, _stage_right),
         _share("stage right by tests on the residual alone", [t for t in present if _was_tested(t)], _tested_right),
         _share("channel right", [t for t in singles if _true_channels(t)], _channel_right),
         _share("place within 0.05 L", [t for t in singles if _true_x(t) is not None], _place_right),
         _median("parameter, median relative error", [e for t in (*singles, *doubles) for e in parameter_errors(t)]),
-        _share("precision where it names above 0.9", [t for t in present if _claims_of_trial(t)], _claims_right),
+        _share(
+            "precision where the probability is above 0.9", [t for t in present if _claims_of_trial(t)], _claims_right
+        ),
         _share("false alarms", empty, lambda t: t.diagnosis.verdict != "no_gap", expected=False),
         _share("unknown flagged", strange, lambda t: t.diagnosis.verdict == "unknown"),
         _median("gap closed on held-out records", _closed_shares(t for t in singles if t.said == t.names)),
-        _median("shrinkage predicted less seen, median", [e for t in trials if (e := t.shrink_error) is not None]),
+        _median("shrinkage predicted less measured, median", [e for t in trials if (e := t.shrink_error) is not None]),
         _share(
-            "gap shut in a later campaign", [t for t in present if t.shut is not None and t.right], _gap_closed_right
+            "gap closed in a later campaign", [t for t in present if t.shut is not None and t.right], _gap_closed_right
         ),
         _median("seconds a diagnosis", [t.seconds for t in trials]),
     ]

@@ -48,7 +48,7 @@ def _retention(arguments: argparse.Namespace) -> int:
         total = sum(item.size for item in found)
         if arguments.delete:
             remove_samples(store, found, f"retention: {', '.join(states)}, older than {days:g} days")
-    done = "deleted" if arguments.delete else "would be deleted, with --delete"
+    done = "deleted" if arguments.delete else "deleted only with --delete"
     console.print(f"{len(found)} runs, {total / 1e6:.1f} MB: {done}", markup=False, highlight=False)
     return 0
 

@@ -23,26 +23,28 @@ def _add_export(commands: Commands) -> None:
     command.add_argument("source", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="a campaign, or a data folder")
     command.add_argument("--format", required=True, choices=tuple(f.name for f in writers()), help="what to write")
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help="for csv a folder")
-    command.add_argument("--run", action="append", metavar="RUN", help="of a data folder; may be repeated")
+    command.add_argument("--run", action="append", metavar="RUN", help="run of a data folder; may be repeated")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside the campaign")
     command.add_argument(
         "--frf", nargs="?", const="H1", choices=FRF_ESTIMATORS, help="add the FRFs of the impact test (H1)"
     )
-    command.add_argument("--models", type=Path, metavar="MODELS.json", help="add the modes that identify wrote")
+    command.add_argument(
+        "--models", type=Path, metavar="MODELS.json", help="add the modes of this file of modallab identify"
+    )
     command.set_defaults(module="export")
 
 
 def _add_backup(commands: Commands) -> None:
     command = commands.add_parser("backup", help="copy a data folder, also while a run is being recorded")
     command.add_argument("data", type=Path, metavar="DATA", help="a data folder")
-    command.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="not there yet, or empty")
+    command.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="a new or empty folder")
     command.set_defaults(module="backup", action="backup", out_is_folder=True)
 
 
 def _add_restore(commands: Commands) -> None:
     command = commands.add_parser("restore", help="restore a data folder from a backup")
-    command.add_argument("backup", type=Path, metavar="BACKUP", help="what modallab backup wrote")
-    command.add_argument("--out", type=Path, required=True, metavar="DATA", help="not there yet, or empty")
+    command.add_argument("backup", type=Path, metavar="BACKUP", help="folder that modallab backup wrote")
+    command.add_argument("--out", type=Path, required=True, metavar="DATA", help="a new or empty folder")
     command.add_argument("--database", metavar="URL", help="keep the catalogue in this empty PostgreSQL database")
     command.set_defaults(module="backup", action="restore", out_is_folder=True)
 
@@ -52,7 +54,7 @@ def _add_retention(commands: Commands) -> None:
     command.add_argument("data", type=Path, metavar="DATA", help="a data folder")
     command.add_argument("--older-than", type=not_negative, default=0.0, metavar="DAYS", help="since the run's end")
     command.add_argument("--state", action="append", choices=("done", "failed", "aborted"), help="may be repeated")
-    command.add_argument("--valid", action="store_true", help="runs with valid data too")
+    command.add_argument("--valid", action="store_true", help="also runs with valid data")
     command.add_argument("--delete", action="store_true", help="delete them; without it they are only listed")
     command.set_defaults(module="backup", action="retention")
 
@@ -63,13 +65,13 @@ def _add_user(commands: Commands) -> None:
     add = actions.add_parser("add", help="add a user, and make a token")
     add.add_argument("--role", choices=ROLES, default="operator", help="what the user may do")
     token = actions.add_parser("token", help="make another token for a user")
-    token.add_argument("--role", choices=ROLES, help="what it is for, if less than the user may do")
+    token.add_argument("--role", choices=ROLES, help="role of the token, if lower than the user's")
     for command in (add, token):
-        command.add_argument("--rig", action="append", metavar="ID", help="work at this rig only; may be repeated")
+        command.add_argument("--rig", action="append", metavar="ID", help="valid for this rig only; may be repeated")
         command.add_argument(
             "--days", type=positive_number, metavar="N", help="valid for so many days (default: until revoked)"
         )
-        command.add_argument("--label", default="", help="where it is kept")
+        command.add_argument("--label", default="", help="data folder of the service")
     listed = actions.add_parser("list", help="list users and tokens, without the secrets")
     revoke = actions.add_parser("revoke", help="revoke the tokens of a user")
     revoke.add_argument("--token", metavar="ID", help="only this one")

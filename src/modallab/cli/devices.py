@@ -25,11 +25,11 @@ def _release(console: Console, arguments: argparse.Namespace) -> int:
     handle = open_output(arguments.address, read_rig(arguments.rig))
     if handle is None:
         raise ConfigurationError(
-            f"{arguments.address} holds nothing when its program is gone", remedy="just start again"
+            f"{arguments.address} keeps no reservation after its program has ended", remedy="just start again"
         )
     try:
         handle.release()
     finally:
         handle.close()
-    console.print(f"{arguments.address}: the output is at 0 V, and what was left reserved is given back", markup=False)
+    console.print(f"{arguments.address}: the output is at 0 V, and reserved devices are released", markup=False)
     return 0

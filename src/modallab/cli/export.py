@@ -49,7 +49,7 @@ def _campaign(source: Path, runs: Sequence[str], rig: Rig | None) -> Campaign:
 
 def _with_frfs(campaign: Campaign, estimator: FrfEstimator) -> Campaign:
     if not campaign.of("impact"):
-        raise DataError("there are no hits, so no FRFs", where=campaign.source, remedy="leave --frf out")
+        raise DataError("there are no hits, and so no FRFs", where=campaign.source, remedy="leave --frf out")
     groups = group_by_point(to_signals_of(campaign.of("impact"), campaign.rig))
     frf = impact_frf(groups, campaign.rig, default_band(groups), estimator=estimator)
     return replace(campaign, frfs=(*campaign.frfs, frf))

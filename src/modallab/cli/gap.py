@@ -130,14 +130,14 @@ def read_diagnosis(path: Path) -> Diagnosis:
     except OSError as error:
         raise FormatError(f"cannot be read: {error.strerror}", where=str(path), remedy="name a diagnosis") from error
     except UnicodeDecodeError as error:
-        raise FormatError("is no diagnosis, and no text at all", where=str(path), remedy=_DIAGNOSE) from error
+        raise FormatError("is no diagnosis, and no text file", where=str(path), remedy=_DIAGNOSE) from error
     except ValidationError as error:
         first = ".".join(map(str, error.errors()[0]["loc"]))
         count = error.error_count()
         raise FormatError(
             f"is no diagnosis: {count} fields are missing or wrong, the first is {first}"
             if first
-            else "is no diagnosis, and holds no fields of JSON",
+            else "is no diagnosis: no JSON object",
             where=str(path),
             remedy=_DIAGNOSE,
         ) from error
@@ -149,13 +149,13 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     found = distinguishability_of_plan(rig, plans)
     console = Console()
     pairs = found.alike()
-    table = Table("effect", "and", "cosine where they are most alike")
+    table = Table("effect", "and", "largest cosine of their signatures")
     for first, second, cosine in pairs:
         table.add_row(first, second, f"{cosine:.3f}")
     console.print(table if pairs else "Every two effects can be distinguished (cosine below 0.95).")
     if found.hidden():
         console.print(f"Hidden by the tolerances of the rig: {', '.join(found.hidden())}", markup=False)
-    sizes = Table("effect", "smallest size seen, relative to a usual one")
+    sizes = Table("effect", "smallest detectable size, relative to a usual size")
     for name, least in sorted(zip(found.effects, found.least.tolist(), strict=True), key=lambda pair: pair[1]):
         sizes.add_row(name, f"{least:.2g}")
     console.print(sizes)

@@ -39,8 +39,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise PlanError("no experiment is possible on this rig", remedy="give the rig more points, or a shaker point")
     if found[0].expected < DECIDES:
         raise PlanError(
-            f"no experiment on this rig decides: after the best the right explanation is expected to have a probability"
-            f" of {found[0].expected:.2f} only",
+            "no experiment on this rig decides: even after the best one the right explanation has an expected "
+            "probability"
+            f" of only {found[0].expected:.2f}",
             where=campaign.rig.name,
             remedy=diagnosis.next_experiment or "add a sensor where the explanations differ",
         )
@@ -83,8 +84,8 @@ def _table(found: list[Experiment]) -> Table:
     table = Table(
         "experiment",
         "at the bench",
-        "the right one gets",
-        "it alone is left",
+        "expected probability of the right explanation",
+        "probability that it alone is left",
         title=f"likeliest explanation so far: {now}",
     )
     for e in found[:SHOWN]:

@@ -106,7 +106,7 @@ def _require_plain(arguments: argparse.Namespace) -> None:
     named = [name for name, there in given.items() if there]
     if named:
         raise ConfigurationError(
-            f"--response-only does not go with {', '.join(named)}",
+            f"--response-only cannot be combined with {', '.join(named)}",
             remedy="leave it out; --band, --test and --report remain",
         )
 

@@ -61,7 +61,7 @@ def _force_samples(a: argparse.Namespace) -> NDArray[np.float64]:
     if a.force is not None:
         return read_columns(a.force)
     if a.seconds is None:
-        raise ConfigurationError("how long the force lasts is not said", remedy="add --seconds 10")
+        raise ConfigurationError("the duration of the force is missing", remedy="add --seconds 10")
     return force_samples(_force_kind(a), a.step, max(2, round(a.seconds / a.step)))[None]
 
 
@@ -76,7 +76,7 @@ def _force_kind(a: argparse.Namespace) -> ForceKind:
         return RandomForce.model_validate({"spectrum": read_columns(a.random).T.tolist(), "seed": a.seed})
     except ValidationError as error:
         first = error.errors()[0]
-        raise DataError(f"this force cannot be: {first['msg']}", remedy="give finite numbers") from error
+        raise DataError(f"this force is impossible: {first['msg']}", remedy="give finite numbers") from error
 
 
 def _start_state(a: argparse.Namespace) -> dict[Quantity, dict[At, float]] | None:
@@ -136,7 +136,9 @@ def _show_deflection(known: KnownStructure, measured: Frf | None, arguments: arg
     if arguments.at is None:
         raise ConfigurationError("the point of the force is missing", remedy="add --at POINT")
     if measured is None:
-        raise DataError("a file of models holds no measured FRF", remedy="name the campaign instead of its models")
+        raise DataError(
+            "a file of models holds no measured FRF", remedy="name the campaign instead of the file of models"
+        )
     return operating_deflection(measured, freedoms_of(known.model, known.stated_rig)[0], arguments.hz, arguments.at)
 
 

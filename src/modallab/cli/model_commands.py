@@ -11,9 +11,7 @@ _MOTIONS = ("displacement", "velocity", "acceleration")
 
 def add_model_commands(commands: Commands) -> None:
     """Add it to the parser."""
-    model = commands.add_parser(
-        "model", help="put a modal model to use: what makes a response, and what a change makes of it"
-    )
+    model = commands.add_parser("model", help="use a modal model: contributions to a response, and effects of a change")
     actions = model.add_subparsers(metavar="ACTION", required=True, dest="action")
     for add in (_participation, _nodes, _shape, _frf, *_PREDICTED, _compare, _update):
         command = add(actions)
@@ -28,7 +26,7 @@ def add_model_commands(commands: Commands) -> None:
 
 
 def _participation(actions: Commands) -> Any:
-    command = actions.add_parser("participation", help="which modes make the response at a point")
+    command = actions.add_parser("participation", help="share of each mode in the response at a point")
     command.add_argument("--at", type=int, required=True, metavar="POINT", help="of the force")
     command.add_argument("--of", type=int, required=True, metavar="POINT", help="of the motion")
     span = command.add_mutually_exclusive_group()
@@ -45,12 +43,12 @@ def _nodes(actions: Commands) -> Any:
 
 
 def _shape(actions: Commands) -> Any:
-    command = actions.add_parser("shape", help="the shape of a mode, or the deflection shape that was measured")
+    command = actions.add_parser("shape", help="the shape of a mode, or the measured deflection shape")
     which = command.add_mutually_exclusive_group(required=True)
     which.add_argument("--mode", type=int, metavar="N", help="from 1")
     which.add_argument("--hz", type=positive_number, help="frequency of an operating deflection shape")
-    command.add_argument("--at", type=int, metavar="POINT", help="of the force, with --hz")
-    command.add_argument("--out", type=Path, metavar="FILE.gif", help="a picture that moves")
+    command.add_argument("--at", type=int, metavar="POINT", help="point of the force, with --hz")
+    command.add_argument("--out", type=Path, metavar="FILE.gif", help="file of a moving picture")
     return command
 
 
@@ -76,9 +74,11 @@ def _update(actions: Commands) -> Any:
         nargs=3,
         action="append",
         metavar=("NAME", "VALUE", "SIGMA"),
-        help="of a parameter such as spring@8; 5%% is a deviation relative to the value",
+        help="prior of a parameter such as spring@8; 5%% is a deviation relative to the value",
     )
-    command.add_argument("--hold-out", nargs="+", type=positive_integer, metavar="MODE", help="modes that only check")
+    command.add_argument(
+        "--hold-out", nargs="+", type=positive_integer, metavar="MODE", help="modes held out as a check"
+    )
     return command
 
 
@@ -90,29 +90,39 @@ def _frf(actions: Commands) -> Any:
         "--quantity", choices=("receptance", "mobility", "inertance"), default="mobility", help="what is written"
     )
     command.add_argument(
-        "--lines", type=int, default=1000, metavar="N", help="evenly over the band, beside those about each mode"
+        "--lines",
+        type=int,
+        default=1000,
+        metavar="N",
+        help="number of frequencies spread evenly over the band, besides those about each mode",
     )
-    command.add_argument("--modes-alone", action="store_true", help="without what lies outside the band")
+    command.add_argument("--modes-alone", action="store_true", help="without residual terms")
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help=".uff, .mat or .h5")
     return command
 
 
 def _response(actions: Commands) -> Any:
-    command = actions.add_parser("response", help="the motion that forces give: peak, rms, octave bands, a file")
-    command.add_argument("--at", type=int, nargs="+", required=True, metavar="POINT", help="of the force, or of each")
-    command.add_argument("--of", type=int, nargs="+", metavar="POINT", help="that move (default: all with a sensor)")
+    command = actions.add_parser("response", help="the response to forces: peak, rms, octave bands, a file")
+    command.add_argument(
+        "--at", type=int, nargs="+", required=True, metavar="POINT", help="point of the force, or of each force"
+    )
+    command.add_argument(
+        "--of", type=int, nargs="+", metavar="POINT", help="points of the motion (default: all with a sensor)"
+    )
     force = command.add_mutually_exclusive_group(required=True)
     force.add_argument("--force", type=Path, metavar="FILE", help="samples in N, a column for each force; .csv or .npy")
-    force.add_argument("--impulse", type=float, metavar="NS", help="all of the force within one sample")
-    force.add_argument("--sine", type=float, nargs=2, metavar=("HZ", "N"), help="from the first sample on")
+    force.add_argument("--impulse", type=float, metavar="NS", help="an impulse of this size in one sample")
+    force.add_argument("--sine", type=float, nargs=2, metavar=("HZ", "N"), help="a sine from the first sample on")
     force.add_argument("--sweep", type=float, nargs=3, metavar=("HZ", "HZ", "N"), help="from, to, amplitude")
-    force.add_argument("--random", type=Path, metavar="FILE", help="its spectrum: rows of Hz and N^2/Hz")
+    force.add_argument(
+        "--random", type=Path, metavar="FILE", help="a random force of this spectrum: rows of Hz and N^2/Hz"
+    )
     command.add_argument("--step", type=positive_number, required=True, metavar="S", help="between samples")
-    command.add_argument("--seconds", type=positive_number, help="how long a force lasts that is no file")
+    command.add_argument("--seconds", type=positive_number, help="duration of a force that is not from a file")
     command.add_argument("--seed", type=int, default=0, metavar="N", help="of --random (default: 0)")
     command.add_argument("--quantity", choices=_MOTIONS, default="acceleration", help="of the motion")
     kinds = ("band-limited", "linear")
-    command.add_argument("--between", choices=kinds, default=kinds[0], help="what a force is between its samples")
+    command.add_argument("--between", choices=kinds, default=kinds[0], help="course of a force between its samples")
     _add_start(command)
     command.add_argument("--out", type=Path, metavar="FILE", help=".csv or .mat with motion and deviation over time")
     return command
@@ -121,14 +131,16 @@ def _response(actions: Commands) -> Any:
 def _add_start(command: Any) -> None:
     for name, unit in (("displaced", "M"), ("moving", "M/S")):
         command.add_argument(
-            f"--{name}", type=float, nargs=2, action="append", metavar=("POINT", unit), help="at the first sample"
+            f"--{name}", type=float, nargs=2, action="append", metavar=("POINT", unit), help="state at the first sample"
         )
 
 
 def _state_space(actions: Commands) -> Any:
     command = actions.add_parser("state-space", help="matrices A, B, C, D of the modes, for simulators and control")
     command.add_argument("--at", type=int, nargs="+", required=True, metavar="POINT", help="of the forces")
-    command.add_argument("--of", type=int, nargs="+", metavar="POINT", help="that move (default: all with a sensor)")
+    command.add_argument(
+        "--of", type=int, nargs="+", metavar="POINT", help="points of the motion (default: all with a sensor)"
+    )
     command.add_argument("--quantity", choices=_MOTIONS, default="acceleration", help="of the motion")
     command.add_argument("--out", type=Path, required=True, metavar="FILE.mat", help="with names and units")
     return command
@@ -137,11 +149,16 @@ def _state_space(actions: Commands) -> Any:
 def _modify(actions: Commands) -> Any:
     command = actions.add_parser("modify", help="the modes with masses, springs, dampers, absorbers or links added")
     command.add_argument(
-        "--at", type=int, nargs="+", default=[], metavar="POINT", help="of --mass, --spring and --damper, each at all"
+        "--at",
+        type=int,
+        nargs="+",
+        default=[],
+        metavar="POINT",
+        help="points of --mass, --spring and --damper, each at all",
     )
     command.add_argument("--to", type=int, metavar="POINT", help="other end of spring and damper (default: ground)")
     for name, unit, said in (
-        ("mass", "KG", "below 0: taken away; several: one for each point"),
+        ("mass", "KG", "below 0: removed; several: one for each point"),
         ("spring", "N/M", "stiffness"),
         ("damper", "NS/M", "viscous damping"),
     ):
@@ -153,20 +170,18 @@ def _modify(actions: Commands) -> Any:
         action="append",
         default=[],
         metavar=("POINT", "KG", "HZ", "PERCENT"),
-        help="its mass, natural frequency, damping ratio; repeat it for several",
+        help="its point, mass, natural frequency, damping ratio; repeat for several",
     )
-    command.add_argument(
-        "--ground", type=int, nargs="+", default=[], metavar="POINT", help="points that no longer move"
-    )
+    command.add_argument("--ground", type=int, nargs="+", default=[], metavar="POINT", help="points fixed to ground")
     _add_check(command)
     command.add_argument(
-        "--link", type=int, nargs=2, action="append", default=[], metavar="POINT", help="two points that move as one"
+        "--link", type=int, nargs=2, action="append", default=[], metavar="POINT", help="two points linked rigidly"
     )
     return command
 
 
 def _tune(actions: Commands) -> Any:
-    command = actions.add_parser("tune", help="the mass or spring that brings a mode to a frequency, at each point")
+    command = actions.add_parser("tune", help="the mass or spring that moves a mode to a frequency, at each point")
     command.add_argument("--mode", type=int, required=True, metavar="N", help="from 1")
     command.add_argument("--to", type=positive_number, required=True, metavar="HZ", help="the frequency")
     _add_by_and_at(command)
@@ -178,8 +193,10 @@ def _add_check(command: Any) -> None:
 
 
 def _couple(actions: Commands) -> Any:
-    command = actions.add_parser("couple", help="the modes with another structure held to it, or taken away")
-    command.add_argument("--other", type=Path, required=True, metavar="FILE", help="its models, or a campaign")
+    command = actions.add_parser("couple", help="the modes with another structure coupled, or removed")
+    command.add_argument(
+        "--other", type=Path, required=True, metavar="FILE", help="models of the other structure, or a campaign"
+    )
     command.add_argument(
         "--pair",
         type=int,
@@ -187,12 +204,12 @@ def _couple(actions: Commands) -> Any:
         action="append",
         required=True,
         metavar=("POINT", "OTHER"),
-        help="points held together; repeat it for several",
+        help="pair of points to couple; repeat for several",
     )
     command.add_argument(
         "--joint", type=positive_number, metavar="N/M", help="stiffness of each joint (default: rigid)"
     )
-    command.add_argument("--remove", action="store_true", help="take it away from a measurement of both")
+    command.add_argument("--remove", action="store_true", help="remove it from a measurement of both")
     _add_check(command)
     return command
 
@@ -205,7 +222,7 @@ def _free(actions: Commands) -> Any:
 
 
 def _absorber(actions: Commands) -> Any:
-    command = actions.add_parser("absorber", help="the absorber that leaves the least peak about a mode")
+    command = actions.add_parser("absorber", help="the absorber that makes the peak of a mode smallest")
     command.add_argument("--mode", type=int, required=True, metavar="N", help="from 1")
     command.add_argument("--at", type=int, required=True, metavar="POINT", help="where it hangs")
     command.add_argument("--mass", type=positive_number, required=True, metavar="KG", help="of it")

@@ -13,7 +13,7 @@ _RULES = (
     (r"argument (.+?): expected one argument", "{0} has no value", ""),
     (r"argument (.+?): expected at least one argument", "{0} has no value", ""),
     (r"argument (.+?): expected (\d+) arguments", "{0} takes {1} values, with a blank between them", ""),
-    (r"argument (.+?): not allowed with argument (.+)", "{0} does not go with {1}", ""),
+    (r"argument (.+?): not allowed with argument (.+)", "{0} cannot be combined with {1}", ""),
     (r"the following arguments are required: ([^,]+)", "{0} is missing", ""),
     (r"the following arguments are required: (.+)", "{0} are missing", ""),
     (r"ambiguous option: (.+) could match (.+)", "{0} may mean {1}", "write it out"),
@@ -74,7 +74,7 @@ class Parser(argparse.ArgumentParser):
         what = f"{self.prog} does not take {words!r}"
         if near:
             return what, f"did you mean {near[0]}? {self._help()}"
-        return what, f"put quotation marks around what holds blanks; {self._help()}"
+        return what, f"put quotation marks around values with blanks; {self._help()}"
 
     def _form(self, argument: str) -> str:
         """How an option is written, as the usage has it."""
@@ -86,7 +86,7 @@ class Parser(argparse.ArgumentParser):
         return " ".join(self.format_usage().split())
 
     def _help(self) -> str:
-        return f"{self.prog} --help lists what it takes"
+        return f"{self.prog} --help lists the options"
 
 
 JSON_HELP = "write the {} as JSON; - is standard output, and all else then goes to standard error"
@@ -102,7 +102,7 @@ class Commands(Protocol):
 def add_saying(command: Any) -> None:
     """Add `--quiet`; the command asks `cli.console` where its words go."""
     command.add_argument(
-        "--quiet", dest="hush", action="store_true", help="say nothing but errors, and what was asked for by --json -"
+        "--quiet", dest="hush", action="store_true", help="print only errors, and the output of --json -"
     )
 
 

@@ -27,7 +27,8 @@ _KINDS: dict[Kind, Any] = {"text": str, "number": positive_number, "count": posi
 def build_parser(version: str) -> argparse.ArgumentParser:
     """The parser; each command names the module of `modallab.cli` that runs it."""
     parser = Parser(
-        prog="modallab", description="Modal tests on a cantilever: run them, identify the modal model, explain the gap."
+        prog="modallab",
+        description="Run modal tests on a cantilever, identify the modal model, diagnose the gap to its simulation.",
     )
     parser.add_argument("--version", action="version", version=f"modallab {version}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
@@ -46,17 +47,19 @@ def build_parser(version: str) -> argparse.ArgumentParser:
 
 def _add_demo(commands: Commands) -> None:
     demo = commands.add_parser("demo", help="run a whole modal test on the simulated bench")
-    demo.add_argument("--out", type=Path, default=Path("demo"), metavar="FOLDER", help="where the results go")
+    demo.add_argument("--out", type=Path, default=Path("demo"), metavar="FOLDER", help="folder for the results")
     demo.add_argument("--seed", type=int, default=1, help="seed of the simulated bench")
     demo.add_argument(
         "--effect",
         action="append",
         metavar="NAME,NUMBER=VALUE,...",
-        help="an effect to put on that bench, such as added_mass,mass=0.05,x=0.8; may be repeated",
+        help="an effect of that bench, such as added_mass,mass=0.05,x=0.8; may be repeated",
     )
-    demo.add_argument("--clean", action="store_true", help="on an ideal bench (default: with the usual tolerances)")
     demo.add_argument(
-        "--serve", action="store_true", help="serve the same bench on the operator's page, to be tested by hand"
+        "--clean", action="store_true", help="use an ideal bench (default: a bench with the usual tolerances)"
+    )
+    demo.add_argument(
+        "--serve", action="store_true", help="serve the same bench on the operator's page, to test it by hand"
     )
     add_saying(demo)
     demo.set_defaults(module="demo", out_is_folder=True)
@@ -69,7 +72,7 @@ def _add_import(commands: Commands) -> None:
         "--rig",
         type=Path,
         metavar="RIG.yaml",
-        help="names the channels; without it a draft is written from what the file says",
+        help="rig file with the channels; without it a draft is written from the recording",
     )
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5", help="the campaign file")
     for name, one in ASKED.items():
@@ -92,7 +95,11 @@ def _add_asked(command: Any, name: str, one: ImportOption) -> None:
 def _add_identify(commands: Commands) -> None:
     command = commands.add_parser("identify", help="identify the modal model of a campaign")
     command.add_argument(
-        "campaign", type=Path, nargs="+", metavar="FOLDER|CAMPAIGN.h5", help="several: the set-ups of one test"
+        "campaign",
+        type=Path,
+        nargs="+",
+        metavar="FOLDER|CAMPAIGN.h5",
+        help="campaign; several campaigns: the set-ups of one test",
     )
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside the campaign")
     _add_estimation(command)
@@ -113,15 +120,15 @@ def _add_estimation(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--refine",
         action=argparse.BooleanOptionalAction,
-        help="refine the poles by maximum likelihood, or not (default: as is usual with the method)",
+        help="refine the poles by maximum likelihood, or not (default: that of the method)",
     )
     command.add_argument(
         "--frf",
         choices=FRF_ESTIMATORS,
         default="H1",
-        help="how FRFs are made: H2 and Hv allow for noise on the force (random drives, chirps, several hits a point)",
+        help="FRF estimator: H2 and Hv allow for noise on the force (random drives, chirps, several hits a point)",
     )
-    command.add_argument("--test", choices=TESTS, help="only this test (default: every test there is)")
+    command.add_argument("--test", choices=TESTS, help="test to identify (default: every test of the campaign)")
     command.add_argument("--band", type=not_negative, nargs=2, metavar=("LO", "HI"), help="band in Hz")
     command.add_argument(
         "--order", type=int, metavar="N", help="highest model order of the estimator (default: chosen from the data)"
@@ -131,16 +138,18 @@ def _add_estimation(command: argparse.ArgumentParser) -> None:
         nargs="?",
         const="ssi_cov",
         choices=("ssi_cov", "plscf_spectra"),
-        help="from the responses alone: the force is random, measured or not (default: where none was measured)",
+        help="identify from the responses alone to a random force (default: only if no force was measured)",
     )
 
 
 def _add_rig(commands: Commands) -> None:
     rig = commands.add_parser("rig", help="check the channels of a bench, and calibrate them")
     actions = rig.add_subparsers(metavar="ACTION", required=True, dest="action")
-    check = actions.add_parser("check", help="check every channel and say what is wrong")
+    check = actions.add_parser("check", help="check every channel and report faults")
     _add_rig_check(check)
-    calibrate = actions.add_parser("calibrate", help="find a channel's sensitivity and enter it into the rig's history")
+    calibrate = actions.add_parser(
+        "calibrate", help="measure a channel's sensitivity and enter it into the rig's history"
+    )
     _add_calibration(calibrate)
     mass = actions.add_parser(
         "mass", help="check force transducer and accelerometer on a free rigid mass, before or after a test"
@@ -148,11 +157,11 @@ def _add_rig(commands: Commands) -> None:
     _add_rigid_mass(mass)
     for command in (check, calibrate, mass):
         command.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
-        command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
+        command.add_argument("--bench", metavar="ADDRESS", help="address of the bench (default: that of the rig file)")
         command.add_argument("--seconds", type=positive_number, default=3.0, help="length of the record in s")
     reset = actions.add_parser("reset", help="reset a tripped rig, after somebody has looked at the bench")
     reset.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
-    reset.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
+    reset.add_argument("--bench", metavar="ADDRESS", help="address of the bench (default: that of the rig file)")
     reset.add_argument("--data", type=Path, required=True, metavar="FOLDER", help="data folder of the recordings")
     rig.set_defaults(module="rig")
 
@@ -166,7 +175,8 @@ def _add_rig_check(check: argparse.ArgumentParser) -> None:
         "--common",
         nargs=2,
         metavar="NAME",
-        help="two channels of different devices that read one signal, such as a tee: their phase, stated at 10 kHz",
+        help="measure the phase at 10 kHz between two channels of different devices that read one signal, as "
+        "through a tee",
     )
 
 
@@ -176,30 +186,37 @@ def _add_calibration(calibrate: argparse.ArgumentParser) -> None:
         "--method", required=True, choices=("turnover", "shunt", "reference", "rigid-mass"), help="how"
     )
     calibrate.add_argument(
-        "--value", type=float, help="what the shunt stands for (SI), rms of the reference (SI), or the mass in kg"
+        "--value", type=float, help="value of the shunt (SI), rms of the reference (SI), or mass in kg"
     )
     calibrate.add_argument(
-        "--frequency", type=positive_number, default=159.15, metavar="HZ", help="of the reference shaker"
+        "--frequency", type=positive_number, default=159.15, metavar="HZ", help="frequency of the reference shaker"
     )
     calibrate.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
-    calibrate.add_argument("--remark", default="", metavar="TEXT", help="goes into the history")
+    calibrate.add_argument("--remark", default="", metavar="TEXT", help="remark for the history")
     calibrate.add_argument("--yes", action="store_true", help="do not wait for Enter")
     calibrate.set_defaults(in_place=True)
-    calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="where the new rig goes (default: in place)")
+    calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="file of the new rig (default: in place)")
 
 
 def _add_rigid_mass(mass: argparse.ArgumentParser) -> None:
-    mass.add_argument("--mass", type=positive_number, required=True, metavar="KG", help="with the accelerometer on it")
+    mass.add_argument(
+        "--mass", type=positive_number, required=True, metavar="KG", help="mass including the accelerometer"
+    )
     mass.add_argument("--when", required=True, choices=("before", "after"), help="the test")
     mass.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
-    mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="of the campaign that it belongs to")
+    mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="data folder of the campaign")
     mass.add_argument("--yes", action="store_true", help="do not wait for Enter")
 
 
 def _add_devices(commands: Commands) -> None:
     command = commands.add_parser("devices", help="list the devices, each with its address")
-    command.add_argument("address", nargs="?", default="", help="look only there, such as nidaqmx+grpc://host:31763")
-    command.add_argument("--release", action="store_true", help="release what a killed program has left reserved")
+    command.add_argument(
+        "address",
+        nargs="?",
+        default="",
+        help="list only the devices at this address, such as nidaqmx+grpc://host:31763",
+    )
+    command.add_argument("--release", action="store_true", help="release devices that a killed program left reserved")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="needed to release")
     command.set_defaults(module="devices")
 
@@ -207,21 +224,23 @@ def _add_devices(commands: Commands) -> None:
 def _add_serve(commands: Commands) -> None:
     command = commands.add_parser("serve", help="run the REST service, the operator's page and the emergency stop")
     command.add_argument("--rig", type=Path, action="append", metavar="RIG.yaml", help="may be repeated")
-    command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
-    command.add_argument("--data", type=Path, metavar="FOLDER", help="where the recordings go (default: data)")
+    command.add_argument("--bench", metavar="ADDRESS", help="address of the bench (default: that of the rig file)")
+    command.add_argument("--data", type=Path, metavar="FOLDER", help="data folder for the recordings (default: data)")
     command.add_argument(
-        "--host", metavar="ADDRESS", help="to listen on; another needs a chosen token (default: 127.0.0.1)"
+        "--host", metavar="ADDRESS", help="address to listen on; any other needs a chosen token (default: 127.0.0.1)"
     )
-    command.add_argument("--port", type=int, metavar="N", help="of the REST service (default: 8000)")
-    command.add_argument("--stop-port", type=int, metavar="N", help="of the emergency stop (default: 8001)")
-    command.add_argument("--token-file", type=Path, metavar="FILE", help="where the token is kept")
-    command.add_argument("--tls-cert", type=Path, metavar="FILE", help="speak TLS with this certificate, as PEM")
+    command.add_argument("--port", type=int, metavar="N", help="port of the REST service (default: 8000)")
+    command.add_argument("--stop-port", type=int, metavar="N", help="port of the emergency stop (default: 8001)")
+    command.add_argument("--token-file", type=Path, metavar="FILE", help="file of the token")
+    command.add_argument("--tls-cert", type=Path, metavar="FILE", help="use TLS with this certificate, as PEM")
     command.add_argument("--tls-key", type=Path, metavar="FILE", help="its key")
     command.add_argument(
         "--tls-self-signed", action="store_const", const=True, help="make a certificate in the data folder, and use it"
     )
-    command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler (default: own workers)")
-    command.add_argument("--workers", type=int, metavar="N", help="processes that compute jobs on this machine")
+    command.add_argument("--scheduler", metavar="ADDRESS", help="address of a Dask scheduler (default: own workers)")
+    command.add_argument(
+        "--workers", type=int, metavar="N", help="number of processes that compute jobs on this machine"
+    )
     command.add_argument("--open", action="store_true", help="open a browser that is logged in")
     command.add_argument("--no-jobs", dest="jobs", action="store_const", const=False, help="compute no jobs here")
     command.set_defaults(module="serve")
@@ -233,14 +252,19 @@ def _add_campaign(commands: Commands) -> None:
     command = actions.add_parser("run", help="run the tests of a plan, identify, and show the model")
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml", help="the rig file")
     command.add_argument("--plan", type=Path, required=True, metavar="PLAN.yaml", help="one test, or a list of them")
-    command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
-    command.add_argument("--data", type=Path, default=Path("data"), metavar="FOLDER", help="where the recordings go")
-    command.add_argument("--name", help="of the campaign (default: that of the rig)")
-    command.add_argument("--operator", metavar="NAME", help="who runs it (default: who is logged in)")
+    command.add_argument("--bench", metavar="ADDRESS", help="address of the bench (default: that of the rig file)")
+    command.add_argument(
+        "--data", type=Path, default=Path("data"), metavar="FOLDER", help="data folder for the recordings"
+    )
+    command.add_argument("--name", help="name of the campaign (default: that of the rig)")
+    command.add_argument("--operator", metavar="NAME", help="name of the operator (default: the user logged in)")
     command.add_argument("--out", type=Path, metavar="CAMPAIGN.h5", help="write the recordings as one file")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
     command.add_argument("--mute", action="store_true", help="no tones")
     command.add_argument(
-        "--keys", default="", metavar="MAP", help="of accept, undo, pause and quit: undo=b,accept=pagedown for a pedal"
+        "--keys",
+        default="",
+        metavar="MAP",
+        help="keys of accept, undo, pause and quit, for a pedal such as undo=b,accept=pagedown",
     )
     campaign.set_defaults(module="campaign")

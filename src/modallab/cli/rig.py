@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _reset(url: str, arguments: argparse.Namespace) -> int:
     if not arguments.data.is_dir():
-        raise StorageError("is no folder", where=str(arguments.data), remedy="name the data folder of the recordings")
+        raise StorageError("is no folder", where=str(arguments.data), remedy="give the data folder of the recordings")
     if not (arguments.data / TRIPS).is_dir():
         # In another folder than that of the recordings no trip is found, and the rig may well be tripped.
         require_data_folder(arguments.data)
@@ -73,14 +73,14 @@ def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
                 f"--drive is {arguments.drive:g} V; allowed by limits.drive_v: above 0 to {rig.limits.drive_v:g} V",
                 remedy="give another amplitude",
             )
-        console.print(f"a burst of {CLOCK_BURST_S:g} s and {arguments.drive:g} V follows; it ends at 0 V by itself")
+        console.print(f"a burst of {CLOCK_BURST_S:g} s and {arguments.drive:g} V follows, and ends at 0 V")
         findings += check_clock(bench, rig, arguments.drive)
         if arguments.common is not None:
             findings.append(check_common_signal(bench, rig, tuple(arguments.common), arguments.drive))
     console.print(_table(findings))
     bad = sum(finding.verdict == "bad" for finding in findings)
     look = sum(finding.verdict == "look" for finding in findings)
-    console.print(f"{len(findings)} looked at: {bad} bad, {look} to look at")
+    console.print(f"{len(findings)} channels checked: {bad} bad, {look} to look at")
     return 1 if bad else 0
 
 
@@ -111,7 +111,7 @@ def _calibrate(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     )
     out = arguments.out or arguments.rig
     write_rig(new, out)
-    console.print(f"entered into the history of {out}", markup=False)
+    console.print(f"added to the history of {out}", markup=False)
     return 0
 
 
@@ -140,7 +140,8 @@ def _wait_for(arguments: argparse.Namespace, what: str) -> None:
         input(f"{what}, then press Enter ")
     except EOFError as error:
         raise PlanError(
-            f"nobody can press Enter after this: {what}", remedy="run it in a terminal, or give --yes if it is done"
+            f"no terminal to press Enter after this step: {what}",
+            remedy="run the command in a terminal, or give --yes if the step is done",
         ) from error
 
 

@@ -57,10 +57,10 @@ def _list(users: Users, _: argparse.Namespace) -> None:
 def _revoke(users: Users, arguments: argparse.Namespace) -> None:
     if arguments.token is None:
         users.revoke(arguments.name, _operator_name())
-        _print([f"{arguments.name}: no token counts any more"])
+        _print([f"{arguments.name}: all tokens are revoked"])
     else:
         users.revoke_token(arguments.name, arguments.token, _operator_name())
-        _print([f"token {arguments.token} of {arguments.name} does not count any more"])
+        _print([f"token {arguments.token} of {arguments.name} is revoked"])
 
 
 def _operator_name() -> str:

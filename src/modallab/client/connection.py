@@ -38,7 +38,9 @@ def require_good(response: httpx.Response) -> httpx.Response:
     except ValidationError as error:
         # Not from the service itself, but from something in between.
         text = f"status {response.status_code} from {response.request.url}"
-        unknown = Problem(type="", title="No answer of the service", status=response.status_code, code="", detail=text)
+        unknown = Problem(
+            type="", title="The service does not answer", status=response.status_code, code="", detail=text
+        )
         raise ServiceProblemError(unknown) from error
 
 

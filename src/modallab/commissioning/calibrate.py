@@ -36,7 +36,7 @@ def sensitivity_by_step(without: Volts, with_: Volts, step: float) -> tuple[floa
     sigma = float(np.hypot(with_.std() / np.sqrt(with_.size), without.std() / np.sqrt(without.size)))
     if abs(found) < MIN_STEP * sigma or found == 0:
         raise DataError(
-            f"the step is {found:.3g} V, known to {sigma:.2g} V: nothing was seen",
+            f"the step is {found:.3g} V, known to {sigma:.2g} V: no step was detected",
             remedy="use DC coupling, check that the sensor was turned or the shunt closed, and record longer",
         )
     return found / step, sigma / abs(step)
@@ -71,8 +71,8 @@ def sensitivity_by_rigid_mass(force_volts: Volts, acceleration: Volts, mass_kg: 
     rest = volts - slope * newton
     if not power or float(rest @ rest) > 0.1 * float(volts @ volts):
         raise DataError(
-            "force and acceleration do not go together as those of one rigid mass",
-            remedy="strike or shake below the first resonance of mass and fixture, and check both cables",
+            "force and acceleration are not those of one rigid mass",
+            remedy="excite below the first resonance of mass and fixture, and check both cables",
         )
     return slope, float(np.sqrt((rest @ rest) / max(1, volts.size - 1) / power))
 
@@ -124,7 +124,7 @@ def measure_mass_ratio(
     """The ratio from (channels, n) volts while the free mass is struck or shaken, with the sensitivities of the rig.
 
     Raises:
-        DataError: force and acceleration do not go together as those of one rigid mass.
+        DataError: force and acceleration are not those of one rigid mass.
     """
     per_si = volts_per_si(rig, "impact")
     force = rig.force_channel.index

@@ -124,11 +124,11 @@ def check_clock(bench: Bench, rig: Rig, volts: float) -> list[Finding]:
     before = lead[force, : max(16, begin // 2)].std()
     row = (held[force] * delivery.scale[force])[None, :]
     if held[force].std() < 3 * before:
-        return [Finding("generator", "clock", f"{volts:g} V give no force that can be seen", "bad")]
+        return [Finding("generator", "clock", f"{volts:g} V give no measurable force", "bad")]
     found = fit_frequency(row, delivery.rate_hz, CLOCK_HZ).frequency_hz
     ppm = 1e6 * (found / CLOCK_HZ - 1)
     verdict: Verdict = "good" if abs(ppm) <= CLOCK_PPM else "bad"
-    return [Finding("generator", "clock", f"{ppm:+.1f} ppm beside the converter's clock", verdict)]
+    return [Finding("generator", "clock", f"{ppm:+.1f} ppm off the converter's clock", verdict)]
 
 
 def settle(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding], int]:
@@ -218,7 +218,7 @@ def _check_by_tap(
         before = after
     raise BenchError(
         f"no tap above {TAP_N:g} N at point {channel.point} within {TAP_PATIENCE_S:g} s",
-        remedy="tap harder, or look at the hammer's cable",
+        remedy="tap harder, or check the hammer's cable",
     )
 
 

@@ -61,7 +61,7 @@ def check_synchronisation(bench: Bench) -> list[Finding]:
     finally:
         bench.stop()
     spread = (max(state.acquired.values()) - min(state.acquired.values())) / SLOW_HZ
-    locked = f"not locked: {', '.join(state.unlocked)}" if state.unlocked else "all are locked, or can't say"
+    locked = f"not locked: {', '.join(state.unlocked)}" if state.unlocked else "all are locked, or do not report"
     counts = ", ".join(f"{device} {count}" for device, count in state.acquired.items())
     return [
         Finding("devices", "synchronisation", state.method, "good"),
@@ -96,7 +96,7 @@ def check_common_signal(bench: Bench, rig: Rig, names: tuple[str, str], volts: f
     between = f"{names[1]} after {names[0]}"
     delay = delay_between(both[0], both[1], delivery.rate_hz)
     if delay is None:
-        return Finding(between, "phase", "no signal that both read", "look")
+        return Finding(between, "phase", "no signal common to both", "look")
     phase, sigma = delay.degrees(delay.seconds), delay.degrees(delay.sigma_s)
     value = f"{phase:+.3f} +- {sigma:.2g} degrees at {AT_HZ:g} Hz ({1e9 * delay.seconds:+.3g} ns)"
     sure: Verdict = "bad" if abs(phase) - 2 * sigma > LIMIT_DEGREES else "look"

@@ -35,7 +35,7 @@ class _Finding(NamedTuple):
 
 
 _TRANSPOSE = "transpose it: one row per channel, one column per sample"
-_RECORD_AGAIN = "look at the recording there; leave this record out, or record it again"
+_RECORD_AGAIN = "check the recording there; leave this record out, or record it again"
 _MEND = "check sensor, cable and input, and record again; or leave the channel out of both rig and recording"
 _PHASE = "export the FRF as complex numbers (real and imaginary part)"
 _ROUNDING = 1e-9
@@ -214,4 +214,4 @@ def check_spectra(force: NDArray[np.complex128], response: NDArray[np.complex128
             remedy="give spectra (blocks, inputs, lines) of the forces and (blocks, outputs, lines) of the responses",
         )
     if not (np.isfinite(force).all() and np.isfinite(response).all()):
-        raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")
+        raise DataError("the spectra hold NaN or infinite values", remedy="check the blocks of these spectra")

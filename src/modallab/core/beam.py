@@ -16,11 +16,11 @@ class Beam(Frozen):
     """A prismatic cantilever, clamped at x = 0.
 
     Attributes:
-        length_m: from the clamp to the free end.
+        length_m: distance from the clamp to the free end.
         width_m: across the direction of bending.
         thickness_m: in the direction of bending.
-        youngs_modulus_pa: of the material, E.
-        density_kg_m3: of the material, rho.
+        youngs_modulus_pa: Young's modulus of the material, E.
+        density_kg_m3: density of the material, rho.
         clamp: in words; a number followed by `EI/L` is the root's rotational spring, without one the root is
             rigid.
     """
@@ -44,26 +44,26 @@ class Beam(Frozen):
 
 
 class Tolerance(Frozen):
-    """One standard deviation of what is believed about the bench, relative unless the name holds a unit.
+    """Standard deviations of the stated parameters of the bench, relative unless the name has a unit.
 
-    The first three have a value where a rig file states none; of the others none is free unless it is stated.
+    The first three have a default; the others are fixed unless the rig file states them.
 
     Attributes:
-        youngs_modulus: of E.
-        thickness: of the beam's thickness.
-        density: of rho.
-        sensitivity: of each accelerometer; half of it of the force transducer.
-        position_m: of each accelerometer along the beam.
-        hit_position_m: of each hit along the beam.
-        hit_gain: of what the beam gets of each hit over what the hammer reads.
-        clamp_compliance: rotation of the root in L / EI; positive.
-        sensor_mass_kg: of cable and glue at each accelerometer; positive.
-        stiffness_field: of the factors 1 + a cos(k pi x / L) on EI, k = 1 to 3.
-        mass_field: the same on rho A.
-        stiffness_drift: of EI from the first record to the last.
-        damper_n_s_per_m: of one damper to ground somewhere; positive.
-        shaker_mass_kg: of what hangs on the beam at the shaker point in the sine test; positive.
-        stinger_rotation: of the rotational spring there, in EI / L; positive.
+        youngs_modulus: deviation of E.
+        thickness: deviation of the beam's thickness.
+        density: deviation of rho.
+        sensitivity: deviation of each accelerometer's sensitivity; half of it for the force transducer.
+        position_m: deviation of each accelerometer's place along the beam.
+        hit_position_m: deviation of each hit's place along the beam.
+        hit_gain: deviation of each hit's force on the beam over the hammer's reading.
+        clamp_compliance: rotational compliance of the root in L / EI; positive.
+        sensor_mass_kg: mass of cable and glue at each accelerometer; positive.
+        stiffness_field: deviation of the factors 1 + a cos(k pi x / L) on EI, k = 1 to 3.
+        mass_field: the same for rho A.
+        stiffness_drift: deviation of the change of EI from the first record to the last.
+        damper_n_s_per_m: one damper to ground at an unknown place; positive.
+        shaker_mass_kg: of parts attached to the beam at the shaker point in the sine test; positive.
+        stinger_rotation: rotational stiffness of the stinger, in EI / L; positive.
         meaning: in words.
         response: share of the response below which a difference between simulation and bench does not matter.
     """
@@ -125,10 +125,10 @@ class Tolerance(Frozen):
 
 
 class DampingPrior(Frozen):
-    """What is believed about the damping ratio of every mode: log-normal about `guess`.
+    """Prior of the damping ratio of every mode: log-normal about `guess`.
 
     Attributes:
-        guess: the most likely damping ratio.
+        guess: most probable damping ratio.
         factor: one standard deviation, as a factor.
         meaning: in words.
     """

@@ -45,7 +45,7 @@ class Block:
         also_driven: points that other shakers drove at the same time.
         level: name of the drive level in a sine test.
         frequency_hz: frequency the generator was set to in a sine test.
-        first_sample: place of the first sample in the device's own count.
+        first_sample: index of the first sample in the device's own count.
         requested_rate_hz: what was asked of the device; None if unknown.
         actual_rate_hz: what its clock gave; None if unknown.
         overload: (channels,) whether the device reported a channel beyond its range; None if it cannot report it.

@@ -10,17 +10,17 @@ Division = Literal["test", "channel", "band", "mode"]
 
 
 class BudgetRow(Frozen):
-    """A part of the gap.
+    """A contribution to the gap.
 
     Attributes:
-        kind: a number that was free within its tolerance, an effect, what no number explains, or noise.
-        name: of the tolerance in the rig file, or of the effect; `+` between those whose shares cancel.
-        place: channel, drive point or mode; "" where there is one only.
-        said: in words, with the number.
-        sigmas: how many deviations of its tolerance it has moved; of several, the most.
-        share: of the squares of measured less predicted by the rig file's own twin, each record's response counting
-            alike. All shares add up to 1; a negative one works against the others.
-        by: test, channel, band or mode -> name of each -> the part of the share that lies there.
+        kind: a number within its tolerance, an effect, unexplained, or noise.
+        name: tolerance in the rig file, or effect; `+` joins those whose shares cancel.
+        place: channel, drive point or mode; "" if there is only one.
+        said: the contribution in words, with its number.
+        sigmas: deviations of the tolerance; of several, the largest.
+        share: share of the squares of measured less predicted by the rig file's own twin, with equal weight for all
+            records. All shares add up to 1; a negative one reduces the others.
+        by: test, channel, band or mode -> name of each -> its part of the share.
     """
 
     kind: Literal["tolerance", "effect", "model", "noise"]
@@ -33,12 +33,12 @@ class BudgetRow(Frozen):
 
 
 class Budget(Frozen):
-    """Where the gap between the rig file's own twin and the records comes from, largest part first.
+    """Contributions to the gap between the rig file's own twin and the records, the largest first.
 
     Attributes:
-        rows: the parts.
+        rows: contributions.
         calibrate: what to calibrate or measure first, and why.
-        usual: tolerances that the rig file does not state and a lab's usual ones stand for.
+        usual: tolerances that the rig file does not state, with the usual values used instead.
     """
 
     rows: list[BudgetRow]

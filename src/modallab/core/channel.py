@@ -24,10 +24,10 @@ class Point(Frozen):
     """A measurement point on the structure.
 
     Attributes:
-        id: its number, unique on the rig.
-        x_m: where it is; on a beam its distance from the clamp, elsewhere from wherever x is counted.
-        y_m: the same along y; a beam lies along x.
-        z_m: the same along z.
+        id: number, unique on the rig.
+        x_m: coordinate x; on a beam the distance from the clamp.
+        y_m: coordinate y; a beam lies along x.
+        z_m: coordinate z.
     """
 
     id: PositiveInt
@@ -37,28 +37,28 @@ class Point(Frozen):
 
 
 class Channel(Frozen):
-    """One channel of the chain: transducer, preamplifier, input.
+    """One channel of the measurement chain: transducer, preamplifier, input.
 
     Attributes:
-        index: place in the rig, from 0.
-        name: unique.
-        quantity: what is measured.
-        unit: of what is measured, as N, m/s^2 or g.
-        point: number of the point where it stands.
-        direction: of positive readings; the force channel's is the drive's unless it says otherwise.
+        index: position in the rig, from 0.
+        name: unique name.
+        quantity: measured quantity.
+        unit: unit of the measured quantity, such as N, m/s^2 or g.
+        point: number of the sensor's point.
+        direction: direction of positive readings; the force channel's is that of the drive by default.
         mass_kg: of the sensor.
-        sensitivity_v_per_unit: one, or one per test; None where nobody has measured it, and 1 V per unit is assumed.
-        coupling: of the input; IEPE and bridge also feed the sensor.
-        range_v: of the input, if it is not the converter's.
-        serial: of the sensor.
-        calibrated_on: day of its calibration.
-        input: the device's own name of the input, such as `cDAQ1Mod1/ai0`; empty: the next one in order.
-        excitation_v: feeds a bridge sensor.
-        excitation_a: feeds an IEPE sensor.
+        sensitivity_v_per_unit: sensitivity, or one for each test; None if unknown: 1 V per unit is then assumed.
+        coupling: coupling of the input; IEPE and bridge also supply the sensor.
+        range_v: range of the input, if it differs from the converter's.
+        serial: serial number of the sensor.
+        calibrated_on: date of its calibration.
+        input: the device's own name of the input, such as `cDAQ1Mod1/ai0`; empty: the next input in order.
+        excitation_v: supply voltage of a bridge sensor.
+        excitation_a: supply current of an IEPE sensor.
         ac_corner_hz: corner of the first-order AC coupling; 0 for DC.
-        delay_s: by how much the samples lag what the sensor felt, as a converter's digital filter does.
-        skew_s: by how much later than channel 0 a multiplexer reads this channel.
-        certificate: of the sensor's calibration.
+        delay_s: delay of the samples to the motion, as by a converter's digital filter.
+        skew_s: delay to channel 0 by a multiplexer.
+        certificate: certificate of the sensor.
     """
 
     index: Annotated[int, Field(ge=0)]
@@ -110,8 +110,8 @@ class Converter(Frozen):
 
     Attributes:
         bits: resolution.
-        range_v: full scale, either way.
-        noise_rms_v: of one sample.
+        range_v: full scale, either sign.
+        noise_rms_v: noise of one sample.
     """
 
     bits: Annotated[int, Field(ge=8, le=32)] = 16

@@ -16,11 +16,11 @@ Verdict = Literal["no_gap", "known", "unknown"]
 
 
 class Percent(Frozen):
-    """Measured less predicted over the response, as a share: median over records, noise taken off.
+    """Measured less predicted over the response, as a share: median over records, after subtraction of the noise.
 
     Attributes:
-        at_resonance: on the lines about the modes; None where no record lies there.
-        away: on the others.
+        at_resonance: share on the lines about the modes; None if no record covers them.
+        away: share on the other lines.
     """
 
     at_resonance: float | None
@@ -28,12 +28,12 @@ class Percent(Frozen):
 
 
 class Discrepancy(Frozen):
-    """The model's own error: what no number and no effect explains of a record beyond its noise, over its response.
+    """Error of the model: the unexplained part of a record beyond its noise, over its response.
 
     Attributes:
-        median: over the records.
-        worst: of all records.
-        record: which that is.
+        median: median over the records.
+        worst: largest value of all records.
+        record: name of that record.
     """
 
     median: float
@@ -45,8 +45,8 @@ class Gap(Frozen):
     """The gap in noise units; 1 is the floor.
 
     Attributes:
-        before: rms of (measured - predicted) / noise of the twin without effects, nuisances fitted.
-        floor: what noise alone leaves.
+        before: rms of (measured - predicted) / noise of the twin without effects, with fitted tolerances.
+        floor: gap that noise alone leaves.
         after: the same with the effects judged present.
         by_record: record -> rms.
         by_test: test -> rms.
@@ -56,11 +56,11 @@ class Gap(Frozen):
         by_band: band in Hz -> share of the squares.
         by_mode: mode -> share of the squares nearest to it.
         by_order: third of the campaign's time -> rms.
-        poles_hz: frequencies of the ring-down, without any model.
-        share_nominal: of the response, of the twin as the rig file has it.
-        share_before: the same without effects, nuisances fitted.
+        poles_hz: frequencies of the ring-down, identified without a model.
+        share_nominal: share of the response, for the twin of the rig file.
+        share_before: the same without effects, with fitted tolerances.
         share_after: the same with the effects judged present.
-        discrepancy: what then is left; None where no record stands out of its noise.
+        discrepancy: unexplained rest; None if no record exceeds its noise.
     """
 
     before: float
@@ -82,19 +82,19 @@ class Gap(Frozen):
 
 
 class Where(Frozen):
-    """Where the gap lies.
+    """Location of the gap.
 
     Attributes:
-        stage: where in the chain; None if there is no gap. That of the models which explain the gap where some do,
-            otherwise what the tests on the residual say.
-        tested_stage: what the tests on the residual say, before any effect has been fitted and without a name; None if
-            the records show it without a model.
-        channels: rows concerned: force, a01, ...; empty if it is none of them.
-        x_m: place from the clamp; None where it has none or none was found.
+        stage: stage of the measurement chain; None without a gap. It follows from the explanation, or from tests on
+            the residual if there is none.
+        tested_stage: stage indicated by tests on the residual before any fit of effects; None if the records show the
+            cause without a model.
+        channels: channels concerned: force, a01, ...; empty if none.
+        x_m: distance from the clamp; None if there is none or none was found.
         tests: tests that show it.
-        bands: (low, high) in Hz that hold most of it.
-        share: of the squares above the floor that lie in these tests, channels and bands.
-        why: the tests on the residual that decided, in plain words.
+        bands: (low, high) in Hz of the bands with most of the gap.
+        share: share of the squares above the floor in these tests, channels and bands.
+        why: deciding tests on the residual, in words.
     """
 
     stage: Stage | None
@@ -108,15 +108,15 @@ class Where(Frozen):
 
 
 class Found(Frozen):
-    """An effect judged present.
+    """An effect that was judged present.
 
     Attributes:
-        effect: its name in the catalogue.
-        stage: its stage.
-        probability: calibrated, that it is this one.
-        parameters: SI.
-        interval: parameter -> (low, high) of 95 %; None where the records leave the number open.
-        not_known: parameter -> why it has no interval.
+        effect: name in the catalogue.
+        stage: stage of the effect.
+        probability: calibrated probability of this effect.
+        parameters: parameters in SI units.
+        interval: parameter -> (low, high) of the 95 % interval; None if the records leave the number open.
+        not_known: parameter -> reason for a missing interval.
         place: as in the catalogue; x is a share of the length, x_m metres.
     """
 
@@ -134,15 +134,15 @@ class Found(Frozen):
 
 
 class Shrink(Frozen):
-    """How far the gap shrank on records that were not fitted.
+    """Shrinkage of the gap on held-out records.
 
     Attributes:
         held_out: names of those records.
         before: gap there without effects.
-        after: gap there with them.
+        after: gap there with effects.
         closed: 1 - (after^2 - 1) / (before^2 - 1).
-        interval: 95 % of `closed`, by bootstrap over records.
-        rival: `closed` of the best explanation of another name, and its name.
+        interval: 95 % interval of `closed`, by bootstrap over records.
+        rival: name and `closed` of the best explanation with another name.
     """
 
     held_out: list[str]
@@ -154,14 +154,14 @@ class Shrink(Frozen):
 
 
 class Departure(Frozen):
-    """A number of the twin within its tolerance.
+    """Deviation of a parameter of the twin within its tolerance.
 
     Attributes:
-        tolerance: its name in the rig file.
+        tolerance: name of the tolerance in the rig file.
         at: channel, place in m, or term of a field, where there are several.
         sigma: one deviation, in the tolerance's unit.
-        sign: 1 or -1 where it has one sign only, else 0.
-        u: where the fit left it: deviations of its prior.
+        sign: 1 or -1 if only one sign is possible, otherwise 0.
+        u: fitted value, in standard deviations of its prior.
     """
 
     tolerance: str
@@ -172,17 +172,17 @@ class Departure(Frozen):
 
 
 class Calibrated(Frozen):
-    """The twin's own numbers after the fit.
+    """The fitted parameters of the twin.
 
     Attributes:
         youngs_modulus_pa: E.
-        thickness_m: h.
-        density_kg_m3: rho.
+        thickness_m: thickness.
+        density_kg_m3: density.
         zeta: damping ratio of each mode.
         gains: channel number -> factor, where sensitivities were free.
         residual_compliance: static compliance of the modes above the twin's own, as a share of its nominal value.
         root_rotation: compliance of the root in L / EI, where the rig file states one; 0 is rigid.
-        departures: of the assembly from what the rig file says, those that no effect stands for.
+        departures: deviations of the assembly from the rig file that no effect replaces.
         drift_curve: (time as a share of the campaign's, share of a drift) where a drift was found.
     """
 
@@ -200,14 +200,14 @@ class Calibrated(Frozen):
 
 
 class CandidateSet(Frozen):
-    """An explanation and its probability; `gap` is what it leaves.
+    """An explanation with its probability, and the gap that it leaves.
 
     Attributes:
         effects: names of its effects.
         probability: 0 to 1.
-        gap: that it leaves, in noise units.
-        fitted: those of its effects that were fitted, with their numbers; empty in older documents.
-        twin: the simulation's own numbers beside them; None in older documents.
+        gap: gap that it leaves, in noise units.
+        fitted: its fitted effects with their numbers; empty in older documents.
+        twin: parameters of the twin fitted with them; None in older documents.
     """
 
     effects: list[str]
@@ -218,18 +218,18 @@ class CandidateSet(Frozen):
 
 
 class Described(Frozen):
-    """A gap that no effect of the catalogue explains: what it behaves like. Never a cause.
+    """Description of a gap that no effect of the catalogue explains. Never a cause.
 
     Attributes:
-        says: it in words, with its numbers.
-        stage: where what describes it acts; the tests on the residual may say otherwise.
-        elements: of the twin that behave so.
-        x_m: place from the clamp; None where it has none.
-        x_m_interval: 95 % of that place.
-        channels: rows concerned; empty if it is none of them.
-        shrink: how far it closes the gap on records that no fit has seen.
-        twin: the simulation's own numbers beside these elements.
-        alternatives: other descriptions that leave about as little.
+        says: description in words, with its numbers.
+        stage: stage in which the description acts; tests on the residual may indicate another.
+        elements: elements of the twin that describe the gap.
+        x_m: distance from the clamp; None without a place.
+        x_m_interval: 95 % interval of that distance.
+        channels: channels concerned; empty if none.
+        shrink: shrinkage of the gap on held-out records.
+        twin: parameters of the twin fitted with these elements.
+        alternatives: other descriptions that leave nearly the same gap.
     """
 
     says: str
@@ -244,23 +244,23 @@ class Described(Frozen):
 
 
 class Diagnosis(Frozen):
-    """Where the gap lies, which effect causes it, how far it shrinks once that effect is in the twin.
+    """Location and cause of the gap, and its shrinkage once the cause is in the twin.
 
     Attributes:
         rig: its name.
         verdict: whether there is a gap, and whether it is explained.
-        gap: how wide it is.
-        where: where in the chain it lies.
-        effects: that cause it, the most probable first.
+        gap: size of the gap.
+        where: location of the gap in the measurement chain.
+        effects: effects that cause the gap, the most probable first.
         candidates: other explanations, with their probabilities.
-        shrink: how far it shrank on records that were held out.
-        next_experiment: what to measure next, in a sentence.
-        twin: the simulation as it was calibrated.
-        notes: what was found on the way.
-        budget: how far the calibration moved, against the tolerances; None in older documents.
-        described: what a gap without a name behaves like; None where a name explains it, where nothing describes it
-            on records held out, and in older documents.
-        unknown: probability that something without a name is the cause; None in older documents.
+        shrink: shrinkage of the gap on held-out records.
+        next_experiment: suggested next measurement, in a sentence.
+        twin: fitted parameters of the simulation.
+        notes: notes on the records and the fit.
+        budget: contributions of the fitted parameters and effects to the gap; None in older documents.
+        described: description of an unnamed cause; None if a named effect explains the gap, if nothing describes it
+            on held-out records, and in older documents.
+        unknown: probability of an unnamed cause; None in older documents.
     """
 
     format_version: Literal[1, 2] = DIAGNOSIS

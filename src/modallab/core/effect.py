@@ -9,10 +9,10 @@ from modallab.core.places import NO_PLACE, Place, place_as_shares
 
 
 class Effect(Frozen):
-    """An effect with its numbers: what the twin adds, what a diagnosis names.
+    """An effect with its numbers, in the twin and in a diagnosis.
 
     Attributes:
-        effect: its name in the catalogue.
+        effect: name in the catalogue.
         parameters: name -> number, SI.
         place: as in the catalogue; x is a share of the length.
     """
@@ -23,15 +23,16 @@ class Effect(Frozen):
 
 
 class Revision(Frozen):
-    """A step by which the simulation of a rig came closer to the bench: a diagnosis that was applied.
+    """A revision of the simulation of a rig: a diagnosis that was applied.
 
     Attributes:
-        effects: that the twin and the simulated bench carry from then on, beside those of the revisions before.
-        applied_on: day it was applied.
-        before: gap of the simulation without them, in noise units, on records held out of the fit; 1 is the floor.
-        after: the same with them.
-        closed: share of the reducible gap that they close there; None where there was next to none.
-        source: the campaign that was diagnosed, or its diagnosis, in words.
+        effects: effects that the twin and the simulated bench include from then on, besides those of earlier
+            revisions.
+        applied_on: date of the revision.
+        before: gap of the simulation without the effects, in noise units, on held-out records; 1 is the floor.
+        after: gap with the effects.
+        closed: share of the reducible gap that the effects close there; None if there was almost none.
+        source: diagnosed campaign, or its diagnosis, in words.
     """
 
     effects: tuple[Effect, ...]
@@ -43,13 +44,13 @@ class Revision(Frozen):
 
 
 class Learned(Frozen):
-    """A learned element of the twin: what the gap behaves like, and no cause.
+    """A learned element of the twin: a description of the gap, not its cause.
 
     Attributes:
-        element: its name: point_law, beam_law, row_filter, row_curve or row_hold.
-        parameters: SI; a number that is not given is none.
-        interval: parameter -> (low, high) of 95 %; None where the records leave the number open.
-        not_known: parameter -> why it has no interval.
+        element: name: point_law, beam_law, row_filter, row_curve or row_hold.
+        parameters: parameters in SI units; a missing number is zero.
+        interval: parameter -> (low, high) of the 95 % interval; None if the records leave the number open.
+        not_known: parameter -> reason for a missing interval.
         place: channel, or x as a share of the length with x_m in metres.
     """
 
@@ -65,11 +66,11 @@ class Learned(Frozen):
 
 
 class Alternative(Frozen):
-    """Another description that was fitted to the end.
+    """Another description, fitted to convergence.
 
     Attributes:
-        says: it in words.
-        gap: that it leaves on the records that were fitted, in noise units.
+        says: the description in words.
+        gap: gap that it leaves on the fitted records, in noise units.
     """
 
     says: str

@@ -10,7 +10,7 @@ class Http(NamedTuple):
     """How the service answers with an error: a kind of problem, with a page of its own.
 
     Attributes:
-        status: of HTTP.
+        status: HTTP status.
         title: in a few words.
         meaning: what it says and what to do.
     """
@@ -36,7 +36,7 @@ class ModallabError(Exception):
     """
 
     code: ClassVar[str] = "error"
-    http: ClassVar[Http] = Http(500, "Not done", "Look at what it says.")
+    http: ClassVar[Http] = Http(500, "Not done", "Read the message.")
     exit_code: ClassVar[int] = 2
 
     def __init__(self, what: str, *, remedy: str = "", where: str = "") -> None:
@@ -68,7 +68,7 @@ class MissingPackageError(ModallabError):
     """A package that only some work needs is not installed; the remedy says how to install it."""
 
     code = "package"
-    http = Http(501, "A package is missing", "Install it where the service runs, as the answer says.")
+    http = Http(501, "A package is missing", "Install the package on the service's machine, as the answer says.")
 
 
 class RigError(ModallabError):
@@ -83,7 +83,9 @@ class PlanError(ModallabError):
 
     code = "plan"
     http = Http(
-        422, "The plan is not possible", "The rig, its limits or the bench cannot do it; every reason is named."
+        422,
+        "The plan is not possible",
+        "The rig, its limits or the bench do not allow the plan; every reason is named.",
     )
 
 
@@ -91,14 +93,14 @@ class FormatError(ModallabError):
     """A file cannot be read as what it claims to be: cut off, foreign, of an unknown version."""
 
     code = "format"
-    http = Http(422, "A file cannot be read", "It is cut off, foreign, or of an unknown version.")
+    http = Http(422, "A file cannot be read", "The file is truncated, foreign, or of an unknown version.")
 
 
 class DataError(ModallabError):
     """A recording holds what no measurement can hold: NaN, a dead channel, a wrong shape or unit."""
 
     code = "data"
-    http = Http(422, "The data cannot be used", "They hold what no measurement can hold, or not what was asked for.")
+    http = Http(422, "The data cannot be used", "The data contain impossible values, or lack what was requested.")
 
 
 class IdentificationError(ModallabError):
@@ -112,7 +114,7 @@ class BenchError(ModallabError):
     """A device of the bench failed, is absent, or rejected what was asked."""
 
     code = "bench"
-    http = Http(503, "The bench failed", "A device failed, is absent, or rejected what was asked.")
+    http = Http(503, "The bench failed", "A device failed, is absent, or rejected a command.")
 
 
 class ConfigurationError(BenchError):
@@ -169,21 +171,25 @@ class StorageError(ModallabError):
     """A recording could not be kept or read back. What was acknowledged before is untouched."""
 
     code = "storage"
-    http = Http(500, "The data folder cannot be read or written", "Look at the disk; what was acknowledged is kept.")
+    http = Http(500, "The data folder cannot be read or written", "Check the disk; acknowledged blocks are kept.")
 
 
 class DiskFullError(StorageError):
     """The disk is full."""
 
     code = "disk_full"
-    http = Http(507, "The disk is full", "Free space; what was acknowledged is kept.")
+    http = Http(507, "The disk is full", "Free space on the disk; acknowledged blocks are kept.")
 
 
 class DatabaseLostError(StorageError):
     """The database server cannot be reached, or ended the connection."""
 
     code = "database-lost"
-    http = Http(503, "The database cannot be reached", "Look at its server; the service goes on by itself with it.")
+    http = Http(
+        503,
+        "The database cannot be reached",
+        "Check the database server; the service continues when the server is back.",
+    )
 
 
 class RowDamagedError(StorageError):
@@ -200,7 +206,8 @@ class BlockDamagedError(StorageError):
     http = Http(
         500,
         "A block is damaged",
-        "The samples on the disk are not those recorded. Restore the run's file from a backup, or reject the block.",
+        "The samples on the disk differ from those recorded. Restore the run's file from a backup, or reject the "
+        "block.",
     )
 
 

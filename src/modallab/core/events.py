@@ -15,18 +15,18 @@ class RunEvent(Frozen):
     """What is said of a run.
 
     Attributes:
-        run: the run.
+        run: name of the run.
     """
 
     run: str
 
 
 class StateChanged(RunEvent):
-    """The run entered a state.
+    """The state of the run has changed.
 
     Attributes:
-        state: it is in now.
-        reason: why it ended so, else "".
+        state: present state.
+        reason: reason of the end, otherwise "".
     """
 
     kind: Literal["state"] = "state"
@@ -35,12 +35,12 @@ class StateChanged(RunEvent):
 
 
 class HitRequested(RunEvent):
-    """Armed, the pre-trigger is full: strike this point now.
+    """The trigger is armed: strike this point now.
 
     Attributes:
-        point: to strike.
-        hit: its number there.
-        of: how many there.
+        point: point to hit.
+        hit: number of the hit at this point.
+        of: number of hits at this point.
     """
 
     kind: Literal["hit_requested"] = "hit_requested"
@@ -50,11 +50,11 @@ class HitRequested(RunEvent):
 
 
 class HitRejected(RunEvent):
-    """A hit did not count; `reason` carries the number that decided.
+    """A hit was rejected; `reason` has the value and the limit.
 
     Attributes:
-        point: that was to be struck.
-        reason: with the number that decided.
+        point: requested point.
+        reason: reason with value and limit.
     """
 
     kind: Literal["hit_rejected"] = "hit_rejected"
@@ -63,11 +63,11 @@ class HitRejected(RunEvent):
 
 
 class HitTooEarly(RunEvent):
-    """Somebody struck before a hit was requested; rest is waited for again, and nothing was recorded.
+    """A hit came before the request; nothing was recorded, and the run waits for rest again.
 
     Attributes:
-        point: that will be requested.
-        peak_n: of the force.
+        point: point of the next request.
+        peak_n: peak of the force.
     """
 
     kind: Literal["hit_too_early"] = "hit_too_early"
@@ -76,16 +76,16 @@ class HitTooEarly(RunEvent):
 
 
 class WaitingForRest(RunEvent):
-    """The structure still moves before the next hit, said about once a block.
+    """The structure still moves before the next hit; sent about once a block.
 
     Attributes:
-        point: that will be struck.
-        hit: its number there.
-        of: how many there.
-        residual_ratio: the motion as part of what the hit will make; None while that is not known.
-        allowed: part that the plan allows.
-        residual_hz: where it is largest.
-        remaining_s: about how long still; None while that cannot be said.
+        point: next point.
+        hit: number of the hit at this point.
+        of: number of hits at this point.
+        residual_ratio: motion relative to that of the expected hit; None if unknown.
+        allowed: largest motion that the plan allows.
+        residual_hz: frequency of the largest motion.
+        remaining_s: expected remaining time; None if unknown.
     """
 
     kind: Literal["waiting_for_rest"] = "waiting_for_rest"
@@ -99,21 +99,21 @@ class WaitingForRest(RunEvent):
 
 
 class BlockAcknowledged(RunEvent):
-    """A block is on the disk and in the table: from here on it cannot be lost.
+    """A block is on the disk and in the table, and can no longer be lost.
 
     Attributes:
-        n: its number in the run, from 0.
-        name: unique in the run.
-        first_sample: place of the first sample in the device's own count.
+        n: number of the block in the run, from 0.
+        name: name, unique in the run.
+        first_sample: index of the first sample in the device's own count.
         count: samples per channel.
-        crc32: of the samples as (channels, count), C order, little-endian.
-        accepted: whether it counts.
-        reason: why it does not.
+        crc32: checksum of the samples as (channels, count), C order, little-endian.
+        accepted: whether the block is valid.
+        reason: reason of a rejection.
         drive_point: point of the hit or of the shaker; None if unknown.
-        level: of the drive, in a sine test.
+        level: level of the drive, in a sine test.
         frequency_hz: of the drive, in a sine test.
-        facts: what was measured when it was recorded: of a hit `peak_n`, `contact_s`, `second_ratio` (a double hit's
-            share) and `drop_db` (how far the force spectrum falls within the band), of a sine `force_n`.
+        facts: measured values: of a hit `peak_n`, `contact_s`, `second_ratio` (second pulse over the first) and
+            `drop_db` (drop of the force spectrum within the band), of a sine `force_n`.
     """
 
     kind: Literal["block"] = "block"
@@ -131,11 +131,11 @@ class BlockAcknowledged(RunEvent):
 
 
 class BlockDropped(RunEvent):
-    """A block that was acknowledged no longer counts; its samples stay.
+    """An acknowledged block is no longer valid; its samples stay.
 
     Attributes:
-        name: of the block.
-        reason: why.
+        name: name of the block.
+        reason: reason.
     """
 
     kind: Literal["dropped"] = "dropped"
@@ -144,11 +144,11 @@ class BlockDropped(RunEvent):
 
 
 class BlockAccepted(RunEvent):
-    """A block that was rejected counts all the same, by the operator's word.
+    """The operator has accepted a rejected block.
 
     Attributes:
-        name: of the block.
-        reason: why.
+        name: name of the block.
+        reason: reason.
     """
 
     kind: Literal["accepted"] = "accepted"
@@ -157,14 +157,14 @@ class BlockAccepted(RunEvent):
 
 
 class DecisionRequested(RunEvent):
-    """The run waits for the operator: does this hit count? Accepting or dropping its block is the answer.
+    """The run waits for the operator's decision on a hit: accept or drop its block.
 
     Attributes:
         n: number of the block.
-        name: of the block.
-        point: that was to be struck.
-        accepted: what the acceptance says.
-        reason: why it says so, with the numbers that decided; "" where nothing speaks against it.
+        name: name of the block.
+        point: requested point.
+        accepted: verdict of the acceptance limits.
+        reason: reason of the verdict, with values and limits; "" if none.
     """
 
     kind: Literal["decision_requested"] = "decision_requested"
@@ -176,10 +176,10 @@ class DecisionRequested(RunEvent):
 
 
 class Notice(RunEvent):
-    """What the operator should know before or while something moves, such as how long a burst may last.
+    """A fact for the operator before or during motion, such as the duration of the longest burst.
 
     Attributes:
-        what: in words.
+        what: notice in words.
     """
 
     kind: Literal["notice"] = "notice"
@@ -187,12 +187,12 @@ class Notice(RunEvent):
 
 
 class Progress(RunEvent):
-    """How far the run is.
+    """Progress of the run.
 
     Attributes:
-        done: hits, frequencies or blocks so far.
-        total: of how many.
-        what: was done last, or is waited for.
+        done: number of hits, frequencies or blocks so far.
+        total: total number.
+        what: last or expected step.
     """
 
     kind: Literal["progress"] = "progress"
@@ -205,8 +205,8 @@ class Failed(RunEvent):
     """The run ended early; blocks acknowledged before are kept.
 
     Attributes:
-        code: of the error.
-        what: was wrong.
+        code: code of the error.
+        what: fault in words.
         remedy: what to do.
     """
 

@@ -75,7 +75,7 @@ def _error_sentence(detail: ErrorDetails) -> str:
     if detail["type"] == "missing":
         return f"{field} is missing"
     if detail["type"] == "extra_forbidden":
-        return f"{field} is no field here"
+        return f"{field} is an unknown field"
     if detail["type"] == "value_error":
         return f"{field}: {allowed_values(detail)}" if field else allowed_values(detail)
     return f"{field} is {quoted_value(detail['input'])}; allowed: {allowed_values(detail)}"

@@ -72,7 +72,7 @@ def described_fields(cls: type) -> tuple[str, dict[str, str]]:
 
 
 _LIST = "\n\nAttributes:\n"
-_OF_ALL = {"kind": "Says which of several documents it is.", "format_version": "Of the document's form."}
+_OF_ALL = {"kind": "Kind of this document.", "format_version": "Version of the document's format."}
 _ATTRIBUTE = re.compile(r"^ {4}([A-Za-z][\w, ]*):((?:.*)(?:\n {8}.*)*)", re.MULTILINE)
 
 

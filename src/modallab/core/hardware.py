@@ -15,18 +15,18 @@ Dialect = Literal["keysight-33500", "keysight-33210", "rigol-dg1000", "siglent-s
 
 
 class Excitation(Frozen):
-    """What drives the shaker's amplifier.
+    """Drive of the shaker's amplifier.
 
     Attributes:
-        kind: an analog output of the device that also samples, or a generator on a line of its own.
+        kind: an analog output of the sampling device, or a separate generator.
         output: the device's name of the output (`cDAQ1Mod4/ao0`), the generator's serial port (`COM3`) or its VISA
             address (`TCPIP0::192.168.0.5::INSTR`, `USB0::...::INSTR`); empty: the first output.
-        dialect: how the generator speaks.
-        baud: of the serial line.
-        watchdog_s: the device's own watchdog brings the output to 0 V after so long without a sign; none: not used.
+        dialect: command language of the generator.
+        baud: baud rate of the serial line.
+        watchdog_s: time of the device's own watchdog, which then brings the output to 0 V; null: not used.
         heartbeat_line: digital line that toggles while all is well, for an external relay.
-        watchdog_waived: why an output may be driven without the device's watchdog, where a burst ends with the process
-            that drives it and the device has no watchdog.
+        watchdog_waived: reason to drive an output without the device's watchdog, where a burst ends with the driving
+            process and the device has no watchdog.
     """
 
     kind: Literal["analog-output", "generator"] = "analog-output"
@@ -39,12 +39,12 @@ class Excitation(Frozen):
 
 
 class Shaker(Frozen):
-    """A shaker beside the first one, which `shaker_point`, `excitation` and the force channel left over describe.
+    """A further shaker, besides the first one of `shaker_point` and `excitation`.
 
     Attributes:
-        point: where it drives.
+        point: point of the shaker.
         force: name of the channel of its force transducer.
-        output: the device's name of the output that drives it; empty: the next one that no other shaker names.
+        output: the device's name of its output; empty: the next free output.
     """
 
     point: PositiveInt
@@ -63,21 +63,21 @@ def require_guarded(excitation: Excitation | None, where: str) -> None:
         return
     raise ConfigurationError(
         "the output holds its last value, not 0 V, if this machine sleeps, crashes or loses the device in a burst,"
-        " and the rig file names no watchdog",
+        " and the rig file has no watchdog",
         where=where,
-        remedy="set excitation.watchdog_s if the device has a watchdog; if it has none, say in"
-        " excitation.watchdog_waived what else ends the drive then, such as a switch within reach",
+        remedy="set excitation.watchdog_s if the device has a watchdog; if it has none, state in "
+        "excitation.watchdog_waived what else ends the drive, such as a switch within reach",
     )
 
 
 class Synchronisation(Frozen):
-    """How several devices sample as one.
+    """Synchronisation of several devices.
 
     Attributes:
         method: `auto`: the first that the devices take, in the order of what follows; `one-task`: the driver routes
             clock and triggers by itself; `reference-clock`: all follow a reference; `timebase`: all follow the first
             one's timebase. The last two also share the first one's sync pulse and start trigger.
-        reference_clock: terminal of the reference, as `PXIe_Clk100`; empty: the backplane's.
+        reference_clock: terminal of the reference, such as `PXIe_Clk100`; empty: that of the backplane.
     """
 
     method: Literal["auto", "one-task", "reference-clock", "timebase"] = "auto"
@@ -85,19 +85,19 @@ class Synchronisation(Frozen):
 
 
 class Calibration(Frozen):
-    """One calibration of one channel, as it was found; nothing here is ever changed, only added to.
+    """One calibration of one channel. Entries are only added, never changed.
 
     `test` is the one whose settings of the preamplifier it holds for; none: it was not noted.
 
     Attributes:
-        date: day of it.
+        date: date of the calibration.
         channel: name of the channel.
-        serial: of the sensor.
-        method: how it was calibrated.
-        sensitivity_v_per_unit: that was found.
-        sigma_v_per_unit: its standard deviation; 0 where not known.
-        remark: in words.
-        test: whose settings of the preamplifier it holds for; None: it was not noted.
+        serial: serial number of the sensor.
+        method: method of the calibration.
+        sensitivity_v_per_unit: sensitivity found.
+        sigma_v_per_unit: its standard deviation; 0 if unknown.
+        remark: remark in words.
+        test: test with the same settings of the preamplifier; None if not noted.
     """
 
     date: date
@@ -117,16 +117,17 @@ class Certificate(Frozen):
     """A calibration certificate of a sensor, or of a sensor with its preamplifier.
 
     Attributes:
-        serial: of the sensor.
-        number: of the certificate.
-        laboratory: that issued it.
-        date: of the calibration.
-        expires: last day it is valid; left out: no end is stated.
-        reference: standard it was calibrated against.
+        serial: serial number of the sensor.
+        number: number of the certificate.
+        laboratory: laboratory that issued it.
+        date: date of the calibration.
+        expires: last day of validity (default: no end).
+        reference: reference standard.
         reference_hz: frequency of the sensitivity.
-        temperature_c: at which it was calibrated.
-        sensitivity_v_per_unit: certified, in V per unit of the channel; its sign says nothing of the mounting.
-        uncertainty_percent: expanded, k = 2, of the sensitivity.
+        temperature_c: temperature of the calibration.
+        sensitivity_v_per_unit: certified sensitivity, in V per unit of the channel; its sign does not include the
+            mounting.
+        uncertainty_percent: expanded uncertainty of the sensitivity, k = 2.
     """
 
     serial: Annotated[str, Field(min_length=1)]

@@ -28,7 +28,7 @@ class HoldOut:
     def __post_init__(self) -> None:
         accepts = _VALUES.get(self.rule)
         if accepts is None or not accepts(self.value):
-            raise PlanError(f"no rule {str(self)!r} to hold records out", remedy=f"use one of {RULES}")
+            raise PlanError(f"{str(self)!r} is no rule to hold records out", remedy=f"use one of {RULES}")
 
     def __str__(self) -> str:
         return f"{self.rule}:{self.value}" if self.value else self.rule

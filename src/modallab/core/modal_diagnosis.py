@@ -15,8 +15,8 @@ class FoundChange(Frozen):
     """A change judged present.
 
     Attributes:
-        effect: its name in the catalogue.
-        stage: its stage.
+        effect: name in the catalogue.
+        stage: stage of the effect.
         probability: of all explanations that were fitted.
         parameters: SI; of a sensor's place dx, dy and dz in m.
         interval: parameter -> (low, high) of 95 %.
@@ -69,7 +69,7 @@ class ModalDiagnosis(Frozen):
         modes: numbers of modes of the reference and of the bench.
         by_channel: the gap of each output that both models have; [] in older files.
         by_mode: the gap on the lines nearest to each mode of the bench; [] in older files.
-        notes: what was found on the way.
+        notes: notes on the records and the fit.
     """
 
     format_version: Literal[1] = MODAL_DIAGNOSIS

@@ -17,17 +17,17 @@ Method = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
 
 
 class ScaleUncertainty(Frozen):
-    """What the sensitivities' uncertainty adds to the scale: relative, one standard deviation, the same in every mode.
+    """Relative uncertainty of the scale from the sensitivities, one standard deviation, the same in every mode.
 
-    NaN or None (null in JSON) where no certificate or calibration states it. It comes on top of the sigmas of the
-    model, which are those of the records' noise.
+    NaN or None (null in JSON) if no certificate or calibration states it. The sigmas of the model do not include it;
+    they are those of the records' noise.
 
     Attributes:
-        force: of the force's sensitivity.
-        responses: (outputs,) of the responses' sensitivities.
-        modal_constants: (outputs,) of the modal constants.
-        shapes: (outputs,) of the shapes at unit modal mass; NaN without a driving point.
-        modal_mass: of the modal mass of a shape that is 1 at the driving point; None without one.
+        force: uncertainty of the force's sensitivity.
+        responses: (outputs,) uncertainty of the responses' sensitivities.
+        modal_constants: (outputs,) uncertainty of the modal constants.
+        shapes: (outputs,) uncertainty of the shapes at unit modal mass; NaN without a driving point.
+        modal_mass: uncertainty of the modal mass of a shape that is 1 at the driving point; None without one.
     """
 
     force: float | None
@@ -38,12 +38,12 @@ class ScaleUncertainty(Frozen):
 
 
 class Backbone(Frozen):
-    """How the modes go with their amplitude: what each was at each level, from the weakest to the strongest.
+    """Amplitude dependence of the modes: values of each mode at each level, from the weakest to the strongest.
 
     Attributes:
         levels: (levels,) names.
-        sensors: (modes,) the output that each mode's amplitude is of.
-        amplitude_m: (modes, levels) of the displacement in m, as it counts for the frequency.
+        sensors: (modes,) output of each mode's amplitude.
+        amplitude_m: (modes, levels) effective displacement in m.
         frequency_hz: (modes, levels)
         frequency_sigma_hz: (modes, levels)
         damping_ratio: (modes, levels)
@@ -68,8 +68,8 @@ class ModalModel(Frozen):
 
     Attributes:
         method: the estimator.
-        test: the test it came from; None for FRFs of unknown origin.
-        band_hz: lines that were used.
+        test: test of the records; None for FRFs of unknown origin.
+        band_hz: band of the lines used.
         frequency_hz: (modes,) undamped natural frequency omega_r / 2 pi.
         damping_ratio: (modes,) zeta.
         frequency_sigma_hz: (modes,)
@@ -81,21 +81,22 @@ class ModalModel(Frozen):
         modal_constant_sigma: (modes, outputs, inputs) of the complex number.
         modal_constant_part_sigma: (modes, outputs, inputs), the real part that of the real part, the imaginary part
             that of the imaginary part; None where not known.
-        residuals: (terms, outputs, inputs) real: what modes outside the band add to the receptance, as the
-            coefficient of s^p for p in `residual_powers`, in m/N s^p.
+        residuals: (terms, outputs, inputs) real coefficients of s^p in the receptance of modes outside the band, for
+            p in `residual_powers`, in m/N s^p.
         residual_powers: (terms,) powers of s.
-        shapes: (modes, outputs) phi at unit modal mass, kg^-1/2; None where `shapes_unavailable` says why.
+        shapes: (modes, outputs) phi at unit modal mass, kg^-1/2; None if `shapes_unavailable`.
         shape_sigma: (modes, outputs) or None.
-        shapes_unavailable: why there are no shapes or no modal mass, else "".
-        half_power: (modes,) damping ratio the half-power rule reads off the peak of the same blocks; NaN where it
-            can't be read. Half the paper's delta-f / f.
-        half_power_floor: (modes,) what half-power reads for an undamped mode in a block of this length.
-        notes: plain sentences on what was found on the way.
-        scale_uncertainty: what the sensitivities' uncertainty adds; None where none is stated.
-        operating_shapes: (modes, outputs) of unknown scale, 1 at the largest, where no force was measured; else None.
+        shapes_unavailable: reason for missing shapes or modal mass, otherwise "".
+        half_power: (modes,) damping ratio by the half-power rule from the same blocks; NaN if unreadable. Half the
+            paper's delta-f / f.
+        half_power_floor: (modes,) half-power reading for an undamped mode in a block of this length.
+        notes: sentences on the identification.
+        scale_uncertainty: uncertainty from the sensitivities; None if none is stated.
+        operating_shapes: (modes, outputs) of unknown scale, 1 at the largest, if no force was measured; otherwise
+            None.
         operating_shape_sigma: (modes, outputs) of the complex number, or None.
-        backbone: how the modes go with their amplitude, where records of several levels show that they do.
-        hit_shares: (modes, inputs, hits) of each hit in the modal constants of its input; None where there were none.
+        backbone: amplitude dependence of the modes, if records of several levels show it.
+        hit_shares: (modes, inputs, hits) share of each hit in the modal constants of its input; None without hits.
     """
 
     format_version: Literal[1] = MODEL

@@ -9,7 +9,7 @@ from modallab.core.frozen import Frozen, is_unstated
 
 
 class NoPlace(Frozen):
-    """An effect of the whole bench, or one whose place is still free."""
+    """An effect of the whole bench, or an effect with a free place."""
 
 
 NO_PLACE = NoPlace()
@@ -20,7 +20,7 @@ class AlongBeam(Frozen):
 
     Attributes:
         x: share of the length, from the clamp.
-        x_m: the same in metres, where a diagnosis reports it.
+        x_m: the same in metres, in a diagnosis.
     """
 
     x: float
@@ -31,7 +31,7 @@ class AllAlongBeam(Frozen):
     """The whole beam.
 
     Attributes:
-        x: all of it.
+        x: the word `all`.
     """
 
     x: Literal["all"] = "all"
@@ -41,8 +41,8 @@ class OneChannel(Frozen):
     """A channel.
 
     Attributes:
-        channel: its row in the rig.
-        level_v: the voltage at which it is cut off, where a diagnosis reports it.
+        channel: row of the channel in the rig.
+        level_v: clipping voltage, in a diagnosis.
     """
 
     channel: int
@@ -53,7 +53,7 @@ class TwoChannels(Frozen):
     """Two channels.
 
     Attributes:
-        channel: their rows in the rig.
+        channel: rows of the channels in the rig.
     """
 
     channel: tuple[int, int]
@@ -63,17 +63,17 @@ class AllChannels(Frozen):
     """All channels.
 
     Attributes:
-        channel: all of them.
+        channel: the word `all`.
     """
 
     channel: Literal["all"] = "all"
 
 
 class FixedPlace(Frozen):
-    """A place that the effect always has.
+    """A fixed place of an effect.
 
     Attributes:
-        where: the base, the place that the hammer strikes, or the impact test as a whole.
+        where: the base, the hit point, or the impact test as a whole.
     """
 
     where: Literal["base", "hit", "impact"]

@@ -16,18 +16,18 @@ PAPER_LINES = (3, 4, 5, 6, 8, 12, 18, 24, 28, 30, 31, 32, 33, 35, 40, 50, 60, 72
 
 
 class HitAcceptance(Frozen):
-    """When a hit counts. Each rejection names its number.
+    """Limits for the acceptance of a hit. Each rejection states its value.
 
-    `max_residual_ratio` also says how long rest is waited for: until what still moves is below that part of what the
-    hit will make. With `check_point` a hit that looks like one at another point does not count.
+    The wait for rest ends when the remaining motion is below `max_residual_ratio` times that of the expected hit.
+    With `check_point` a hit that fits another point is rejected.
 
     Attributes:
-        min_force_n: least peak of the force.
+        min_force_n: smallest peak of the force.
         max_force_n: largest peak of the force.
-        double_hit_ratio: a second contact must be smaller than this part of the first.
+        double_hit_ratio: largest second contact, relative to the first.
         max_contact_s: longest contact.
-        max_residual_ratio: largest motion before the hit, as part of what the hit makes.
-        min_band_hz: up to this frequency a hit must excite.
+        max_residual_ratio: largest motion before the hit, relative to that of the hit.
+        min_band_hz: frequency up to which a hit must excite.
         band_drop_db: largest fall of the force spectrum up to `min_band_hz`.
         check_point: whether a hit that looks like one at another point is rejected.
     """
@@ -43,11 +43,11 @@ class HitAcceptance(Frozen):
 
 
 class SetUp(Frozen):
-    """Which sensor stands at which point while a part of a test is recorded.
+    """Places of the sensors in a part of a test.
 
     Attributes:
-        name: of the set-up, unique in its plan.
-        points: point by channel name; sensors that are not named stay where the rig file has them.
+        name: name of the set-up, unique in its plan.
+        points: point by channel name; other sensors stay as in the rig file.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}$")]
@@ -55,11 +55,11 @@ class SetUp(Frozen):
 
 
 class Precision(Frozen):
-    """How well the modes are to be known: then a test has enough, however many hits are still to come.
+    """Target uncertainty of the modes; a test may end once it is reached.
 
     Attributes:
-        frequency_ratio: standard deviation of every natural frequency, relative to it.
-        damping_ratio: standard deviation of every damping ratio, relative to it.
+        frequency_ratio: relative standard deviation of every natural frequency.
+        damping_ratio: relative standard deviation of every damping ratio.
     """
 
     frequency_ratio: Annotated[float, Field(gt=0, lt=1)] = 0.0001
@@ -69,28 +69,28 @@ class Precision(Frozen):
 class ImpactPlan(Frozen):
     """An impact test: a number of good hits at each point.
 
-    `rate_hz` is set on the device, which may give a higher one; blocks then have the whole number of samples nearest
-    to `block_s`. With `delivered_hz` blocks are read back at exactly that rate; what the device gave is what is kept.
-    The trigger is in software on the continuous stream; `hardware` asks for the device's own reference trigger.
-    With `setups` all points are struck once a set-up, each a run of its own; between them sensors are moved.
-    `operator_decides` says of which hits the operator is asked whether they count: the run waits for the answer.
+    `rate_hz` is set on the device, which may give a higher rate; blocks have the whole number of samples nearest
+    to `block_s`. With `delivered_hz` blocks are resampled to exactly that rate at reading. The trigger is in software on
+    the continuous stream; `hardware` uses the device's own reference trigger. With `setups` all points are struck in
+    every set-up, each a run of its own. `operator_decides` selects hits for the operator's decision, for which the run
+    waits.
 
     Attributes:
-        points: where to strike, in this order.
-        hits: good ones at each point.
+        points: points to hit, in this order.
+        hits: number of good hits at each point.
         rate_hz: sampling rate to set on the device.
-        delivered_hz: sampling rate of the stored blocks; left out: that of the device.
+        delivered_hz: sampling rate of the stored blocks (default: that of the device).
         block_s: length of a block.
         pre_trigger_s: part of the block before the hit.
-        trigger_n: force that triggers.
-        hysteresis_n: before it triggers, the force must have been below the trigger by this much.
+        trigger_n: force of the trigger.
+        hysteresis_n: drop of the force below the trigger before the next trigger.
         trigger: software, on the continuous samples; or hardware, in the device.
-        hit_timeout_s: longest wait for the structure to come to rest, and for a hit.
+        hit_timeout_s: longest wait for rest of the structure, and for a hit.
         max_rejections: number of rejected hits at one point that ends the run.
-        acceptance: when a hit counts.
-        setups: positions of the sensors in each set-up; none: those of the rig file.
-        operator_decides: of which hits the operator is asked whether they count.
-        precision: when the modes are known well enough, which is said to the operator; None: the hits alone count.
+        acceptance: limits for the acceptance of a hit.
+        setups: places of the sensors in each set-up (default: those of the rig file).
+        operator_decides: hits for which the operator is asked for a decision.
+        precision: target uncertainty of the modes, reported to the operator when reached; None: no target.
     """
 
     renamed: ClassVar[Mapping[str, str]] = {"max_refusals": "max_rejections"}
@@ -114,7 +114,7 @@ class ImpactPlan(Frozen):
 
 
 class KnownMode(Frozen):
-    """A mode of the structure, as a test before found it: enough to know its free decay.
+    """A known mode of the structure, to predict its free decay.
 
     Attributes:
         frequency_hz: undamped natural frequency.
@@ -126,12 +126,13 @@ class KnownMode(Frozen):
 
 
 class ForceControl(Frozen):
-    """The force's amplitude that each level shall have. The drive is corrected between bursts, never within one.
+    """Force amplitude of each level. The drive is corrected between bursts, never within one.
 
     Attributes:
-        levels_n: N by level, the levels of `levels_v`, which then is the drive that is begun with.
-        tolerance: relative, within which a force is good.
-        max_bursts: so many bursts a frequency may take; the last one counts, and is flagged if it is off.
+        levels_n: force in N by level; `levels_v` gives the first drive of each level.
+        tolerance: relative tolerance of the force.
+        max_bursts: largest number of bursts for each frequency; the last one counts, and is flagged if its force is
+            off.
     """
 
     levels_n: Annotated[dict[str, PositiveFloat], Field(min_length=1)]
@@ -142,24 +143,25 @@ class ForceControl(Frozen):
 class SinePlan(Frozen):
     """A stepped sine test: one burst per frequency and level, each from rest, each ending at exactly 0 V.
 
-    Rates are as in the impact test. With `modes`, every block is asked whether their free decays are still in it: one
-    that is not settled is recorded again with a longer burst, up to `max_settle_s`, and past that flagged.
+    Rates are as in the impact test. With `modes`, every block is tested for their free decays. An unsettled block is
+    recorded again with a longer burst, up to `max_settle_s`, and flagged after that.
 
     Attributes:
-        frequencies_hz: to drive at, best on lines of the block.
+        frequencies_hz: drive frequencies, preferably on lines of the block.
         levels_v: amplitude of the drive by level.
         sweep: order of the frequencies: as given, upwards, downwards, or both in turn.
         rate_hz: sampling rate to set on the device.
-        delivered_hz: sampling rate of the stored blocks; left out: that of the device.
+        delivered_hz: sampling rate of the stored blocks (default: that of the device).
         block_s: length of a block.
         ramp_s: length of the cosine taper at both ends of a burst.
         settle_s: time from the start of a burst to its block.
-        max_settle_s: the same, at most; left out: `settle_s`, so that no burst is lengthened.
-        modes: whose decays to look for; none: whether it has settled is not judged.
-        settled_ratio: a decay below this part of the response is settled.
+        max_settle_s: longest time from the start of a burst to its block (default: `settle_s`, so that no burst is
+            lengthened).
+        modes: modes whose decays are checked; empty: settling is not judged.
+        settled_ratio: largest decay of a settled block, relative to the response.
         wait_s: shortest pause after each burst.
-        settle_timeout_s: past it a burst begins though the beam still moves, which is recorded with it.
-        force: amplitude of the force instead of a constant drive.
+        settle_timeout_s: time after which a burst starts although the beam still moves, which is noted in the block.
+        force: force amplitude instead of a constant drive.
     """
 
     renamed: ClassVar[Mapping[str, str]] = {"rest_s": "wait_s", "rest_timeout_s": "settle_timeout_s"}
@@ -188,24 +190,25 @@ class BroadbandPlan(Frozen):
     ends within its block, and the decay with it, if the block is long enough. `random` never repeats.
 
     Attributes:
-        signal: what is played.
+        signal: kind of signal.
         band_hz: lowest and highest frequency driven.
-        levels_v: root mean square of the drive by level, while it is on; its peak must stay within the rig's limits.
-        blocks: recorded at each level.
-        blocks_per_wave: at most so many of them; then another wave follows, of other phases. None: as many as fit.
-        shakers: the first one of the rig alone, or all of them at once, each with a wave of its own: of random drive
-            another noise, of a periodic one phases that are turned from wave to wave.
-        detection_lines: leave out of a pseudo-random drive all even lines, and of every four odd lines one, another in
-            each wave: what the structure answers there is distortion.
-        seed: of the random phases; each wave of a test has its own.
-        burst_share: share of a block during which a burst-random is on.
+        levels_v: rms of the drive by level, while it is on; its peak must stay within the rig's limits.
+        blocks: number of blocks at each level.
+        blocks_per_wave: largest number of blocks in a wave; another wave with other phases follows. None: as many as
+            fit.
+        shakers: only the first shaker of the rig, or all at once, each with its own wave: independent random drives,
+            or periodic drives with phases turned from wave to wave.
+        detection_lines: leave out all even lines of a pseudo-random drive, and one of every four odd lines, a
+            different one in each wave. Responses at these lines are distortion.
+        seed: seed of the random phases; each wave of a test has its own.
+        burst_share: share of a block in which a burst-random drive is on.
         rate_hz: sampling rate to set on the device.
-        delivered_hz: sampling rate of the stored blocks; left out: that of the device.
+        delivered_hz: sampling rate of the stored blocks (default: that of the device).
         block_s: length of a block, and the period of `pseudo-random` and `chirp`.
         ramp_s: length of the cosine taper at both ends of a wave.
         settle_s: time from the start of a wave to its first block.
         wait_s: shortest pause after each wave.
-        max_rejections: number of blocks beyond a channel's range that ends the run.
+        max_rejections: number of overloaded blocks that ends the run.
     """
 
     kind: Literal["broadband"] = "broadband"

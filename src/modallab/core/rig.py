@@ -32,17 +32,17 @@ Surface = Annotated[tuple[PositiveInt, ...], Field(min_length=3)]
 
 
 class Limits(Frozen):
-    """What the excitation may never exceed. Needed to drive, not to read.
+    """Limits of the excitation, needed to drive.
 
     Attributes:
-        drive_v: amplitude of the drive, of each shaker's.
-        slew_v_per_s: its steepest slope.
-        force_n: of every force channel, either way.
-        acceleration_m_s2: of every acceleration channel, either way.
-        max_burst_s: how long a burst may last.
-        velocity_m_s: of every response, either way; measured, or integrated from the acceleration.
-        displacement_m: the same of the displacement.
-        stroke_m: of each shaker, either way from its middle: the displacement at its point, where a response must be.
+        drive_v: amplitude of the drive of each shaker.
+        slew_v_per_s: steepest slope of the drive.
+        force_n: force of every force channel, either sign.
+        acceleration_m_s2: acceleration of every channel, either sign.
+        max_burst_s: longest burst.
+        velocity_m_s: velocity of every response, either sign; measured, or integrated from the acceleration.
+        displacement_m: the same for the displacement.
+        stroke_m: displacement of each shaker, either way from its middle; a response must be at its point.
     """
 
     drive_v: Positive
@@ -56,29 +56,29 @@ class Limits(Frozen):
 
 
 class Rig(Frozen):
-    """The bench as the operator believes it to be.
+    """Description of the bench by its operator.
 
     Attributes:
-        name: of the bench.
-        model: what kind of structure it is.
-        bench: address of the bench; None: named when it is opened.
-        beam: the structure; None where it is not described.
-        tolerance: of what is believed.
-        damping_ratio: what is believed of it.
-        gravity_axis: where down is.
-        drive_direction: of positive force.
-        points: where sensors stand and hits land.
-        lines: pairs of points that are joined where the structure is drawn.
-        surfaces: points around a face each, which is shaded where the structure is drawn.
-        channels: of the chain, the force channel among them; where nothing is known of the structure there may be none.
-        converter: behind every channel; None: the device says.
-        shaker_point: where the shaker drives; None: there is none.
-        limits: of the excitation; None: nothing may be driven.
-        excitation: what drives the shaker; None: nothing is said of it.
-        shakers: those beside the first one, each with a force channel of its own.
+        name: name of the bench.
+        model: kind of structure.
+        bench: address of the bench; None: given when it is opened.
+        beam: beam; None if it is not described.
+        tolerance: standard deviations of the stated parameters.
+        damping_ratio: prior of the damping ratio.
+        gravity_axis: direction of gravity.
+        drive_direction: direction of positive force.
+        points: points of sensors and hits.
+        lines: pairs of points joined in drawings.
+        surfaces: points around each face, shaded in drawings.
+        channels: channels, including the force channel; with `model: unknown` there may be none.
+        converter: converter of all channels; None: that of the device.
+        shaker_point: point of the shaker; None: no shaker.
+        limits: limits of the excitation; None: driving is not allowed.
+        excitation: drive of the shaker; None: not stated.
+        shakers: further shakers, each with its own force channel.
         history: calibrations, the oldest first.
-        synchronisation: how several devices sample as one; None: there is one.
-        revisions: effects that the simulation of this bench has been given, the oldest first.
+        synchronisation: synchronisation of several devices; None: one device.
+        revisions: effects added to the simulation of this bench, the oldest first.
     """
 
     format_version: Literal[2] = RIG

@@ -38,7 +38,7 @@ def cross_problems(content: Mapping[str, object]) -> list[Problem]:
     needs_force = content.get("model", "cantilever") != "unknown"
     return [
         *problems,
-        *_drawn_problems(content, points, "lines", "two ids of points of this rig"),
+        *_drawn_problems(content, points, "lines", "two point numbers of this rig"),
         *_drawn_problems(content, points, "surfaces", "three or more ids of points of this rig"),
         *_channel_set_problems(channels, list_entries(content, "shakers"), needs_force=needs_force),
         *_reference_problems(content, points, channels),
@@ -191,7 +191,7 @@ def _force_channel_problems(
     if not problems and forces and all(name in named for name in forces):
         problems.append(
             Problem(
-                "shakers", f"all force channels, {forces}", "one channel of quantity force left for the first shaker"
+                "shakers", f"all force channels, {forces}", "one force channel without a shaker, for the first shaker"
             )
         )
     return problems
@@ -200,7 +200,9 @@ def _force_channel_problems(
 def _repeated_of_shakers(field: str, values: Sequence[str | float | None]) -> list[Problem]:
     """Values of the first shaker and of those listed that occur twice; None: not known."""
     return [
-        Problem(f"shakers[{place - 1}].{field}", f"found {value_in_message(value)}, as of another shaker", "each once")
+        Problem(
+            f"shakers[{place - 1}].{field}", f"found {value_in_message(value)}, which another shaker has", "each once"
+        )
         for place, value in enumerate(values)
         if value is not None and values.index(value) < place
     ]

@@ -40,7 +40,7 @@ class Settings(BaseSettings):
         scheduler_cert: this machine's certificate.
         scheduler_key: its key.
         jobs: whether this service computes jobs; if not, they wait for one that does on the same database.
-        workers: processes that compute jobs on this machine; none: one less than there are processors.
+        workers: number of processes that compute jobs on this machine; none: one less than there are processors.
         heartbeat_timeout_s: when the REST process is there and gives no sign of life for so long, what is driven is
             stopped; when it ends, at once. On a machine so busy that nobody gets to listen it may be up to five times
             as long.

@@ -94,8 +94,8 @@ def _unjoined_setups(plan: ImpactPlan, standing: Sequence[frozenset[int]]) -> li
     """Neighbouring set-ups that share neither a sensor's point nor, by reciprocity, two struck points."""
     struck = frozenset(plan.points)
     return [
-        f"setups: nothing joins {plan.setups[n].name} and {plan.setups[n + 1].name}; allowed: a sensor at one and the"
-        " same point in both, or in each a sensor at a point that is struck"
+        f"setups: no common point joins {plan.setups[n].name} and {plan.setups[n + 1].name}; allowed: a sensor at "
+        "the same point in both, or in each a sensor at a struck point"
         for n, (here, there) in enumerate(pairwise(standing))
         if not (here & there or (here & struck and there & struck))
     ]

@@ -34,30 +34,30 @@ class ImportOption:
 
 
 ASKED: dict[str, ImportOption] = {
-    "test": ImportOption("what the recordings are of (default: impact; random if no force was measured)", "test"),
+    "test": ImportOption("kind of test (default: impact; random if no force was measured)", "test"),
     "rate_hz": ImportOption("sampling rate, for files without times", "number", "rate", "HZ"),
     "drive_point": ImportOption("point of the hit or of the shaker", "count", metavar="N"),
-    "frequency_hz": ImportOption("of the sine in each file, or in all", "number", "frequency", "HZ", each=True),
-    "window_s": ImportOption(
-        "time constant of the exponential window that FRFs were made with", "number", "window", "S", frfs=True
+    "frequency_hz": ImportOption(
+        "frequency of the sine in each file, or in all files", "number", "frequency", "HZ", each=True
     ),
+    "window_s": ImportOption("time constant of the exponential window of the FRFs", "number", "window", "S", frfs=True),
     "variables": ImportOption(
-        "what the file calls a channel (NAME:2 the second column of an array), or time, rate, frequency, frf, "
+        "name of a channel in the file (NAME:2 the second column of an array), or of time, rate, frequency, frf, "
         "coherence, all",
         called="variable",
         metavar="CHANNEL=NAME",
         several=True,
     ),
     "columns": ImportOption(
-        "of a table without a header, or instead of it: time,force:N,a01:m/s^2; one without a name is left out",
+        "columns of a table without a header, or to replace it: time,force:N,a01:m/s^2; an empty name is left out",
         metavar="NAME:UNIT,...",
     ),
-    "channels": ImportOption("take only these channels (default: all)", several=True),
-    "ignore": ImportOption("leave these channels out", several=True),
-    "level": ImportOption("what the structure was driven at in each file, or in all", each=True),
-    "set_up": ImportOption("the set-up of the sensors that the files are of"),
-    "array_map": ImportOption("which variable of a MATLAB file is what", "map", "map", "MAP.yaml"),
-    "group": ImportOption("which group of a TDMS file to read (default: all that fit)"),
-    "volts": ImportOption("numbers without a unit are volts", "switch"),
+    "channels": ImportOption("channels to import (default: all)", several=True),
+    "ignore": ImportOption("channels to leave out", several=True),
+    "level": ImportOption("drive level of each file, or of all", each=True),
+    "set_up": ImportOption("name of the files' set-up of sensors"),
+    "array_map": ImportOption("map of the variables of a MATLAB file", "map", "map", "MAP.yaml"),
+    "group": ImportOption("group of a TDMS file to read (default: all that fit)"),
+    "volts": ImportOption("take numbers without a unit as volts", "switch"),
 }
 """By field of `ImportOptions`."""

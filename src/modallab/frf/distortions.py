@@ -108,7 +108,7 @@ def _require_several(waves: Sequence[NDArray[np.int64]]) -> None:
     if len(waves) < 2 or min(map(len, waves)) < 2:
         raise DataError(
             f"there are {len(waves)} different waves, of {min(map(len, waves))} periods at least",
-            remedy="play several pseudo-random waves with different seeds, two blocks of each or more",
+            remedy="drive several pseudo-random waves with different seeds, at least two blocks of each",
         )
 
 

@@ -135,8 +135,8 @@ def check_followed(frf: Frf) -> None:
     share = float(np.mean(clear.any(axis=(0, 1))))
     if share < LEAST_CLEAR:
         raise DataError(
-            f"the responses do not follow the force: at {100 * share:.0f} % of the lines only the FRF stands out of "
-            "its noise",
+            f"the responses do not follow the force: at {100 * share:.0f} % of the lines the FRF alone exceeds its "
+            "noise",
             remedy="check that the drive was on and the force channel is the force; without a force, identify the "
             "responses alone (--response-only)",
         )

@@ -140,7 +140,7 @@ def _spectra_of_waves(signals: Sequence[Signals], driven: NDArray[np.int64]) -> 
     if len(waves) < 2:
         raise DataError(
             f"there are {len(waves)} different waves of two periods or more",
-            remedy="play four waves or more, two blocks of each or more",
+            remedy="drive at least four waves, with at least two blocks each",
         )
     held = np.stack([_usable_waves(np.abs(force[w].mean(axis=0)) ** 2) for w in waves])
     # What the force holds where it should hold nothing, by a shaker that distorts itself, the structure answers too.

@@ -37,7 +37,7 @@ def without_mass(frf: Frf, mass_kg: Sequence[float]) -> Frf:
         if mass > 0:
             factor[k] = 1 - mass * inertance.values[_driving_index(frf.output_points, point), k]
     if np.any(factor == 0):
-        raise DataError("the masses take all of the force at some line", remedy="check the masses, in kg")
+        raise DataError("at some line the masses need the whole force", remedy="check the masses, in kg")
     cleared = replace(
         inertance,
         values=inertance.values / factor,
@@ -56,6 +56,6 @@ def _driving_index(points: Sequence[int | None], point: int | None) -> int:
     if point is None or point not in points:
         raise DataError(
             f"no sensor stands at the driven point {'(unknown)' if point is None else point}",
-            remedy="put one there: only its acceleration says what force the mass takes",
+            remedy="put a sensor there: its acceleration gives the force on the mass",
         )
     return list(points).index(point)

@@ -69,7 +69,7 @@ class RunningFrf:
         chosen = self.points if points is None else points
         missing = [point for point in chosen if point not in self._sums]
         if missing or not chosen:
-            raise DataError(f"no hit at point {missing or 'any'} counts yet", remedy="wait for the first good hit")
+            raise DataError(f"no hit at point {missing or 'any'} is accepted yet", remedy="wait for the first good hit")
         check_averages(estimator, [self._sums[point].averages for point in chosen], "hits")
         found = [self._sums[point].frf(estimator) for point in chosen]
         size, rate_hz = self._shape

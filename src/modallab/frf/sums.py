@@ -101,7 +101,7 @@ def check_averages(estimator: Estimator, averages: Sequence[int], what: str) -> 
     """
     if estimator != "H1" and min(averages) < 2:
         raise DataError(
-            f"{estimator} asks for several {what} of each input, and there is one: of one it is H1",
+            f"{estimator} asks for several {what} of each input, and there is one: for one it equals H1",
             remedy=f"record more {what}, or use H1",
         )
 

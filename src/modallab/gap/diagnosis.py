@@ -52,11 +52,11 @@ def diagnose(
     with part_of_progress(0.06, 0.7, "search"):
         search = search_explanation(ready.bench, ready.prepared, ready.matters, ready.unseen, ready.held)
     choice = search.choice
-    report_progress(0.7, "where the gap lies and what it is made of")
+    report_progress(0.7, "location and budget of the gap")
     report_progress(0.72, "location")
     location = None if choice.flat else locate_gap(ready.bench, ready.prepared, choice.base)
     effects = _effects_on_records(ready, choice)
-    with part_of_progress(0.8, 0.96, "what it behaves like"):
+    with part_of_progress(0.8, 0.96, "description of an unnamed cause"):
         described = describe(
             ready.bench, ready.prepared, choice, location, ready.everything, ready.unseen, ready.held, search.behaves
         )

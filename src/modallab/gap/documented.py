@@ -36,11 +36,9 @@ from modallab.gap.search.intervals import intervals
 from modallab.twin.bench import Twin
 
 SEED = 20240501
-USUAL = "The rig file states no tolerances: a lab's usual ones stand for them; the budget lists them."
-TOLERATED = "No effect explains the remaining {} of the response on held-out records; the rig file tolerates them."
-LOOSE_ASSEMBLY = (
-    "Together, the deviations of the parameters are improbable under the rig's tolerances; no single one is."
-)
+USUAL = "The rig file states no tolerances: those of an ordinary lab are used; the budget lists them."
+TOLERATED = "No effect explains the remaining {} of the response on held-out records; the rig file tolerates this."
+LOOSE_ASSEMBLY = "Each parameter is within its tolerance, but all deviations together are improbable."
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -126,13 +124,14 @@ def _diagnosis_notes(ready: SearchInput, choice: Choice, shows: list[Found], non
         *([] if choice.tolerated is None else [TOLERATED.format(choice.tolerated)]),
         *([LOOSE_ASSEMBLY] if choice.flat and not within_tolerances(choice.base) else []),
         *(
-            f"Does no harm: {f.effect.replace('_', ' ')}, {percent_text(noise_share_of_response(prepared, f))} of "
+            f"Without consequence: {f.effect.replace('_', ' ')}, "
+            f"{percent_text(noise_share_of_response(prepared, f))} of "
             "the response."
             for f in shows
             if is_harmless(prepared, f)
         ),
         *(
-            f"As the rig's revisions know: {f.effect.replace('_', ' ')}."
+            f"Already in the rig's revisions: {f.effect.replace('_', ' ')}."
             for f in shows
             if is_in_revisions(f, prepared.campaign.rig)
         ),

@@ -48,8 +48,8 @@ def search_explanation(
     Args:
         bench: what to search.
         prepared: the campaign.
-        matters: records that no fit has seen, where what does not matter there is no gap; None if all matters.
-        unseen: records that no fit has seen.
+        matters: held-out records, where what does not matter there is no gap; None if all matters.
+        unseen: held-out records.
         held: their names.
     """
     view, found = without_effects(bench)

@@ -58,9 +58,7 @@ class Attempt:
         payload = self._kind.load(dict(job.parameters), job.inputs)
         # Looked at last: what changes from here on is not in the payload.
         if job.revision and self._kind.revision(job.inputs) != job.revision:
-            raise JobError(
-                "the blocks that count have changed since it was ordered", where=job.id, remedy="order it again"
-            )
+            raise JobError("the valid blocks have changed since the order", where=job.id, remedy="order it again")
         return payload
 
     def abandon(self) -> None:
@@ -109,11 +107,11 @@ class Attempt:
     def _without_result(self, error: BaseException | None) -> None:
         # Of a job that was cancelled the fence has moved on, and none of these changes anything.
         if self._client.status != "running":
-            self._give_back("the scheduler was lost", counts=True)
+            self._give_back("the scheduler ended", counts=True)
         elif self._abandoned.is_set():
             self._give_back("the runner was stopped", counts=False)
         elif self.late:
-            self._fail(f"it took longer than {self._kind.limit_s:g} s, and was stopped")
+            self._fail(f"the job exceeded {self._kind.limit_s:g} s, and was stopped")
         else:
             self._give_back(f"a worker was lost ({error})", counts=True)
 

@@ -43,9 +43,7 @@ class TlsFiles:
         names = {"ca_file": self.ca, "client_cert": self.cert, "client_key": self.key}
         missing = [str(path) for path in names.values() if not path.is_file()]
         if missing:
-            raise JobError(
-                f"no such certificate file: {', '.join(missing)}", where="TLS", remedy="name the files you made"
-            )
+            raise JobError(f"no such certificate file: {', '.join(missing)}", where="TLS", remedy="name existing files")
         files: dict[str, Any] = {f"tls_{name}": str(path) for name, path in names.items()}
         return Security(require_encryption=True, **files)
 
@@ -65,7 +63,7 @@ def check_address(scheduler: str, tls: TlsFiles | None) -> None:
         raise JobError(f"{scheduler!r} is no address of a scheduler", where="scheduler", remedy="as tls://machine:8786")
     if parts.scheme == "tcp" and not _is_loopback(parts.hostname or ""):
         raise JobError(
-            f"{scheduler} is another machine, and tcp:// is neither encrypted nor asks who is there",
+            f"{scheduler} is another machine, and tcp:// has neither encryption nor authentication",
             where="scheduler",
             remedy="start scheduler and workers with certificates, and use tls://",
         )
@@ -109,7 +107,7 @@ def ask_in_loop(
     try:
         while not asked.done():
             if not alive():
-                raise SchedulerLostError("the scheduler ended while it was asked")
+                raise SchedulerLostError("the scheduler ended during a request")
             if time.monotonic() > end:
                 raise SchedulerLostError(f"the scheduler has not answered for {patience_s:g} s")
             try:

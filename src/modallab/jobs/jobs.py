@@ -91,7 +91,11 @@ class Jobs:
         )
         with database_errors(self.engine), self.engine.begin() as connection:
             idle = [row.id for row in connection.execute(waiting) if set(row.inputs) <= set(newer.inputs)]
-            ended = {"state": "cancelled", "ended_utc": utc_now(), "error": f"job {newer.id} does it with more runs"}
+            ended = {
+                "state": "cancelled",
+                "ended_utc": utc_now(),
+                "error": f"job {newer.id} replaces this job, with more runs",
+            }
             mine = JOBS.c.id.in_(idle), JOBS.c.state == "queued", JOBS.c.priority == AUTOMATIC
             return connection.execute(update(JOBS).where(*mine).values(ended)).rowcount
 
@@ -117,7 +121,7 @@ class Jobs:
         with self._reading() as connection:
             automatic = connection.scalar(urgent) == AUTOMATIC
         newer = self.submit(job.kind, dict(job.parameters), job.inputs, revision, automatic=automatic)
-        self.cancel(job.id, f"the blocks that count have changed: job {newer.id} does it with those that do now")
+        self.cancel(job.id, f"the valid blocks have changed: job {newer.id} uses the present ones")
         return newer
 
     def get(self, job: str) -> Job:
@@ -214,7 +218,7 @@ class Jobs:
 
     def _lost(self, key: str) -> Job:
         # Another's job of this key failed between our two looks: once more, it is free now.
-        raise JobError(f"the job of key {key[:12]} ended while it was ordered", remedy="order it again")
+        raise JobError(f"the job of key {key[:12]} ended during the order", remedy="order it again")
 
     @contextmanager
     def _reading(self) -> Generator[Connection]:
@@ -236,11 +240,11 @@ def _kind_name(kind: str) -> str:
 
 def _limited(limit: int) -> int:
     if limit < 1:
-        raise JobError(f"a page of {limit} jobs was asked for", where="limit", remedy="ask for at least 1")
+        raise JobError(f"a page of {limit} jobs was requested", where="limit", remedy="ask for at least 1")
     return limit
 
 
 def _place_of_cursor(cursor: str) -> int:
     if not (cursor.isascii() and cursor.isdigit() and len(cursor) < 19):
-        raise JobError(f"{cursor!r} is no cursor", where="cursor", remedy="use the one of the page before")
+        raise JobError(f"{cursor!r} is no cursor", where="cursor", remedy="use the cursor of the previous page")
     return int(cursor)

@@ -151,7 +151,7 @@ class Leases:
         if row["kind"] not in kinds:
             error = f"no kind {row['kind']!r} is registered; there are {', '.join(sorted(kinds))}"
         elif attempts > MAX_ATTEMPTS:
-            error = _gave_up(row["attempts"], "its runner ended without a word")
+            error = _gave_up(row["attempts"], "its runner ended without notice")
         if error is not None:
             values = {"state": "failed", "error": error, "ended_utc": utc_now(), "fence": fence, "owner": ""}
         else:
@@ -185,5 +185,5 @@ def _is_free(timed_out: Mapping[str, Mark]) -> Any:
 def _gave_up(attempts: int, why: str) -> str:
     return (
         f"given up after {attempts} attempts, the last one because {why}\n"
-        "  what to do: look at the memory and the logs of the machines that compute, then order the job again"
+        "  what to do: check memory and logs of the computing machines, then order the job again"
     )

@@ -91,7 +91,7 @@ class SchedulerProcess(ProcessInterface):
                 raise TimeoutError(f"the scheduler gave no address within {START_S:g} s")
             return self._connection.recv()
         except EOFError as error:
-            raise OSError("the scheduler ended before it gave its address") from error
+            raise OSError("the scheduler ended before it reported its address") from error
 
 
 def run_scheduler(connection: Connection, settings: Mapping[str, Any]) -> None:

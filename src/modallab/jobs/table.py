@@ -113,17 +113,17 @@ def database_errors(engine: Engine) -> Generator[None]:
             isinstance(error, OperationalError | InterfaceError) or getattr(error, "connection_invalidated", False)
         ) and engine.dialect.name != "sqlite":
             raise DatabaseLostError(
-                "the database cannot be reached", where=where, remedy="look at its server, and ask again"
+                "the database cannot be reached", where=where, remedy="check the database server, and try again"
             ) from error
         # The driver's words hold SQL and values: they are for the log.
         LOG.warning("%s: %s", where, error.orig if isinstance(error, DBAPIError) else error)
         raise StorageError(
             "the table of jobs cannot be used",
             where=where,
-            remedy="look at the database and its disk; the log says more",
+            remedy="check the database and its disk; see the log",
         ) from error
     except ValueError as error:
-        LOG.warning("a job that cannot be read", exc_info=error)
+        LOG.warning("an unreadable job", exc_info=error)
         raise RowDamagedError(
             f"a row of the table of jobs cannot be read: {type(error).__name__}",
             where=engine.url.render_as_string(hide_password=True),

@@ -31,7 +31,7 @@ from modallab.reporting.structure_report import StructureGap, write_structure_re
 from modallab.reporting.waiting import waiting_line
 
 Reference = Model | Recording | MeasuredFrf | Path | str
-"""What a structure is compared with: its modal model, what was measured before, or a finite-element model's file."""
+"""What a structure is compared with: its modal model, the earlier measurement, or a finite-element model's file."""
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -149,8 +149,8 @@ def diagnose(
     if reference is not None:
         if hold_out != "mixed" or keep is not None:
             raise DataError(
-                "a comparison with a reference holds nothing out and keeps no file",
-                remedy="leave `hold_out` and `keep` out; `.save(path)` writes what was found",
+                "a comparison with a reference has no held-out records and no file",
+                remedy="leave `hold_out` and `keep` out; `.save(path)` writes the result",
             )
         return _compare_reference(campaign, reference, band_of(band), progress)
     if band is not None:
@@ -190,7 +190,7 @@ def _campaign_against(campaign: Campaign, reference: Reference, band_hz: Band) -
     if isinstance(reference, Model):
         return gap_of(campaign, reference.modal, band_hz=band_hz)
     before = campaign_in(reference)
-    return gap_of(campaign, model_to_compare(before, band_hz), "what was measured before", before, band_hz)
+    return gap_of(campaign, model_to_compare(before, band_hz), "the earlier measurement", before, band_hz)
 
 
 def _keep_diagnosis(path: Path, campaign: Campaign) -> Diagnosis:
@@ -200,8 +200,8 @@ def _keep_diagnosis(path: Path, campaign: Campaign) -> Diagnosis:
     known = all(any(name.startswith(record) for name in names) for record in diagnosis.gap.by_record)
     if diagnosis.rig != campaign.rig.name or not known:
         raise FormatError(
-            f"is a diagnosis of other records, on {diagnosis.rig}",
+            f"is a diagnosis of different records, on {diagnosis.rig}",
             where=str(path),
-            remedy="name another file, or delete this one to diagnose again",
+            remedy="name another file, or delete this file to diagnose again",
         )
     return diagnosis

@@ -73,7 +73,7 @@ def identify(
     except IdentificationError as error:
         if any(phase_rises(frf) for frf in campaign.frfs):
             raise IdentificationError(
-                f"{error.what}; and the phase of H rises through its peaks, as it never does for exp(+i omega t)",
+                f"{error.what}; and the phase of H rises through its peaks, which is wrong for exp(+i omega t)",
                 remedy="give H.conj()",
             ) from error
         raise

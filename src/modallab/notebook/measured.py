@@ -91,19 +91,19 @@ def frf(
     """
     lines, given = np.atleast_1d(_numbers(f, "f")), _numbers(H, "H")
     if lines.ndim > 1:
-        raise DataError(f"f has the shape {lines.shape}", remedy="give it as (lines,), such as f.ravel()")
+        raise DataError(f"f has the shape {lines.shape}", remedy="give f with shape (lines,), such as f.ravel()")
     values = _outputs_inputs_lines(given, lines)
     if quantity not in DERIVATIVES:
         raise DataError(f"no FRF is called {quantity!r}", remedy=f"use one of {', '.join(DERIVATIVES)}")
     if not np.iscomplexobj(given):
-        raise DataError("the FRFs are real numbers: without a phase there is no mode to find", remedy="give H complex")
+        raise DataError("the FRFs are real numbers: modes cannot be found without the phase", remedy="give H complex")
     if not lines.size or not np.isfinite(lines).all() or (np.diff(lines) <= 0).any() or lines[0] < 0:
         raise DataError("the frequencies do not ascend from 0 on", where="f", remedy="sort f and H by frequency")
     if not np.isfinite(values).all():
         found = int(np.count_nonzero(~np.isfinite(values)))
         raise DataError(
             f"H holds {found} values that are not finite",
-            remedy="leave these lines out of f and H; of H a channel that holds nothing else",
+            remedy="leave these lines out of f and H, or leave out a channel without finite values",
         )
     to = _points_of(outputs, values.shape[0], "outputs") or tuple(range(1, values.shape[0] + 1))
     of = _points_of([inputs] if isinstance(inputs, int) else inputs, values.shape[1], "inputs")

@@ -98,7 +98,7 @@ class ModelUses:
         """
         if isinstance(force, BaseModel):
             if seconds is None:
-                raise DataError("how long the force lasts is not said", remedy="give seconds=10")
+                raise DataError("the duration of the force is missing", remedy="give seconds=10")
             force = force_samples(force, dt, max(2, round(seconds / dt)))
         asked = None if of is None else _list_of_places(of)
         return PredictedMotion.of(self.known, force, dt, _list_of_places(at), asked, quantity, between, start)
@@ -106,7 +106,7 @@ class ModelUses:
     def state_space(
         self, at: At | Sequence[At], of: Sequence[At] | None = None, quantity: Quantity = "acceleration"
     ) -> StateSpaceModel:
-        """Matrices A, B, C, D from forces in N to motions, without what lies outside the band.
+        """Matrices A, B, C, D from forces in N to motions, without residual terms.
 
         Args:
             at: point of the force, or a list of points.

@@ -119,11 +119,9 @@ def _campaign_paths(path: object) -> list[Path]:
 
 def _require_file(path: Path) -> None:
     if not path.exists():
-        raise FormatError("does not exist", where=str(path), remedy=f"look for it in {path.absolute().parent}")
+        raise FormatError("does not exist", where=str(path), remedy=f"look for the file in {path.absolute().parent}")
     if path.suffix in (".json", ".html"):
-        raise FormatError(
-            "is no recording", where=str(path), remedy="give the recordings themselves, such as campaign.h5"
-        )
+        raise FormatError("is no recording", where=str(path), remedy="give a file of recordings, such as campaign.h5")
 
 
 def responses(

@@ -51,7 +51,7 @@ def simulate(
         BenchError: the recording ended early.
     """
     if structure != "link":
-        raise ConfigurationError(f"no structure is called {structure!r}", remedy='give "link", the only one there is')
+        raise ConfigurationError(f"no structure is called {structure!r}", remedy='give "link", the only structure')
     plans, rig = plans_of(plan) or list(demo_plans()), demo_rig()
     url = simulated_bench(rig, seed, _effects_as_texts(effect), tolerances)
     with (
@@ -87,7 +87,7 @@ def _effect_as_text(effect: object) -> str:
             return ",".join([name, *(f"{k}={v}" for k, v in cast("Numbers", numbers).items())])
         case _:
             raise ConfigurationError(
-                f"{effect!r} is no effect", remedy='give {"added_mass": {"mass": 0.05, "x": 0.8}}, or it as one text'
+                f"{effect!r} is no effect", remedy='give {"added_mass": {"mass": 0.05, "x": 0.8}}, or one text'
             )
 
 
@@ -107,7 +107,9 @@ def _record_in_process(folder: Path) -> None:
     if (folder / "error.pickle").exists():
         raise cast("ModallabError", pickle.loads((folder / "error.pickle").read_bytes()))
     if code:
-        raise BenchError(f"the recording ended with code {code}", remedy="try again; if it stays, run modallab demo")
+        raise BenchError(
+            f"the recording ended with code {code}", remedy="try again; if this error repeats, run modallab demo"
+        )
 
 
 def _end_process(child: subprocess.Popen[str]) -> None:

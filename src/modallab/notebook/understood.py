@@ -35,7 +35,7 @@ class DeflectionShape(DisplayedResult[Deflection]):
         return self._drawing().figure
 
     def save(self, path: str | Path) -> Path:
-        """Write a picture that moves (.gif); returns the path.
+        """Write file of a moving picture (.gif); returns the path.
 
         Raises:
             StorageError: the name ends otherwise, or the file cannot be written.

@@ -100,7 +100,7 @@ def assess_sine(model: ModalModel, fit: LikelihoodFit, signals: Sequence[Signals
     """Verdicts on the sine blocks: level against level, and the driving point."""
     judges: list[Judge] = [
         ("linearity", lambda: linearity(*_frfs_by_level(signals, rig))),
-        ("time invariance", _not_in_this_test("every frequency is driven once at a level")),
+        ("time invariance", _not_in_this_test("every frequency is driven only once at each level")),
         ("reciprocity", _not_in_this_test("a sine test drives one point")),
         ("driving point", lambda: driving_point(_frf_along_drive(stepped_frf(signals, rig), rig))),
     ]
@@ -158,8 +158,8 @@ def _frf_along_drive(frf: Frf, rig: Rig) -> Frf:
 def assess_frf(model: ModalModel, fit: LikelihoodFit, frf: Frf) -> ModelAssessment:
     """Verdicts on FRFs that came as such."""
     judges: list[Judge] = [
-        ("linearity", _not_in_this_test("the FRFs are of one level")),
-        ("time invariance", _not_in_this_test("the FRFs are of one time")),
+        ("linearity", _not_in_this_test("the FRFs have only one level")),
+        ("time invariance", _not_in_this_test("the FRFs have no time order")),
         ("reciprocity", lambda: reciprocity(frf)),
         ("driving point", lambda: driving_point(frf)),
     ]
@@ -202,7 +202,7 @@ def _softest_and_hardest(groups: Groups) -> tuple[Groups, Groups]:
     levels = group_by_strength(groups)
     if not levels:
         found = f"no two hits at one point differ by more than {FORCE_RATIO:g} in force"
-        raise DataError(found, remedy="hit softly and hard")
+        raise DataError(found, remedy="add soft and hard hits")
     return levels[0][1], levels[-1][1]
 
 
@@ -231,6 +231,8 @@ def _frfs_by_level(signals: Sequence[Signals], rig: Rig) -> tuple[Frf, Frf]:
     by_level = [{s.block.frequency_hz: s for s in signals if s.block.level == level} for level in levels]
     shared = sorted(f for f in by_level[0] if f is not None and f in by_level[1])
     if len(shared) < 4:
-        raise DataError(f"{len(shared)} frequencies were driven at both levels", remedy="drive the same at both")
+        raise DataError(
+            f"{len(shared)} frequencies were driven at both levels", remedy="drive the same frequencies at both levels"
+        )
     one, other = (stepped_frf([of[f] for f in shared], rig) for of in by_level)
     return one, replace(other, frequency_hz=one.frequency_hz)

@@ -94,7 +94,7 @@ def identify_campaign(
         raise failed[0].error
     if not found:
         raise DataError(
-            "there is no block to identify" if test is None else f"there is no block of a {test} test",
+            "the campaign has no blocks" if test is None else f"there is no block of a {test} test",
             where=campaign.source,
             remedy="check that the campaign holds records of a test",
         )
@@ -210,7 +210,7 @@ def _model_of_hits(
 
 
 def _identify_sine(campaign: Campaign, blocks: tuple[Block, ...], options: IdentificationOptions) -> IdentifiedTest:
-    _require_averaged(options, "a sine's FRF is the ratio of two fitted amplitudes")
+    _require_averaged(options, "an FRF of sines is the ratio of two fitted amplitudes")
     signals, rig, notes = usable_blocks(campaign, blocks)
     own_model = options.own_model
     if own_model is not None:
@@ -254,7 +254,7 @@ def _model_of_drive(
 
 
 def _identify_frf(campaign: Campaign, index: int, options: IdentificationOptions) -> IdentifiedTest:
-    _require_averaged(options, "these FRFs are made already")
+    _require_averaged(options, "the FRFs were imported")
     frf = campaign.frfs[index]
     own_model = options.own_model
     if own_model is not None:
@@ -266,4 +266,4 @@ def _identify_frf(campaign: Campaign, index: int, options: IdentificationOptions
 
 def _require_averaged(options: IdentificationOptions, why: str) -> None:
     if options.frf != "H1":
-        raise DataError(f"there is no {options.frf} to be had: {why}", remedy="leave the kind of FRF out, or give H1")
+        raise DataError(f"{options.frf} is not available: {why}", remedy="leave the kind of FRF out, or give H1")

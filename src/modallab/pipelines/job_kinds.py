@@ -187,7 +187,7 @@ def _diagnose_by_model(
     with report_progress_to(notify), part_of_progress(0.0, 0.4):
         reference = model_to_compare(before, band_hz)
     with report_progress_to(notify), part_of_progress(0.4, 0.95):
-        gap = gap_of(campaign, reference, f"a campaign from before, {before.source}", band_hz=band_hz)
+        gap = gap_of(campaign, reference, f"an earlier campaign, {before.source}", band_hz=band_hz)
     notify(0.95, "figures")
     return ComputationResult(json.loads(gap.diagnosis.model_dump_json()), {"gap.html": render(gap).encode()})
 

@@ -105,7 +105,7 @@ def model_of_weakest_level(
         return pooled
     if not is_nonlinear(found.backbone).any():
         return pooled
-    weakest = f"Frequencies go with the level: the model is of the weakest, {levels[0].name}."
+    weakest = f"Frequencies depend on the level: the model is that of the weakest level, {levels[0].name}."
     notes = (*weak.model.notes, *level_notes(found.backbone, weak.model), weakest)
     model = weak.model.model_copy(update={"backbone": found.backbone, "notes": notes})
     assessment = weak.assessment if pooled is None else _with_linearity(weak.assessment, pooled.assessment)

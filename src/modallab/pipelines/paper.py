@@ -159,18 +159,18 @@ def _modes_in_words(modes: list[PaperMode], listed: list[BeamForTable], apart: f
         f"{_range_in_words(*first.plain)} in such a block without a window, and "
         f"{_range_in_words(*first.hann)} under a Hann window. As a "
         f"relative width it is a damping ratio of {percent_text(first.as_width, 3)}, as a damping ratio it is what the "
-        "window leaves: either way it is the block, not the beam.",
+        "window leaves: both are the block, not the beam.",
         f"Of mode 2's {percent_text(second.printed_damping, 3)} and mode 3's "
         f"{percent_text(third.printed_damping, 3)} the block "
         f"alone makes {percent_text(second.plain[0])} and {percent_text(third.plain[0])}, under a Hann window "
-        f"{percent_text(second.hann[0])} and {percent_text(third.hann[0])}: the rest may be the beam's.",
+        f"{percent_text(second.hann[0])} and {percent_text(third.hann[0])}: the rest may be that of the beam.",
         f"The frequencies' ratios are not those of an ideal clamp. A root spring of {spring.best:.3g} EI/L and a tip "
         f"mass of 1/{1 / (mass.best or 1):.0f} of the beam fit equally: their frequencies differ by {apart:.2g} Hz at "
         f"most, {apart / LINE_HZ:.2g} of a line. Frequencies alone cannot decide; shapes and residues can.",
     ]
     if rigid.worst_lines <= 0.5:
         said.append(
-            f"Nor can such lines exclude the ideal clamp: with EI over rho A free it stays within "
+            f"Such lines cannot exclude the ideal clamp either: with EI over rho A free, its frequencies are within "
             f"{rigid.worst_lines:.2f} of a line of all three."
         )
     return said + [

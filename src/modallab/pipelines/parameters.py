@@ -138,7 +138,7 @@ class DiagnoseParameters(Frozen):
     @model_validator(mode="after")
     def _check_band(self) -> Self:
         if self.band_hz is not None and not self.reference:
-            raise PydanticCustomError("band_hz", "band_hz has no effect without reference")
+            raise PydanticCustomError("band_hz", "band_hz needs a reference")
         return self
 
     def parted(self, inputs: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -150,8 +150,8 @@ class DiagnoseParameters(Frozen):
         foreign = [run for run in self.reference if run not in inputs]
         today = tuple(run for run in inputs if run not in self.reference)
         if foreign or not today:
-            found = f"{foreign[0]!r} is not among the runs" if foreign else "all runs are from before"
-            raise JobError(found, where="reference", remedy="name runs of today and from before in `runs`")
+            found = f"{foreign[0]!r} is not among the runs" if foreign else "all runs are earlier ones"
+            raise JobError(found, where="reference", remedy="name present and earlier runs in `runs`")
         return today, self.reference
 
 

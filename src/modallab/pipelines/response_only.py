@@ -27,7 +27,8 @@ LEAST_PERIODS = 100.0
 TOP = 0.4
 """Of the rate, the upper edge by itself: up to there the chain's anti-alias filters are flat."""
 NO_FORCE = (
-    "From the responses alone: a force that excites all modes alike is assumed. Shapes are unscaled, and modal masses "
+    "Identified from the responses alone, for a force that excites all modes alike. Shapes are unscaled, and modal "
+    "masses "
     "are not known."
 )
 
@@ -58,8 +59,8 @@ def identify_chosen(
         return identify_campaign(campaign, options, test)
     if replace(options, band_hz=None) != IdentificationOptions():
         raise IdentificationError(
-            "of the options of an identification, only the band goes with the responses alone",
-            remedy="leave out method, order, refine, the kind of FRF, and what is to be picked or dropped",
+            "of the options of an identification, only the band applies to the responses alone",
+            remedy="leave out method, order, refine, the kind of FRF, and picked or dropped modes",
         )
     return identify_responses(campaign, test, options.band_hz, method)
 
@@ -103,7 +104,7 @@ def response_records(campaign: Campaign, test: Test | None) -> tuple[list[Real],
         raise DataError(
             f"there are records of {', '.join(tests) or 'no'} tests",
             where=campaign.source,
-            remedy="name the one whose responses are to be identified with --test",
+            remedy="name the test to identify with --test",
         )
     clean, rig, left_out = undamaged_records(campaign, blocks, {channel.name for channel in campaign.rig.forces})
     signals = to_signals_of(clean, rig)

@@ -1,4 +1,4 @@
-"""Identifies several set-ups of responses alone, and joins them by the sensors that stay."""
+"""Identifies several set-ups of responses alone, and joins them by the fixed sensors."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -53,7 +53,7 @@ def identify_response_setups(
 
     Args:
         campaigns: one a set-up, each with the rig as its sensors stood then.
-        options: of which only the band goes with the responses alone.
+        options: of which only the band applies to the responses alone.
         test: only this test's records.
         method: how modes are found.
 
@@ -62,11 +62,11 @@ def identify_response_setups(
         IdentificationError: a set-up has no mode, no mode is in most of them, or options that have no place here.
     """
     if len(campaigns) < 2:
-        raise DataError(f"{len(campaigns)} set-up is nothing to join", remedy="name at least two")
+        raise DataError(f"{len(campaigns)} set-up cannot be joined", remedy="name at least two")
     if replace(options, band_hz=None) != IdentificationOptions():
         raise IdentificationError(
-            "of the options of an identification, only the band goes with the responses alone",
-            remedy="leave out method, order, refine, and what is to be picked or dropped",
+            "of the options of an identification, only the band applies to the responses alone",
+            remedy="leave out method, order, refine, and picked or dropped modes",
         )
     require_distinct(campaigns)
     names = setup_names(campaigns)
@@ -98,7 +98,7 @@ def identify_response_setups(
 def _freedom_of_channel(channel: Channel, rig: Rig) -> Freedom:
     if channel.point is None:
         raise DataError(
-            f"channel {channel.name} has no point: set-ups are joined by the points of sensors that stay",
+            f"channel {channel.name} has no point: set-ups are joined by the points of fixed sensors",
             where=rig.name,
             remedy="give every response its point in the rig file",
         )
@@ -173,7 +173,7 @@ def _joined_model(
             "operating_shape_sigma": joined.shape_sigma,
             "notes": (
                 *dict.fromkeys(note for m in models for note in m.notes),
-                f"Joined from the set-ups {', '.join(item.name for item in read)} by the sensors that stay.",
+                f"Joined from the set-ups {', '.join(item.name for item in read)} by the fixed sensors.",
                 *_lacking_modes_note(joined, read),
                 *_left_out_note(models, joined, read),
                 *_differing_setups_note(joined, read),
@@ -188,7 +188,7 @@ def _lacking_modes_note(joined: JoinedResponses, read: Sequence[SetUpReading]) -
         if lacking:
             yield (
                 f"mode {r + 1} ({joined.frequency[0, r]:.4g} Hz) was not found in set-up {', '.join(lacking)} by "
-                "itself; its shape there is what the records hold at that frequency and damping"
+                "itself; its shape there was fitted at that frequency and damping"
             )
 
 
@@ -209,7 +209,7 @@ def _differing_setups_note(joined: JoinedResponses, read: Sequence[SetUpReading]
             r = int(np.argmax(away))
             side = "higher" if item.frequency_hz[r] > joined.frequency[0, r] else "lower"
             yield (
-                f"set-up {item.name} is off: mode {r + 1} is {100 * away[r]:.2g} % {side} than in the middle of the "
+                f"set-up {item.name} is off: mode {r + 1} is {100 * away[r]:.2g} % {side} than in the median of the "
                 "set-ups, by more than its sigma explains. The scatter between set-ups is in the sigmas."
             )
 

@@ -52,13 +52,13 @@ def import_results(path: Path, out: Path) -> tuple[str, ...]:
         f"geometry and shapes: {out.with_suffix('.json')}",
     ]
     if found.forced:
-        report.append(f"note: {found.forced} sets hold deflections under a load, which are no modes, and are left out")
+        report.append(f"note: {found.forced} sets are deflections under a load, not modes, and are left out")
     moving = [_moving_shape(n, mode, found) for n, mode in enumerate(found.modes[:MOST_SHAPES], 1)]
     if moving and len(points) > 1:
         _write_shapes_page(out.with_suffix(".html"), path.stem, points, lines, moving, found.geometry.surfaces)
         report.append(f"shapes, moving: {out.with_suffix('.html')}")
     elif moving:
-        report.append("note: the file does not say where its nodes are, so that the shapes cannot be drawn")
+        report.append("note: the file has no places of nodes, so the shapes cannot be drawn")
     return tuple(report)
 
 
@@ -116,7 +116,7 @@ def _write_shapes_page(
     body = html_element(
         "body",
         html_element("header", html_element("h1", title), summary),
-        html_element("main", drawn or html_element("p", "There is no shape.")),
+        html_element("main", drawn or html_element("p", "The file has no shapes.")),
     )
     with replacing(path) as draft:
         text = f'<!DOCTYPE html>\n<html lang="en">{page_head(title)}{body}</html>\n'

@@ -55,7 +55,7 @@ def identify_setups(campaigns: Sequence[Campaign], options: IdentificationOption
     """
     if options.frf != "H1":
         raise DataError(
-            f"set-ups are joined by their records, of which there is no {options.frf}",
+            f"set-ups are joined by their records, which have no {options.frf}",
             remedy="leave the kind of FRF out, or identify each set-up by itself",
         )
     if len(campaigns) < 2:
@@ -87,7 +87,7 @@ def require_distinct(campaigns: Sequence[Campaign]) -> None:
             twin = seen.setdefault(held.tobytes(), campaign)
             if twin is not campaign:
                 raise DataError(
-                    f"holds the same records as {twin.source}",
+                    f"contains the same records as {twin.source}",
                     where=campaign.source,
                     remedy="name every set-up once",
                 )

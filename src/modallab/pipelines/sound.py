@@ -41,9 +41,10 @@ def undamaged_records(
     sound = tuple(_without(b, spoilt) for b in blocks if b.name not in left)
     if not sound:
         raise DataError(
-            f"every record has a fault in its samples: {_faults_in_words(left)}",
+            f"every record has a fault: {_faults_in_words(left)}",
             where=campaign.source,
-            remedy="record again with less drive, another range or cable; or leave the channel out of rig and record",
+            remedy="record again with less drive, another range or cable; or leave the channel out of rig file and "
+            "record",
         )
     notes = [
         f"Left out, channel {name}, at fault in {count} of {len(blocks)} records: {first}."

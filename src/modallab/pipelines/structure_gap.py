@@ -80,7 +80,7 @@ def gap_of(
 
 
 def gap_against(campaign: Campaign, path: Path, band_hz: Band = None) -> StructureGap:
-    """The same against the reference in a file: models, a campaign from before, or a finite-element model.
+    """The same against the reference in a file: models, an earlier campaign, or a finite-element model.
 
     Args:
         campaign: of the structure as it is.
@@ -128,7 +128,7 @@ def _with_floor(found: ModalDiagnosis, campaign: Campaign, model: ModalModel) ->
     floor = share_between_halves(*_hits_of(campaign), model.band_hz)
     if floor is None:
         return found
-    note = f"Two measurements like the bench's differ by {100 * floor:.2g} % of the response: halves of its hits do."
+    note = f"The two halves of the bench's hits differ by {100 * floor:.2g} % of the response."
     return found.model_copy(update={"notes": [note, *found.notes]})
 
 
@@ -149,7 +149,7 @@ def _frf_of(campaign: Campaign | None, model: ModalModel, index: int = 0) -> Frf
 def _kind_of_file(path: Path) -> str:
     if path.suffix == ".json":
         return "a modal model"
-    return "a finite-element model" if is_fem(path) else "a campaign from before"
+    return "a finite-element model" if is_fem(path) else "an earlier campaign"
 
 
 def _not_compared(identified: CampaignResult, explained: ComparisonOutcome, bench: IdentifiedTest) -> tuple[str, ...]:

@@ -43,7 +43,7 @@ def measured_frf(campaign: Campaign) -> Frf:
         return campaign.frfs[0]
     if campaign.rig.force is None:
         raise DataError(
-            "no force was measured, so that there are no FRFs",
+            "no force was measured, and so there are no FRFs",
             where=campaign.source,
             remedy="name a campaign with a force channel",
         )

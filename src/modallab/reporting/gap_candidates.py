@@ -23,11 +23,9 @@ def candidates_section(diagnosis: Diagnosis) -> Markup | None:
         )
         for c in diagnosis.candidates
     ]
-    caption = (
-        "The gap that each explanation leaves once it is fitted, beside the gap without any effect. 1 is noise alone."
-    )
+    caption = "The gap that each fitted explanation leaves, beside the gap without any effect. 1 is noise alone."
     if diagnosis.unknown is not None:
-        caption += f" A cause without a name has a probability of {probability_text(diagnosis.unknown)}."
+        caption += f" An unnamed cause has a probability of {probability_text(diagnosis.unknown)}."
     figure = log_bars(rows, ("gap",), (style.MEASURED,), above=True)
     return page_section("The candidates", captioned_figure(figure, "candidates", caption, caption, columns=1))
 
@@ -55,7 +53,7 @@ def shrink_section(diagnosis: Diagnosis) -> Markup | None:
         f"Share of the gap above noise that is closed on {len(shrink.held_out)} records that no fit has "
         f"seen{interval}: from {three_digits(shrink.before)} to {three_digits(shrink.after)} noise units."
     )
-    return page_section("How far it shrinks", captioned_picture(scaled_bars(rows, CLOSED, 1.0), caption))
+    return page_section("Shrinkage of the gap", captioned_picture(scaled_bars(rows, CLOSED, 1.0), caption))
 
 
 def closed_bar(name: str, shrink: Shrink) -> Markup:
@@ -74,7 +72,7 @@ def channel_bars(before: dict[str, float], after: dict[str, float], name: str, c
 def residual_section(diagnosis: Diagnosis) -> Markup:
     """The gap by channel, before and after, and by band, test, level and time."""
     gap = diagnosis.gap
-    caption = "The gap of each channel, before any effect and with what was found. 1 is noise alone."
+    caption = "The gap of each channel, before any effect and with the effects found. 1 is noise alone."
     bands = [[f"{k.replace('-', ' to ')} Hz", part_of(v)] for k, v in gap.by_band.items()]
     tests = [
         *([f"{k} test", three_digits(v)] for k, v in gap.by_test.items()),

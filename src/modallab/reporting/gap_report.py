@@ -30,9 +30,9 @@ _LONGEST = 12
 """Bars of a budget."""
 _COLOURS = {"tolerance": "measured", "effect": "warning", "model": "model", "noise": "soft"}
 _CAPTION = (
-    "Shares of the squares of measured less simulated as the rig file describes the bench; the response of each record "
-    "counts alike. Blue: deviations within the tolerances. Those whose shares cancel are summed in one row. "
-    "Tolerances below half a percent are left out."
+    "Shares of the squares of measured less simulated from the rig file; all records have equal "
+    "weight. Blue: deviations within the tolerances. Deviations whose shares cancel are summed in one row. Tolerances "
+    "below half a percent are left out."
 )
 
 
@@ -69,11 +69,11 @@ def _width_of_gap(diagnosis: Diagnosis) -> Markup:
     """The gap in both its measures: noise units, and percent of the response."""
     gap = diagnosis.gap
     rows = [
-        ["as the rig file describes the bench", "–", *_resonant_and_other(gap.share_nominal)],
-        ["the same, as near as its tolerances allow", three_digits(gap.before), *_resonant_and_other(gap.share_before)],
+        ["simulated from the rig file", "–", *_resonant_and_other(gap.share_nominal)],
+        ["the best fit within its tolerances", three_digits(gap.before), *_resonant_and_other(gap.share_before)],
     ]
     if diagnosis.effects:
-        rows.append(["with what was found", three_digits(gap.after), *_resonant_and_other(gap.share_after)])
+        rows.append(["with the effects found", three_digits(gap.after), *_resonant_and_other(gap.share_after)])
     head = ["simulation", "noise units", "% at resonance", "% away from it"]
     widths = html_table("Measured less simulated", head, rows, numeric=(1, 2, 3))
     note = (
@@ -93,7 +93,7 @@ def _place_of_gap(diagnosis: Diagnosis, rig: Rig) -> Markup:
     where = diagnosis.where
     within = None
     if where.stage is None:
-        caption = "Nothing stands out: what is left lies within noise and tolerances."
+        caption = "No effect stands out: the residual lies within noise and tolerances."
     else:
         placed = [
             place_of(f, _channel_names(rig)) for f in diagnosis.effects if x_m_of(f.place) == where.x_m is not None
@@ -138,16 +138,14 @@ def _curves_section(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
     if figure is None:
         return None
     caption = (
-        "What was measured; what the simulation gives as the rig file describes the bench, and with what was found; "
-        "and what is left between the latter and the measurement: below the curves of an FRF, and in a panel of its "
-        "own for a record. Channels, hits and sine are those with the widest gap."
+        "Measurement, simulation from the rig file, simulation with the effects found, and the residual of the last. "
+        "The residual is below the curves of an FRF, and in a separate panel for a record. Channels, hits and sine "
+        "are those with the widest gap."
     )
     absent = [f.effect for f in diagnosis.effects if isinstance(model_of(f.effect).change, NoChange)]
     if absent:
-        caption += f" No simulation contains {effect_names(absent)}, which stays in what is left."
-    return page_section(
-        "What was measured, and what was simulated", captioned_figure(figure, "curves", caption, caption)
-    )
+        caption += f" No simulation contains {effect_names(absent)}, which stays in the residual."
+    return page_section("Measured and simulated", captioned_figure(figure, "curves", caption, caption))
 
 
 def _revisions_section(campaign: Campaign) -> Markup | None:
@@ -171,16 +169,16 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
     rows = numbers_of_description(described)
     shrink = described.shrink
     caption = (
-        f"Share of the reducible gap that this closes on {len(shrink.held_out)} records no fit has seen: from "
-        f"{three_digits(shrink.before)} to {three_digits(shrink.after)} noise units. It is no cause: another "
-        "thing may behave alike."
+        f"Share of the reducible gap that this closes on {len(shrink.held_out)} held-out records: from "
+        f"{three_digits(shrink.before)} to {three_digits(shrink.after)} noise units. This is no cause: other causes "
+        "may behave alike."
     )
     others = [
         html_element("li", f"{other.says}: leaves {three_digits(other.gap)} noise units")
         for other in described.alternatives
     ]
     return page_section(
-        "What it behaves like",
+        "Description of the unnamed cause",
         html_element("p", f"The gap behaves like {described.says.rstrip(',')}."),
         html_table("A learned element of the simulation", ["number", "value", "95 % interval"], rows, numeric=(1,)),
         captioned_picture(closed_bar("with the learned element", shrink), caption),
@@ -204,7 +202,7 @@ def _budget_section(diagnosis: Diagnosis) -> Markup | None:
         else None
     )
     picture = captioned_picture(scaled_bars(largest, "Share of the gap of each part"), _CAPTION)
-    return page_section("Where it comes from", picture, first, _budget_table(budget), _usual_tolerances_note(budget))
+    return page_section("Causes of the gap", picture, first, _budget_table(budget), _usual_tolerances_note(budget))
 
 
 def _rows_shown(budget: Budget) -> list[BudgetRow]:
@@ -234,4 +232,4 @@ def _usual_tolerances_note(budget: Budget) -> Markup | None:
     if not budget.usual:
         return None
     listed = ", ".join(f"{name} {value:g}" for name, value in budget.usual.items())
-    return html_element("p", f"The rig file states no tolerances. A lab's usual ones stand for them: {listed}.")
+    return html_element("p", f"The rig file states no tolerances. Those of an ordinary lab are used: {listed}.")

@@ -71,7 +71,7 @@ def _mode_row(before: ModalModel, after: ModesAfter, r: int) -> tuple[str, ...]:
 def notes_of(known: KnownStructure) -> list[str]:
     """What the table cannot be trusted for, and why."""
     before, after = known.model, known.modes
-    sentences = ["One sigma of the model, of sensitivities and of places.", *_joint_note(known)]
+    sentences = ["Deviations are one sigma, from model, sensitivities and places.", *_joint_note(known)]
     shift = np.abs(after.frequency_hz / before.frequency_hz[after.like] - 1)
     doubtful = [str(r + 1) for r in np.flatnonzero(after.outside > TRUSTED * np.maximum(shift, 1e-4))]
     if doubtful:
@@ -79,10 +79,10 @@ def notes_of(known: KnownStructure) -> list[str]:
         which = f"mode{'s' if len(doubtful) > 1 else ''} {list_in_words(doubtful)}"
         sentences.append(
             f"More than a tenth of the shift of {which} comes from modes outside {band}, up to"
-            f" {most:.2g} % of the frequency: only a test of a wider band shows it better."
+            f" {most:.2g} % of the frequency: only a test of a wider band improves this."
         )
     if after.hidden:
-        sentences.append("What moved beyond the band is left out.")
+        sentences.append("Modes moved out of the band are left out.")
     return sentences
 
 
@@ -94,7 +94,7 @@ def _joint_note(known: KnownStructure) -> list[str]:
     said = f"An error of {one:.2g} % of the receptances at the joint is one of {grown:.2g} % of its forces."
     if grown <= 100 * TRUSTED:
         return [said]
-    return [said, "Do not use the result: there, one structure alone says nearly all of how both move."]
+    return [said, "Do not use the result: one structure alone determines nearly all of the joint's motion."]
 
 
 def check_predictions(after: ModesAfter, measured: ModalModel) -> list[CheckedMode]:
@@ -152,7 +152,7 @@ def tuned_rows(answers: Sequence[ChangeAtPoint], by: By, mode: int, to_hz: float
     )
     feasible = sum(a.feasible for a in answers)
     how = "No point has" if not feasible else f"{feasible} of {len(answers)} points have"
-    sentences = f"{how} a {by} that brings mode {mode} to {to_hz:g} Hz; beside each, where any {by} can bring it."
+    sentences = f"{how} a {by} that brings mode {mode} to {to_hz:g} Hz; beside each, the range that any {by} can reach."
     return TableRows(("point", f"{by} [{_UNITS[by]}]", "gives [Hz]", "in reach [Hz]"), rows, sentences)
 
 
@@ -162,7 +162,7 @@ def free_rows(answers: Sequence[FreeBand], by: By, band_hz: tuple[float, float])
     feasible = sum(a.feasible for a in answers)
     how = "No point has" if not feasible else f"{feasible} of {len(answers)} points have"
     edge = f"{band_hz[0]:g} to {band_hz[1]:g} Hz"
-    sentences = f"{how} a {by} that leaves no mode from {edge}. There a mode is at the edge: take two sigma more."
+    sentences = f"{how} a {by} that leaves no mode from {edge}. With these a mode is at the edge: add two sigma."
     return TableRows(("point", f"{by} [{_UNITS[by]}]", "free up to"), rows, sentences)
 
 
@@ -186,7 +186,7 @@ def absorber_rows(found: BestAbsorber, mode: int) -> TableRows:
     )
     names = ("point", "mass [kg]", "frequency [Hz]", "damping [%]", "peak without [m/(N s)]", "peak with [m/(N s)]")
     share = f"It is {significant_digits(100 * found.mass_ratio, 2)} % of the modal mass there."
-    return TableRows(names, (row,), f"The absorber of this mass that leaves the least peak about mode {mode}. {share}")
+    return TableRows(names, (row,), f"The absorber of this mass with the smallest peak about mode {mode}. {share}")
 
 
 def parameter_rows(found: UpdatedParameters) -> TableRows:
@@ -214,11 +214,14 @@ def _value_and_prior(value: float, prior: Prior) -> str:
 def _notes_on_parameters(found: UpdatedParameters) -> list[str]:
     hz, shapes = found.off
     sentences = [
-        f"With these the model's frequencies are off by about {100 * hz:.2g} %, its shapes by {100 * shapes:.2g} %."
+        f"With these parameters the model's frequencies are off by about {100 * hz:.2g} %, its shapes by "
+        f"{100 * shapes:.2g} %."
     ]
     if found.undetermined:
-        sentences.append(f"The test says little of {list_in_words(list(found.undetermined))} beside what was believed.")
-    sentences += [f"Of {a} and {b} only a combination is known." for a, b in found.together]
+        sentences.append(
+            f"The test adds little to the prior of {list_in_words(list(found.undetermined))} beside what was believed."
+        )
+    sentences += [f"Only a combination of {a} and {b} is known." for a, b in found.together]
     if found.held_out:
         before, after = (100 * e for e in found.rms_error(found.held_out))
         modes = list_in_words([str(r) for r in found.held_out])

@@ -13,9 +13,9 @@ from modallab.reporting.markup import Markup, html_element, html_table
 
 WIDTH, HEIGHT = 760, 240
 CAPTION = (
-    "The gap of each revision of the simulation in noise units, on a logarithmic scale; 1 is noise. The first curve is "
-    "what was found when each diagnosis was made, on records held out of its fit; the others measure every revision on "
-    "all records of one campaign."
+    "The gap of each revision of the simulation in noise units, on a logarithmic scale; 1 is noise. The first "
+    "curve is the gap at each diagnosis, on held-out records. The others are the gap of every revision on all records "
+    "of one campaign."
 )
 
 
@@ -43,7 +43,7 @@ def revisions_section(steps: Sequence[RevisionStep]) -> Markup:
     ]
     head = ["revision", "with", "when applied", *names]
     numbers = html_table("Gap of each revision, noise units", head, rows, numeric=tuple(range(2, len(head))))
-    return page_section("How the simulation came closer", captioned_picture(revision_curve(steps), CAPTION), numbers)
+    return page_section("Progress of the simulation", captioned_picture(revision_curve(steps), CAPTION), numbers)
 
 
 def revision_curve(steps: Sequence[RevisionStep]) -> Markup:

@@ -49,8 +49,8 @@ def _effect_row(whose: str, found: Found) -> list[str]:
 
 def _channels_table(found: SimulationComparison) -> Markup:
     caption = (
-        f"The gap of each channel on {len(found.records)} records, before: as the simulation is, and after: corrected. "
-        "Nothing is fitted. 1 is noise alone."
+        f"The gap of each channel on {len(found.records)} records, before and after the correction. Nothing "
+        "is fitted. 1 is noise alone."
     )
     return page_section(
         "Channel by channel", channel_bars(found.by_channel, found.after_by_channel, "channels", caption)

@@ -81,15 +81,15 @@ def _width_of_gap(gap: StructureGap) -> Markup:
     found = gap.diagnosis
     rows = [
         ["as it came", percent_text(found.nominal), "–"],
-        ["as near as the tolerances allow", percent_text(found.before), f"{found.strain_before:.2f}"],
+        ["the best fit within the tolerances", percent_text(found.before), f"{found.strain_before:.2f}"],
     ]
     if found.effects:
-        rows.append(["with what was found", percent_text(found.after), f"{found.strain_after:.2f}"])
+        rows.append(["with the effects found", percent_text(found.after), f"{found.strain_after:.2f}"])
     head = ["the reference", "% of the response", "strain of the tolerances [σ]"]
     note = (
         f"The reference: {gap.reference}. Percentages are the rms of measured less predicted over the measured "
-        "response, of all FRFs of both models, where each mode counts alike. The strain says how far the numbers "
-        "within their tolerances, and what no number stands for, had to be moved: 1 is ordinary."
+        "response, of all FRFs of both models, where each mode counts alike. The strain is the rms deviation of all "
+        "numbers within their tolerances, and of unnamed causes: 1 is ordinary."
     )
     return html_element(
         "section",
@@ -108,9 +108,9 @@ def _place_of_gap(gap: StructureGap) -> Markup | None:
         place = "" if at is None else f", at ({', '.join(f'{x:.3f}' for x in at)}) m"
         caption = f"Stage: {found[0].stage}. The {spoken_change(found[0])}{place}."
     elif gap.diagnosis.verdict == "no_gap":
-        caption = "Nothing stands out: what is left lies within the tolerances."
+        caption = "No effect stands out: the residual lies within the tolerances."
     else:
-        caption = "No place stands out: no change that was tried explains the gap."
+        caption = "No place stands out: no candidate explains the gap."
     caption += " Filled points have a sensor."
     return page_section(
         "Where it lies",
@@ -152,18 +152,17 @@ def _explanation_list(found: ModalDiagnosis) -> Markup | None:
 
 def _curves_section(gap: StructureGap) -> Markup:
     caption = (
-        "Mobility at the outputs that miss most, each at the driven point where it does: as identified from the "
-        "records and free of the end of their blocks, of the reference as it came and as it was corrected, and what "
-        "is left between the latter and the measurement."
+        "Mobility at the outputs with the largest error, each at its worst driven point: identified from the "
+        "records without the effect of their blocks, of the reference before and after its correction, and the "
+        "residual "
+        "of the correction."
     )
     if gap.records is not None:
         caption += (
-            " Thin, the records themselves: where a block ends before the ring-down, their peaks are lower and wider."
+            " Thin lines are the records: where a block ends before the ring-down, their peaks are lower and wider."
         )
     figure = structure_curves(gap.explained, gap.records)
-    return page_section(
-        "What was measured, and what the reference says", captioned_figure(figure, "curves", caption, caption)
-    )
+    return page_section("Measurement and reference", captioned_figure(figure, "curves", caption, caption))
 
 
 def _not_compared_list(gap: StructureGap) -> Markup:
@@ -173,13 +172,13 @@ def _not_compared_list(gap: StructureGap) -> Markup:
     sentences = [
         *gap.beside,
         f"Frequencies below {low:.4g} Hz and above {high:.4g} Hz.",
-        "Two changes at once: each is tried by itself.",
-        "A clamp: it is not in the list.",
-        "What depends on the size of the motion: both models are linear.",
-        f"Motions that nothing measured: springs pull along {', '.join(axes)} only, and a mass counts along these.",
+        "Two changes at once: candidates are single changes.",
+        "A clamp: no candidate describes it.",
+        "Amplitude-dependent effects: both models are linear.",
+        f"Unmeasured motion: springs act along {', '.join(axes)} only, and a mass counts along these.",
     ]
     return page_section(
-        "What was not looked at",
+        "Not examined",
         html_element("ul", *(html_element("li", typeset_sentence(line)) for line in sentences)),
     )
 
@@ -196,16 +195,16 @@ def _candidates_section(explained: ComparisonOutcome) -> Markup | None:
         [spoken_change(c), probability_text(c.probability), percent_text(gap), _numbers_of_change(c)]
         for c, gap in zip(listed, left, strict=True)
     ]
-    rows.append(["something without a name", probability_text(judged.unknown), "", f"most likely: {judged.where}"])
+    rows.append(["an unnamed cause", probability_text(judged.unknown), "", f"most likely: {judged.where}"])
     head = ["explanation", "probability", "leaves", "numbers (95 %)"]
     known = found.verdict == "known"
     caption = (
-        "Probabilities are of all that stands here, and add up to 1. One that leaves the percentage as it is may still "
-        "relieve the tolerances, which count as well."
+        "The probabilities of all rows add up to 1. A cause that does not reduce the percentage may still "
+        "reduce the strain of the tolerances, which counts too."
     )
-    none = "" if known else " Here none was needed, or none was enough, however probable it is beside the others."
+    none = "" if known else " Here no cause was needed, or none was sufficient, whatever its probability."
     return page_section(
-        "What else might explain it" if known else "What was tried",
+        "Other explanations" if known else "What was tried",
         html_table("The best of each kind, once fitted", head, rows, numeric=(1, 2), class_="wide"),
         html_element("p", caption + none),
     )
@@ -221,7 +220,7 @@ def _parts_section(found: ModalDiagnosis) -> Markup | None:
     figures = [
         _budget_figure(parts, f"The gap {by}. {caption}", name, bool(found.effects))
         for parts, by, caption, name in (
-            (found.by_mode, "about each mode of the bench", "Each line counts for the mode nearest to it.", "modes"),
+            (found.by_mode, "about each mode of the bench", "Each line counts for its nearest mode.", "modes"),
             (found.by_channel, "of each channel", "Over all driven points.", "channels"),
         )
         if parts

@@ -34,8 +34,8 @@ def participation_rows(found: ModalParticipation, frequency_hz: list[float]) -> 
     over = _heading_of_shares(found)
     sentences = (
         f"{found.quantity.capitalize()} of point {_point_name(found.of)}, {over} at point "
-        f"{_point_name(found.at)}. Shares add up"
-        " to 100 %; one below 0 works against the others. Alone: the effective value of a mode by itself, of the whole."
+        f"{_point_name(found.at)}. Shares add up to 100 %; a negative share reduces the motion. Alone: effective "
+        "value of the mode alone, in percent of the total."
     )
     return TableRows(("mode", "frequency [Hz]", "share [%]", "alone [%]"), tuple(rows), sentences)
 
@@ -73,7 +73,7 @@ def advice_of(found: ModePlaces) -> list[str]:
         if near:
             points = f"point{'s' if len(near) > 1 else ''} {list_in_words([_freedom_name(found, f) for f in near])}"
             sentences.append(f"A hit or sensor at {points} misses mode {r + 1}.")
-    return [*sentences, "What shall not disturb a mode is mounted at one of its nodes."]
+    return [*sentences, "Mount a part that must not disturb a mode at one of its nodes."]
 
 
 def _freedom_name(found: ModePlaces, freedom: Freedom) -> str:
@@ -149,9 +149,9 @@ def motion_rows(motion: MotionOverTime) -> TableRows:
     seconds = motion.values.shape[1] * motion.dt
     low, high = motion.band_hz
     caption = (
-        f"{motion.quantity} in {unit} over {seconds:.4g} s; beneath a frequency in Hz, the rms of its octave."
-        f" {part_of(motion.outside)} of the forces' power is outside {low:.4g} to {high:.4g} Hz, where the model says"
-        " little."
+        f"{motion.quantity} in {unit} over {seconds:.4g} s; below each frequency in Hz, the rms of its octave."
+        f" {part_of(motion.outside)} of the forces' power is outside {low:.4g} to {high:.4g} Hz, where the model is "
+        "not valid."
     )
     return TableRows(("point", "peak", "rms", *(f"{centre:.3g}" for centre in motion.octaves_hz)), rows, caption)
 

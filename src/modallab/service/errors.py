@@ -6,24 +6,24 @@ from modallab.core.errors import Http, ModallabError, split_remedy
 
 
 class ServiceError(ModallabError):
-    """The service cannot do this now, or not in this way."""
+    """The service rejects the request now, or not in this way."""
 
     code = "service"
-    http = Http(409, "The service cannot do this", "Look at what it says.")
+    http = Http(409, "The service rejects the request", "Read the message.")
 
 
 class NotFoundError(ServiceError):
-    """There is no such thing."""
+    """Not found."""
 
     code = "not-found"
-    http = Http(404, "There is no such thing", "Look at the list it would be in.")
+    http = Http(404, "Not found", "Read the list of such objects.")
 
 
 class ConflictError(ServiceError):
-    """Not possible as things stand; `legal` says what is, where that is a list."""
+    """Not possible in the present state; `legal` says what is, where that is a list."""
 
     code = "conflict"
-    http = Http(409, "Not possible as things stand", "Look at what it says, and ask again.")
+    http = Http(409, "Not possible in the present state", "Read the message, and try again.")
 
 
 class LeaseHeldError(ConflictError):
@@ -33,8 +33,8 @@ class LeaseHeldError(ConflictError):
     http = Http(
         409,
         "The rig is held",
-        "Ask the holder to give it back, or wait. If the holder is gone and no run is on, ask with `take_over`; "
-        "if you hold it yourself, with `recover`. An emergency stop needs no lease.",
+        "Ask the holder to release the lease, or wait. If the holder is absent and no run is active, send "
+        "`take_over`; for your own lease send `recover`. An emergency stop needs no lease.",
     )
 
 
@@ -45,7 +45,7 @@ class LeaseNeededError(ServiceError):
     http = Http(
         403,
         "The rig's lease is needed",
-        "Take the lease of the rig, renew it before it is over, and send its id as `Modallab-Lease`.",
+        "Take the lease of the rig, renew it before it ends, and send its id as `Modallab-Lease`.",
     )
 
 
@@ -55,8 +55,8 @@ class RoleNeededError(ServiceError):
     code = "role-needed"
     http = Http(
         403,
-        "The token is not for this",
-        "Each route says which role it needs; a token may be for some rigs only. An admin can make another token.",
+        "The token does not permit this",
+        "Each route states its role; a token may be limited to some rigs. An admin can make another token.",
     )
 
 
@@ -67,7 +67,7 @@ class RigUnavailableError(ServiceError):
     http = Http(
         503,
         "The rig is not ready",
-        "Its process has not opened the bench. Wait, or look at its cables and its address.",
+        "The rig's process has not opened the bench. Wait, or check cables and address.",
     )
 
     @classmethod
@@ -77,7 +77,7 @@ class RigUnavailableError(ServiceError):
         return cls(
             f"{what}: {reason}" if reason else what,
             where=where,
-            remedy=remedy or "wait until it is idle; look at its cables and its address",
+            remedy=remedy or "wait until the rig is idle; check its cables and its address",
         )
 
 
@@ -85,14 +85,14 @@ class ChangedError(ServiceError):
     """The document was changed since it was read."""
 
     code = "changed"
-    http = Http(412, "It was changed meanwhile", "Read it again and send the new ETag as `If-Match`.")
+    http = Http(412, "The object was changed meanwhile", "Read the object again and send the new ETag as `If-Match`.")
 
 
 class PreconditionNeededError(ServiceError):
     """A change must say which revision it changes."""
 
     code = "precondition-needed"
-    http = Http(428, "A change needs If-Match", "Send the ETag of what you read as `If-Match`.")
+    http = Http(428, "A change needs If-Match", "Send the ETag of the version that you read as `If-Match`.")
 
 
 class IdempotencyError(ServiceError):
@@ -106,7 +106,7 @@ class MediaTypeError(ServiceError):
     """The body is of a type that is not read here."""
 
     code = "media-type"
-    http = Http(415, "The body's type cannot be taken", "Send JSON, with the header `Content-Type: application/json`.")
+    http = Http(415, "The body's type is not accepted", "Send JSON, with the header `Content-Type: application/json`.")
 
 
 class RunEndedError(ServiceError):

@@ -47,10 +47,10 @@ def align_channels(values: NDArray[np.float64], rate_hz: float, lags: NDArray[np
         raise DataError(
             f"a channel lags by {1e3 * lags.max():.3g} ms, {lags.max() * rate_hz:.0f} samples",
             where="rig file field channels[].delay_s",
-            remedy="put all channels on modules of one kind",
+            remedy="connect all channels to modules of one kind",
         )
     if values.shape[1] <= 2 * HALF:
-        found = f"{values.shape[1]} samples are too few to move a channel by a part of one"
+        found = f"{values.shape[1]} samples are too few to shift a channel by a part of a sample"
         raise DataError(found, remedy=f"record blocks of more than {2 * HALF} samples")
     return np.stack([_delay_row(row, lag * rate_hz) if lag else row for row, lag in zip(values, lags, strict=True)])
 

@@ -41,11 +41,11 @@ def bandpass(
             remedy=f"choose a band inside 0 to {rate_hz / 2:g} Hz",
         )
     if taps is not None and (taps < 3 or taps % 2 == 0):
-        raise DataError(f"{taps} taps have no sample in their middle", remedy="give an odd number of at least 3 taps")
+        raise DataError(f"{taps} taps have no centre sample", remedy="give an odd number of at least 3 taps")
     length = taps if taps is not None else int(3.3 * rate_hz / low) // 2 * 2 + 1
     if length > MOST_TAPS:
-        found = f"a lower edge of {low:g} Hz at a rate of {rate_hz:g} Hz asks for {length} taps"
-        raise DataError(found, remedy="raise the lower edge, or take the mean off instead")
+        found = f"a lower edge of {low:g} Hz at a rate of {rate_hz:g} Hz needs {length} taps"
+        raise DataError(found, remedy="raise the lower edge, or subtract the mean instead")
     quick = next_quick_length(values.shape[-1] + length - 1)
     lines = np.fft.rfft(values, quick) * np.fft.rfft(
         _impulse_response(length, 2 * low / rate_hz, 2 * high / rate_hz), quick

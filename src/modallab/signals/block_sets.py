@@ -47,7 +47,9 @@ def check_test(signals: Sequence[Signals]) -> None:
         for force in (names := _named_forces(s)):
             check_signals(rows, (*names, *s.outputs), where, force=force)
         if dead := constant(rows, (*names, *s.outputs), names):
-            raise DataError("; ".join(map(str, dead)), where=where, remedy="leave the channel out of rig and record")
+            raise DataError(
+                "; ".join(map(str, dead)), where=where, remedy="leave the channel out of rig file and record"
+            )
     driven = {s.block.driven_points for s in signals if len(s.forces) > 1}
     if len(driven) > 1 or (driven and min(len(s.forces) for s in signals) == 1):
         raise DataError(

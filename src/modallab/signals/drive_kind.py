@@ -39,10 +39,10 @@ ONE_SIDED = 4.0
 """Times its scatter that the mean of a static force is: a burst of random drive swings to both sides."""
 Look = Test | Literal["release"]
 LOOKS_LIKE: dict[Look, str] = {
-    "release": "a static force that was let go",
+    "release": "the release of a static force",
     "impact": "a hit",
     "sine": "a steady sine",
-    "random": "random drive that goes on all the time, or no drive at all",
+    "random": "continuous random drive, or no drive",
     "burst-random": "bursts of random drive",
     "pseudo-random": "a periodic drive, the same in every block",
     "chirp": "a chirp or a swept sine",
@@ -50,8 +50,8 @@ LOOKS_LIKE: dict[Look, str] = {
 
 
 _REMEDY = (
-    "identify the responses alone after the release (--response-only): what held the structure before is no hit and no "
-    "drive"
+    "identify the responses alone after the release (--response-only): the release of a static load is no hit "
+    "and no drive"
 )
 
 
@@ -99,7 +99,7 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
     name, kind = next(iter(wrong.items()))
     label = next(s.block.test for s in signals if s.block.name == name)
     if 2 * len(wrong) >= len(signals):
-        other = LOOKS_LIKE[kind] if kind != label else "nothing of the kind"
+        other = LOOKS_LIKE[kind] if kind != label else "none of these"
         raise DataError(
             f"{len(wrong)} of {len(signals)} records are labelled {label}, but their force looks like {other}",
             where=f"record {name}",
@@ -109,7 +109,7 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
         )
     kept = [s for s in signals if s.block.name not in wrong]
     listed = ", ".join(f"{n} ({LOOKS_LIKE[k]})" for n, k in wrong.items())
-    return kept, (f"Left out, because their force is not that of a test labelled {label}: {listed}.",)
+    return kept, (f"Left out, because their force does not fit the label {label}: {listed}.",)
 
 
 def _kind_of_drive(label: Test, signals: Sequence[Signals]) -> Look:
@@ -135,7 +135,7 @@ def _sweep_note(signals: Sequence[Signals]) -> tuple[str, ...]:
     periodic = [s for s in signals if s.block.test == "pseudo-random"]
     if not periodic or drive_kind_of([s.forces[0] for s in periodic], periodic[0].rate_hz) == "pseudo-random":
         return ()
-    return ("The force looks like a chirp that every block repeats; it is taken as the periodic drive that it is.",)
+    return ("The force looks like a chirp that every block repeats; it is treated as a periodic drive.",)
 
 
 def drive_kind_of(forces: Sequence[Real], rate_hz: float) -> Look:

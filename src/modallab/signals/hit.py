@@ -47,7 +47,7 @@ def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> HitSamples:
     if level[peak] < 2 * threshold * noise or loud.size == 0:
         raise DataError(
             f"no hit: the force peaks at {level[peak]:.3g} N over a noise of {noise:.3g} N",
-            remedy="leave this record out, or use a sine test's identification",
+            remedy="leave this record out, or identify it as a sine test",
         )
     # A double hit would be one long hit: both contacts are force that acted, and stay.
     margin = max(4, int(loud[-1] - loud[0]) // 2)

@@ -66,7 +66,7 @@ class Signals:
         if len(self.forces) > 1:
             points = " and ".join(map(str, self.block.driven_points))
             raise DataError(
-                f"forces at the points {points} drove at once, and this can be computed of one force only",
+                f"the points {points} were driven at the same time, but this needs a single force",
                 where=f"record {self.block.name}",
                 remedy="identify the record (modallab identify), or record with one shaker (shakers: first)",
             )

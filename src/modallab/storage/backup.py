@@ -120,7 +120,7 @@ def _copy_samples(store: Store, catalogue: Catalogue, out: Path) -> CopiedData:
 
 def _require_empty(out: Path) -> None:
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise StorageError("is there already, and not empty", where=str(out), remedy="name a new folder")
+        raise StorageError("exists, and is not empty", where=str(out), remedy="name a new folder")
 
 
 def _size_of_folder(folder: Path) -> int:
@@ -208,9 +208,10 @@ def _check_blocks(target: Path, blocks: Sequence[BlockRecord]) -> None:
             found = checksum(reader.read(block.offset, block.count))
             if found != block.crc32:
                 raise StorageError(
-                    f"block {block.note.name} is not what was recorded: CRC-32 {found:08x}, {block.crc32:08x} expected",
+                    f"block {block.note.name} differs from the recording: CRC-32 {found:08x}, {block.crc32:08x} "
+                    "expected",
                     where=str(target),
-                    remedy="look at the disk of the original; an older backup may still hold it",
+                    remedy="check the disk of the original; an older backup may still contain the block",
                 )
 
 

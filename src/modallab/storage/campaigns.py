@@ -57,7 +57,7 @@ def rejected_blocks(store: Store, run: str) -> list[tuple[Block, str]]:
 
 def _check_records(records: Sequence[RunRecord], where: str) -> None:
     if not records:
-        raise StorageError("no runs were named", where=where, remedy="name at least one run")
+        raise StorageError("no runs were given", where=where, remedy="name at least one run")
     # By the rigs themselves: the hash of the same rig may have been taken by an earlier version.
     if any(record.rig != records[0].rig for record in records):
         rigs = ", ".join(f"{record.id}: {record.rig_hash[:12]}" for record in records)
@@ -67,7 +67,7 @@ def _check_records(records: Sequence[RunRecord], where: str) -> None:
     aborted = [record.id for record in records if not record.valid]
     if aborted:
         raise StorageError(
-            f"aborted, so marked as invalid: {', '.join(aborted)}", where=where, remedy="leave these runs out"
+            f"aborted and therefore invalid: {', '.join(aborted)}", where=where, remedy="leave these runs out"
         )
 
 

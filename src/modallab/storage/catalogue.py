@@ -47,7 +47,7 @@ def migrate_tables(
         raise FormatError(
             f"the data folder has format version {found}, this program knows up to {newest}",
             where=where,
-            remedy="use the newer modallab that wrote it",
+            remedy="use the newer version of modallab",
         )
     for version in range((found or newest) + 1, newest + 1):
         (STEPS if steps is None else steps)[version](connection)
@@ -162,7 +162,7 @@ class Catalogue:
         with read_transaction(self.engine) as connection:
             row = connection.execute(select(RUNS).where(RUNS.c.id == run)).mappings().one_or_none()
             if row is None:
-                raise StorageError(f"there is no run {run!r}", where=self.where, remedy="look at the list of runs")
+                raise StorageError(f"there is no run {run!r}", where=self.where, remedy="read the list of runs")
             return _run_of_row(row)
 
     def blocks(self, run: str) -> tuple[BlockRecord, ...]:

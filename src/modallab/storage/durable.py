@@ -46,7 +46,7 @@ def require_space(folder: Path, need_bytes: int) -> None:
         raise DiskFullError(
             f"{free / 1e6:.1f} MB are free, {need_bytes / 1e6:.1f} MB are needed",
             where=str(folder),
-            remedy="free space or choose another data folder; what was acknowledged is kept",
+            remedy="free space or choose another data folder; acknowledged blocks are kept",
         )
 
 
@@ -72,12 +72,12 @@ def storage_failure(error: Exception, where: str) -> StorageError:
     full = getattr(error, "errno", None) == 28 or re.search(r"errno = 28\b|database or disk is full", text)
     if full:
         return DiskFullError(
-            "the disk is full; this block was not kept, all blocks acknowledged before are",
+            "the disk is full; this block was not stored, but all acknowledged blocks are",
             where=where,
             remedy="free space and continue with a new run",
         )
     return StorageError(
-        f"cannot be written: {text}", where=where, remedy="look at the disk; all acknowledged blocks are kept"
+        f"cannot be written: {text}", where=where, remedy="check the disk; all acknowledged blocks are kept"
     )
 
 

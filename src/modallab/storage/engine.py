@@ -41,7 +41,7 @@ def database_of(folder: Path) -> str:
         raise FormatError(
             f"holds both {DATABASE} and {ADDRESS}",
             where=str(folder),
-            remedy=f"move its runs to the server with modallab restore, or take {ADDRESS} away",
+            remedy=f"move its runs to the server with modallab restore, or remove {ADDRESS}",
         )
     try:
         return address.read_text(encoding="utf-8").strip()
@@ -125,7 +125,7 @@ def _postgresql_engine(url: str) -> Engine:
         ) from error
     except (ArgumentError, ValueError) as error:
         raise StorageError(
-            "the address cannot be understood",
+            "the address is not valid",
             where="database",
             remedy="write it as postgresql+psycopg://user:password@machine:5432/name",
         ) from error
@@ -198,7 +198,9 @@ def server_lost(error: SQLAlchemyError, engine: Engine) -> DatabaseLostError | N
     if engine.dialect.name == "sqlite" or not gone:
         return None
     return DatabaseLostError(
-        "the database cannot be reached", where=database_address(engine), remedy="look at its server, and ask again"
+        "the database cannot be reached",
+        where=database_address(engine),
+        remedy="check the database server, and try again",
     )
 
 
@@ -211,12 +213,12 @@ def _write_failure(error: SQLAlchemyError, engine: Engine) -> StorageError:
     return server_lost(error, engine) or StorageError(
         f"cannot be written: {_error_text(error, engine)}",
         where=where,
-        remedy="look at the disk; all acknowledged blocks are kept",
+        remedy="check the disk; all acknowledged blocks are kept",
     )
 
 
 def _damaged_error(error: ValueError, engine: Engine) -> StorageError:
-    LOG.warning("a row that cannot be read", exc_info=error)
+    LOG.warning("an unreadable row", exc_info=error)
     return RowDamagedError(
         f"a row of the database cannot be read: {type(error).__name__}",
         where=database_address(engine),
@@ -228,11 +230,11 @@ SAID = (
     ("locked", "it is busy"),
     ("malformed", "its file is damaged"),
     ("not a database", "its file is no database"),
-    ("decode", "a text in it is damaged"),
-    ("readonly", "it may only be read"),
+    ("decode", "a text in the file is damaged"),
+    ("readonly", "the file is read-only"),
     ("unable to open", "its file cannot be opened"),
     ("no such", "a table or a column is missing"),
-    ("constraint", "a row is there already, or points to none"),
+    ("constraint", "a row exists already, or refers to a missing row"),
     ("append-only", "its rows never change"),
     ("I/O", "its disk fails"),
 )

@@ -50,7 +50,7 @@ def find_removable(store: Store, rule: RetentionRule, now: datetime | None = Non
     active = sorted(set(rule.states) - ENDED)
     if active:
         raise StorageError(
-            f"runs that are {', '.join(active)} still go on", where="states", remedy="name done, failed or aborted"
+            f"runs that are {', '.join(active)} are active", where="states", remedy="name done, failed or aborted"
         )
     moment = now or datetime.now(UTC)
     found = (run for run in store.catalogue.runs() if rule.covers(run, moment))

@@ -231,7 +231,7 @@ def require_intact(samples: Samples, row: BlockRecord) -> None:
     found = checksum(samples)
     if found != row.crc32:
         raise BlockDamagedError(
-            f"the samples on the disk are not those recorded: CRC-32 {found:08x}, {row.crc32:08x} expected",
+            f"the samples on the disk differ from the recording: CRC-32 {found:08x}, {row.crc32:08x} expected",
             where=f"run {row.run}, block {row.n}, {row.note.name}",
             remedy="restore the run's file from a copy, or leave this block out",
         )

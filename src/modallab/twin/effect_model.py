@@ -21,8 +21,8 @@ Absorber = Literal["nothing", "damping ratios", "Young's modulus"]
 class NoChange(Enum):
     """Why the twin does not change with an effect."""
 
-    NO_FORCE_PREDICTS_IT = "it adds to a record what no force predicts, or acts on the finished record"
-    NO_MODEL_YET = "the twin has no model of it yet"
+    NO_FORCE_PREDICTS_IT = "it adds a signal that no force predicts, or changes the finished record"
+    NO_MODEL_YET = "the twin has no model of this effect yet"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

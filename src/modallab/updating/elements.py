@@ -48,7 +48,7 @@ def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inp
         raise DataError(
             f"the model has no mode up to {band_hz[1]:.4g} Hz that the sensors see",
             where=fem.modes.title,
-            remedy="compute more modes, or check its units: units: mm where it is in mm and tonnes",
+            remedy="compute more modes, or check its units: units: mm for a model in mm and tonnes",
         )
     above = ~rigid & ~inside
     # Where nothing moves as a whole, nothing is said of it: a test's own term is then not known, instead of wrong.
@@ -218,7 +218,7 @@ def _require_node(fem: FemModel, node: int, point: int) -> int:
     raise DataError(
         f"has no node {node} for point {point}",
         where=fem.modes.title,
-        remedy=f"say which node it is in a YAML file: points: {{{point}: NODE}}",
+        remedy=f"give the node in a YAML file: points: {{{point}: NODE}}",
     )
 
 

@@ -253,7 +253,7 @@ def _modes_to_fit(modes: int, held_out: Sequence[int]) -> list[int]:
         raise DataError(f"there is no mode {wrong[0]} to hold out", remedy=f"name modes from 1 to {modes}")
     kept = [r for r in range(modes) if r + 1 not in held_out]
     if len(kept) < 2:
-        raise DataError(f"{len(kept)} modes are left to learn from", remedy="hold out fewer modes")
+        raise DataError(f"{len(kept)} modes remain for the estimate", remedy="hold out fewer modes")
     return kept
 
 

@@ -58,7 +58,7 @@ def output_of_isolated_mode(model: ModalModel) -> NDArray[np.int64]:
 
 
 def mismatch_warning(model: ModalModel, frac: NDArray[np.float64]) -> tuple[str, ...]:
-    """A warning where the model does not repeat what was measured.
+    """A warning where the model does not reproduce what was measured.
 
     Args:
         model: the modes.
@@ -73,9 +73,9 @@ def mismatch_warning(model: ModalModel, frac: NDArray[np.float64]) -> tuple[str,
     driven = "" if point is None else f" driven at point {point}"
     worst = f"the worst is {model.outputs[o]}{driven} with {known[o, k]:.2g}"
     return (
-        f"WARNING: the model does not repeat {poor.sum()} of the {frac.size} measured FRFs (FRAC below "
-        f"{LEAST_FRAC:g}); {worst}. Do not use it there: look at these FRFs and "
-        "their records, the band, and modes that were left out.",
+        f"WARNING: the model does not reproduce {poor.sum()} of the {frac.size} measured FRFs (FRAC below "
+        f"{LEAST_FRAC:g}); {worst}. Do not use the model there: check these FRFs and their records, the band, and "
+        "missing modes.",
     )
 
 
@@ -83,7 +83,7 @@ def _weak_modes(model: ModalModel, modes: NDArray[np.int64]) -> str:
     which, hold = _modes_in_words(model, modes)
     return (
         f"{which} {'are' if modes.size > 1 else 'is'} doubtful: {hold} hardly above what noise, or what the model "
-        "leaves unexplained, could pass for. Look at the FRFs there, or leave it out by hand."
+        "leaves unexplained, could cause. Check the FRFs there, or leave the mode out with --drop."
     )
 
 
@@ -91,7 +91,7 @@ def _modes_of_one_output(model: ModalModel, output: int, modes: NDArray[np.int64
     which, _ = _modes_in_words(model, modes)
     return (
         f"{which} {'are' if modes.size > 1 else 'is'} seen by {model.outputs[output]} alone, though other points were "
-        "driven: no mode of a structure is. Look at that sensor, its mounting, and its records for clipping."
+        "driven: no mode of a structure is. Check that sensor, its mounting, and its records for clipping."
     )
 
 

@@ -74,7 +74,7 @@ def test_it_is_said_as_a_likeness(hung: tuple[Campaign, Diagnosis]) -> None:
     said = verdict_sentence(diagnosis)
     assert "none of the known effects explains it, probability 0.99. It behaves like a mass of" in said
     page = render(diagnosis, campaign)
-    assert "What it behaves like" in page
+    assert "Description of the unnamed cause" in page
     assert "It is no cause" in page
 
 

@@ -86,7 +86,7 @@ def test_a_body_that_is_not_valid_names_every_field(lab: Lab) -> None:
         assert "/docs" in found["remedy"]
         without_kind = client.post(f"{API}/campaigns/c1/runs", json={"plan": {"points": [10]}})
         (one,) = problem(without_kind, 422, "not-valid")["errors"]
-        assert one["what"] == "needs a field 'kind' that says what it is"
+        assert one["what"] == "needs a field 'kind' with its kind"
         problem(
             client.post(f"{API}/campaigns", content=b"{", headers={"Content-Type": "application/json"}),
             422,
@@ -115,7 +115,7 @@ def test_blind_trials_are_ordered_without_a_campaign(lab: Lab) -> None:
         assert client.get(ordered.headers["location"]).json()["id"] == ordered.json()["id"]
         client.delete(ordered.headers["location"])
         none = client.post(f"{API}/blind-trials", json={"parameters": {"trials": 0, "none": 0}})
-        assert "no trial is asked for" in none.json()["detail"]
+        assert "no trial is requested" in none.json()["detail"]
         of_runs = client.post(f"{API}/blind-trials", json={"runs": ["a"]})
         assert "not read from runs" in of_runs.json()["detail"]
 

@@ -153,14 +153,14 @@ def test_what_could_not_begin_in_time_does_not_begin_later() -> None:
     late = RequestedRun(order, "Ada")
     with pytest.raises(RigUnavailableError, match=r"not begun after 0\.01 s") as rejected:
         late.wait(0.01)
-    assert rejected.value.remedy == "ask again when the rig is idle"
+    assert rejected.value.remedy == "try again when the rig is idle"
     assert not late.claim()
 
     on_its_way = RequestedRun(order, "Ada")
     assert on_its_way.claim()
     with pytest.raises(RigUnavailableError) as unsure:
         on_its_way.wait(0.01)
-    assert unsure.value.remedy == "look at the campaign's list of runs"
+    assert unsure.value.remedy == "read the campaign's list of runs"
     # The rig's process died of it; it was not given up, since nobody could know.
     on_its_way.put_back()
     assert on_its_way.claim()

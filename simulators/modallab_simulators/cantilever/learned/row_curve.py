@@ -31,7 +31,7 @@ def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
 
 def _check(effect: Effect, rig: Rig) -> list[str]:
     if any(name.endswith("_share") for name in effect.parameters):
-        return ["row_curve: a level that follows each record's own peak is none a bench can play sample by sample"]
+        return ["row_curve: a level relative to each record's own peak cannot be simulated sample by sample"]
     return []
 
 

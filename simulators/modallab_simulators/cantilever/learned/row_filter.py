@@ -52,6 +52,6 @@ PART = EffectPart(
         "sensor",
         (Parameter("gain", "", 1e-4, 10.0, signed=True, none=1.0),),
         "channel",
-        "a linear operator between what is felt and what is recorded",
+        "a linear operator between motion and recording",
     ),
 )

@@ -4,7 +4,7 @@ In a rise, or while two motions beat, no channel goes on as it did a moment ago,
 is no more certain. But channels keep moving together in the few shapes in which they have moved so far in the burst and
 before it. With the second moments C of that motion, x' inv(C) x is small for what keeps to these shapes and large for
 what leaves them (the squared distance of Mahalanobis). Where a window leaves them, and keeps to them far better
-once two of its channels are exchanged, these two have changed places. A new shape, such as a mode that is only now
+once two of its channels are exchanged, these two are exchanged. A new shape, such as a mode that is only now
 excited, is not corrected by an exchange.
 """
 
@@ -71,7 +71,7 @@ class ExchangedChannels:
         self._suspect, self._looks = None, 0
 
     def look(self, values: Real) -> tuple[int, int] | None:
-        """The two channels that have changed places, if a (channels, n) window is the last of several that say so."""
+        """The two channels that are exchanged, if a (channels, n) window is the last of several that say so."""
         found = self._exchanged(values)
         self._looks = self._looks + 1 if found is not None and found == self._suspect else int(found is not None)
         self._suspect = found
@@ -236,7 +236,7 @@ class BurstWindows:
         return self._cut(middle, end), foreseen
 
     def changed_places(self) -> tuple[int, int] | None:
-        """Two channels that have changed places, by the shapes in which the structure moves; once a look."""
+        """Two channels that are exchanged, by the shapes in which the structure moves; once a look."""
         end = self._at(self.hop * HOP_S)
         middle = end - self.count(self.later_s)
         known = middle - self.gap

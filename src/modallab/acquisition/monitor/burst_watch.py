@@ -58,7 +58,7 @@ class LimitWatch:
         )
         raise SafetyError(
             f"beyond the abort limit: {found}; the output was brought to 0 V",
-            remedy="lower the drive level or stay clear of the resonance; the blocks before are kept",
+            remedy="lower the drive level or avoid the resonance; earlier blocks are kept",
         )
 
     def used(self, samples: Samples) -> float:
@@ -131,8 +131,8 @@ class BurstWatch:
         if fallen.size:
             names = ", ".join(self.limits.names[channel] for channel in fallen)
             raise SafetyError(
-                f"{names} shows less than its own noise: dead or frozen; nothing was driven",
-                remedy="check the channel's sensor, cable and input; the blocks before are kept",
+                f"{names} reads less than its own noise: dead or frozen; nothing was driven",
+                remedy="check the channel's sensor, cable and input; earlier blocks are kept",
             )
         return noise.no_longer_than(self.own)
 

@@ -23,7 +23,7 @@ SAME_FREQUENCY = 0.002
 SAME_BRACKET = 2.0
 """The same limit between two settled bursts at one frequency."""
 
-REMEDY = "check the channel's sensor, cable and input; the blocks before are kept, the one under way is not"
+REMEDY = "check the channel's sensor, cable and input; earlier blocks are kept, the current block is not"
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class ExpectedForce:
             if not 1 / SAME_BRACKET <= change <= SAME_BRACKET:
                 raise implausible_channel_error(
                     f"{self._name} reads {found:.4g} N per V of drive at {frequency_hz:g} Hz, where the"
-                    f" burst before gave {last.force_n_per_v:.4g} N per V"
+                    f" previous burst gave {last.force_n_per_v:.4g} N per V"
                 )
         self.last = LastBurst(frequency_hz, found)
 
@@ -100,7 +100,7 @@ class ExpectedForce:
             change = foreseen.amplitude[force] * per_v / self.last.force_n_per_v
             if not 1 / FORCE_BRACKET <= change <= FORCE_BRACKET:
                 raise implausible_channel_error(
-                    f"{self._name} reads {change:.3g} times the force per volt of the burst before, at"
+                    f"{self._name} reads {change:.3g} times the force per volt of the previous burst, at"
                     f" {self.last.frequency_hz:g} Hz"
                 )
 

@@ -36,7 +36,7 @@ class LiveInfo(Frozen):
         run: the run, or `IDLE` and the bench.
         ring: path of the ring.
         capacity: samples per channel that it holds.
-        rate_hz: of the device.
+        rate_hz: sampling rate of the device.
         channels: names, rig order.
         scale: (channels,) unit per count.
         units: (channels,).

@@ -28,7 +28,7 @@ CORNER_PART = 0.2
 FORESEEN_FROM = 0.2
 """From this part of the full drive on, what it will be at the full drive is foreseen from what it is."""
 
-REMEDY = "lower the drive level or begin at a higher frequency; the blocks before are kept"
+REMEDY = "lower the drive level or begin at a higher frequency; earlier blocks are kept"
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +108,7 @@ class MotionWatch:
         rising = (level >= FORESEEN_FROM) & (times < burst.ramp_s)
         if rising.any():
             above = np.maximum(magnitude[:, rising] - 2 * self._rest[:, None], 0) / level[rising]
-            self._require(above.max(axis=1), "on the way beyond the abort limit: foreseen at the full drive")
+            self._require(above.max(axis=1), "will exceed the abort limit at the full drive, as predicted")
 
     def _integrated(self, values: Real) -> Real:
         bias = self._bias if self._bias is not None else values.mean(axis=1, keepdims=True)

@@ -125,7 +125,7 @@ class Plausibility:
             volts: (channels,) V, or whatever all share, per delivered number: a plug that is swapped swaps these.
             force: the force's channel.
             watched: channels of force and of limits.
-            rate_hz: of the device.
+            rate_hz: sampling rate of the device.
         """
         self._names, self._volts, self._force_row = tuple(names), np.abs(volts), force
         self._force = ExpectedForce(names[force], force, float(np.abs(si_per_count[force] / volts[force])))
@@ -177,9 +177,7 @@ class Plausibility:
             raise implausible_channel_error(f"{self._names[first]} repeats one value for {run[first]} samples: frozen")
         cut = np.flatnonzero(self._watched & look.cut_off(chunk.samples))
         if cut.size:
-            raise implausible_channel_error(
-                f"{self._names[int(cut[0])]} is cut off: all its highest samples read the same"
-            )
+            raise implausible_channel_error(f"{self._names[int(cut[0])]} is clipped: all its highest samples are equal")
         look.add(chunk.samples)
         normal = normal_looks(look, self._force)
         while look.next_hop():
@@ -190,7 +188,7 @@ class Plausibility:
         places = look.changed_places()
         if places is not None and self._watched[list(places)].any():
             one, other = (self._names[channel] for channel in places)
-            raise implausible_channel_error(f"{one} and {other} have changed places")
+            raise implausible_channel_error(f"{one} and {other} are exchanged")
         pair = look.foreseen(look.later_s)
         if pair is None:
             return

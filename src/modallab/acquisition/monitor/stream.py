@@ -84,9 +84,9 @@ class Stream:
         chunk = self._bench.read(count, count / self.rate_hz + READ_SLACK_S)
         if chunk.first_sample != self.next:
             raise SamplesLostError(
-                f"sample {chunk.first_sample} came where {self.next} was due",
+                f"sample {chunk.first_sample} arrived instead of sample {self.next}",
                 where=self._bench.info.url,
-                remedy="start a new run; the blocks before the gap are kept",
+                remedy="start a new run; blocks before the gap are kept",
             )
         self._remember(chunk)
         if self._tap is not None:

@@ -135,7 +135,7 @@ def channel_faults(seen: Real, foreseen: PredictedWindow, noise: Real, white: Re
     for channel in np.flatnonzero(suspects):
         top = _cut_at(seen[channel], foreseen.later[channel], float(white[channel]), float(parted[channel]) / BETTER)
         if top is not None:
-            found[int(channel)] = f"is cut off at {100 * top:.0f} % of what was foreseen: clipped"
+            found[int(channel)] = f"is cut off at {100 * top:.0f} % of the prediction: clipped"
     for one, other in combinations(range(len(seen)), 2):
         if not suspects[one] and not suspects[other]:
             continue
@@ -143,8 +143,8 @@ def channel_faults(seen: Real, foreseen: PredictedWindow, noise: Real, white: Re
         # Two plugs change places: each must read what the other was to read.
         if (_rms(seen[pair] - foreseen.later[pair[::-1]], axis=1) < parted[pair] / BETTER).all():
             found |= {
-                int(one): f"and {{{other}}} have changed places",
-                int(other): f"and {{{one}}} have changed places",
+                int(one): f"and {{{other}}} are exchanged",
+                int(other): f"and {{{one}}} are exchanged",
             }
     return found
 

@@ -15,7 +15,7 @@ from modallab.bench.protocol import Chunk, Waveform
 from modallab.core.errors import SafetyError
 from modallab.storage.samples import Samples
 
-REMEDY = "check the channel's sensor, cable and input; the blocks before this wave are kept, those in it do not count"
+REMEDY = "check the channel's sensor, cable and input; blocks before this wave are kept, its own blocks do not count"
 
 
 class WavePlausibility:
@@ -34,7 +34,7 @@ class WavePlausibility:
             names: of all channels.
             forces: force channel of each shaker that drives.
             watched: channels with limits.
-            rate_hz: of the device.
+            rate_hz: sampling rate of the device.
         """
         self._names, self._forces, self._rate_hz = tuple(names), tuple(forces), rate_hz
         self._watched = np.isin(np.arange(len(names)), [*forces, *watched])
@@ -70,7 +70,7 @@ class WavePlausibility:
         self._require(look.frozen(chunk.samples), "repeats one value for longer than its noise can: frozen")
         look.add(chunk)
         while look.next_hop():
-            self._require(look.cut_off(), "is cut off: its highest samples read the same")
+            self._require(look.cut_off(), "is clipped: its highest samples are equal")
             self._require(look.gone(self._forces), "no longer follows the drive: dead, frozen or unplugged")
 
     def _require(self, wrong: NDArray[np.bool_], what: str) -> None:

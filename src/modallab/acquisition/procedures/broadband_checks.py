@@ -81,13 +81,15 @@ def _too_few(plan: BroadbandPlan, shakers: int) -> list[str]:
         return []
     problems: list[str] = []
     if plan.detection_lines:
-        problems.append("detection_lines: a line left out says nothing where several shakers drive; allowed: with one")
+        problems.append(
+            "detection_lines: a line that is left out shows nothing with several shakers; allowed: with one shaker"
+        )
     # A periodic wave shows by its second block that it is one, and what is noise.
     least = 2 * shakers if is_periodic(plan) else shakers + 1
     if plan.blocks < least:
         each = f", two in each of {shakers} waves" if is_periodic(plan) else ""
         problems.append(
-            f"blocks: {plan.blocks} cannot tell {shakers} shakers and the noise apart; allowed: {least} or more{each}"
+            f"blocks: {plan.blocks} cannot separate {shakers} shakers and the noise; allowed: {least} or more{each}"
         )
     if is_periodic(plan) and plan.blocks_per_wave == 1:
         problems.append("blocks_per_wave: 1 of a periodic drive shows no noise; allowed: 2 or more for several shakers")

@@ -195,6 +195,7 @@ def _settling(context: RunContext, plan: SinePlan, note: BlockNote, setting: Set
 def _unsettled_reason(settling: Settling, plan: SinePlan) -> str:
     worst = int(np.argmax(settling.ratio))
     return (
-        f"not settled: the decay of {settling.mode_hz[worst]:.4g} Hz is {100 * settling.total:.3g} % of the response,"
+        f"not settled: the free decay at {settling.mode_hz[worst]:.4g} Hz is {100 * settling.total:.3g} % of the "
+        "response,"
         f" at most {100 * plan.settled_ratio:g} %"
     )

@@ -59,13 +59,13 @@ class DrivenForces:
         """Reject a block in which forces follow each other's drives.
 
         A weak shaker may feel the others more than its own drive; but where each follows one of its own, and not its
-        own, plugs have changed places.
+        own, plugs are exchanged.
 
         Args:
             samples: (channels, n) as delivered.
             waves: what each shaker plays.
             first_s: of the samples, since the waves began.
-            rate_hz: of the samples.
+            rate_hz: sampling rate.
 
         Raises:
             SafetyError: names the channel and whose drive it follows.
@@ -98,7 +98,7 @@ def drive_followed_by_each_force(forces: Real, waves: Sequence[Waveform], first_
         forces: (shakers, n) in N, in the order of the waves.
         waves: what each shaker plays.
         first_s: of the samples, since the waves began.
-        rate_hz: of the samples.
+        rate_hz: sampling rate.
     """
     window = np.hanning(forces.shape[1])
     times = first_s + np.arange(forces.shape[1]) / rate_hz

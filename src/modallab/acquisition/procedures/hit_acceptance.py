@@ -148,7 +148,7 @@ def rejections(hit: Hit, limits: HitAcceptance) -> list[str]:
         found.append(f"contact too long: {1e3 * hit.contact_s:.3g} ms, at most {1e3 * limits.max_contact_s:g} ms")
     if hit.second_ratio > limits.double_hit_ratio:
         found.append(
-            f"double hit: a second one of {100 * hit.second_ratio:.3g} %, at most {100 * limits.double_hit_ratio:g} %"
+            f"double hit: a second pulse of {100 * hit.second_ratio:.3g} %, at most {100 * limits.double_hit_ratio:g} %"
         )
     if hit.drop_db > limits.band_drop_db:
         found.append(

@@ -64,7 +64,7 @@ class ImpactTest:
                 self.restarts += 1
                 self.context.restart(error, self.restarts)
                 self.rest.early.restarted()
-                self._notify_rejected(target.point, f"samples were lost: {error.what}; the bench was started again")
+                self._notify_rejected(target.point, f"samples were lost: {error.what}; the bench was restarted")
 
     def _hit(self, target: Target) -> None:
         rest = self.rest.wait(target.point, self._interrupted, self._report_rest)
@@ -146,7 +146,7 @@ class ImpactTest:
         raise BenchTimeoutError(
             f"no hit above {plan.trigger_n:g} N at point {target.point} within {plan.hit_timeout_s:g} s",
             where=context.bench.info.url,
-            remedy="strike harder, lower trigger_n, or look at the hammer's cable; the blocks before are kept",
+            remedy="strike harder, lower trigger_n, or check the hammer's cable; earlier blocks are kept",
         )
 
     def _keep(self, target: Target, first: int, rest: RestState, before: MotionBeforeHit) -> None:
@@ -234,7 +234,7 @@ class ImpactTest:
             raise BenchError(
                 f"{self.rejected} hits at point {point} were rejected, the last one: {reason}",
                 where=self.context.bench.info.url,
-                remedy="change the tip, the place or the acceptance; the blocks are kept",
+                remedy="change the hammer tip, the place or the acceptance limits; recorded blocks are kept",
             )
 
     def _notify_rejected(self, point: int, reason: str) -> None:
@@ -246,7 +246,7 @@ def run_impact(context: RunContext, plan: ImpactPlan, expected: ExpectedModes | 
 
     Args:
         context: the bench.
-        plan: what to do.
+        plan: plan of the run.
         expected: the modes the structure is believed to have, if any are.
     """
     early = EarlyHits(context, plan, plan.points[0])

@@ -64,10 +64,10 @@ def _setup_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
     if problems or not plan.setups:
         return problems
     if len(plan.setups) > 1:
-        return [f"setups: {len(plan.setups)} in one run; allowed: one, as modallab campaign run begins them in turn"]
+        return [f"setups: {len(plan.setups)} in one run; allowed: one; modallab campaign run runs several in turn"]
     return [
         f"setups: {setup.name} has {move.channel} at point {move.after}, the rig at {move.before};"
-        " allowed: a rig as in the set-up"
+        " allowed: the places of the set-up"
         for setup in plan.setups
         for move in sensor_moves(rig, rig_of(rig, setup))
     ]
@@ -170,7 +170,7 @@ def _settle_problems(plan: SinePlan) -> list[str]:
     if plan.max_settle_s < plan.settle_s:
         problems.append(f"max_settle_s is {plan.max_settle_s:g}; allowed: at least settle_s = {plan.settle_s:g}")
     if not plan.modes:
-        problems.append("max_settle_s: nothing says when it has settled; allowed: together with modes")
+        problems.append("max_settle_s needs modes, whose decays show when a block has settled")
     return problems
 
 
@@ -180,7 +180,8 @@ def _force_problems(plan: SinePlan, limits: Limits) -> list[str]:
     problems: list[str] = []
     if set(plan.force.levels_n) != set(plan.levels_v):
         problems.append(
-            f"force.levels_n: {', '.join(plan.force.levels_n)}; allowed: the levels of levels_v, which the drive begins"
+            f"force.levels_n: {', '.join(plan.force.levels_n)}; allowed: the levels of levels_v, whose drive each "
+            "begins"
             f" with: {', '.join(plan.levels_v)}"
         )
     most = HEADROOM * limits.force_n

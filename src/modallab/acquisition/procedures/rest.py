@@ -50,7 +50,7 @@ class EarlyHits:
     Attributes:
         context: the bench.
         plan: the trigger.
-        point: that will be struck.
+        point: next point.
         last: sample of the last early hit; None if there was none since the bench was started.
         seen: how many there were.
     """
@@ -189,7 +189,7 @@ class RestWait:
         """Read until the plan lets the hit come; past its patience go on with what there is.
 
         Args:
-            point: that will be struck.
+            point: next point.
             ended: asked at every look; True ends the wait.
             report: called about once a block with how it stands, and how many seconds it will take, if that is known.
         """

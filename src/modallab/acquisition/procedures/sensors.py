@@ -91,7 +91,7 @@ def _other_serial(channel: Channel, serials: Mapping[str, str]) -> list[str]:
         found.append(f"the rig file has the sensor {channel.serial}, its certificate is that of {certificate.serial}")
     sensed = serials.get(channel.name, "")
     if sensed and channel.serial and _serial_number(sensed) != _serial_number(channel.serial):
-        found.append(f"the rig file has the sensor {channel.serial}, the sensor itself says (TEDS) {sensed}")
+        found.append(f"the rig file has the sensor {channel.serial}, its TEDS states {sensed}")
     return found
 
 
@@ -127,7 +127,7 @@ def _other_sensed(channel: Channel, test: Test, sensed: Mapping[str, float]) -> 
     if abs(percent) <= allowed:
         return []
     return [
-        f"the rig file has {believed:.5g} V per SI unit, the sensor itself says (TEDS) {sensed[channel.name]:.5g}: "
+        f"the rig file has {believed:.5g} V per SI unit, its TEDS states {sensed[channel.name]:.5g}: "
         f"{percent:+.2g} %, {allowed:g} % are allowed"
     ]
 

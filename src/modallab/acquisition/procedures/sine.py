@@ -216,7 +216,8 @@ def _say_what_is_unseen(context: RunContext) -> None:
     unseen = context.bench.open_sensors_unseen() if isinstance(context.bench, SensorSupplyCheck) else ()
     if unseen:
         what = (
-            f"the device cannot say whether a sensor is connected to {', '.join(unseen)}: an unplugged one is seen only"
-            " by its not following the drive"
+            f"the device cannot detect whether a sensor is connected to {', '.join(unseen)}: an unplugged sensor is "
+            "detected only"
+            " when it does not follow the drive"
         )
         context.emit(Notice(run=context.recorder.run, what=what))

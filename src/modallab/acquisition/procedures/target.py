@@ -13,7 +13,7 @@ class Target:
     """A hit that is requested.
 
     Attributes:
-        point: to strike.
+        point: point to hit.
         hit: its number at the point, from 1.
         again: how often it was kept before and then dropped.
     """
@@ -93,7 +93,7 @@ def require_step(plan: Plan, frequency_hz: float, level: str = "") -> SinePlan:
     if not isinstance(plan, SinePlan):
         raise PlanError(
             f"an {plan.kind} test has no frequencies to repeat",
-            remedy="drop a hit instead; it is then asked for again",
+            remedy="drop a hit instead; it is then requested again",
         )
     if not any(_is_same_frequency(f, frequency_hz) for f in plan.frequencies_hz):
         raise PlanError(
@@ -122,7 +122,7 @@ def require_recorded(plan: SinePlan, frequency_hz: float, level: str, blocks: Co
     """
     names = [block_name(name, frequency_hz) for name in plan.levels_v if level in ("", name)]
     if not any(block == name or block.startswith(f"{name}_") for block in blocks for name in names):
-        raise PlanError(f"{frequency_hz:g} Hz has not been recorded yet", remedy="wait: it is still to come")
+        raise PlanError(f"{frequency_hz:g} Hz has not been recorded yet", remedy="wait until it is recorded")
 
 
 def _is_same_frequency(one_hz: float, other_hz: float) -> bool:

@@ -141,5 +141,5 @@ def _expected(error: Exception) -> ModallabError:
         return error
     return BenchError(
         f"unexpected {type(error).__name__} in the acquisition process: {error}",
-        remedy="report this with the log; the blocks before are kept",
+        remedy="report this with the log; earlier blocks are kept",
     )

@@ -32,7 +32,7 @@ class RunView:
     """The active run, or the last one; each event makes a new view.
 
     Attributes:
-        run: its name.
+        run: name of the run.
         state: where it stands.
         done: good hits, or frequencies, so far.
         total: how many are requested.
@@ -139,7 +139,7 @@ class RunControls(ABC):
         """
         if not self._running or self._plan is None:
             raise PlanError(
-                "no run is going on", remedy="run a plan of this frequency alone, and drop the block before"
+                "no run is active", remedy="run a plan with this frequency alone, and drop the earlier block"
             )
         plan = require_step(self._plan, frequency_hz, level)
         require_recorded(plan, frequency_hz, level, self._view.blocks)
@@ -173,7 +173,7 @@ class RunControls(ABC):
             PlanError: no impact test is running.
         """
         if not self._running or not isinstance(self._plan, ImpactPlan):
-            raise PlanError("no impact test is going on", remedy="accept the block once its run has ended")
+            raise PlanError("no impact test is active", remedy="accept the block once its run has ended")
         self._send(AcceptBlock(block, reason, operator))
 
     def _begin(self, plan: Plan) -> None:

@@ -15,8 +15,8 @@ from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-HELD = "this machine is kept from going to sleep"
-NOT_HELD = "this machine could NOT be kept from going to sleep ({}): switch its sleep off before you drive"
+HELD = "this machine is kept awake"
+NOT_HELD = "this machine could NOT be kept awake ({}): switch its sleep off before you drive"
 
 ANSWER_S = 3.0
 _WHILE_CAT = ("sh", "-c", "echo held; exec cat")
@@ -111,8 +111,9 @@ def take_priority() -> str:
             _take_on_posix()
     except OSError as error:
         return (
-            f"the watch on the limits runs at ordinary priority ({error.strerror or error}): on a busy machine a limit"
-            " is acted on later; permit a negative nice value, or keep other programs off"
+            f"the check of the limits runs at ordinary priority ({error.strerror or error}): on a busy machine it "
+            "reacts"
+            " later; permit a negative nice value, or stop other programs"
         )
     return ""
 

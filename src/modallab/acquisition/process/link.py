@@ -28,7 +28,7 @@ class RunPlan:
     """Begin a run.
 
     Attributes:
-        plan: what to do.
+        plan: plan of the run.
         expected: the modes the structure is believed to have; None if nothing is believed.
     """
 

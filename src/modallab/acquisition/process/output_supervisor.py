@@ -136,19 +136,19 @@ def start_supervisor(url: str, rig: Rig, data_folder: Path) -> tuple[Supervisor 
     if rig.shaker_point is None or not has_output(url):
         return None, "the output ends with the process that drives it"
     try:
-        return Supervisor(url, rig, data_folder), "a supervisor holds a handle of its own to the output"
+        return Supervisor(url, rig, data_folder), "a supervisor has its own handle to the output"
     except ModallabError as error:
         watchdog = rig.excitation.watchdog_s if rig.excitation is not None else None
         left = (
             f"the device's watchdog ({watchdog:g} s)" if watchdog else "the burst's own end, where there is a server,"
         )
-        return None, f"there is NO supervisor ({error.what}): should the acquisition die, only {left} ends the output"
+        return None, f"there is NO supervisor ({error.what}): if the acquisition dies, only {left} ends the output"
 
 
 def _output_lost_error() -> BenchError:
     return BenchError(
-        "the supervisor of the output is gone",
-        remedy="switch the amplifier off; a burst that is on ends by itself within the rig's max_burst_s",
+        "the supervisor of the output has ended",
+        remedy="switch the amplifier off; an active burst ends within the rig's max_burst_s",
     )
 
 

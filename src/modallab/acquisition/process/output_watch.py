@@ -31,7 +31,7 @@ TIMEOUT_S = 1.0
 
 DIED = "the acquisition process died while it drove"
 FROZEN = "the acquisition process was frozen while it drove"
-TIMED_OUT = f"the acquisition process said nothing for {TIMEOUT_S:g} s while it drove"
+TIMED_OUT = f"the acquisition process gave no sign of life for {TIMEOUT_S:g} s while it drove"
 
 BEAT_S = 0.1
 TRIES = 3

@@ -159,7 +159,7 @@ def wait_for_supplies(setup: Setup, context: RunContext) -> None:
     if not fed:
         return
     run = setup.recorder.run
-    what = f"{len(fed)} sensors are fed; waiting until their bias has settled, at most {PATIENCE_S:g} s"
+    what = f"{len(fed)} sensors have their supply on; waiting until their bias has settled, at most {PATIENCE_S:g} s"
     setup.emit(Notice(run=run, what=what))
 
     def pull(count: int) -> NDArray[np.generic]:
@@ -169,7 +169,7 @@ def wait_for_supplies(setup: Setup, context: RunContext) -> None:
 
     wait = wait_until_settled(pull, fed, stream.rate_hz)
     if wait.unsettled:
-        what = f"the bias of {', '.join(wait.unsettled)} still moves after {wait.seconds:g} s; look at sensor and cable"
+        what = f"the bias of {', '.join(wait.unsettled)} still moves after {wait.seconds:g} s; check sensor and cable"
         setup.emit(Notice(run=run, what=what))
 
 

@@ -102,7 +102,7 @@ class RigProcess(RunControls):
         """
         _ = self.info
         if self._running:
-            raise BenchError("a run is going on", remedy="wait for its end, or stop it")
+            raise BenchError("a run is active", remedy="wait for its end, or stop it")
         self._begin(plan)
         try:
             self._send(RunPlan(plan, expected))
@@ -206,7 +206,7 @@ class RigProcess(RunControls):
             while not self._connection.poll(POLL_S):
                 waited += POLL_S
                 if waited > patience_s:
-                    raise BenchError(f"the acquisition process said nothing for {patience_s:g} s")
+                    raise BenchError(f"the acquisition process gave no sign of life for {patience_s:g} s")
             return self._connection.recv()
         except (EOFError, OSError) as error:
             raise self._died() from error
@@ -222,7 +222,7 @@ class RigProcess(RunControls):
                 store.recover()
         return BenchError(
             f"the acquisition process ended (exit code {self.process.exitcode}){output}",
-            remedy="start it again; every acknowledged block is kept and its run marked as interrupted",
+            remedy="start it again; every acknowledged block is kept, and the run is marked as interrupted",
         )
 
     def _send(self, message: Message) -> None:

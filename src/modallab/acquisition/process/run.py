@@ -54,7 +54,7 @@ def run_plan(
     Args:
         bench: open, not started.
         rig: what stands on it.
-        plan: what to do.
+        plan: plan of the run.
         recorder: of a run just begun.
         emit: takes the events, in order.
         control: asked before every read whether to end.
@@ -176,7 +176,7 @@ _SAID: dict[Order, str] = {
     "abort": "aborted by the operator",
     "emergency": "emergency stop",
     "ended": "interrupted: the service was ended",
-    "lost": "interrupted: the process that asked for the run is gone",
+    "lost": "interrupted: the process that requested the run has ended",
 }
 
 

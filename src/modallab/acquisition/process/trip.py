@@ -28,7 +28,9 @@ class TrippedError(SafetyError):
     """The rig was tripped and not reset: nothing is armed, and what was on has been ended."""
 
     code = "tripped"
-    http = Http(409, "The rig is tripped", "It was stopped in an emergency. Look at the bench, then reset the rig.")
+    http = Http(
+        409, "The rig is tripped", "An emergency stop or a guard tripped the rig. Check the bench, then reset the rig."
+    )
 
 
 class Trip(Frozen):
@@ -37,8 +39,8 @@ class Trip(Frozen):
     Attributes:
         url: of the bench.
         cause: an emergency stop, a time-out or the death of the rig's process, or a latch that cannot be read.
-        what: in words.
-        utc: when, for people.
+        what: notice in words.
+        utc: date and time.
     """
 
     url: str
@@ -113,7 +115,7 @@ class TripLatch:
             raise TrippedError(
                 f"the rig was tripped by {trip.cause} at {trip.utc or 'an unknown time'}: {trip.what}",
                 where=self._url,
-                remedy="look at the bench, then reset it: modallab rig reset RIG.yaml --data FOLDER",
+                remedy="check the bench, then reset the rig: modallab rig reset RIG.yaml --data FOLDER",
             )
 
 

@@ -106,7 +106,7 @@ class MeasuredRequest(Frozen):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if not self.trials + self.none:
-            raise ValueError("no trial is asked for")
+            raise ValueError("no trial is requested")
         return self
 
 

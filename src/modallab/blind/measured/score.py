@@ -125,10 +125,10 @@ def trial_figures(trials: Sequence[MeasuredTrial]) -> list[OutcomeFigure]:
     sure = [t for t in trials if t.probability > SURE]
     return [
         _share_of_trials("named right", done, lambda t: t.right),
-        _share_of_trials("size within 10 %, of those named right", sizes, lambda t: (t.size_error or 0.0) <= SIZE),
-        _share_of_trials("place right, of those named right", placed, lambda t: bool(t.place_right)),
-        _share_of_trials("right where it names above 0.9", sure, lambda t: t.right),
-        _share_of_trials("no gap though something was done", done, lambda t: t.said == "no_gap", expected=False),
+        _share_of_trials("size within 10 %, of effects named right", sizes, lambda t: (t.size_error or 0.0) <= SIZE),
+        _share_of_trials("place right, of effects named right", placed, lambda t: bool(t.place_right)),
+        _share_of_trials("right where the probability is above 0.9", sure, lambda t: t.right),
+        _share_of_trials("no gap although an effect was added", done, lambda t: t.said == "no_gap", expected=False),
         _share_of_trials(
             "false alarms", [t for t in trials if t.effect == "none"], lambda t: not t.right, expected=False
         ),

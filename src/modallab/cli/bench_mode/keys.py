@@ -53,7 +53,7 @@ class KeyMap:
             names[cast("Meaning", meaning)] = key
         meanings: dict[str, Meaning] = {NAMED.get(key, key): meaning for meaning, key in names.items()}
         if len(meanings) < len(names):
-            raise ConfigurationError(f"--keys: one key for two in {text!r}", remedy="give each its own")
+            raise ConfigurationError(f"--keys: one key for two in {text!r}", remedy="give each action its own key")
         return cls(meanings, names)
 
     def help(self) -> str:

@@ -96,8 +96,8 @@ class Operator:
             while self._state.phase == "move" and not self.left:
                 if not key_pressed():
                     raise ConfigurationError(
-                        f"sensors are to be moved for set-up {setup}, and no key can say that they are",
-                        remedy="start it with a keyboard, or a pipe that stays open",
+                        f"sensors must be moved for set-up {setup}, and no key can confirm it",
+                        remedy="start the command with a keyboard, or with a pipe that stays open",
                     )
                 self._done.wait(LOOK_S)
         return not self.left
@@ -133,7 +133,9 @@ def _command(meaning: Meaning, state: SessionState) -> Command | None:
     if meaning == "quit":
         return Stop()
     if meaning == "undo":
-        return None if state.last_good is None else Drop(n=state.last_good, reason="taken back by the operator")
+        return (
+            None if state.last_good is None else Drop(n=state.last_good, reason="rejected by the operator afterwards")
+        )
     return None if state.last_rejected is None else Accept(n=state.last_rejected)
 
 

@@ -61,7 +61,7 @@ def _waiting(_: SessionState, said: Said) -> Said:
     still = f"{said['residual_hz']:.3g} Hz rings"
     if said["residual_ratio"] is not None:
         still += f" with {100 * said['residual_ratio']:.2g} % of a hit, {100 * said['allowed']:g} % is allowed"
-    still += "; steady it by hand"
+    still += "; stop the structure by hand"
     if said["remaining_s"] is not None:
         still += f", or wait {said['remaining_s']:.0f} s"
     return {"phase": "wait", "text": still, "point": said["point"], "hit": said["hit"], "of": said["of"]}

@@ -12,10 +12,10 @@ Density = Annotated[float, Field(ge=0, le=1e12, allow_inf_nan=False)]
 
 
 class ImpulseForce(Frozen):
-    """All of a force within one sample, the second.
+    """An impulse within one sample, the second.
 
     Attributes:
-        impulse_n_s: its integral over time.
+        impulse_n_s: time integral of the force.
     """
 
     kind: Literal["impulse"] = "impulse"
@@ -39,8 +39,8 @@ class SweepForce(Frozen):
     """A sine whose frequency changes evenly over the record.
 
     Attributes:
-        from_hz: at the first sample.
-        to_hz: at the last.
+        from_hz: frequency at the first sample.
+        to_hz: frequency at the last sample.
         amplitude_n: of it.
     """
 
@@ -51,11 +51,11 @@ class SweepForce(Frozen):
 
 
 class RandomForce(Frozen):
-    """A random force of a spectrum.
+    """A random force with a given spectrum.
 
     Attributes:
-        spectrum: frequency in Hz, rising, and one-sided density in N^2/Hz; straight between them, none outside.
-        seed: another one draws another record.
+        spectrum: ascending frequencies in Hz with one-sided density in N^2/Hz; linear between them, zero outside.
+        seed: seed of the random numbers.
     """
 
     kind: Literal["random"] = "random"

@@ -12,12 +12,12 @@ from modallab.core.frozen import Frozen
 
 
 class RigChanged(Frozen):
-    """A rig's process is in another state.
+    """The state of a rig's process has changed.
 
     Attributes:
         rig: id of the rig.
-        state: it is in now.
-        error: why it is unavailable, else "".
+        state: present state.
+        error: reason if the rig is unavailable, otherwise "".
     """
 
     kind: Literal["rig"] = "rig"
@@ -27,12 +27,12 @@ class RigChanged(Frozen):
 
 
 class Tripped(Frozen):
-    """A rig was stopped in an emergency.
+    """A rig was tripped.
 
     Attributes:
         rig: id of the rig.
         reason: in words.
-        operator: who stopped it.
+        operator: name of the operator.
     """
 
     kind: Literal["tripped"] = "tripped"
@@ -47,7 +47,7 @@ class Reset(Frozen):
     Attributes:
         rig: id of the rig.
         reason: in words.
-        operator: who reset it.
+        operator: name of the operator.
     """
 
     kind: Literal["reset"] = "reset"
@@ -57,16 +57,16 @@ class Reset(Frozen):
 
 
 class JobChanged(Frozen):
-    """A job goes on.
+    """The state or progress of a job has changed.
 
     Attributes:
         job: its name.
-        of: its kind.
-        state: it is in now.
+        of: kind of the job.
+        state: present state.
         progress: 0 to 1.
-        stage: what is being done, in words; "" where nothing is.
-        inputs: runs it works on.
-        error: why it failed; None if it did not.
+        stage: present stage in words; "" if none.
+        inputs: names of its runs.
+        error: reason of a failure; None without one.
     """
 
     kind: Literal["job"] = "job"
@@ -80,14 +80,14 @@ class JobChanged(Frozen):
 
 
 class BlockJudged(Frozen):
-    """Somebody has judged a block of a run that had ended.
+    """A block of an ended run has a new verdict.
 
     Attributes:
-        run: its name.
+        run: name of the run.
         n: number of the block.
-        operator: who judged.
-        accepted: whether it counts from now on.
-        reason: why.
+        operator: name of the operator.
+        accepted: whether the block is valid from now on.
+        reason: reason.
     """
 
     kind: Literal["verdict"] = "verdict"
@@ -99,17 +99,17 @@ class BlockJudged(Frozen):
 
 
 class QueueChanged(Frozen):
-    """A rig's queue, or an item of it, is in another state.
+    """The state of a rig's queue, or of an item, has changed.
 
     Attributes:
         rig: id of the rig.
-        state: of the item, or `paused`, `resumed` and the like of the queue.
-        item: id of the item; "" where the queue is meant.
-        run: name of the item's run; "" where there is none.
-        reason: why.
-        operator: who did it; "" where nobody did.
-        drive: of a consent, whether tests that move the output may begin.
-        at_bench: of a consent, whether impact tests may.
+        state: state of the item, or `paused`, `resumed` and others of the queue.
+        item: id of the item; "" for the queue.
+        run: name of the item's run; "" if none.
+        reason: reason.
+        operator: name of the operator; "" if none.
+        drive: whether the consent permits tests that move the output.
+        at_bench: whether the consent permits impact tests.
     """
 
     kind: Literal["queue"] = "queue"
@@ -131,10 +131,10 @@ class SetAsideChanged(Frozen):
     """A campaign or a run was archived, deleted or restored.
 
     Attributes:
-        campaign: id of the campaign; "" where a run is meant.
-        run: name of the run; "" where a campaign is meant.
-        state: it is in now.
-        operator: who did it.
+        campaign: id of the campaign; "" for a run.
+        run: name of the run; "" for a campaign.
+        state: present state.
+        operator: name of the operator.
     """
 
     kind: Literal["set_aside"] = "set_aside"
@@ -155,17 +155,17 @@ class LiveAbout(Frozen):
     """What stands before every live array.
 
     Attributes:
-        dtype: of the array, as NumPy writes it.
-        shape: of the array.
+        dtype: data type of the array, in NumPy's notation.
+        shape: shape of the array.
         rig: id of the rig.
-        run: name of the run; "" where none is on.
-        position: of the first sample, counted from 0 without a hole.
-        first_sample: the same in the device's own count.
-        lost: samples before it that nobody can have any more.
-        rate_hz: of the device.
+        run: name of the run; "" between runs.
+        position: index of the first sample, from 0 without a gap.
+        first_sample: the same index in the device's own count.
+        lost: number of earlier samples that are no longer available.
+        rate_hz: sampling rate of the device.
         channels: names of the array's rows.
-        units: of the channels.
-        ended: whether nothing comes after this.
+        units: units of the channels.
+        ended: whether this is the last message.
     """
 
     dtype: str
@@ -182,11 +182,11 @@ class LiveAbout(Frozen):
 
 
 class SamplesAbout(LiveAbout):
-    """Before (channels, n) samples in counts.
+    """Header of (channels, n) samples in counts.
 
     Attributes:
         scale: unit per count of each channel.
-        overload: names of the channels that were beyond their range.
+        overload: names of the overloaded channels.
     """
 
     scale: tuple[float, ...] = ()
@@ -194,11 +194,11 @@ class SamplesAbout(LiveAbout):
 
 
 class EnvelopeAbout(LiveAbout):
-    """Before (channels, 2, columns) extremes in units.
+    """Header of (channels, 2, columns) extremes in units.
 
     Attributes:
-        width: samples of a column.
-        overload: by channel the columns in which it was beyond its range.
+        width: samples in a column.
+        overload: columns with overload, by channel.
     """
 
     width: int | None = None
@@ -206,12 +206,12 @@ class EnvelopeAbout(LiveAbout):
 
 
 class Axis(Frozen):
-    """Lines that are evenly apart.
+    """Evenly spaced lines.
 
     Attributes:
-        first: frequency of the first one, in Hz.
-        step: between two, in Hz.
-        count: how many.
+        first: frequency of the first line, in Hz.
+        step: spacing of the lines, in Hz.
+        count: number of lines.
     """
 
     first: float
@@ -220,20 +220,20 @@ class Axis(Frozen):
 
 
 class FrfAbout(Frozen):
-    """Before (1 or 2, outputs, lines) mobility, and coherence where blocks are averaged.
+    """Header of (1 or 2, outputs, lines) mobility, and coherence with averaged blocks.
 
     Attributes:
-        dtype: of the array, as NumPy writes it.
-        shape: of the array.
+        dtype: data type of the array, in NumPy's notation.
+        shape: shape of the array.
         run: name of the run.
         quantity: mobility.
-        unit: of its values.
-        input_point: that was driven; None if unknown.
-        averages: blocks averaged.
+        unit: unit of the values.
+        input_point: driven point; None if unknown.
+        averages: number of averaged blocks.
         outputs: channel names.
-        output_points: None where unknown.
-        coherence: whether the array holds it.
-        frequency_hz: of the lines.
+        output_points: points of the outputs; None if unknown.
+        coherence: whether the array contains coherence.
+        frequency_hz: frequencies of the lines.
     """
 
     dtype: str

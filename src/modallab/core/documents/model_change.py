@@ -17,8 +17,8 @@ class ElementNew(Frozen):
 
     Attributes:
         at: point.
-        to: the other end of spring and damper; null for ground.
-        mass_kg: below 0 for one that is taken away.
+        to: other end of spring and damper; null for ground.
+        mass_kg: mass; a negative one is removed.
         spring_n_per_m: stiffness.
         damper_n_s_per_m: viscous damping.
     """
@@ -36,8 +36,8 @@ class AbsorberNew(Frozen):
 
     Attributes:
         at: point.
-        mass_kg: of it.
-        frequency_hz: of it on a point at rest.
+        mass_kg: mass of the absorber.
+        frequency_hz: natural frequency of the absorber on a fixed point.
         damping_ratio: of it.
     """
 
@@ -53,7 +53,7 @@ class LinkNew(Frozen):
 
     Attributes:
         at: point.
-        to: the other point; null for ground.
+        to: other point; null for ground.
     """
 
     kind: Literal["link"]
@@ -62,13 +62,13 @@ class LinkNew(Frozen):
 
 
 class CouplingNew(Frozen):
-    """Another structure, known by the newest model of its campaign, held to this one.
+    """Another structure coupled to this one, given by the newest model of its campaign.
 
     Attributes:
-        campaign: of the other structure.
-        pairs: each a point of this structure, and one of the other.
+        campaign: campaign of the other structure.
+        pairs: pairs of a point of this structure and one of the other.
         joint_n_per_m: stiffness of the joint at each pair; null for rigid ones.
-        remove: whether it is taken away from a measurement of both, such as a fixture.
+        remove: whether it is removed from a measurement of both, such as a fixture.
     """
 
     kind: Literal["coupling"]
@@ -82,12 +82,12 @@ ChangeNew = Annotated[ElementNew | AbsorberNew | LinkNew | CouplingNew, Field(di
 
 
 class PairNew(Frozen):
-    """An FRF that is asked for.
+    """Request for an FRF.
 
     Attributes:
         at: point of the force.
         of: point of the motion.
-        lines: evenly over the band of the model; more are added about each mode before and after.
+        lines: number of frequencies spread evenly over the band of the model; more are added about each mode.
     """
 
     at: PositiveInt
@@ -96,12 +96,12 @@ class PairNew(Frozen):
 
 
 class ModificationNew(AskedOfModel):
-    """Changes of a structure, all at once.
+    """Simultaneous changes of a structure.
 
     Attributes:
-        changes: what is hung on the structure.
-        frf: whose mobility is asked for before and after; null for none.
-        check: campaign that was measured with the changes; null for none.
+        changes: parts attached to the structure.
+        frf: pair of points for the mobility before and after; null for none.
+        check: campaign measured with the changes; null for none.
     """
 
     changes: Annotated[tuple[ChangeNew, ...], Field(min_length=1, max_length=20)]
@@ -124,15 +124,15 @@ class MobilityView(Frozen):
 
 
 class CheckedMode(Frozen):
-    """A mode that was predicted, and then measured.
+    """A predicted mode, compared with its measurement.
 
     Attributes:
-        mode: of the prediction, from 1.
+        mode: number of the mode in the prediction, from 1.
         predicted_hz: of it.
         predicted_sigma_hz: one standard deviation.
-        measured_hz: of the nearest mode of the model with the changes.
-        inside: whether it lies in the 95 % interval of both.
-        words: the same as a sentence.
+        measured_hz: frequency of the nearest mode in the model with the changes.
+        inside: whether the measured frequency lies in the 95 % interval of both.
+        words: comparison as a sentence.
     """
 
     mode: int
@@ -148,19 +148,19 @@ class ModifiedView(OfModel):
 
     Attributes:
         changes: in words.
-        frequency_hz: (modes,) after.
+        frequency_hz: (modes,) frequency after the changes.
         frequency_sigma_hz: (modes,) one standard deviation.
         damping_ratio: (modes,) after.
         damping_sigma: (modes,) one standard deviation.
-        like: (modes,) the mode before whose shape is most like it, from 1.
-        mac: (modes,) of the two shapes.
-        outside: (modes,) part of the frequency that what lies outside the band moves it by.
-        conditioning: by which factor errors at the joint to another structure grow, from 1 on; null without one.
-        notes: how far it can be trusted.
-        before_hz: (modes before,) of the model without the changes.
-        motion: (modes, places, 3) complex, after, as `ShapesView` has it; null where no places are known.
-        frf: the mobility that was asked for.
-        checked: modes of the campaign that was measured with the changes.
+        like: (modes,) number of the original mode with the most similar shape, from 1.
+        mac: (modes,) MAC of the two shapes.
+        outside: (modes,) relative frequency shift by modes outside the band.
+        conditioning: growth factor of errors at the joint to another structure, from 1 on; null without a joint.
+        notes: sentences on the reliability.
+        before_hz: (modes before,) frequency without the changes.
+        motion: (modes, places, 3) complex, after the changes, as in `ShapesView`; null without known places.
+        frf: requested mobility.
+        checked: modes of the campaign measured with the changes.
     """
 
     changes: tuple[str, ...]

@@ -11,14 +11,14 @@ from modallab.core.units import Test
 
 
 class PairView(Frozen):
-    """Two modes that are the same, from 1 in each model.
+    """A pair of corresponding modes, numbered from 1 in each model.
 
     Attributes:
         mode: of the one.
         other: of the other.
-        mac: of their shapes.
-        frequency_hz: of both.
-        frequency_sigma_hz: one standard deviation of both; null where not known.
+        mac: MAC of their shapes.
+        frequency_hz: frequencies of both.
+        frequency_sigma_hz: standard deviations of both; null if unknown.
         damping_ratio: of both.
     """
 
@@ -31,14 +31,14 @@ class PairView(Frozen):
 
 
 class CorrelationView(Frozen):
-    """Which modes of two models are the same.
+    """Pairs of modes of two models.
 
     Attributes:
-        test: of the one.
-        other_test: of the other.
-        points: (points,) that both have.
-        axes: (points,) of motion at each.
-        pairs: modes that are the same.
+        test: test of this model.
+        other_test: test of the other model.
+        points: (points,) common points.
+        axes: (points,) axis of motion at each.
+        pairs: pairs of corresponding modes.
         mac: (modes, modes of the other).
         comac: (points,) low where a point disagrees in many modes.
     """
@@ -53,13 +53,13 @@ class CorrelationView(Frozen):
 
 
 class ChangeForFrequencyNew(AskedOfModel):
-    """A frequency that a mode shall have.
+    """A frequency to which a mode is moved.
 
     Attributes:
         mode: from 1.
-        to_hz: that frequency.
-        by: what is hung on the structure: a mass, or a spring to ground.
-        at: points to try; null for all that have a sensor.
+        to_hz: wanted frequency.
+        by: kind of change: a mass, or a spring to ground.
+        at: points to try; null for all with a sensor.
     """
 
     mode: PositiveInt
@@ -69,15 +69,15 @@ class ChangeForFrequencyNew(AskedOfModel):
 
 
 class ChangeForFrequencyView(Frozen):
-    """What brings a mode to a frequency at a point.
+    """The change that moves a mode to a frequency at a point.
 
     Attributes:
-        at: the point.
-        size: kg or N/m; null where none does.
-        sigma: of it, one standard deviation.
-        hz_sigma: of the frequency it gives; null where none does.
-        lowest_hz: of the frequencies that any size reaches there.
-        highest_hz: of them.
+        at: point of the change.
+        size: mass in kg or stiffness in N/m; null if no size succeeds.
+        sigma: standard deviation of the size.
+        hz_sigma: standard deviation of the resulting frequency; null if no size succeeds.
+        lowest_hz: lowest frequency that any size reaches there.
+        highest_hz: highest frequency that any size reaches there.
     """
 
     at: int
@@ -99,13 +99,13 @@ class ChangesForFrequencyView(OfModel):
 
 
 class ChangeForFreeBandNew(AskedOfModel):
-    """A band that shall hold no mode.
+    """A band to keep free of modes.
 
     Attributes:
-        low_hz: its lower edge.
-        high_hz: its upper edge.
-        by: what is hung on the structure: a mass, or a spring to ground.
-        at: points to try; null for all that have a sensor.
+        low_hz: lower edge of the band.
+        high_hz: upper edge of the band.
+        by: kind of change: a mass, or a spring to ground.
+        at: points to try; null for all with a sensor.
     """
 
     low_hz: Frequency
@@ -115,15 +115,15 @@ class ChangeForFreeBandNew(AskedOfModel):
 
 
 class ChangeForFreeBandView(Frozen):
-    """What leaves no mode in a band at a point, or the mode that stays there.
+    """The change that leaves no mode in a band at a point, or the mode that stays there.
 
     Attributes:
-        at: the point.
-        size: kg or N/m; 0 where the band is free already, null where none does.
-        sigma: of it, one standard deviation.
-        up_to: size from which the next mode is in the band; null where none comes.
-        stays: the mode, from 1, that no size brings out of the band; null where there is an answer.
-        stays_hz: where that mode is at the largest size that was tried.
+        at: point of the change.
+        size: mass in kg or stiffness in N/m; 0 if the band is already free, null if no size succeeds.
+        sigma: standard deviation of the size.
+        up_to: size above which the next mode enters the band; null if none does.
+        stays: mode, from 1, that no size moves out of the band; null if there is an answer.
+        stays_hz: frequency of that mode at the largest size tried.
     """
 
     at: int
@@ -135,22 +135,22 @@ class ChangeForFreeBandView(Frozen):
 
 
 class ChangesForFreeBandView(OfModel):
-    """The same at several points, the smallest first.
+    """The changes at several points, the smallest first.
 
     Attributes:
-        answers: one for each point.
+        answers: one answer for each point.
     """
 
     answers: tuple[ChangeForFreeBandView, ...]
 
 
 class BestAbsorberNew(AskedOfModel):
-    """A mode whose motion at a point shall be as small as an absorber of a mass makes it.
+    """The absorber of a given mass that makes the peak of a mode at a point smallest.
 
     Attributes:
         mode: from 1.
-        at: where the absorber hangs.
-        mass_kg: of it.
+        at: point of the absorber.
+        mass_kg: mass of the absorber.
     """
 
     mode: PositiveInt
@@ -159,17 +159,17 @@ class BestAbsorberNew(AskedOfModel):
 
 
 class BestAbsorberView(OfModel):
-    """That absorber.
+    """The best absorber.
 
     Attributes:
-        at: where it hangs.
-        mass_kg: of it.
-        frequency_hz: of it on a point at rest.
+        at: point of the absorber.
+        mass_kg: mass of the absorber.
+        frequency_hz: natural frequency of the absorber on a fixed point.
         damping_ratio: of it.
-        mass_ratio: its mass over the modal mass at the point.
-        peak_before: of the mobility at the point about the mode, m/(N s).
+        mass_ratio: mass of the absorber over the modal mass at the point.
+        peak_before: peak of the mobility at the point about the mode, m/(N s).
         peak_before_sigma: one standard deviation.
-        peak_after: the same with it.
+        peak_after: the same peak with the absorber.
         peak_after_sigma: one standard deviation.
     """
 

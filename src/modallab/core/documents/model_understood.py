@@ -6,19 +6,19 @@ from modallab.core.units import Quantity, Test
 
 
 class ParticipationView(OfModel):
-    """Which modes make the response at a point: shares, with `outside`, add up to 1.
+    """Shares of the modes in a response; with `outside` they add up to 1.
 
     Attributes:
         at: point of the force.
         of: point of the motion.
         quantity: of the motion.
-        band_hz: of an even force; null over a time.
-        after_s: begin and end of the time after a hit; null over a band.
-        frequency_hz: (modes,) of each mode.
-        share: (modes,) of the whole; below 0 against the others.
+        band_hz: band of an even force; null for a time.
+        after_s: begin and end of the time after a hit; null for a band.
+        frequency_hz: (modes,) frequency of each mode.
+        share: (modes,) share of the total; a negative one reduces it.
         share_sigma: (modes,) one standard deviation.
-        alone: (modes,) effective value of a mode's part alone, over that of the whole.
-        outside: share of what lies outside the band of the model.
+        alone: (modes,) effective value of the mode alone, relative to the total.
+        outside: share of modes outside the band of the model.
     """
 
     at: int
@@ -38,7 +38,7 @@ class CrossingView(Frozen):
 
     Attributes:
         mode: from 1.
-        place_m: where it is, along x, y, z.
+        place_m: place of the node, along x, y, z.
         place_sigma_m: one standard deviation along the line.
     """
 
@@ -48,18 +48,18 @@ class CrossingView(Frozen):
 
 
 class NodesView(OfModel):
-    """Where each mode moves most and where its nodes are.
+    """Antinode and nodes of each mode.
 
     Attributes:
-        frequency_hz: (modes,) of each mode.
-        points: (points,) that are known.
-        axes: (points,) of motion at each.
-        motion: (modes, points) over the largest of the mode.
+        frequency_hz: (modes,) frequency of each mode.
+        points: (points,) known points.
+        axes: (points,) axis of motion at each.
+        motion: (modes, points) motion relative to the largest of the mode.
         motion_sigma: (modes, points) one standard deviation.
-        antinode: (modes,) point where each moves most.
-        near_node: (modes,) points near a node of each.
+        antinode: (modes,) point of the largest motion.
+        near_node: (modes,) points near a node.
         crossings: nodes between points along a line.
-        advice: where to hit and where to mount, in sentences.
+        advice: advice where to hit and where to mount, in sentences.
     """
 
     frequency_hz: RealArray
@@ -74,15 +74,15 @@ class NodesView(OfModel):
 
 
 class ShapesView(OfModel):
-    """A structure as points and lines, and how it moves in each mode.
+    """A structure as points and lines, and its motion in each mode.
 
     Attributes:
-        frequency_hz: (modes,) of each mode.
+        frequency_hz: (modes,) frequency of each mode.
         points: (places,) points of the rig; 0 for a clamp.
-        places_m: (places, 3) where they are.
-        lines: pairs of places, from 0, that are joined.
-        surfaces: places, from 0, around a face each.
-        motion: (modes, places, 3) complex, along x, y, z, the largest of each mode 1; 0 where it is not known.
+        places_m: (places, 3) coordinates.
+        lines: pairs of joined places, from 0.
+        surfaces: places around each face, from 0.
+        motion: (modes, places, 3) complex, along x, y, z, the largest of each mode 1; 0 if unknown.
     """
 
     frequency_hz: RealArray
@@ -94,16 +94,16 @@ class ShapesView(OfModel):
 
 
 class DeflectionView(Frozen):
-    """The operating deflection shape that measured FRFs show at their line nearest to a frequency.
+    """The operating deflection shape from measured FRFs, at the line nearest to a frequency.
 
     Attributes:
-        test: whose FRFs.
-        frequency_hz: of that line.
+        test: test of the FRFs.
+        frequency_hz: frequency of that line.
         at: point of the force.
-        points: (points,) that move.
-        axes: (points,) of motion at each.
+        points: (points,) moving points.
+        axes: (points,) axis of motion at each.
         values: (points,) mobility, complex.
-        sigma: (points,) one standard deviation of each, None where it is not known.
+        sigma: (points,) one standard deviation of each, None if unknown.
     """
 
     test: Test | None

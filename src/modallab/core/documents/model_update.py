@@ -19,12 +19,12 @@ Name = Annotated[str, Field(min_length=1, max_length=100)]
 
 
 class PriorNew(Frozen):
-    """What is believed of a parameter before the test.
+    """Prior of a parameter.
 
     Attributes:
-        value: most probable, in SI units.
-        sigma: one standard deviation; of a relative one that of the logarithm, 0.05 for 5 %.
-        relative: whether the parameter is positive and known by a share of itself.
+        value: most probable value, in SI units.
+        sigma: standard deviation; if relative, that of the logarithm, 0.05 for 5 %.
+        relative: whether the parameter is positive with a relative deviation.
     """
 
     value: Finite
@@ -33,11 +33,11 @@ class PriorNew(Frozen):
 
 
 class MatrixParameterNew(PriorNew):
-    """A parameter of matrices: what one unit of it adds to them.
+    """A parameter of matrices: the change of the matrices for one unit of it.
 
     Attributes:
-        stiffness: (rows, rows) added to K; null for nothing.
-        mass: (rows, rows) added to M; null for nothing.
+        stiffness: (rows, rows) added to K; null for no change.
+        mass: (rows, rows) added to M; null for no change.
     """
 
     stiffness: Matrix | None = None
@@ -56,10 +56,10 @@ class MatricesNew(Frozen):
     Attributes:
         stiffness: (rows, rows) K in N/m.
         mass: (rows, rows) M in kg.
-        freedoms: (rows,) node and direction of each.
-        places: node -> x, y and z in m; empty where nodes have the numbers of points.
-        points: point of the rig -> node, where numbers and places do not say it.
-        parameters: what the test may correct, by name, beside factors on all stiffness and mass.
+        freedoms: (rows,) node and direction of each row.
+        places: node -> x, y and z in m; empty if nodes have the numbers of points.
+        points: point of the rig -> node, where numbers and places do not determine it.
+        parameters: parameters to correct, by name, besides factors on all stiffness and mass.
     """
 
     stiffness: Matrix
@@ -71,13 +71,13 @@ class MatricesNew(Frozen):
 
 
 class UpdateNew(Frozen):
-    """A model of the structure whose parameters the test shall correct.
+    """Request to correct the parameters of a model by the test.
 
     Attributes:
-        test: whose modal model; null for the first.
-        matrices: the model; null for the beam of the rig file.
-        priors: of parameters beside those that the model states, or instead of them: of the beam such as spring@8.
-        held_out: modes, from 1, that only check the estimate.
+        test: test of the modal model; null for the first.
+        matrices: matrices of the model; null for the beam of the rig file.
+        priors: priors of further parameters, or replacements of those of the model, such as spring@8 of the beam.
+        held_out: numbers of modes, from 1, that only check the estimate.
     """
 
     test: Test | None = None
@@ -87,14 +87,14 @@ class UpdateNew(Frozen):
 
 
 class ParameterView(Frozen):
-    """A parameter as it was believed and as it was found.
+    """A parameter before and after the test.
 
     Attributes:
-        believed: most probable before the test.
-        found: most probable with it.
-        interval: 95 %.
-        unit: of all three.
-        determined: whether the test says more of it than was believed.
+        believed: most probable value before the test.
+        found: most probable value after the test.
+        interval: 95 % interval.
+        unit: unit of all three values.
+        determined: whether the test adds to the prior.
     """
 
     believed: float
@@ -108,15 +108,15 @@ class UpdatedModelView(Frozen):
     """Parameters of a finite-element model estimated from measured modes.
 
     Attributes:
-        parameters: by name.
-        together: pairs of which only a combination is known.
-        held_out: modes, from 1, that the estimate did not see.
+        parameters: parameters by name.
+        together: pairs of parameters of which only a combination is known.
+        held_out: modes, from 1, that the estimate did not use.
         measured_hz: (modes,).
-        before_hz: (modes,) of the model with what was believed.
-        after_hz: (modes,) with the estimate.
+        before_hz: (modes,) frequency of the model before the test.
+        after_hz: (modes,) frequency with the estimate.
         mac_before: (modes,).
         mac_after: (modes,).
-        notes: what the numbers do not say.
+        notes: remarks on the numbers.
     """
 
     parameters: dict[str, ParameterView]

@@ -17,7 +17,7 @@ class OfModel(Frozen):
     """What a modal model says.
 
     Attributes:
-        test: whose model.
+        test: test of the model.
     """
 
     test: Test | None
@@ -27,7 +27,7 @@ class AskedOfModel(Frozen):
     """What is asked of a modal model.
 
     Attributes:
-        test: whose model; null for the first.
+        test: test of the model; null for the first.
     """
 
     test: Test | None = None
@@ -54,12 +54,12 @@ class PredictedFrf(OfModel):
 
 
 class StartNew(Frozen):
-    """How a point moves at the first sample.
+    """Motion of a point at the first sample.
 
     Attributes:
-        at: the point.
-        displacement_m: of it; null where only the velocity is known.
-        velocity_m_s: of it; null where only the displacement is known.
+        at: point of the change.
+        displacement_m: displacement of the point; null if only the velocity is known.
+        velocity_m_s: velocity of the point; null if only the displacement is known.
     """
 
     at: PositiveInt
@@ -68,19 +68,19 @@ class StartNew(Frozen):
 
 
 class ResponseNew(AskedOfModel):
-    """Forces whose response is asked for.
+    """Forces whose response is requested.
 
     Attributes:
         at: points of the forces.
-        forces_n: (forces, samples) a row for each point; null where forces are given by kind.
-        forces: one for each point by kind; null where samples are given.
-        seconds: how long forces last that are given by kind.
-        step_s: between samples.
-        of: points whose motion is asked for; null for all that have a sensor.
+        forces_n: (forces, samples) one row for each point; null with `forces`.
+        forces: one for each point, by kind; null with `forces_n`.
+        seconds: duration of forces given by kind.
+        step_s: time between samples.
+        of: points of the requested motion; null for all with a sensor.
         quantity: of the motion.
-        between: what a force is between its samples.
+        between: course of a force between its samples.
         start: displacements and velocities at the first sample; null for rest.
-        samples: whether motion over time is asked for, or its figures alone.
+        samples: whether to return the motion over time besides its figures.
     """
 
     at: Annotated[tuple[PositiveInt, ...], Field(min_length=1, max_length=100)]
@@ -96,14 +96,14 @@ class ResponseNew(AskedOfModel):
 
 
 class ResponseView(OfModel):
-    """The motion that forces give.
+    """The motion under forces.
 
     Attributes:
-        quantity: of the motion, in SI units.
-        step_s: between samples.
+        quantity: quantity of the motion, in SI units.
+        step_s: time between samples.
         of: (points,) that move.
-        values: (points, samples); null where only figures were asked for.
-        sigma: (points, samples) one standard deviation; null where `values` is.
+        values: (points, samples) motion; null if only figures were requested.
+        sigma: (points, samples) one standard deviation; null without `values`.
         peak: (points,) largest absolute value.
         peak_sigma: (points,) one standard deviation.
         rms: (points,) effective value.
@@ -111,7 +111,7 @@ class ResponseView(OfModel):
         octaves_hz: (octaves,) centres of octave bands.
         levels: (points, octaves) effective value in each.
         levels_sigma: (points, octaves) one standard deviation.
-        outside: share of the forces' power outside the band of the model, where it says little.
+        outside: share of the forces' power outside the band of the model, where the model is not valid.
     """
 
     quantity: Quantity
@@ -139,7 +139,7 @@ class StateSpaceMatrices(Frozen):
         D: (outputs, inputs).
         inputs: names of the forces.
         outputs: names of the motions.
-        unit: of the motions.
+        unit: unit of the motions.
         frequency_hz: (modes,) in the order of the states: all real parts first, then all imaginary parts.
         frequency_sigma_hz: (modes,) one standard deviation.
         damping_ratio: (modes,).

@@ -9,14 +9,14 @@ CURVES = "curves.json"
 
 
 class VerdictView(Frozen):
-    """An assumption of the identification: whether it holds, the number that says so, and its limit.
+    """Test of an assumption of the identification: result, number and limit.
 
     Attributes:
         assumption: which.
-        holds: whether it does.
-        value: the number that says so; null if there is none.
-        limit: of that number; null if there is none.
-        words: the same as a sentence.
+        holds: whether the assumption holds.
+        value: number of the test; null if there is none.
+        limit: limit of that number; null if there is none.
+        words: comparison as a sentence.
     """
 
     assumption: str
@@ -27,11 +27,11 @@ class VerdictView(Frozen):
 
 
 class Unjudged(Frozen):
-    """An assumption that could not be judged.
+    """An assumption that could not be tested.
 
     Attributes:
         assumption: which.
-        why: it could not be judged.
+        why: reason.
     """
 
     assumption: str
@@ -39,11 +39,11 @@ class Unjudged(Frozen):
 
 
 class AssessmentView(Frozen):
-    """How far a model can be relied on.
+    """How reliable a model is.
 
     Attributes:
-        verdicts: the assumptions that could be judged.
-        unjudged: the others.
+        verdicts: assumptions that were tested.
+        unjudged: assumptions that could not be tested.
         confidence: (modes,) 0 to 1; null where not known.
         mpc: (modes,) modal phase collinearity.
         mpd_rad: (modes,) mean phase deviation.
@@ -63,11 +63,11 @@ class TestModel(Frozen):
 
     Attributes:
         model: modes, modal constants, residual terms, shapes.
-        frac: (outputs, inputs) FRAC of measured and regenerated FRFs; None where it could not be formed.
-        assessment: None where there is none.
-        job: that computed it.
+        frac: (outputs, inputs) FRAC of measured and regenerated FRFs; None if undefined.
+        assessment: assessment of the model; None if there is none.
+        job: name of the job.
         runs: it is of.
-        current: whether the blocks that count now are still those it was computed from.
+        current: whether the valid blocks are still those of the computation.
     """
 
     __test__ = False
@@ -84,8 +84,8 @@ class Missing(Frozen):
     """A test without a model.
 
     Attributes:
-        test: which.
-        error: why it has none.
+        test: name of the test.
+        error: reason for the missing model.
     """
 
     test: str
@@ -96,12 +96,12 @@ class ModelsView(Frozen):
     """The newest model of every test of a campaign or of a run.
 
     Attributes:
-        job: the newest of those that computed them.
-        runs: they are of.
-        current: whether all of them are.
-        code_version: of the modallab that computed the newest.
-        models: the newest of each test.
-        without_model: tests that gave none, and why.
+        job: name of the newest job.
+        runs: names of the runs.
+        current: whether all models are current.
+        code_version: version of modallab of the newest model.
+        models: newest model of each test.
+        without_model: tests without a model, and the reason.
     """
 
     job: str
@@ -116,13 +116,13 @@ class DiagnosisView(Frozen):
     """The newest diagnosis of a campaign; `current` as in the models.
 
     Attributes:
-        job: that computed it.
+        job: name of the job.
         runs: it is of.
-        current: whether the blocks that count now are still those it was computed from.
-        code_version: of the modallab that computed it.
+        current: whether the valid blocks are still those of the computation.
+        code_version: version of modallab.
         sentence: the verdict in words, with units and 95 % intervals.
-        numbers: those of what the gap behaves like: name with SI unit, value, 95 % interval or why there is none.
-        diagnosis: itself.
+        numbers: numbers of the description: name with SI unit, value, 95 % interval or the reason for its absence.
+        diagnosis: diagnosis itself.
     """
 
     job: str
@@ -135,20 +135,20 @@ class DiagnosisView(Frozen):
 
 
 class ComparisonView(Frozen):
-    """The modes that the models of two runs share, over the points that both have.
+    """The common modes of two runs' models, over their common points.
 
     Attributes:
-        runs: the two.
-        tests: the test of each model.
-        modes: (pairs) places of a mode in the one and in the other, from 0.
+        runs: names of the two runs.
+        tests: test of each model.
+        modes: (pairs) indices of a mode in both models, from 0.
         frequency_hz: (pairs, 2).
-        difference_percent: (pairs,) of the second frequency from the first.
-        sigmas: (pairs,) the same in joint sigmas; null where one is not known.
+        difference_percent: (pairs,) second frequency relative to the first.
+        sigmas: (pairs,) difference in joint sigmas; null if one sigma is unknown.
         damping_ratio: (pairs, 2).
-        mac: (pairs,) of the shapes; None where fewer than two points are shared.
-        points: that both have.
-        comac: (points,); None as for `mac`.
-        alone: (2,) places of the modes that only one has.
+        mac: (pairs,) MAC of the shapes; None with fewer than two common points.
+        points: common points.
+        comac: (points,) CoMAC; None as for `mac`.
+        alone: (2,) indices of modes that only one model has.
     """
 
     runs: tuple[str, str]
@@ -168,12 +168,12 @@ class DiagramView(Frozen):
     """A stabilisation diagram.
 
     Attributes:
-        order: (poles,) at which a pole was found.
+        order: (poles,) order at which a pole was found.
         frequency_hz: (poles,).
         damping_ratio: (poles,).
-        standing: (poles,) 0 new, 1 holds in frequency, 2 stable.
-        held_hz: (held,) frequencies of the poles that hold over enough orders.
-        line_hz: (lines,) of the mode indicator.
+        standing: (poles,) 0 new, 1 stable in frequency, 2 stable.
+        held_hz: (held,) frequencies of the poles that are stable over enough orders.
+        line_hz: (lines,) frequencies of the mode indicator.
         cmif: (functions, lines) complex mode indicator function of the mobility, largest first, in (m/(N s))^2.
     """
 
@@ -187,19 +187,19 @@ class DiagramView(Frozen):
 
 
 class TestCurves(Frozen):
-    """What one test's model is looked at by; arrays of mobility are (outputs, inputs, lines) in m/(N s).
+    """Curves of one test's model; arrays of mobility are (outputs, inputs, lines) in m/(N s).
 
     Attributes:
         test: it is of.
         outputs: channel names.
-        output_points: where they are; None where unknown.
-        input_points: points that were driven.
+        output_points: points of the outputs; None if unknown.
+        input_points: driven points.
         frequency_hz: (lines,).
-        measured: from the blocks; None where there is no comparison.
-        sigma: one standard deviation of each measured complex number; None where not known.
-        regenerated: the model's response to the measured force, cut and treated as the blocks were.
-        diagram: stabilisation diagram; None where there is none.
-        without_diagram: why there is none, else "".
+        measured: mobility from the blocks; None without a comparison.
+        sigma: standard deviation of each measured complex number; None if unknown.
+        regenerated: the model's response to the measured force, cut and processed like the blocks.
+        diagram: stabilisation diagram; None if there is none.
+        without_diagram: reason for the missing diagram, otherwise "".
     """
 
     __test__ = False
@@ -217,10 +217,10 @@ class TestCurves(Frozen):
 
 
 class CurvesView(Frozen):
-    """What the newest models of a campaign are looked at by.
+    """Curves of the newest models of a campaign.
 
     Attributes:
-        tests: one for each model, in their order.
+        tests: curves of each model, in the order of the models.
     """
 
     tests: tuple[TestCurves, ...]

@@ -8,11 +8,11 @@ Item = TypeVar("Item")
 
 
 class Page(Frozen, Generic[Item]):
-    """Part of a list; `next` is the cursor of the part after it, None at the end.
+    """One page of a list; `next` is the cursor of the next page, None at the end.
 
     Attributes:
-        items: this part of the list.
-        next: cursor of the part after it; None at the end.
+        items: entries of this page.
+        next: cursor of the next page; None at the end.
     """
 
     items: tuple[Item, ...]
@@ -20,18 +20,18 @@ class Page(Frozen, Generic[Item]):
 
 
 class Problem(Frozen):
-    """Why a request was not done (RFC 9457).
+    """Reason why a request was rejected (RFC 9457).
 
     Attributes:
-        type: page that explains this kind of problem.
-        title: the kind, in words.
-        status: of HTTP.
-        code: the kind, for programs.
-        detail: what was wrong, with the value.
+        type: page of this kind of problem.
+        title: kind of problem in words.
+        status: HTTP status.
+        code: kind of problem for programs.
+        detail: fault with its value.
         remedy: what to do.
-        where: the field, file or device concerned.
-        legal: for a step that is not allowed now: what is.
-        errors: for a document that is not valid: each field.
+        where: field, file or device concerned.
+        legal: allowed next states, for an illegal transition.
+        errors: errors of each field, for an invalid document.
     """
 
     type: str
@@ -46,16 +46,16 @@ class Problem(Frozen):
 
 
 class EventView(Frozen):
-    """One line of the service's log of events; `seq` grows and never repeats.
+    """One event in the service's log.
 
     Attributes:
-        seq: its number: grows by one, never used twice.
-        utc: when, for people.
-        rig: id of the rig it is about, else "".
-        campaign: id of the campaign it is about, else "".
-        run: name of the run it is about, else "".
-        kind: what happened.
-        content: the event itself, with its `kind` again.
+        seq: number of the event, which grows by one and is never reused.
+        utc: date and time.
+        rig: id of the rig concerned, otherwise "".
+        campaign: id of the campaign concerned, otherwise "".
+        run: name of the run concerned, otherwise "".
+        kind: kind of event.
+        content: the event, including its `kind`.
     """
 
     seq: int
@@ -68,15 +68,15 @@ class EventView(Frozen):
 
 
 class AuditEntry(Frozen):
-    """Who did what.
+    """An entry of the audit record.
 
     Attributes:
-        seq: its number: grows with every entry.
-        utc: when, for people.
-        operator: who did it.
-        action: what was done.
-        target: to what.
-        detail: with what.
+        seq: number of the entry, which grows by one.
+        utc: date and time.
+        operator: name of the operator.
+        action: name of the action.
+        target: object of the action.
+        detail: further facts.
     """
 
     seq: int
@@ -92,8 +92,8 @@ class Trouble(Frozen):
 
     Attributes:
         part: `database`, or `rig ID`.
-        what: is wrong.
-        since_utc: when it was found so.
+        what: description of the fault.
+        since_utc: date and time of its detection.
         remedy: what to do.
     """
 
@@ -104,15 +104,15 @@ class Trouble(Frozen):
 
 
 class Health(Frozen):
-    """Whether the service can work; `troubles` says what keeps it, `emergency_stop` where to `POST` in an emergency.
+    """State of the service.
 
     Attributes:
-        status: `good`, or `degraded` where `troubles` names what cannot be used.
-        version: of the program.
-        rigs: state of each rig's process, by its id.
-        free_bytes: of the disk with the data folder.
-        troubles: what cannot be used.
-        emergency_stop: address to `POST` to in an emergency.
+        status: `good`, or `degraded` with entries in `troubles`.
+        version: version of the program.
+        rigs: state of each rig's process, by id.
+        free_bytes: free space on the disk of the data folder.
+        troubles: parts that cannot be used.
+        emergency_stop: address for a `POST` in an emergency.
     """
 
     status: str

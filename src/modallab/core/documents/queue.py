@@ -12,12 +12,12 @@ QueueState = Literal["waiting", "running", "done", "failed", "skipped"]
 
 
 class QueueItemNew(Frozen):
-    """A run to be queued.
+    """Request to queue a run.
 
     Attributes:
-        campaign: it will belong to; the campaign's rig is the queue's.
-        plan: what to do, looked at now as if it began now.
-        note: for whoever reads the queue.
+        campaign: id of the campaign, whose rig has the queue.
+        plan: plan of the run, checked at once.
+        note: remark for readers of the queue.
     """
 
     campaign: Annotated[str, Field(min_length=1, max_length=64)]
@@ -29,18 +29,18 @@ class QueueItem(Frozen):
     """A run in the queue.
 
     Attributes:
-        id: made by the service.
-        rig: whose queue it is in.
-        campaign: the run will belong to.
-        plan: what to do.
+        id: id, made by the service.
+        rig: id of the rig.
+        campaign: id of the campaign.
+        plan: plan of the run.
         drives: whether the run moves the output.
-        state: waiting or running, or how it ended; `done` only if the run ended well.
-        run: the run's name, once it has begun; "" before.
-        reason: why it failed or was skipped.
-        note: for whoever reads the queue.
-        operator: who queued it.
-        created_utc: when it was queued.
-        estimated_s: about how long it takes, of an impact test with 15 s a hit.
+        state: waiting or running, or the outcome; `done` only if the run ended well.
+        run: name of the run after its start; "" before.
+        reason: reason of a failure or skip.
+        note: remark for readers of the queue.
+        operator: name of the operator.
+        created_utc: date and time of queueing.
+        estimated_s: estimated duration; an impact test with 15 s for each hit.
     """
 
     id: str
@@ -58,16 +58,16 @@ class QueueItem(Frozen):
 
 
 class ConsentNew(Frozen):
-    """What may begin by itself, by the word of who holds the lease.
+    """Permission of the lease's holder to start queued runs automatically.
 
-    It ends with the lease, an emergency stop, a run that does not end well, one begun by hand, or a new start of the
-    rig's process or of the service.
+    The permission ends with the lease, an emergency stop, a failed or stopped run, or a run started by hand.
+    It also ends with a restart of the rig's process or of the service.
 
     Attributes:
-        drive: tests that move the output may begin: I have looked at the bench.
-        at_bench: impact tests may begin: I stand there with the hammer.
-        items: of the queue it is for; none: those that wait now. Whatever is queued later needs another consent.
-        for_s: for so long.
+        drive: permit tests that move the output: the bench has been checked.
+        at_bench: permit impact tests: the operator stands there with the hammer.
+        items: items of the queue that it covers (default: those waiting now); later items need another consent.
+        for_s: duration of the consent.
     """
 
     drive: Truth = False
@@ -77,14 +77,14 @@ class ConsentNew(Frozen):
 
 
 class ConsentView(Frozen):
-    """A consent that counts now.
+    """A consent in force.
 
     Attributes:
-        operator: who gave it.
-        drive: tests that move the output may begin.
-        at_bench: impact tests may begin.
-        items: of the queue it is for.
-        remaining_s: for so long, if nothing ends it.
+        operator: name of the operator.
+        drive: whether tests that move the output may start.
+        at_bench: whether impact tests may start.
+        items: items of the queue that it covers.
+        remaining_s: remaining time, if nothing ends it.
     """
 
     operator: str
@@ -98,13 +98,13 @@ class QueueView(Frozen):
     """The queue of a rig.
 
     Attributes:
-        rig: its id.
-        paused: whether nothing begins until somebody resumes it.
-        reason: why it is paused.
-        waits_for: what keeps the next item from beginning; "" if nothing does, or nothing waits.
-        consent: what may begin by itself; None: nothing.
-        remaining_s: about how long what waits and goes on takes.
-        items: what goes on, then what waits, in order; ended ones, the newest first, where they were asked for.
+        rig: id of the rig.
+        paused: whether no run starts until somebody resumes the queue.
+        reason: reason for the pause.
+        waits_for: what the next item waits for; "" if nothing.
+        consent: consent in force; None: none.
+        remaining_s: estimated time of all active and waiting items.
+        items: active and waiting items in order; then ended ones, the newest first, on request.
     """
 
     rig: str
@@ -117,20 +117,20 @@ class QueueView(Frozen):
 
 
 class QueueOrder(Frozen):
-    """The order in which items are run.
+    """Order of the waiting items.
 
     Attributes:
-        items: all that wait, the next one first.
+        items: all waiting items, the next one first.
     """
 
     items: Annotated[tuple[Annotated[str, Field(max_length=64)], ...], Field(max_length=200)]
 
 
 class QueueReason(Frozen):
-    """Why a queue is paused or an item skipped.
+    """Reason for a paused queue or a skipped item.
 
     Attributes:
-        reason: in words, for the record.
+        reason: reason in words, for the record.
     """
 
     reason: Annotated[str, Field(max_length=400)] = ""

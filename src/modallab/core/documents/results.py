@@ -14,22 +14,22 @@ JobKind = Literal["identify", "diagnose", "report", "estimate", "blind"]
 
 
 class JobView(Frozen):
-    """A piece of work that is computed beside the service.
+    """A job computed beside the service.
 
     Attributes:
-        id: made by the service.
-        kind: identify, diagnose, report, blind, or estimate: the modes so far of a run that is on.
-        state: `done`, `failed` and `cancelled` are for good.
-        parameters: what was asked for.
-        inputs: runs it works on.
+        id: id, made by the service.
+        kind: identify, diagnose, report, blind, or estimate (the modes so far of an active run).
+        state: state; `done`, `failed` and `cancelled` are final.
+        parameters: parameters of the order.
+        inputs: names of its runs.
         progress: 0 to 1.
-        attempts: how often it was begun; more than once if a worker was lost.
+        attempts: number of attempts; more than one after the loss of a worker.
         created_utc: for people.
-        ended_utc: "" until it has ended.
-        code_version: of the program that took the order.
-        result: what it gave; None unless done, and None in lists.
-        error: why it failed.
-        stage: what is being done, in words; "" where nothing is.
+        ended_utc: date and time of its end; "" before.
+        code_version: version of modallab at the order.
+        result: result; None unless done, and None in lists.
+        error: reason of the failure.
+        stage: present stage in words; "" if none.
     """
 
     id: str
@@ -48,11 +48,11 @@ class JobView(Frozen):
 
 
 class JobNew(Frozen):
-    """Order work on a campaign's runs; without `runs`, on all of them that are valid.
+    """Order of a job on runs of a campaign (default: all valid runs).
 
     Attributes:
-        runs: names of runs of the campaign; None: all that are valid.
-        parameters: settings of the work, by name.
+        runs: names of runs of the campaign; None: all valid ones.
+        parameters: parameters of the job, by name.
     """
 
     runs: Annotated[tuple[Annotated[str, Field(max_length=64)], ...], Field(min_length=1, max_length=200)] | None = None
@@ -60,19 +60,19 @@ class JobNew(Frozen):
 
 
 class FrfView(Frozen):
-    """FRFs of a run as far as it has come; arrays are (outputs, inputs, lines).
+    """FRFs of a run so far; arrays are (outputs, inputs, lines).
 
     Attributes:
-        run: it is of.
+        run: name of the run.
         quantity: mobility.
-        unit: of its values.
+        unit: unit of the values.
         frequency_hz: (lines,).
-        values: complex.
-        coherence: None where nothing was averaged.
+        values: complex values.
+        coherence: coherence; None without averages.
         outputs: channel names.
-        output_points: None where unknown.
-        input_points: points that were driven.
-        averages: blocks averaged at each input.
+        output_points: points of the outputs; None if unknown.
+        input_points: driven points.
+        averages: number of blocks averaged at each input.
     """
 
     run: str

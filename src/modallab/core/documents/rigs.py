@@ -14,12 +14,12 @@ Operator = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[^\x00-\
 
 
 class Trip(Frozen):
-    """Why nothing may be driven until someone resets the rig.
+    """Reason why a rig must not be driven until it is reset.
 
     Attributes:
         cause: emergency stop, death, time-out.
         reason: in words.
-        utc: when, for people.
+        utc: date and time.
     """
 
     cause: str
@@ -28,11 +28,11 @@ class Trip(Frozen):
 
 
 class LeaseHolder(Frozen):
-    """Who may command the rig, and for how long without renewal.
+    """The holder of a rig's lease, and its remaining time.
 
     Attributes:
-        operator: who holds it.
-        fence: grows with every holder.
+        operator: name of the holder.
+        fence: number that grows with every holder.
         remaining_s: until it ends, if it is not renewed.
     """
 
@@ -45,16 +45,16 @@ class RigView(Frozen):
     """One rig of this service.
 
     Attributes:
-        id: made by the service from the rig's name.
-        name: from the rig file.
+        id: id, made by the service from the rig's name.
+        name: name in the rig file.
         bench: address of the bench.
         rig_hash: SHA-256 of the rig's JSON.
-        state: of its process.
+        state: state of the rig's process.
         can_drive: whether the bench has an excitation output; None until it is open.
-        run: the active run.
-        trip: None if it may be driven.
-        lease: None if nobody holds it.
-        error: why it is unavailable.
+        run: name of the active run.
+        trip: trip of the rig; None if it may be driven.
+        lease: lease of the rig; None if it is free.
+        error: reason if the rig is unavailable.
     """
 
     id: str
@@ -70,14 +70,14 @@ class RigView(Frozen):
 
 
 class RigRevision(Frozen):
-    """What a rig was believed to be from some time on.
+    """A description of a rig with its start of validity.
 
     Attributes:
         number: from 1.
-        rig_hash: SHA-256 of the description's JSON, as every run on it carries it.
-        reason: why it was revised.
-        operator: who revised it; "" where it came with the rig file.
-        utc: since when.
+        rig_hash: SHA-256 of the description's JSON, as in every run.
+        reason: reason of the revision.
+        operator: name of the operator; "" for the rig file.
+        utc: start of validity.
     """
 
     number: int
@@ -88,11 +88,11 @@ class RigRevision(Frozen):
 
 
 class RigRevisionNew(Frozen):
-    """Another description of what stands on the bench.
+    """Request for another description of the bench.
 
     Attributes:
-        description: all of it, under the name that the rig has.
-        reason: kept in the record of who did what.
+        description: complete description, with the rig's name.
+        reason: reason for the audit record.
     """
 
     description: Rig
@@ -100,17 +100,17 @@ class RigRevisionNew(Frozen):
 
 
 class LeaseNew(Frozen):
-    """Ask for the right to command a rig; renew it before `ttl_s` is over.
+    """Request for the right to command a rig; renew it within `ttl_s`.
 
-    With `take_over` it is taken from whoever holds it, as long as no run is on: for when the holder's program is gone.
-    Who holds it takes it over also while a run is on, from another place; with `recover` the same lease is given once
-    more, for a page that was loaded again.
+    `take_over` takes the lease from its holder while no run is active, for instance if the holder's program has ended.
+    The holder may use it from another place also during a run. `recover` returns the same lease again, for a reloaded
+    page.
 
     Attributes:
-        operator: who asks, where the service's own token does not say it; with a user's token it is that user.
-        ttl_s: for so long, unless it is renewed.
-        take_over: take it from whoever holds it.
-        recover: give back the lease that is held under the same name.
+        operator: name of the operator, with the service's own token; a user's token implies the name.
+        ttl_s: duration without renewal.
+        take_over: take the lease from its holder.
+        recover: return the lease that is held under the same name.
     """
 
     operator: Operator | None = None
@@ -120,14 +120,14 @@ class LeaseNew(Frozen):
 
 
 class Lease(Frozen):
-    """The right to command a rig. Send `id` as the header `Modallab-Lease`; `fence` grows with every holder.
+    """The right to command a rig. Send `id` as the header `Modallab-Lease`.
 
     Attributes:
-        id: send it as the header `Modallab-Lease`.
+        id: value of the header `Modallab-Lease`.
         rig: id of the rig.
-        operator: who holds it.
-        fence: grows with every holder.
-        ttl_s: until it ends, if it is not renewed.
+        operator: name of the holder.
+        fence: number that grows with every holder.
+        ttl_s: duration without renewal.
     """
 
     id: str
@@ -138,10 +138,10 @@ class Lease(Frozen):
 
 
 class StopReason(Frozen):
-    """Why someone stops or resets a rig.
+    """Reason for a stop or reset of a rig.
 
     Attributes:
-        reason: kept in the record of who did what.
+        reason: reason for the audit record.
     """
 
     reason: Annotated[str, Field(max_length=400)] = ""
@@ -154,7 +154,7 @@ class StopAsked(Frozen):
         kind: of the message.
         rig: the rig's id.
         operator: who asks, where the token does not say it.
-        reason: why.
+        reason: reason.
     """
 
     kind: Literal["emergency_stop"] = "emergency_stop"
@@ -164,11 +164,11 @@ class StopAsked(Frozen):
 
 
 class DeviceView(Frozen):
-    """A device that was found, and the address to open it by.
+    """A device that was found, with its address.
 
     Attributes:
-        address: to open it by, as in a rig file.
-        what: it is.
+        address: address of the device, as in a rig file.
+        what: kind of device.
     """
 
     address: str

@@ -17,9 +17,9 @@ class CampaignNew(Frozen):
     """A new campaign on a rig of this service.
 
     Attributes:
-        name: for people; need not be unique.
+        name: name, which need not be unique.
         rig: id of the rig.
-        note: for people.
+        note: remark in words.
     """
 
     name: Name
@@ -28,10 +28,10 @@ class CampaignNew(Frozen):
 
 
 class CampaignChange(Frozen):
-    """What may be changed afterwards; what is left out stays.
+    """Changes of a campaign; missing fields stay as before.
 
     Attributes:
-        name: the new one; None: as it was.
+        name: new name; None: unchanged.
         note: the new one; None: as it was.
     """
 
@@ -43,17 +43,17 @@ class CampaignView(Frozen):
     """A campaign.
 
     Attributes:
-        id: made by the service.
+        id: id, made by the service.
         name: for people.
-        note: for people.
-        rig: id of the rig it is on.
-        operator: who made it.
-        created_utc: when.
-        revision: its ETag; grows with every change.
-        runs: names of its runs, the oldest first, without those that are archived or deleted.
-        archived_utc: when it was archived; "" if it is not.
-        deleted_utc: when it was deleted; "" if it is not.
-        purge_utc: until when it can be restored; from then on its samples are deleted.
+        note: remark in words.
+        rig: id of the rig.
+        operator: name of the operator who made it.
+        created_utc: date and time of its creation.
+        revision: revision number, which is the ETag.
+        runs: names of its runs, the oldest first, without archived or deleted ones.
+        archived_utc: date and time of archiving; "" if it is not archived.
+        deleted_utc: date and time of deletion; "" if it is not deleted.
+        purge_utc: end of the time in which it can be restored; then its samples are deleted.
     """
 
     id: str
@@ -73,14 +73,13 @@ Action = Literal["pause", "resume", "repeat", "drop", "accept", "stop", "abort"]
 
 
 class RunNew(Frozen):
-    """Begin a run; `continues` names an ended run of the same campaign whose good blocks it takes over.
+    """Request to start a run; with `continues` it takes over the good blocks of an ended run of the same campaign.
 
-    Without a plan, a run that continues another does what is left of that one's plan.
+    Without a plan, it completes the plan of the continued run.
 
     Attributes:
-        plan: what to do; None: what is left of the plan of the run it continues.
-        continues: an ended run of the same campaign, whose good blocks this one takes over; None: it begins
-            again.
+        plan: plan of the run; None: the rest of the plan of the continued run.
+        continues: ended run of the same campaign, whose good blocks are taken over; None: none.
     """
 
     plan: Plan | None = None
@@ -88,23 +87,23 @@ class RunNew(Frozen):
 
 
 class Pause(Frozen):
-    """Hold the run after the present block, with the excitation at zero."""
+    """Pause the run after the present block, with the excitation at zero."""
 
     kind: Literal["pause"] = "pause"
 
 
 class Resume(Frozen):
-    """Go on after a pause."""
+    """Continue after a pause."""
 
     kind: Literal["resume"] = "resume"
 
 
 class Repeat(Frozen):
-    """Measure one frequency again; the new block replaces the old one in what follows.
+    """Measure one frequency again; the new block replaces the old one.
 
     Attributes:
-        frequency_hz: one of the plan that has been recorded.
-        level: name of the drive's level; None: every level it was recorded at.
+        frequency_hz: recorded frequency of the plan.
+        level: name of the drive's level; None: every recorded level.
     """
 
     kind: Literal["repeat"] = "repeat"
@@ -113,11 +112,11 @@ class Repeat(Frozen):
 
 
 class Drop(Frozen):
-    """Leave one hit out; it is asked for again while the run goes on. It answers "no" where the run waits to know.
+    """Reject one hit; it is requested again during the run.
 
     Attributes:
         n: number of the block in the run, from 0.
-        reason: kept with the block.
+        reason: remark stored with the block.
     """
 
     kind: Literal["drop"] = "drop"
@@ -126,13 +125,13 @@ class Drop(Frozen):
 
 
 class Accept(Frozen):
-    """Let a hit count that was rejected or dropped; it is not asked for again. While its hit is still requested only.
+    """Accept a rejected or dropped hit, which is then not requested again; only while its hit is still requested.
 
-    Where the run waits to know whether a hit counts, it answers "yes".
+    If the run waits for a decision on a hit, this command accepts the hit.
 
     Attributes:
         n: number of the block in the run, from 0.
-        reason: kept with the block.
+        reason: remark stored with the block.
     """
 
     kind: Literal["accept"] = "accept"
@@ -141,13 +140,13 @@ class Accept(Frozen):
 
 
 class Stop(Frozen):
-    """End the run; what it has is valid."""
+    """End the run; its blocks are valid."""
 
     kind: Literal["stop"] = "stop"
 
 
 class Abort(Frozen):
-    """End the run; what it has is kept and marked as invalid."""
+    """End the run; its blocks are kept and marked as invalid."""
 
     kind: Literal["abort"] = "abort"
 
@@ -159,27 +158,27 @@ class RunView(Frozen):
     """A run.
 
     Attributes:
-        id: its name, which sorts by time.
-        campaign: the campaign it belongs to; None for a run made without the service.
-        rig: the rig's id; None as before.
+        id: name, which sorts by time.
+        campaign: id of the campaign; None for a run made without the service.
+        rig: id of the rig; None for a run made without the service.
         test: impact or sine.
-        state: where it stands or how it ended.
-        reason: why it ended so.
-        code: code of the error it ended with, else "".
-        valid: False once aborted.
-        legal: states that may follow.
+        state: present state, or the outcome.
+        reason: reason of the outcome.
+        code: error code of the outcome, otherwise "".
+        valid: false after an abort.
+        legal: possible next states.
         plan: what was asked for.
-        operator: who began it.
-        continues: the run whose good blocks it takes over.
+        operator: name of the operator who started it.
+        continues: name of the continued run.
         created_utc: for people.
-        ended_utc: "" while it goes on.
-        blocks: kept so far, rejected ones with them.
-        accepted: that count.
-        rate_hz: None until the bench was configured.
-        archived_utc: when it, or its campaign, was archived; "" if it is not.
-        deleted_utc: when it, or its campaign, was deleted; "" if it is not.
-        purge_utc: until when it can be restored; from then on its samples are deleted.
-        rig_hash: SHA-256 of the rig's JSON as it was then.
+        ended_utc: date and time of its end; "" before.
+        blocks: number of stored blocks, including rejected ones.
+        accepted: number of accepted blocks.
+        rate_hz: sampling rate; None until the bench is configured.
+        archived_utc: date and time of archiving of the run or its campaign; "" if it is not archived.
+        deleted_utc: date and time of deletion of the run or its campaign; "" if it is not deleted.
+        purge_utc: end of the time in which it can be restored; then its samples are deleted.
+        rig_hash: SHA-256 of the rig's JSON at that time.
     """
 
     id: str
@@ -209,21 +208,21 @@ class BlockView(Frozen):
     """A block on the disk. `crc32` is that of its samples as (channels, count), C order, little-endian.
 
     Attributes:
-        run: its name.
-        n: number in the run, from 0.
-        name: unique in the run.
-        first_sample: place of the first sample in the device's own count.
+        run: name of the run.
+        n: number of the block in the run, from 0.
+        name: name, unique in the run.
+        first_sample: index of the first sample in the device's own count.
         count: samples per channel.
-        crc32: of the samples, as bytes.
-        utc: when it was recorded, for people.
+        crc32: checksum of the samples, as bytes.
+        utc: date and time of the recording.
         drive_point: point of the hit or of the shaker; None if unknown.
-        level: of the drive; None in an impact test.
-        frequency_hz: of the drive; None but in a sine test.
-        overload: names of the channels beyond their range.
-        facts: what was measured when it was recorded, by name: of a hit `peak_n`, `contact_s`, `second_ratio`,
-            `drop_db`, of a sine `force_n`.
-        accepted: whether it counts now: the operator's last verdict, else the acquisition's.
-        reason: why it does not, or who said so.
+        level: level of the drive; None in an impact test.
+        frequency_hz: frequency of the drive; None except in a sine test.
+        overload: names of the overloaded channels.
+        facts: measured values by name: of a hit `peak_n`, `contact_s`, `second_ratio`, `drop_db`, of a sine
+            `force_n`.
+        accepted: whether the block is valid: by the operator's last verdict, otherwise by the acquisition.
+        reason: reason of the rejection, or author of the verdict.
     """
 
     run: str
@@ -243,11 +242,11 @@ class BlockView(Frozen):
 
 
 class Verdict(Frozen):
-    """Whether a block counts, by an operator.
+    """An operator's verdict on a block.
 
     Attributes:
-        accepted: whether it counts from now on.
-        reason: kept with the block.
+        accepted: whether the block is valid from now on.
+        reason: remark stored with the block.
     """
 
     accepted: Truth
@@ -258,9 +257,9 @@ class PlanCheck(Frozen):
     """Whether a rig could run a plan.
 
     Attributes:
-        problems: what is wrong with it, in plain sentences; none: it is possible.
-        blocks: it would record; 0 where it is not possible.
-        duration_s: about how long it would take, with the usual pace of an operator; 0 where it is not possible.
+        problems: sentences on what is wrong; empty: the plan is possible.
+        blocks: number of blocks; 0 if the plan is not possible.
+        duration_s: estimated duration, with the usual pace of an operator; 0 if the plan is not possible.
     """
 
     problems: tuple[str, ...]
@@ -272,9 +271,9 @@ class BlockForce(Frozen):
     """The force of a block.
 
     Attributes:
-        run: it is of.
+        run: name of the run.
         n: number of the block.
-        rate_hz: of the samples.
+        rate_hz: sampling rate.
         force_n: (samples,) in N, less its median.
         spectrum_hz: (lines,) in Hz.
         spectrum_n_s: (lines,) amplitude of the Fourier transform, in N s.

@@ -20,8 +20,8 @@ class UserNew(Frozen):
     """A new user.
 
     Attributes:
-        name: as it will stand in the record of who did what; it is never used again for somebody else.
-        role: what the user may do.
+        name: name in the audit record, never given to another person again.
+        role: role of the user.
     """
 
     name: UserName
@@ -29,10 +29,10 @@ class UserNew(Frozen):
 
 
 class UserChange(Frozen):
-    """What may be changed of a user.
+    """Change of a user.
 
     Attributes:
-        role: what the user may do from now on; a token may do less, and never more.
+        role: role of the user from now on; a token never has more rights.
     """
 
     role: Role
@@ -42,10 +42,10 @@ class UserView(Frozen):
     """A user.
 
     Attributes:
-        name: as it stands in the record of who did what.
-        role: what the user may do.
-        created_utc: when the user was added.
-        revoked_utc: since when none of the user's tokens counts any more; "" while they do.
+        name: name in the audit record.
+        role: role of the user.
+        created_utc: date and time of creation.
+        revoked_utc: date and time of revocation; "" while valid.
     """
 
     name: str
@@ -55,13 +55,13 @@ class UserView(Frozen):
 
 
 class TokenNew(Frozen):
-    """A new token of a user.
+    """Request for a new token of a user.
 
     Attributes:
-        label: where it is kept, such as the name of a program.
-        role: what may be done with it, if less than the user may.
-        rigs: the only rigs that may be worked at with it; none: all of them. Everything may be looked at.
-        ttl_days: for so long it counts; none: until it is revoked.
+        label: name of the program or device that uses the token.
+        role: role of the token, if lower than the user's.
+        rigs: rigs that the token is limited to; empty: all. Reading is not limited.
+        ttl_days: days of validity; null: until it is revoked.
     """
 
     label: Annotated[str, Field(max_length=120, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""
@@ -71,17 +71,17 @@ class TokenNew(Frozen):
 
 
 class TokenView(Frozen):
-    """A token, without what is secret about it.
+    """A token without its secret.
 
     Attributes:
         id: its name.
-        user: whose it is.
-        label: where it is kept.
-        role: what may be done with it: at most what its user may.
-        rigs: the only rigs that may be worked at with it; none: all of them.
-        created_utc: when it was made.
-        expires_utc: until when it counts; "" for until it is revoked.
-        revoked_utc: since when it does not count any more; "" while it does.
+        user: name of the user.
+        label: name of the program or device that uses the token.
+        role: role of the token, at most that of its user.
+        rigs: rigs that the token is limited to; empty: all.
+        created_utc: date and time of its creation.
+        expires_utc: end of validity; "" for until it is revoked.
+        revoked_utc: date and time of its revocation; "" while valid.
     """
 
     id: str
@@ -95,11 +95,11 @@ class TokenView(Frozen):
 
 
 class TokenMade(Frozen):
-    """A token that was just made.
+    """A new token.
 
     Attributes:
-        token: to be sent as `Authorization: Bearer TOKEN`. It is shown this once and kept nowhere.
-        about: the same as in the list of tokens.
+        token: value for `Authorization: Bearer TOKEN`. It is shown only once and stored nowhere.
+        about: entry in the list of tokens.
     """
 
     token: str
@@ -107,14 +107,14 @@ class TokenMade(Frozen):
 
 
 class CallerView(Frozen):
-    """Who is asking, by the token or the cookie that was sent.
+    """The user of a request, by token or cookie.
 
     Attributes:
-        name: of the user; "" for the service's own token, whose holder says who he is.
-        role: what may be done.
-        rigs: the only rigs that may be worked at; none: all of them.
+        name: name of the user; "" for the service's own token.
+        role: role of the user.
+        rigs: rigs that the token is limited to; empty: all rigs.
         token: id of the token; "" for the service's own.
-        expires_utc: until when it counts; "" for until it is revoked.
+        expires_utc: end of validity; "" for until it is revoked.
     """
 
     name: str
@@ -128,8 +128,8 @@ class LoginLink(Frozen):
     """An address that logs a browser in, once.
 
     Attributes:
-        path: on this service; open it in a browser.
-        expires_utc: until when it can be opened.
+        path: path on this service, to open in a browser.
+        expires_utc: end of validity.
     """
 
     path: str

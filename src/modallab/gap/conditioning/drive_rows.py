@@ -55,7 +55,7 @@ def reduce_drive(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactD
     own = weights.force(rig, test) ** 2 * n * len(blocks)
     fine, starts = _driven_bands(np.where(np.isfinite(doubt), np.abs(force) ** 2, 0).sum(axis=0), own)
     if not len(fine):
-        raise DataError(f"the force of {first.name} does not stand out of its noise", remedy="drive at a higher level")
+        raise DataError(f"the force of {first.name} does not exceed its noise", remedy="drive at a higher level")
     power: Real = np.abs(force[:, fine]) ** 2
     counts, whole = np.diff(starts, append=len(fine)), _sum_in_bands(power, starts)
     # What the force's own noise adds to its power drives nothing.

@@ -35,7 +35,7 @@ from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.conversion import Conversion
 from modallab.signals.faults.whole_channels import overloaded_channels
 
-ONE_LEVEL = "Only one level: whether the bench is linear cannot be examined."
+ONE_LEVEL = "Only one level: the linearity of the bench cannot be tested."
 NOISY = 1.3
 """A row this far above the others is noisy."""
 NOISY_AS_BUILT = 2.5
@@ -221,14 +221,14 @@ def _notes_on_campaign(
     notes: list[str] = []
     if len(blocks) < len(campaign.blocks):
         left_out = len(campaign.blocks) - len(blocks)
-        notes.append(f"{left_out} records were excluded: no force, hit, drive point or frequency.")
+        notes.append(f"{left_out} records were excluded: they have no force, hit, drive point or frequency.")
     if at_full_scale:
-        notes.append(f"{len(at_full_scale)} channels of records ran into the converter's full scale and were left out.")
+        notes.append(f"{len(at_full_scale)} channels of records reached the converter's full scale and were left out.")
     tests = {b.test for b in blocks}
     if tests == {"impact"}:
-        notes.append("Only an impact test: effects of the shaker, of level and of the clock cannot be examined.")
+        notes.append("Only an impact test: effects of the shaker, of level and of the clock cannot be tested.")
     if tests == {"sine"}:
-        notes.append("Only a sine test: the place of hits and ringing before them cannot be examined.")
+        notes.append("Only a sine test: places of hits, and ringing before hits, cannot be tested.")
     levels = {b.level for b in blocks if b.test == "sine"}
     if "sine" in tests and len(levels) < 2:
         notes.append(ONE_LEVEL)

@@ -29,7 +29,7 @@ def records_in_volts(campaign: Campaign) -> Campaign:
     forces = campaign.rig.forces
     if len(forces) > 1:
         raise DataError(
-            f"the rig has {len(forces)} force channels, and a diagnosis has a model of one force alone",
+            f"the rig has {len(forces)} force channels, and a diagnosis models one force only",
             where=campaign.source,
             remedy="record hits or sines with a rig file without shakers and their force channels",
         )
@@ -61,7 +61,7 @@ def usable_records(campaign: Campaign, hum: Hum | None = None) -> tuple[Block, .
         raise DataError(
             f"none of {len(campaign.blocks)} records has a force, a drive point and all channels of the rig",
             where=campaign.source,
-            remedy="record hits or sines with the force channel connected, and say where they act",
+            remedy="record hits or sines with the force channel connected, and give their drive points",
         )
     return tuple(sorted(found, key=lambda b: b.order))
 

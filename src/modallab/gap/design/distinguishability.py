@@ -159,18 +159,16 @@ def advice_on_plan(found: Distinguishability, plans: Sequence[Plan]) -> list[str
     kinds = {p.kind for p in plans}
     advices: list[str] = []
     if "sine" not in kinds:
-        advices.append(
-            "Add a sine test: without it the shaker's attachment, the clock and the level cannot be examined."
-        )
+        advices.append("Add a sine test: without it the shaker's attachment, the clock and the level cannot be tested.")
     if "impact" not in kinds:
-        advices.append("Add an impact test: free decays give the poles without the shaker.")
+        advices.append("Add an impact test: its free decays give the poles without the shaker.")
     points = {p for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points}
     if "impact" in kinds and len(points) < 3:
         advices.append(
             "Strike at three points or more: residues at several points separate masses from springs and the root."
         )
     if any(isinstance(p, SinePlan) and len(p.levels_v) < 2 for p in plans):
-        advices.append("Add a second level: an effect that depends on the size of the motion shows only there.")
+        advices.append("Add a second level: only two levels show an amplitude-dependent effect.")
     pairs = {frozenset(pair[:2]) for pair in found.alike()}
     rivals = [(name, rival) for name, model in effect_models().items() for rival in model.rivals if rival.plan]
     advices += [r.plan for name, r in rivals if any(name in p and (not r.effect or r.effect in p) for p in pairs)]

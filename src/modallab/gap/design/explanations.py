@@ -103,9 +103,9 @@ def undecided_explanations(diagnosis: Diagnosis) -> list[CandidateSet]:
     sets = remaining_explanations(diagnosis)
     if len(sets) < 2:
         raise PlanError(
-            "the diagnosis leaves no two explanations between which an experiment could decide",
+            "the diagnosis does not leave two explanations to decide between",
             where=diagnosis.rig,
-            remedy=diagnosis.next_experiment or "nothing is to be decided; put what was found into the simulation",
+            remedy=diagnosis.next_experiment or "no decision is needed; add the effect found to the simulation",
         )
     for c in sets:
         _require_planned(diagnosis, c)
@@ -157,7 +157,7 @@ def _require_planned(diagnosis: Diagnosis, c: CandidateSet) -> None:
         )
     if not all(kind_of(e.effect).linear for e in c.fitted):
         raise PlanError(
-            f"{' and '.join(c.effects)} depends on the size of the motion: no experiment is planned for that yet",
+            f"{' and '.join(c.effects)} depends on the amplitude: such experiments are not planned yet",
             where=diagnosis.rig,
             remedy=diagnosis.next_experiment or "repeat the sines at a third level",
         )

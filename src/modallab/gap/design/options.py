@@ -121,7 +121,9 @@ def _possible_hits(rig: Rig, done: Sequence[Plan]) -> list[PossibleExperiment]:
     if struck:
         again = hits_at_other_points(like, tuple(struck))
         found.append(
-            PossibleExperiment("hits again", "Repeat the hits where they were: noise falls, and time shows.", (again,))
+            PossibleExperiment(
+                "hits again", "Repeat the hits at the same points: noise falls, and a drift shows.", (again,)
+            )
         )
     return found
 
@@ -138,12 +140,12 @@ def _possible_sines(rig: Rig, done: Sequence[Plan], poles_hz: Sequence[float]) -
         return [PossibleExperiment("sines", "Run a sine test.", (first,))]
     top = max(before.levels_v.values()) * N_PER_V
     louder = sines_at_force(rig, before, before.frequencies_hz, "louder", LOUDER * top)
-    found = [PossibleExperiment("third level", "Repeat the sines at a level above.", (louder,))]
+    found = [PossibleExperiment("third level", "Repeat the sines at a higher level.", (louder,))]
     inside = [f for f in poles_hz if f < BAND * before.rate_hz]
     if inside:
         close = tuple(round(f * share, 3) for f in inside for share in ABOUT)
         about = sines_at_force(rig, before, close, "about", top)
-        found.append(PossibleExperiment("sines about modes", "Drive five frequencies about each mode.", (about,)))
+        found.append(PossibleExperiment("sines about modes", "Drive five frequencies around each mode.", (about,)))
     return found
 
 

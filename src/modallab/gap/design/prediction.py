@@ -97,7 +97,7 @@ def _with_rows(block: Block, rig: Rig, rows: Sequence[int], values: Real) -> Blo
     samples = (block.samples * block.scale[:, None]).astype(np.float64)
     if values.shape != (len(rows), samples.shape[1]):
         raise DataError(
-            f"{block.name} was predicted as {values.shape}, it is {(len(rows), samples.shape[1])}",
+            f"{block.name} was predicted with shape {values.shape}, but has {(len(rows), samples.shape[1])}",
             remedy="give one row for each response channel and as many samples as the record has",
         )
     samples[rows] = values

@@ -153,7 +153,7 @@ def _record_names(
     chosen = [b for b in blocks if b.name in held] or blocks
     if not chosen:
         raise DataError(
-            f"no record of {' or '.join(tests)} says what drove it", where=campaign.source, remedy="name another test"
+            f"no record of {' or '.join(tests)} has a drive point", where=campaign.source, remedy="name another test"
         )
     if most is not None and len(chosen) > most:
         chosen = [chosen[k] for k in np.linspace(0, len(chosen) - 1, most).round().astype(int)]

@@ -47,7 +47,7 @@ def mjcf_text(twin: Twin, rig: Rig, test: Test) -> str:
     others = [c.name for c in rig.responses if c.quantity != "acceleration"]
     if others:
         raise DataError(
-            f"{', '.join(others)} are no accelerometers, and MuJoCo senses accelerations only here",
+            f"{', '.join(others)} are no accelerometers, and the MuJoCo export supports only accelerometers",
             where=rig.name,
             remedy="export the state space",
         )

@@ -28,7 +28,7 @@ def write_modal(path: Path, twin: Twin, rig: Rig, tests: Sequence[Test]) -> None
     """Write modes and FRFs at the points that have a response channel; sensors and chain are no part of them.
 
     Raises:
-        DataError: no response channel stands at a point, or the twin does not answer in proportion to the force.
+        DataError: no response channel stands at a point, or the twin is not linear.
         StorageError: the file cannot be written.
     """
     require_proportion(twin, "a modal model")

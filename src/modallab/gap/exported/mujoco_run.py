@@ -25,7 +25,7 @@ def mujoco_simulation(path: Path, rig: Rig) -> Simulate:
     try:
         model: Any = mujoco.MjModel.from_xml_path(str(path))
     except ValueError as error:
-        raise FormatError(f"MuJoCo does not take it: {error}", where=str(path), remedy="export it again") from error
+        raise FormatError(f"MuJoCo rejects the model: {error}", where=str(path), remedy="export it again") from error
     motors = [_mujoco_id(mujoco, model, "ACTUATOR", f"force{p.id}", path) for p in rig.points]
     rows = [
         int(model.sensor_adr[_mujoco_id(mujoco, model, "SENSOR", f"acceleration_{c.name}", path)]) + 2

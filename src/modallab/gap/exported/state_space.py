@@ -81,7 +81,7 @@ def state_space(twin: Twin, rig: Rig, test: Test) -> StateSpace:
         test: which one.
 
     Raises:
-        DataError: the twin does not answer in proportion to the force.
+        DataError: the twin is not linear.
     """
     require_proportion(twin, "a state space")
     hit = test == "impact"

@@ -49,8 +49,8 @@ def _require_rate(systems: Mapping[Test, StateSpace], rate_hz: float) -> None:
     first_hz = max(system.first_hz for system in systems.values())
     if rate_hz <= 2 * first_hz:
         raise PlanError(
-            f"in steps of {rate_hz:g} Hz no mode would be seen: the first is at {first_hz:.4g} Hz",
-            remedy=f"give a rate well above {2 * first_hz:.3g} Hz, best that of the records",
+            f"the rate of {rate_hz:g} Hz is too low: the first mode is at {first_hz:.4g} Hz",
+            remedy=f"give a rate well above {2 * first_hz:.3g} Hz, preferably that of the records",
         )
 
 

@@ -168,7 +168,7 @@ def beam_of(rig: Rig) -> Beam:
     """
     if rig.beam is None:
         raise RigError(
-            "there is no beam to predict from",
+            "the rig file has no beam",
             where=rig.name,
             remedy="give the beam's length, section and material, or name a modal model to compare with (--reference)",
         )

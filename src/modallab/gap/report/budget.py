@@ -187,7 +187,8 @@ def _calibrate_first(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
     for k in best:
         alike.setdefault(percent_text(narrows[k]), []).append(quantities[k].rstrip(","))
     return [
-        f"The 95 % intervals of the effect would be {share} narrower if this were measured: {' or '.join(names)}."
+        f"The 95 % intervals of the effect would be {share} narrower if one of these were measured: "
+        f"{' or '.join(names)}."
         for share, names in alike.items()
     ]
 
@@ -195,7 +196,7 @@ def _calibrate_first(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
 def _is_within_tolerance(row: BudgetRow) -> str:
     return (
         f"Within tolerance: {row.said}, {abs(row.sigmas or 0):.1f} standard deviations; it makes "
-        f"{percent_text(row.share)} of the gap from the simulation of the rig file."
+        f"{percent_text(row.share)} of the gap to the simulation of the rig file."
     )
 
 

@@ -39,9 +39,7 @@ def _beam_contradiction(choice: Choice, prepared: PreparedCampaign) -> list[str]
     return [
         f"All frequencies of the ring-down lie {relative_change(np.expm1(shift))} off those of the rig file's "
         "beam, and its "
-        f"tolerances allow {percent_text(allowed)}: check length, thickness and material in the rig file "
-        "before anything "
-        "else."
+        f"tolerances allow {percent_text(allowed)}: first check length, thickness and material in the rig file."
     ]
 
 

@@ -58,13 +58,15 @@ def locate_gap(bench: Bench, prepared: PreparedCampaign, base: Fit) -> GapLocati
         held = [c for c in alone if c in prepared.repeated]
         names = ", ".join(bench.data.rig.channels[c].name for c in alone)
         if held:
-            return GapLocation("acquisition", alone, tests, (f"{names} repeats samples that no motion repeats.",))
-        return GapLocation("sensor", alone, tests, (f"Without {names} {part_of(1 - cured)} of the gap is gone.",))
+            return GapLocation(
+                "acquisition", alone, tests, (f"{names} repeats samples exactly, which no motion does.",)
+            )
+        return GapLocation("sensor", alone, tests, (f"Without {names} {part_of(1 - cured)} of the gap disappears.",))
     harmonic, driven = harmonic_shares(prepared)
     if driven > OFTEN:
-        return GapLocation("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
+        return GapLocation("excitation", (), ("sine",), ("The force itself contains overtones of the drive.",))
     if harmonic > OFTEN:
-        why = f"{percent_text(harmonic)} of the sine responses hold overtones of the drive that the force does not."
+        why = f"{percent_text(harmonic)} of the sine responses contain overtones that the force lacks."
         sentences = (why, "The response does not grow in proportion to the force: the nonlinearity lies in the beam.")
         return GapLocation("structure", (), tests, sentences, nonlinear=True)
     return _locate_in_beam_or_test(bench, base, tests)
@@ -86,12 +88,10 @@ def _locate_in_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> 
         bad = tuple(t for t in tests if np.sqrt(1 + by_test[t]) > ALONE * bench.flat + 1e-3 * base.gap)
         if not bad:
             return GapLocation(
-                "excitation", (), ("sine",), (*why, "Each test agrees with a beam, but not with the same.")
+                "excitation", (), ("sine",), (*why, "Each test agrees with a beam, but the two beams differ.")
             )
         if len(bad) == 1 and not (levels and bad == ("sine",)):
-            return GapLocation(
-                "excitation", (), bad, (*why, f"Only the {bad[0]} test disagrees, and not by its poles.")
-            )
+            return GapLocation("excitation", (), bad, (*why, f"Only the {bad[0]} test disagrees, but its poles agree."))
     if levels:
         sentences = (*why, "The two levels of the sine test disagree with each other.")
         return GapLocation("structure", (), tests, sentences, nonlinear=True)
@@ -118,15 +118,19 @@ def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[
         return GapLocation("acquisition", everywhere, tests, (*why, reason))
     if flat < ALIKE:
         force = bench.data.rig.force_channel.index
-        reason = f"One real factor on all channels and lines takes {part_of(1 - flat)} of the gap away: the force's."
+        reason = (
+            f"One real factor on all channels and lines removes {part_of(1 - flat)} of the gap: the gain of the force."
+        )
         return GapLocation("sensor", (force,), tests, (*why, reason))
     late = delay_share(base)
     if late > LATE:
         reason = (
-            f"All channels are off alike, and {percent_text(late)} of their phase grows with frequency: time runs late."
+            f"All channels are off alike, and {percent_text(late)} of their phase error grows with frequency: a delay."
         )
         return GapLocation("acquisition", everywhere, tests, (*why, reason))
-    reason = "The poles are those of a beam, all channels are off alike, and not by a delay: what is sensed is off."
+    reason = (
+        "The poles are those of a beam, all channels are off alike, but not by a delay: their common input is wrong."
+    )
     return GapLocation("sensor", everywhere, tests, (*why, reason))
 
 

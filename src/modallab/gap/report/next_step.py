@@ -25,7 +25,7 @@ def next_experiment(
         seen: effects that the records show without any model; the simulation cannot contain them.
     """
     if verdict == "no_gap":
-        return "Nothing: the simulation and the bench agree to within the noise."
+        return "No test is needed: simulation and bench agree to within the noise."
     if verdict == "unknown":
         # What was fitted and explains nothing is no ground for advice.
         return _step_for_unknown(campaign, nonlinear)
@@ -39,7 +39,7 @@ def next_experiment(
         separating = [r for r in rivals if r.experiment and r.effect in differ]
         if separating:
             return min(separating, key=lambda r: r.rank).experiment
-        return f"Separate {' from '.join(sorted(differ))}: strike at a point where only one of them moves."
+        return f"Separate {' from '.join(sorted(differ))}: strike at a point where only one of these moves."
     return (
         "Put the effect into the simulation (modallab gap apply) or remove it from the bench, and repeat the campaign."
     )
@@ -49,9 +49,9 @@ def _step_for_unknown(campaign: Campaign, nonlinear: bool) -> str:
     levels = {b.level for b in campaign.blocks if b.test == "sine"}
     points = {b.drive_point for b in campaign.blocks if b.test == "impact"}
     if nonlinear:
-        return "Repeat the sines at a third level: how fast the response grows with the force distinguishes its causes."
+        return "Repeat the sines at a third level: the growth of the response with the force distinguishes causes."
     if len(levels) < 2:
-        return "Repeat the sines at a second level: does the bench answer in proportion to the force?"
+        return "Repeat the sines at a second level: this tests the linearity of the bench."
     if len(points) < 3:
-        return "Strike at more points: a gap in the beam changes the poles, one at the point of the hit does not."
+        return "Strike at more points: a cause in the beam changes the poles, a cause at the hit does not."
     return "Repeat the sines at a third level, and the first hits at the end: level and time distinguish most effects."

@@ -1,4 +1,4 @@
-"""How far the gap shrinks on records that no fit has seen.
+"""How far the gap shrinks on held-out records.
 
 Source: Percentile interval of the bootstrap: Efron, Ann. Stat. 7 (1979), 1; Efron and Tibshirani, An Introduction to
 the Bootstrap, 1993, ch. 13.

@@ -38,7 +38,7 @@ def gap_location(
         prepared: the campaign.
     """
     if verdict == "no_gap":
-        said = ["Nothing but noise is left."]
+        said = ["Only noise is left."]
         return Where(stage=None, channels=[], x_m=None, tests=[], bands=[], share=0.0, why=said)
     stage, rows, tests, why = _stage_and_rows(verdict, found, withheld, location, choice, data, prepared)
     bands = _bands_of_gap(choice, data)
@@ -84,7 +84,7 @@ def _reasons_of_place(lead: Found, location: GapLocation | None, choice: Choice)
         return ["The records show the effect without any model."]
     if location.stage == lead.stage or not choice.fit.problem.candidates:
         return list(location.why)
-    residual_says = f"The tests on the residual alone pointed at the {location.stage}: {' '.join(location.why)}"
+    residual_says = f"Tests on the residual indicated the {location.stage}: {' '.join(location.why)}"
     explained = closed_share(choice.base.gap, choice.fit.gap)
     other = [f for f in choice.rivals if kind_of(f.problem.candidates[-1].effect).stage != lead.stage]
     best = max((closed_share(choice.base.gap, f.gap) for f in other), default=0.0)

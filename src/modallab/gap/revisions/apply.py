@@ -38,11 +38,11 @@ def with_diagnosis(rig: Rig, diagnosis: Diagnosis, on: date, source: str = "") -
         raise DataError(
             f"the diagnosis says {verdict.get(diagnosis.verdict, 'no effect')}",
             where=rig.name,
-            remedy="nothing is to be applied: measure what it advises next",
+            remedy="apply no revision; make the test that the diagnosis suggests",
         )
     if any(effects == revision.effects for revision in rig.revisions):
         raise RigError(
-            f"{' and '.join(e.effect for e in effects)} with these numbers is in the rig already",
+            f"{' and '.join(e.effect for e in effects)} with these numbers is already in the rig",
             where=rig.name,
             remedy="apply a diagnosis that was made with this revision of the rig",
         )

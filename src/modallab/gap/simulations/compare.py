@@ -144,7 +144,7 @@ def _require_all(campaign: Campaign, records: Records) -> None:
     if missing:
         more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
         raise DataError(
-            f"the simulation predicts {len(wanted) - len(missing)} of {len(wanted)} records: not "
+            f"the simulation predicts only {len(wanted) - len(missing)} of {len(wanted)} records, not "
             f"{', '.join(missing[:3])}{more}",
             where=campaign.source,
             remedy="predict every record that has a force, under the name it has in the campaign",
@@ -207,7 +207,7 @@ def _comparison_verdict(
 
 def _comparison_notes(bench: Diagnosis, simulation: Diagnosis) -> list[str]:
     found = [
-        f"{said} shows what no effect of the catalogue explains, in the {of.where.stage}."
+        f"{said} has an unexplained difference in the {of.where.stage}."
         for said, of in (("The bench", bench), ("The simulation", simulation))
         if of.verdict == "unknown"
     ]

@@ -61,9 +61,9 @@ def simulated_records(
     rig, campaign = campaign.rig, records_in_volts(campaign)
     if np.any(lags_s(rig)) or len({c.ac_corner_hz for c in rig.channels}) > 1:
         raise DataError(
-            "channels of the rig lag one another, or some are AC-coupled and others not",
+            "channels of the rig have different delays, or only some are AC-coupled",
             where=rig.name,
-            remedy="predict the records with what the chain does to them, and give them as a file",
+            remedy="predict the records including the measurement chain, and give the file",
         )
     blocks = [b for b in usable_records(campaign) if records is None or b.name in records]
     ratio = clock_of(campaign, blocks)
@@ -81,7 +81,7 @@ def _simulate_record(simulate: Simulate, rig: Rig, block: Block, ratio: float, f
     answer = np.asarray(simulate(force, 1 / block.rate_hz / times), dtype=np.float64)
     wanted = (len(rig.responses), len(one))
     if answer.shape != wanted or not np.all(np.isfinite(answer)):
-        found = f"gives {answer.shape}" if answer.shape != wanted else "gives what is no number"
+        found = f"gives {answer.shape}" if answer.shape != wanted else "gives NaN or infinite values"
         raise DataError(
             f"the simulation {found} where (channels, n) = {wanted} is needed",
             where=block.name,

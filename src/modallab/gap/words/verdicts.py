@@ -33,8 +33,8 @@ def verdict_sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
         where = diagnosis.where
         at = f" on {', '.join(where.channels)}" if 0 < len(where.channels) < 4 else ""
         return (
-            f"A gap of {three_digits(gap.before)} noise units lies in the {where.stage}{at}, and none of the "
-            f"known effects explains it{_probability_in_words(diagnosis.unknown)}.{_behaviour_sentence(diagnosis)}"
+            f"A gap of {three_digits(gap.before)} noise units lies in the {where.stage}{at}, and no known effect "
+            f"explains it{_probability_in_words(diagnosis.unknown)}.{_behaviour_sentence(diagnosis)}"
         )
     parts = " and ".join(effect_in_words(f, channels) for f in diagnosis.effects)
     return (
@@ -43,7 +43,7 @@ def verdict_sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
 
 
 def _closes_gap(share: float | None) -> str:
-    return "" if share is None else f", which closes {part_of(share)} of it on records that no fit has seen"
+    return "" if share is None else f", which closes {part_of(share)} of the gap on held-out records"
 
 
 def _behaviour_sentence(diagnosis: Diagnosis) -> str:
@@ -51,15 +51,15 @@ def _behaviour_sentence(diagnosis: Diagnosis) -> str:
     described = diagnosis.described
     if described is None or described.shrink.closed is None:
         return ""
-    return f" It behaves like {described.says.rstrip(',')}{_closes_gap(described.shrink.closed)}."
+    return f" The gap behaves like {described.says.rstrip(',')}{_closes_gap(described.shrink.closed)}."
 
 
 def gap_in_percent(gap: Gap) -> str:
     """The gap as a share of the response, in one sentence; "" where it is not known."""
     stages = (
-        ("as the rig file describes the bench", gap.share_nominal),
+        ("simulated from the rig file", gap.share_nominal),
         ("within the tolerances", gap.share_before),
-        ("with what was found", gap.share_after),
+        ("with the effects found", gap.share_after),
     )
     parts = [
         f"{_resonant_and_other(share)} {name}"
@@ -85,7 +85,7 @@ def unexplained_sentence(gap: Gap) -> str:
     if left is None:
         return ""
     if not left.worst:
-        return "Beyond noise nothing is left of any record."
+        return "Only noise is left of all records."
     return (
         f"Beyond noise, {share_of_response(left.median)} of a record is left unexplained (median); "
         f"at worst {share_of_response(left.worst)}, of {left.record}."
@@ -119,10 +119,10 @@ def sentence_of_simulation(found: SimulationComparison) -> str:
     if found.verdict == "no_gap":
         agree = f"No effect distinguishes simulation and bench: the gap is {before} noise units"
         return f"{agree}, {after} with the beam's numbers as the bench has them."
-    off = f"The simulation is {before} noise units off the bench"
+    off = f"The simulation differs from the bench by {before} noise units"
     if found.verdict == "unknown":
-        return f"{off}, and not all of that is explained."
-    share = "" if found.closed is None else f"that closes {part_of(found.closed)} of it, "
+        return f"{off}, and part of the difference stays unexplained."
+    share = "" if found.closed is None else f"that closes {part_of(found.closed)} of the gap, "
     return (
         f"{off}: {'; '.join(_differences_in_words(found))}. Corrected, it is {after} off; {share}on "
         f"{_records_verdict(found)}."
@@ -130,13 +130,13 @@ def sentence_of_simulation(found: SimulationComparison) -> str:
 
 
 def _records_verdict(found: SimulationComparison) -> str:
-    return f"{len(found.records)} records that no fit has seen"
+    return f"{len(found.records)} held-out records"
 
 
 def _differences_in_words(found: SimulationComparison) -> list[str]:
     return [
         *(f"it lacks {effect_in_words(f)}" for f in found.lacks),
-        *(f"it has {effect_in_words(f)}, which the bench has not" for f in found.has),
+        *(f"it has {effect_in_words(f)}, which the bench lacks" for f in found.has),
         *(
             f"the bench has {effect_in_words(d.bench)}, the simulation {_numbers_in_words(d.simulation)}"
             for d in found.differs

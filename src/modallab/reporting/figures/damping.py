@@ -38,7 +38,9 @@ def half_power_reading(
     zeta = np.geomspace(min(LIGHTEST, floor / 10) if floor > 0 else LIGHTEST, HEAVIEST, 60)
     with style.figure_style():
         figure, (axes,) = style.panel_grid(1, 1, style.PanelSize(420, 290))
-        axes.plot(100 * zeta, 100 * zeta, color=style.SOFT, linewidth=1.0, label="a rule that reads the beam")
+        axes.plot(
+            100 * zeta, 100 * zeta, color=style.SOFT, linewidth=1.0, label="a rule that reads the damping of the beam"
+        )
         for hann, line, name in ((False, "-", "half-power, no window"), (True, "--", "half-power, Hann window")):
             read = half_power_readings(mode.frequency_hz, zeta, block_s, before_s, hann)
             axes.plot(100 * zeta, 100 * read, line, color=style.WARNING, linewidth=2.2, label=name)
@@ -218,7 +220,7 @@ def _legend_key(modes: Sequence[ComparedMode], paper: bool) -> list[Line2D | Pat
     handles.append(Line2D([], [], linestyle="none", marker="D", color=style.WARNING, label="half-power reading"))
     handles.append(Patch(facecolor=style.SHADE, label="below the resolution"))
     if paper and any(paper_value(m) is not None for m in modes):
-        handles.append(Line2D([], [], marker="^", label="the paper's Table 1, read both ways", **_PAPER))
+        handles.append(Line2D([], [], marker="^", label="the paper's Table 1, both readings", **_PAPER))
     if any(isfinite(m.true_damping) for m in modes):
         handles.append(Line2D([], [], color=style.SECOND, linewidth=2.2, label="truth"))
     return handles

@@ -32,8 +32,8 @@ BELOW = 300
 """An FRF's axis ends at most so many times below the lowest curve, however small the residual."""
 MEASURED, BEFORE, AFTER, LEFT = (
     "measured",
-    "simulated as the rig file describes it",
-    "with what was found",
+    "simulated from the rig file",
+    "with the effects found",
     "what is left",
 )
 

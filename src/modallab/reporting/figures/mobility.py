@@ -67,7 +67,7 @@ def draw_mobility(axes: Axes, check: Verification, output: int, input_: int, par
 
 
 def draw_residual(axes: Axes, check: Verification, output: int, input_: int) -> None:
-    """What the model does not repeat, below the curves of a logarithmic panel."""
+    """What the model does not reproduce, below the curves of a logarithmic panel."""
     left = np.abs(check.measured.values[output, input_] - check.regenerated.values[output, input_])
     low, high = axes.get_ylim()
     few = check.measured.frequency_hz.size <= FEW

@@ -15,9 +15,9 @@ MOST_ORDERS = 40
 MOST_CURVES = 3
 
 _MARKS: dict[int, tuple[str, str, str, float]] = {
-    NEW: ("x", style.SOFT, "pole not seen at the order below", 4.0),
+    NEW: ("x", style.SOFT, "pole not present at the order below", 4.0),
     IN_FREQUENCY: ("^", style.MODEL, "frequency holds", 4.5),
-    STABLE: ("o", style.MEASURED, "frequency and damping hold", 4.5),
+    STABLE: ("o", style.MEASURED, "frequency and damping stable", 4.5),
 }
 _CURVES = (style.MEASURED, style.MODEL, style.THIRD)
 

@@ -20,7 +20,7 @@ MOST, LINES = 4, 600
 ABOUT = np.linspace(-4.0, 4.0, 25)
 """Lines about a mode, in half widths of its resonance."""
 RECORDS, MEASURED, BEFORE, LEFT = "records", "identified from them", "reference", "what is left"
-WITH, WITHIN = "reference with what was found", "reference within the tolerances"
+WITH, WITHIN = "reference with the effects found", "reference within the tolerances"
 BELOW = 100.0
 """The axis ends at most so many times below the lowest curve, however small what is left."""
 

@@ -27,8 +27,8 @@ def assumptions_section(content: ReportContent) -> Section:
     if not parts:
         return Section("assumptions", HEADING, None, tuple(absent))
     lead = paragraph(
-        "A modal model stands for a structure that is linear, reciprocal and the same from the first record to the "
-        "last; real shapes ask for proportional damping besides. Each is judged on the records themselves."
+        "A modal model assumes a structure that is linear, reciprocal and constant from the first record to the "
+        "last. Real shapes also assume proportional damping. Each assumption is tested on the records."
     )
     return Section("assumptions", HEADING, join_markup([lead, *parts]), tuple(absent))
 

@@ -31,9 +31,7 @@ def overview_list(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Ma
 
 
 def _list_line(good: bool, text: str) -> Markup:
-    mark = html_element(
-        "i", "\N{HEAVY CHECK MARK}" if good else "!", aria_label="good:" if good else "to be looked at:"
-    )
+    mark = html_element("i", "\N{HEAVY CHECK MARK}" if good else "!", aria_label="good:" if good else "to check:")
     return html_element("li", mark, html_element("span", with_hard_blanks(text)), class_="good" if good else "look")
 
 
@@ -62,7 +60,7 @@ def _repeated_line(outcome: OutcomeOfTest) -> Iterator[tuple[bool, str]]:
         return
     found = np.nan_to_num(outcome.verification.frac, nan=0.0)
     good = bool(found.min() >= MATCH)
-    claim = "The model repeats" if good else "At some points the model does not repeat"
+    claim = "The model repeats" if good else "At some points the model does not reproduce"
     frac = f"FRAC is {'at least' if good else 'down to'} {four_places(found.min())}"
     yield good, f"{claim} what was measured in {_name_of_test(outcome)}: {frac}."
 
@@ -79,7 +77,7 @@ def _tests_agree(modes: tuple[ComparedMode, ...]) -> Iterator[tuple[bool, str]]:
         text = f"The {one} and the {other} test differ by up to {most}: {largest_differences(modes)}."
         driven = {one, other} - {"impact", None}
         if "impact" in (one, other) and driven:
-            text += f" In the {driven.pop()} test the shaker hangs on the structure, which shifts its modes."
+            text += f" In the {driven.pop()} test the shaker is attached to the structure, which shifts its modes."
         yield False, text
 
 

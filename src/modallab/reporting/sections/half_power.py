@@ -21,7 +21,7 @@ def half_power_section(content: ReportContent, modes: tuple[ComparedMode, ...]) 
     if not modes:
         return Section(anchor, heading, None)
     if not any(isfinite(r.half_power_floor) for m in modes for r in m.readings):
-        return Section(anchor, heading, None, ("What the half-power rule can see is not known for these data.",))
+        return Section(anchor, heading, None, ("The resolution of the half-power rule is not known for these data.",))
     seen = next((m for m in modes if _reading_of_block(m) is not None), None)
     paper = is_bench_of_paper(content.rig)
     texts = [_rule_in_words(content)]
@@ -50,7 +50,8 @@ def _overview_sentence(modes: tuple[ComparedMode, ...], papers: bool) -> Markup:
         "damping",
         _alternative_text(modes),
         "Damping of each mode. The grey bar is the resolution. In it, a half-power reading shows the width of one line "
-        f"or step of the spectrum, not the damping of the beam: it stands near the bar's end in any case.{triangles}",
+        "or step of the spectrum, not the damping of the beam: that reading is always near the end of the "
+        f"bar.{triangles}",
         1,
     )
 
@@ -67,8 +68,8 @@ def _reading_curve(content: ReportContent, mode: ComparedMode) -> Markup | None:
         "resolution",
         f"Half-power reading of mode {mode.number} over the damping of the beam, with no window and with a Hann "
         "window; each curve is flat up to the resolution of the block and rises only then",
-        f"What the half-power rule would read for mode {mode.number} if the beam had this or that damping. Where a "
-        f"curve is flat, the rule reads the block and not the beam. The diamond is what it read in this test{dotted}.",
+        f"What the half-power rule would read for mode {mode.number} for other damping of the beam. Where a "
+        f"curve is flat, the rule reads the block and not the beam. The diamond is the reading in this test{dotted}.",
         1,
     )
 
@@ -83,12 +84,12 @@ def _rule_in_words(content: ReportContent) -> str:
     of = f"a block of {short_number(length)} s" if length else "a short block"
     step = f" ({significant_digits(1 / length, 3)} Hz)" if length else ""
     sine = (
-        " In a sine test it can't be narrower than the step from one drive frequency to the next."
+        " In a sine test a peak cannot be narrower than the step between drive frequencies."
         if any(o.test == "sine" for o in content.outcomes)
         else ""
     )
     return (
-        "The half-power rule reads damping off the width of a peak. "
+        "The half-power rule takes damping from the width of a peak. "
         f"In {of} no peak can be narrower than about one line of the spectrum{step}. "
         f"If the structure still rings when the block ends, the rule measures the block.{sine}"
     )
@@ -109,11 +110,11 @@ def _mode_in_words(mode: ComparedMode, method: str) -> str:
     if method == "peak":
         return (
             f"This model was made by the half-power rule itself. It gives {read} % for mode {mode.number}; a mode "
-            f"with no damping at all would give {floor} %. Take such a damping for an upper limit."
+            f"with no damping at all would give {floor} %. Take this damping as an upper limit."
         )
     return (
         f"For mode {mode.number} it reads {read} %. A mode with no damping at all would give {floor} %. "
-        f"The identified damping is {found} %, which the model gets from the same block by allowing for its end."
+        f"The identified damping is {found} %, from the same block, with its truncated ring-down modelled."
     )
 
 

@@ -16,7 +16,7 @@ _RESPONSE_METHODS = {
     "plscf_spectra": "pLSCF on half spectra of the responses alone",
 }
 _UNSCALED = (
-    "No force was used, so that the shapes have no scale: each is 1 at its largest component. Modal masses and modal "
+    "Without a force the shapes have no scale: each is 1 at its largest component. Modal masses and modal "
     "constants are not known, and no response to a force can be predicted."
 )
 
@@ -62,8 +62,8 @@ def _scale_sentence(model: ModalModel) -> list[Markup]:
         return []
     force = "not known" if scale.force is None else f"{_percent_of(scale.force)} %"
     text = (
-        "On top of the sigmas below, which are those of the records' noise, comes what the sensitivities are known to, "
-        f"alike in every mode (one sigma): force {force}, responses {_span_of_values(scale.responses)}, "
+        "The sigmas below include only the records' noise. The uncertainty of the sensitivities is the same in "
+        f"every mode (one sigma): force {force}, responses {_span_of_values(scale.responses)}, "
         f"modal constants {_span_of_values(scale.modal_constants)}, shapes at unit modal mass "
         f"{_span_of_values(scale.shapes)}"
     )

@@ -35,9 +35,8 @@ def modes_section(content: ReportContent, modes: tuple[ComparedMode, ...]) -> Se
         _modes_table(content, modes),
         paragraph(
             "The number after ± is one standard deviation, σ. The damping ratio ζ is the share of critical "
-            "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too. Confidence says how far a "
-            "mode stands above what noise, or what the model leaves unexplained, could pass for: 0 is at the limit, 1 "
-            "far above."
+            "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too. Confidence compares the "
+            "strength of a mode with that of noise and of the residual: 0 is at the limit, 1 far above."
         ),
         _drift_sentence(content),
         _understated_uncertainty(modes),
@@ -60,7 +59,7 @@ def _modes_not_found(content: ReportContent, modes: tuple[ComparedMode, ...]) ->
         lost = [f"mode {m.number}" for m in inside if all(r.test != model.test for r in m.readings)]
         if lost:
             name = f"The {model.test} test" if model.test else "The FRFs' model"
-            lines.append(paragraph(f"{name} did not find {list_in_words(lost)}, though in its band."))
+            lines.append(paragraph(f"{name} did not find {list_in_words(lost)}, although they are in its band."))
     return join_markup(lines) if lines else None
 
 
@@ -129,7 +128,9 @@ def _understated_uncertainty(modes: tuple[ComparedMode, ...]) -> Markup | None:
     off = [f"mode {m.number} ({r.test or 'FRFs'})" for m in modes for r in m.readings if _is_off_truth(r)]
     if not off:
         return None
-    return paragraph(f"More than 3 σ off the truth: {list_in_words(off)}. There the stated uncertainty is too small.")
+    return paragraph(
+        f"More than 3 σ off the truth: {list_in_words(off)}. For these the stated uncertainty is too small."
+    )
 
 
 def _is_off_truth(reading: ModeReading) -> bool:
@@ -161,9 +162,9 @@ def _agreement_sentence(modes: tuple[ComparedMode, ...]) -> Markup | None:
     ]
     caption = f"Do the {first[0].test} and the {first[1].test} test agree?"
     explained = paragraph(
-        "Two values agree if they lie no more than 2 σ apart, σ being that of their difference. Past 3 σ chance is "
-        "no longer a fair explanation. Then the structure was not the same in both, as with a shaker attached in one "
-        "or a stiffness that drifts from one to the next; or one of the tests, or of the uncertainties, is wrong."
+        "Two values agree if they lie no more than 2 σ apart, σ being that of their difference. A difference above "
+        "3 σ is no chance: the structure changed (a shaker attached, a drift), or one of the tests or uncertainties "
+        "is wrong."
     )
     return join_markup(
         [html_table(caption, ("mode", "difference in frequency", "in damping", "verdict"), rows, (1, 2)), explained]

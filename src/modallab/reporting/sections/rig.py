@@ -29,7 +29,7 @@ def rig_section(content: ReportContent) -> Section:
         parts.append(html_table("Recordings", header, blocks))
     if content.campaign.frfs:
         sets = count_with_noun(len(content.campaign.frfs), "set of FRFs", "sets of FRFs")
-        parts.append(paragraph(f"The source held {sets} and no time records for them."))
+        parts.append(paragraph(f"The source held {sets} without time records."))
     header = ("channel", "quantity", "point", "direction", "sensitivity [V per unit]", "serial number", "calibrated on")
     parts.append(html_table("Channels", header, [_channel_row(c) for c in rig.channels]))
     certified = [_certificate_row(c, c.certificate) for c in rig.channels if c.certificate is not None]

@@ -80,6 +80,6 @@ def _verdict_sentence(setups: tuple[SetUpReading, ...]) -> str:
         [f"{one.name} (modes {list_in_words([str(r + 1) for r in one.off.nonzero()[0]])})" for one in off]
     )
     return (
-        f"Off: set-up {named}, compared with {off[0].against}. Look there at the mass, cable and mounting of the "
-        "sensors, at the clamp, and at the temperature."
+        f"Off: set-up {named}, compared with {off[0].against}. Check mass, cable and mounting of its sensors, "
+        "the clamp, and the temperature."
     )

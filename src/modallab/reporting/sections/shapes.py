@@ -14,12 +14,12 @@ from modallab.reporting.sections.section import Section, captioned_figure, parag
 from modallab.verification.comparison import ShapeComparison, compare_shapes
 
 OUT_OF_STEP_DEG = 5.0
-UNPLACED = "The places of the sensors are not known, so the mode shapes can't be drawn; they stand in the model below."
-MOVING = "So the beam moves at its natural frequencies, slowed down and magnified. The dots are the sensors."
+UNPLACED = "The places of the sensors are not known, so the mode shapes cannot be drawn; the model below lists them."
+MOVING = "Motion of the beam at its natural frequencies, slowed down and magnified. The dots are the sensors."
 DRAWN = "Mode shapes over the length of the beam with bars of one sigma, one panel a mode, the clamp at the left"
 CAPTION = (
-    "Mode shapes at unit modal mass with bars of one standard deviation; a bar smaller than its mark can't be seen. "
-    "The free end, or where the beam moves most, points up. The curve between the points is only drawn through them."
+    "Mode shapes at unit modal mass with bars of one standard deviation; a bar may be smaller than its mark. "
+    "The free end, or where the beam moves most, points up. The curve between the points is interpolated."
 )
 
 
@@ -57,8 +57,8 @@ def _spatial_shapes(content: ReportContent) -> Markup | None:
         along = [] if is_spatial(rig) else [p.id for p in sorted(rig.points, key=lambda p: p.x_m)]
         drawn = moving_wireframes(points, rig.lines or tuple(pairwise(along)), moving, rig.surfaces)
         if drawn is not None:
-            scale = "" if model.shapes is not None else " No force was used, so that the shapes have no scale."
-            text = f"So the structure moves at its natural frequencies, slowed down and magnified.{scale}"
+            scale = "" if model.shapes is not None else " Without a force the shapes have no scale."
+            text = f"Motion of the structure at its natural frequencies, slowed down and magnified.{scale}"
             return join_markup([paragraph(text), drawn])
     return None
 
@@ -71,9 +71,9 @@ def _skew_note(content: ReportContent) -> str | None:
         ]
         if loose:
             return paragraph(
-                f"In the {model.test or 'FRF'} test the points do not move quite in step: {', '.join(loose)}. With "
-                "light, evenly spread damping they would. The moving pictures show it; the figure below shows the part "
-                "in step."
+                f"In the {model.test or 'FRF'} test the points do not move exactly in phase: {', '.join(loose)}. "
+                "Light, evenly spread damping gives motion in phase. The animation shows all motion, the figure "
+                "below the part in phase."
             )
     return None
 
@@ -83,8 +83,8 @@ def _name_of_test(test: str | None) -> str:
 
 
 COMPARED = (
-    "MAC says how alike the shapes of a mode are, 1 being the same up to a factor. CoMAC says it of a point over all "
-    "modes: a point far below the others has a sensor that is loose, turned or swapped in one of the tests."
+    "MAC is 1 if two shapes are equal up to a factor. CoMAC compares one point over all modes: a point far "
+    "below the others has a sensor that is loose, turned or swapped in one of the tests."
 )
 
 

@@ -30,7 +30,7 @@ def _absent_note(outcome: OutcomeOfTest) -> list[str]:
     if outcome.example is None and outcome.test is not None:
         out.append(f"There are no time signals to draw for {name}.")
     if outcome.frf is not None and outcome.frf.coherence is None:
-        out.append(f"There is no coherence for {name}: it takes an average over several blocks.")
+        out.append(f"There is no coherence for {name}: coherence needs an average over several blocks.")
     return out
 
 
@@ -86,7 +86,7 @@ def _frfs_part(outcome: OutcomeOfTest, place: int) -> list[Markup]:
     frf = outcome.frf
     if frf is None:
         return []
-    name = f"{outcome.test} test" if outcome.test else "FRFs as they came"
+    name = f"{outcome.test} test" if outcome.test else "Imported FRFs"
     modes = outcome.model.frequency_hz if outcome.model else None
     seen = " and their coherence" if frf.coherence is not None else ""
     drives = len(frf.input_points)

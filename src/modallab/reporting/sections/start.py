@@ -11,9 +11,9 @@ from modallab.reporting.sections.section import Section, captioned_figure, parag
 
 HEADING = "How the modes were found"
 LEAD = (
-    "A model of too low an order misses modes, one of too high an order adds poles that fit noise. So the order is "
-    "raised step by step: poles that stay where they are belong to the structure. CMIF peaks where a mode is; two of "
-    "its curves peak together where two modes share a frequency. MIF dips there."
+    "A model of too low an order misses modes, one of too high an order adds poles that fit noise. The order is "
+    "therefore increased step by step: stable poles belong to the structure. CMIF has a peak at each mode, and two "
+    "curves of CMIF have a peak where two modes share a frequency. MIF has a minimum at each mode."
 )
 
 
@@ -40,7 +40,7 @@ def _diagram_of_test(outcome: OutcomeOfTest, model: ModalModel, diagram: Stabili
         stabilisation_panels(diagram, model.frequency_hz, name),
         f"start-{outcome.test or 'frf'}-{place}",
         f"Stabilisation diagram, CMIF and MIF of {_name_of_test(outcome)} over frequency. {says}",
-        f"{says} The averaged FRFs are drawn as the estimator saw them{_damped_note(outcome)}.",
+        f"{says} The averaged FRFs are those of the estimator{_damped_note(outcome)}.",
     )
     called = _name_of_test(outcome)
     return [html_element("h3", called[0].upper() + called[1:]), figure]
@@ -55,9 +55,12 @@ def _picked_poles(model: ModalModel, diagram: StabilisationData) -> str:
     more = int(diagram.held_hz.size) - model.n_modes
     says = f"{held} hold over enough orders; {modes} stand in the model."
     if more > 0:
-        return f"{says} What held and is no mode fitted noise, stood for one outside the band, or was left out by hand."
+        return (
+            f"{says} A stable pole that is no mode fits noise, represents a mode outside the band, or was left "
+            "out by hand."
+        )
     if more < 0:
-        return f"{says} The others were found in the residual of these, by hand, or share a pole."
+        return f"{says} Other modes were found in the residual, were added by hand, or share a pole."
     return says
 
 
@@ -69,7 +72,7 @@ def _order_sentence(model: ModalModel) -> ModelOrder | None:
 def _damped_note(outcome: OutcomeOfTest) -> str:
     if outcome.test != "impact":
         return ""
-    return ", with the artificial damping that lets every ring-down end within the block: their peaks are broader"
+    return ", with artificial damping, so that every ring-down ends within the block: their peaks are broader"
 
 
 def _name_of_test(outcome: OutcomeOfTest) -> str:

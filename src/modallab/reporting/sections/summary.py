@@ -27,7 +27,7 @@ def summary_sentence(content: ReportContent, modes: tuple[ComparedMode, ...]) ->
 
 def _sentence_of_modes(content: ReportContent, modes: tuple[ComparedMode, ...]) -> str:
     if not content.models:
-        return "No modal model could be identified; what went wrong is said below."
+        return "No modal model could be identified; the reasons follow below."
     if not modes:
         low, high = content.models[0].band_hz
         return f"No mode was found between {three_digits(low)} and {three_digits(high)} Hz."
@@ -58,14 +58,14 @@ def compare_tests(modes: tuple[ComparedMode, ...]) -> list[tuple[ComparedMode, f
 
 
 def _mismatch_note(content: ReportContent) -> str:
-    """Where the model does not repeat what was measured."""
+    """Where the model does not reproduce what was measured."""
     checks = [(o, float(np.nan_to_num(o.verification.frac, nan=0.0).min())) for o in content.outcomes if o.verification]
     bad = [
         f"{f'the {o.test} test' if o.test else 'the FRFs'} (FRAC down to {four_places(f)})"
         for o, f in checks
         if f < MATCH
     ]
-    return f"; at some points the model does not repeat {list_in_words(bad)}" if bad else ""
+    return f"; at some points the model does not reproduce {list_in_words(bad)}" if bad else ""
 
 
 def _modes_in_words(modes: tuple[ComparedMode, ...]) -> str:

@@ -19,9 +19,8 @@ def verification_section(content: ReportContent) -> Section:
         if outcome.verification is None:
             if outcome.model is not None and outcome.model.operating_shapes is not None:
                 absent.append(
-                    f"The model of {_name_of_test(outcome)} was not compared with its measurement: without a "
-                    "force there is "
-                    "no response to play again."
+                    f"The model of {_name_of_test(outcome)} was not compared with its measurement: without a force "
+                    "there is no response to compute."
                 )
             elif outcome.model is not None:
                 absent.append(
@@ -41,14 +40,14 @@ def verification_section(content: ReportContent) -> Section:
 
 
 _METHOD = (
-    "The model is asked to play the test again: its response to the measured force is cut into the same blocks and "
-    "treated in the same way, then compared with what was measured. FRAC says how well the two curves match: 1 is a "
-    "perfect match, 0 is none. The thin line is the mobility of the model itself, without a block: it has higher "
-    "and sharper peaks than any block of this length can show."
+    "The response of the model to the measured force is cut into the same blocks, processed in the same way, "
+    "and compared with the measurement. FRAC measures the agreement of two curves: 1 is perfect, 0 is none. The thin "
+    "line is the mobility of the model itself, without a block: its peaks are higher and sharper than a block of "
+    "this length can show."
 )
 
 
-SEVERAL = " Of the drive points the one that matches worst is drawn; the table has the others."
+SEVERAL = " The figure shows the drive point with the worst match; the table has the others."
 
 
 def _verification_of_test(content: ReportContent, outcome: OutcomeOfTest, check: Verification, i: int) -> list[Markup]:
@@ -67,7 +66,7 @@ def _verification_of_test(content: ReportContent, outcome: OutcomeOfTest, check:
         f"one-{test}-{i}",
         f"Amplitude, phase, real and imaginary part of the mobility at {named}, measured and regenerated. {spread}",
         f"Mobility at {named}{at}, in full. {spread + '. ' if alone else ''}In the real and the imaginary part the "
-        "peaks of the thin line are cut off.",
+        "peaks of the thin line are clipped.",
     )
     heading = html_element("h3", f"{_name_of_test(outcome)[0].upper()}{_name_of_test(outcome)[1:]}")
     if alone:

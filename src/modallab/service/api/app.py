@@ -38,8 +38,8 @@ API_VERSION = "1.2"
 """Grows with every change of the JSON; docs/reference/api.md names the words that changed."""
 
 SUMMARY = "Modal tests on a bench."
-ABOUT = """To try a request here, press Authorize and paste the token; it stands in the file that the service named when
-it began. What commands a rig needs its lease: take it at `/api/v1/rigs/{rig}/lease`, and send its `id` as
+ABOUT = """To try a request here, press Authorize and paste the token; the service names its file when
+it starts. A command to a rig needs its lease: take the lease at `/api/v1/rigs/{rig}/lease`, and send its `id` as
 `Modallab-Lease`. An emergency stop needs no lease."""
 
 ASKED = ("Authorization", "Content-Type", "If-Match", "If-None-Match", "Last-Event-ID", LEASE, OPERATOR, KEY)

@@ -45,7 +45,7 @@ def asyncapi_of(app: FastAPI, version: str) -> Json:
         "info": {
             "title": "modallab",
             "version": version,
-            "description": "What the service sends by itself. Everything that is asked for is in openapi.json.",
+            "description": "Messages that the service sends. Requests and answers are in openapi.json.",
         },
         "defaultContentType": "application/json",
         "channels": channels,

@@ -31,7 +31,7 @@ SAMPLE_HEADERS = DTYPE, SHAPE, CRC32 = "Modallab-Dtype", "Modallab-Shape", "Moda
 
 @router.get("/runs/{run}/blocks", responses=documented_responses(404))
 def list_blocks(run: str, service: ServiceOf, limit: Limit = 100, cursor: Cursor = None) -> Page[BlockView]:
-    """The blocks of a run in the order of time, rejected ones with them."""
+    """The blocks of a run in the order of time, including rejected ones."""
     after = number_of(cursor)
     rows = [row for row in block_records(service, run) if after is None or row.n > after]
     return page_of_items([block_view(row) for row in rows[: limit + 1]], limit, lambda block: block.n)
@@ -50,7 +50,8 @@ def get_block(run: str, n: int, service: ServiceOf) -> BlockView:
     | documented_responses(404),
 )
 def get_samples(run: str, n: int, service: ServiceOf) -> Response:
-    """The samples as the device delivered them: (channels, count), C order, little-endian; the CRC-32 is of these."""
+    """The samples as the device delivered them: (channels, count), C order, little-endian, with the CRC-32 of these
+    bytes."""
     block = block_record(service, run, n)
     samples = read_samples(service, block)
     headers = {
@@ -66,7 +67,7 @@ def get_samples(run: str, n: int, service: ServiceOf) -> Response:
 def put_verdict(
     run: str, n: int, verdict: Judgement, service: ServiceOf, operator: Operator, lease: LeaseId = None
 ) -> BlockView:
-    """Accept or reject a block. What is made afterwards follows.
+    """Accept or reject a block. Later results use the verdict.
 
     While the run goes on it needs its rig's lease, and is the same as the commands `accept` and `drop`: a verdict can
     be taken back until the hit was struck again.
@@ -77,7 +78,7 @@ def put_verdict(
 
 @router.get("/runs/{run}/blocks/{n}/force", responses=documented_responses(404))
 def get_force(run: str, n: int, service: ServiceOf) -> BlockForce:
-    """The force of a block in N, and its amplitude spectrum: of a hit, what the hammer gave at each frequency."""
+    """The force of a block in N, and its amplitude spectrum."""
     return _force(service, run, n)
 
 

@@ -39,8 +39,8 @@ NewCampaign = Annotated[
     Body(openapi_examples={"session": Example(value={"name": "first session", "rig": "link", "note": "new clamp"})}),
 ]
 
-Archived = Annotated[bool, Query(description="Whether to list what is archived too.")]
-Deleted = Annotated[bool, Query(description="Whether to list what is deleted too.")]
+Archived = Annotated[bool, Query(description="Whether to list archived ones too.")]
+Deleted = Annotated[bool, Query(description="Whether to list deleted ones too.")]
 Search = Annotated[str, Query(max_length=120, pattern=r"^[^\x00-\x1f\x7f]*$")]
 FILE = "application/octet-stream"
 BINARY = {"type": "string", "format": "binary"}
@@ -104,7 +104,7 @@ def change_campaign(
     response: Response,
     if_match: IfMatch = None,
 ) -> CampaignView:
-    """Rename a campaign or change its note; say by `If-Match` which revision you read."""
+    """Rename a campaign or change its note; `If-Match` gives the revision that you read."""
     changed = service.repository.change(campaign, change, revision_of(if_match), operator)
     set_etag(response, changed.revision)
     return changed

@@ -17,7 +17,7 @@ router = make_router("devices")
 
 @router.get("/processes")
 def list_processes(service: ServiceOf) -> dict[str, int]:
-    """The processes of the service that live, by name, each with the system's number for it."""
+    """The running processes of the service, by name, each with its process id."""
     return service.control.processes()
 
 
@@ -25,7 +25,7 @@ def list_processes(service: ServiceOf) -> dict[str, int]:
 def list_devices(
     scheme: Annotated[str, Query(max_length=32, pattern=r"^[a-z0-9+]*$", description="Only this driver.")] = "",
 ) -> Page[DeviceView]:
-    """What the installed drivers find on the service's machine."""
+    """Devices that the installed drivers find on the service's machine."""
     known = sorted(entry.name for entry in installed_entry_points(DEVICES))
     if scheme and scheme not in known:
         raise DataError(f"no driver {scheme!r} looks for devices", where="scheme", remedy=f"known: {', '.join(known)}")

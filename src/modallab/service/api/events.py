@@ -211,7 +211,9 @@ def _event_text(event: EventView) -> bytes:
 
 router = make_router("events")
 Name = Annotated[str, Query(max_length=64)]
-After = Annotated[int | None, Query(ge=0, lt=2**53, description="Begin after this event; 0: with the first one.")]
+After = Annotated[
+    int | None, Query(ge=0, lt=2**53, description="Begin after this event; 0 begins with the first event.")
+]
 LastEventId = Annotated[str | None, Header(alias="Last-Event-ID", max_length=20)]
 STREAM = "text/event-stream"
 
@@ -228,11 +230,11 @@ async def follow_events(
     rig: Name = "",
     campaign: Name = "",
     run: Name = "",
-    to_end: Annotated[bool, Query(description="Close when a run has ended.")] = False,
+    to_end: Annotated[bool, Query(description="Close the stream when a run has ended.")] = False,
 ) -> StreamingResponse:
-    """Follow events as server-sent events, from now on or, by `Last-Event-ID`, from where you were."""
+    """Follow events as server-sent events, from now on or from `Last-Event-ID`."""
     if last is not None and not (last.isascii() and last.isdigit()):
-        raise DataError(f"{last!r} is no event's number", where="Last-Event-ID", remedy="send the id of the last one")
+        raise DataError(f"{last!r} is no event's number", where="Last-Event-ID", remedy="send the id of the last event")
     feed: EventFeed = request.app.state.feed
     lines: AsyncGenerator[bytes] = feed.listen(
         int(last) if last is not None else after, EventTopic(rig, campaign, run), to_end=to_end
@@ -251,6 +253,6 @@ def list_events(
 
 @router.get("/audit")
 def list_audit(service: ServiceOf, limit: Limit = 100, cursor: Cursor = None) -> Page[AuditEntry]:
-    """Who did what, the newest first."""
+    """The audit record: user, action and object, the newest first."""
     found = audit.audit_entries(service.engine, number_of(cursor), limit + 1)
     return page_of_items(found, limit, lambda entry: entry.seq)

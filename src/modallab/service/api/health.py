@@ -58,7 +58,7 @@ router = APIRouter(tags=["health"], responses=documented_responses(403, 405, 413
 
 @router.get("/health", openapi_extra=OPEN)
 def get_health(service: ServiceOf, request: Request, response: Response) -> Health:
-    """Whether every rig can be used, and the database; what is wrong, since when, what to do. Needs no token."""
+    """Whether rigs and database can be used, with faults, their start and remedies. Needs no token."""
     states = service.control.states()
     feed: EventFeed = request.app.state.feed
     troubles = [_rig_trouble(state) for state in states if state.state not in USABLE]
@@ -83,16 +83,16 @@ def _rig_trouble(state: ControllerState) -> Trouble:
         part=f"rig {state.id}",
         what="its bench cannot be opened",
         since_utc=state.since,
-        remedy="look at its cables and its address; the rig itself names the error",
+        remedy="check its cables and its address; the resource of the rig has the error",
     )
 
 
 def _database_trouble(since: str) -> Trouble:
     return Trouble(
         part="database",
-        what="it does not answer",
+        what="the database does not answer",
         since_utc=since,
-        remedy="look at its server or its disk; the service goes on by itself once it answers",
+        remedy="check the database server or its disk; the service continues once the database answers",
     )
 
 

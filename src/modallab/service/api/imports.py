@@ -78,11 +78,13 @@ async def import_file(
     service: ServiceOf,
     operator: Operator,
     caller: CallerOf,
-    name: Annotated[Name, Query(description="Of the new campaign.")],
+    name: Annotated[Name, Query(description="Text for the new campaign.")],
     rig: Annotated[str, Query(min_length=1, max_length=64)],
     said: Annotated[dict[str, Any], Depends(_OfQuery())],
-    format_: Annotated[str, Query(alias="format", max_length=16, description="Of the file: hdf5, uff, ...")] = "hdf5",
-    note: Annotated[Note, Query(description="Of the new campaign.")] = "",
+    format_: Annotated[
+        str, Query(alias="format", max_length=16, description="Format of the file: hdf5, uff, ...")
+    ] = "hdf5",
+    note: Annotated[Note, Query(description="Text for the new campaign.")] = "",
 ) -> Response:
     """Keep the recordings of a file as runs of a new campaign; it has a rig of its own, or is of the one that is named.
 

@@ -47,19 +47,19 @@ def list_jobs(
 
 @router.get("/jobs/{job}", responses=documented_responses(404))
 def get_job(job: str, service: ServiceOf) -> JobView:
-    """A job as it stands, with its result once it is done."""
+    """A job in its present state, with its result once it is done."""
     return _job_view(service.jobs.get(job))
 
 
 @router.delete("/jobs/{job}", responses=documented_responses(404, 507))
 def cancel_job(job: str, service: ServiceOf, operator: Operator) -> JobView:
-    """Cancel a job; one that has ended stays as it is."""
+    """Cancel a job; an ended job does not change."""
     return _job_view(service.cancel(job, operator))
 
 
 @router.post("/campaigns/{campaign}/models", status_code=202, dependencies=ONCE, responses=_ORDER)
 def identify(campaign: str, service: ServiceOf, operator: Operator, response: Response, new: NewJob = None) -> JobView:
-    """Order the modal model of a campaign's runs. After a run this is done by itself."""
+    """Order the modal model of a campaign's runs. After a run this is done automatically."""
     return _order_job(service, campaign, "identify", new, operator, response)
 
 
@@ -77,7 +77,7 @@ def report(campaign: str, service: ServiceOf, operator: Operator, response: Resp
 
 @router.post("/blind-trials", status_code=202, dependencies=ONCE, responses=_ORDER)
 def blind_trials(service: ServiceOf, operator: Operator, response: Response, new: NewJob = None) -> JobView:
-    """Order blind trials of the diagnosis on simulated benches. They are of no campaign: `runs` must be left out."""
+    """Order blind trials of the diagnosis on simulated benches. They belong to no campaign: leave out `runs`."""
     job = order_blind(service, new or JobNew(), operator)
     response.headers["Location"] = f"{PREFIX}/jobs/{job.id}"
     return _job_view(job)
@@ -91,7 +91,7 @@ def list_campaign_jobs(campaign: str, service: ServiceOf, kind: JobKind | None =
 
 @router.post("/runs/{run}/estimates", status_code=202, dependencies=ONCE, responses=_ORDER)
 def estimate(run: str, service: ServiceOf, operator: Operator, response: Response) -> JobView:
-    """Order the modes of a run as far as it has come, each with its standard deviation; also while it is on."""
+    """Order the modes of a run so far, each with its standard deviation; also during the run."""
     job = order_estimate(service, run, operator)
     response.headers["Location"] = f"{PREFIX}/jobs/{job.id}"
     return _job_view(job)
@@ -135,5 +135,5 @@ def get_diagnosis(campaign: str, service: ServiceOf) -> Response:
 
 @router.get("/jobs/{job}/files/{name}", response_class=HTMLResponse, responses=documented_responses(404))
 def get_job_file(job: str, name: str, service: ServiceOf) -> Response:
-    """A page that a job left, by the names in its result."""
+    """A file that a job wrote, by its name in the result."""
     return HTMLResponse(job_file(service, service.jobs.get(job), name), headers=_ALONE)

@@ -33,10 +33,10 @@ LOG = logging.getLogger(__name__)
 Stop = Callable[[StopAsked], Awaitable[None]]
 Rig = Annotated[str, Query(max_length=64, description="Only this rig.")]
 Run = Annotated[str, Query(max_length=64, description="Only this run.")]
-Idle = Annotated[bool, Query(description="Also what the channels read while no run is on; `run` is empty then.")]
+Idle = Annotated[bool, Query(description="Whether to send samples also between runs; `run` is empty then.")]
 T = TypeVar("T")
-Channels = Annotated[list[str], Query(max_length=256, description="Only these channels: once for each.")]
-Outputs = Annotated[list[str], Query(max_length=256, description="Only these outputs: once for each.")]
+Channels = Annotated[list[str], Query(max_length=256, description="Send only these channels; repeat for several.")]
+Outputs = Annotated[list[str], Query(max_length=256, description="Send only these outputs; repeat for several.")]
 
 
 @router.websocket("/live")
@@ -45,10 +45,10 @@ async def show_samples(
     rig: Rig = "",
     run: Run = "",
     channel: Channels = [],  # noqa: B006, FastAPI's way
-    after: Annotated[int | None, Query(ge=0, lt=2**62, description="Begin with this sample, by `position`.")] = None,
+    after: Annotated[int | None, Query(ge=0, lt=2**62, description="Begin with the sample at this `position`.")] = None,
     idle: Idle = False,
 ) -> None:
-    """Samples of the runs that are on, from now, or from sample `after` on as far as it is still there."""
+    """Samples of active runs, from now, or from sample `after` as far as it is still available."""
     await _show_samples(socket, ViewSelection(rig, run, tuple(channel), after), idle)
 
 
@@ -61,7 +61,7 @@ async def show_envelope(
     columns_per_s: Annotated[float, Query(gt=0, le=2000, description="Columns a second.")] = 50.0,
     idle: Idle = False,
 ) -> None:
-    """Least and largest value of each stretch of time, for a picture of a fixed width."""
+    """Minimum and maximum of each interval, for a picture of a fixed width."""
     await _show_samples(socket, ViewSelection(rig, run, tuple(channel), None, columns_per_s), idle)
 
 
@@ -70,10 +70,10 @@ async def show_frf(
     socket: WebSocket,
     run: str,
     output: Outputs = [],  # noqa: B006, FastAPI's way
-    low_hz: Annotated[float, Query(ge=0, description="Lines from here, in Hz.")] = 0.0,
-    high_hz: Annotated[float, Query(gt=0, description="Lines up to here, in Hz.")] = 1e9,
+    low_hz: Annotated[float, Query(ge=0, description="Lowest line, in Hz.")] = 0.0,
+    high_hz: Annotated[float, Query(gt=0, description="Highest line, in Hz.")] = 1e9,
 ) -> None:
-    """Mobility and coherence of each point, all at first and then each time a block is added or taken out."""
+    """Mobility and coherence of each point: all at first, then each time a block is added or removed."""
     service: Service = socket.app.state.service
     feed: EventFeed = socket.app.state.feed
     watch = FrfWatch(service, FrfSelection(run, tuple(output), low_hz, high_hz))
@@ -104,7 +104,7 @@ async def _show_samples(socket: WebSocket, chosen: ViewSelection, idle: bool) ->
 
     async def stop(asked: StopAsked) -> None:
         caller: CallerView = socket.scope[CALLER]
-        reason = asked.reason or "asked for by the operator"
+        reason = asked.reason or "requested by the operator"
         operator = caller.name or asked.operator
         await asyncio.to_thread(service.control.emergency_stop, asked.rig, reason, operator)
 

@@ -23,14 +23,16 @@ from modallab.service.jobs.results import curves_of_campaign
 
 router = make_router("model-use")
 At = Annotated[int, Query(ge=1, description="Point of the force.")]
-Hz = Annotated[float | None, Query(gt=0, allow_inf_nan=False, description="Edge of the band; left out: the model's.")]
+Hz = Annotated[
+    float | None, Query(gt=0, allow_inf_nan=False, description="Edge of the band (default: that of the model).")
+]
 Seconds = Annotated[
     float | None,
     Query(
         ge=0,
         le=1e6,
         allow_inf_nan=False,
-        description="Of a time after a hit, instead of a band; one number for both is an instant.",
+        description="Begin or end of a time after a hit, instead of a band; equal numbers are an instant.",
     ),
 ]
 
@@ -48,7 +50,7 @@ def get_participation(
     end_s: Seconds = None,
     quantity: Annotated[Motion, Query(description="Of the motion.")] = "velocity",
 ) -> ParticipationView:
-    """Which modes make the response at a point to an even force, or after a hit: the share of each."""
+    """The share of each mode in the response at a point, to an even force or after a hit."""
     from modallab.modification.participation import modal_participation
 
     band, after = (
@@ -81,7 +83,7 @@ def _both_or_neither(where: str, low: float | None, high: float | None) -> tuple
 
 @router.get("/campaigns/{campaign}/model/nodes", responses=documented_responses(404))
 def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesView:
-    """Where each mode moves most and where its nodes are: where to hit, where to mount."""
+    """Antinode and nodes of each mode: where to hit, where to mount."""
     from modallab.modification.nodes import places_of_modes
     from modallab.reporting.understood_table import advice_of
 
@@ -105,7 +107,7 @@ def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesVi
 
 @router.get("/campaigns/{campaign}/model/shapes", responses=documented_responses(404))
 def get_shapes(campaign: str, service: ServiceOf, test: OfTest = None) -> ShapesView:
-    """The structure as points and lines, and how it moves in each mode."""
+    """The structure as points and lines, and its motion in each mode."""
     from modallab.modification.mesh import Skeleton, motion_of, motion_without_scale
 
     found = model_of_campaign(service, campaign, test)
@@ -135,7 +137,7 @@ def get_deflection(
     service: ServiceOf,
     test: OfTest = None,
 ) -> DeflectionView:
-    """The operating deflection shape that the measured FRFs show at their line nearest to a frequency."""
+    """The operating deflection shape from the measured FRFs, at the line nearest to a frequency."""
     from modallab.modification.deflection import operating_deflection
     from modallab.modification.freedoms import freedoms_of
 

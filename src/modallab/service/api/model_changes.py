@@ -45,7 +45,7 @@ router = make_router("model-use")
     openapi_extra=role_needed("observer"),
 )
 def modify_model(campaign: str, new: Annotated[ModificationNew, Body()], service: ServiceOf) -> ModifiedView:
-    """Predict the modes after changes of the structure; nothing is kept."""
+    """Predict the modes after changes of the structure; nothing is stored."""
     from modallab.modification.mesh import motion_of
     from modallab.reporting.modified_table import check_predictions, notes_of
 
@@ -102,7 +102,7 @@ def _addition(service: Service, new: ChangeNew) -> "AttachedPart":
 def tune_model(
     campaign: str, new: Annotated[ChangeForFrequencyNew, Body()], service: ServiceOf
 ) -> ChangesForFrequencyView:
-    """Find the mass or spring that brings a mode to a frequency, at each point; nothing is kept."""
+    """Find the mass or spring that moves a mode to a frequency, at each point; nothing is stored."""
     from modallab.modification.inverse import changes_for_frequency
 
     known = known_of_campaign(service, campaign, new.test)
@@ -129,7 +129,7 @@ def tune_model(
 def free_band(
     campaign: str, new: Annotated[ChangeForFreeBandNew, Body()], service: ServiceOf
 ) -> ChangesForFreeBandView:
-    """Find the mass or spring that leaves no mode in a band, at each point; nothing is kept."""
+    """Find the mass or spring that leaves no mode in a band, at each point; nothing is stored."""
     from modallab.modification.inverse import changes_for_free_band
 
     known = known_of_campaign(service, campaign, new.test)
@@ -151,7 +151,7 @@ def free_band(
     "/campaigns/{campaign}/model/absorbers", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
 def find_absorber(campaign: str, new: Annotated[BestAbsorberNew, Body()], service: ServiceOf) -> BestAbsorberView:
-    """Find the absorber of a mass that leaves the least peak about a mode; nothing is kept."""
+    """Find the absorber of a mass that makes the peak of a mode smallest; nothing is stored."""
     from modallab.modification.inverse import best_absorber
 
     known = known_of_campaign(service, campaign, new.test)

@@ -29,9 +29,9 @@ def get_correlation(
     other: Annotated[str, Query(description="Campaign of the other model.")],
     service: ServiceOf,
     test: OfTest = None,
-    other_test: Annotated[Test | None, Query(description="Of the other campaign; left out: the first.")] = None,
+    other_test: Annotated[Test | None, Query(description="Test of the other campaign (default: the first).")] = None,
 ) -> CorrelationView:
-    """Which modes of two campaigns' models are the same: pairs by MAC, frequencies, damping, COMAC."""
+    """Pairs of modes of two campaigns' models: MAC, frequencies, damping, COMAC."""
     from modallab.updating.correlation import correlate_models
 
     one, two = known_of_campaign(service, campaign, test), known_of_campaign(service, other, other_test)
@@ -62,7 +62,7 @@ def get_correlation(
     "/campaigns/{campaign}/model/updates", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
 def update_finite_elements(campaign: str, new: Annotated[UpdateNew, Body()], service: ServiceOf) -> UpdatedModelView:
-    """Estimate the parameters of a finite-element model, or of the rig file's beam; nothing is kept."""
+    """Estimate the parameters of a finite-element model, or of the rig file's beam; nothing is stored."""
     from modallab.pipelines.model_update import update_model
     from modallab.reporting.modified_table import updated_document
 

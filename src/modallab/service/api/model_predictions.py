@@ -56,9 +56,15 @@ class FrfsAsked:
     inputs: Points = None
     quantity: Annotated[FrfQuantity, Query(description="Of the FRFs.")] = "mobility"
     lines: Annotated[
-        int, Query(ge=2, le=4000, description="Evenly over the band of the model; more are added about each mode.")
+        int,
+        Query(
+            ge=2,
+            le=4000,
+            description="Number of frequencies spread evenly over the band of the model; more are added about each "
+            "mode.",
+        ),
     ] = 1000
-    residual_terms: Annotated[bool, Query(description="Whether what lies outside the band counts.")] = True
+    residual_terms: Annotated[bool, Query(description="Whether to include residual terms.")] = True
 
 
 FrfsOfQuery = Annotated[FrfsAsked, Depends()]
@@ -97,9 +103,9 @@ def _predicted_frf(service: Service, asked: FrfsAsked) -> tuple[Test | None, Frf
 def export_model_frf(
     service: ServiceOf,
     asked: FrfsOfQuery,
-    to: Annotated[Literal["uff", "mat", "hdf5"], Query(description="UFF 58, MATLAB's, or a campaign file.")] = "uff",
+    to: Annotated[Literal["uff", "mat", "hdf5"], Query(description="UFF 58, MATLAB file, or campaign file.")] = "uff",
 ) -> FileResponse:
-    """The same FRFs as a file that other programs read; `mat` holds their deviation."""
+    """The same FRFs as a file for other programs; `mat` includes their deviation."""
     from modallab.formats.frf_file import rig_of, write_frf
 
     _, found = _predicted_frf(service, asked)
@@ -111,7 +117,7 @@ def export_model_frf(
     "/campaigns/{campaign}/model/responses", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
 def predict_response(campaign: str, new: Annotated[ResponseNew, Body()], service: ServiceOf) -> ResponseView:
-    """Predict the motion that forces give, with its deviation; nothing is kept."""
+    """Predict the motion under forces, with its deviation; nothing is stored."""
     from modallab.modification.motion import MotionOverTime
 
     known = known_of_campaign(service, campaign, new.test)
@@ -141,7 +147,7 @@ def _forces(new: ResponseNew) -> "NDArray[np.float64]":
     from modallab.modification.motion import force_samples
 
     if (new.forces_n is None) == (new.forces is None):
-        raise DataError("forces are given twice, or not at all", where="forces", remedy="give forces_n or forces")
+        raise DataError("give either `forces` or `forces_n`", where="forces", remedy="give forces_n or forces")
     if new.forces_n is not None:
         if len({len(force) for force in new.forces_n}) > 1:
             raise DataError("forces of several lengths", where="forces_n", remedy="give rows of one length")
@@ -163,7 +169,7 @@ def _start_of_motion(given: tuple[StartNew, ...]) -> "dict[Quantity, dict[At, fl
 @router.get("/campaigns/{campaign}/model/state-space", responses=documented_responses(404))
 def get_state_space(
     campaign: str,
-    at: Annotated[list[int], Query(max_length=100, description="Points of the forces; repeat it for several.")],
+    at: Annotated[list[int], Query(max_length=100, description="Points of the forces; repeat for several.")],
     service: ServiceOf,
     test: OfTest = None,
     of: Points = None,

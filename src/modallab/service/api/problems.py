@@ -20,7 +20,7 @@ from modallab.core.field_errors import is_short_by_wrong_entries
 
 LOG = logging.getLogger(__name__)
 MEDIA_TYPE = "application/problem+json"
-RESET = "look at the bench, then POST to the rig's `reset`, with its lease"
+RESET = "check the bench, then POST to the rig's `reset`, with its lease"
 Responses = dict[int | str, dict[str, Any]]
 
 
@@ -30,7 +30,7 @@ class ProblemKind:
 
     Attributes:
         code: for programs; the page of the kind is /problems/<code>.
-        status: of HTTP.
+        status: HTTP status.
         title: in a few words.
         meaning: what it says and what to do.
     """
@@ -51,45 +51,45 @@ OF_REQUEST: tuple[ProblemKind, ...] = (
     ProblemKind(
         "not-allowed",
         405,
-        "This method does nothing here",
-        "The header `Allow` names the methods there are.",
+        "This method is not allowed here",
+        "The header `Allow` lists the allowed methods.",
     ),
     ProblemKind(
         "no-page",
         404,
-        "There is nothing at this address",
-        "Look at /openapi.json for the addresses there are.",
+        "There is no resource at this address",
+        "/openapi.json lists all addresses.",
     ),
     ProblemKind(
         "token-needed",
         401,
         "A token is needed",
-        "Send the header `Authorization: Bearer TOKEN`, or log in at /api/v1/session. The token stands in "
-        "the file the service named when it began.",
+        "Send the header `Authorization: Bearer TOKEN`, or log in at /api/v1/session. The service names the file of "
+        "the token when it starts.",
     ),
     ProblemKind(
         "foreign-host",
         403,
-        "The service is not known by this name",
-        "The header `Host` names another host than those the service answers for; see the setting `hosts`.",
+        "The service does not have this host name",
+        "The header `Host` names a host that the setting `hosts` does not list.",
     ),
     ProblemKind(
         "foreign-origin",
         403,
-        "A page of another site sent this",
-        "The header `Origin` is not this service's own.",
+        "A page of another site sent this request",
+        "The header `Origin` is not that of this service.",
     ),
     ProblemKind(
         "too-large",
         413,
         "The body is too large",
-        "Send less; the limit is the setting `body_bytes`.",
+        "The limit is the setting `body_bytes`.",
     ),
     ProblemKind(
         "unexpected",
         500,
         "The service failed",
-        "An error nobody expected. It is in the log, under the number in `where`.",
+        "An unexpected error. The log has it, under the number in `where`.",
     ),
 )
 
@@ -173,16 +173,16 @@ async def _not_valid(_request: Request, error: Exception) -> Response:
         for one in details
         if not is_short_by_wrong_entries(one, details)
     )
-    remedy = "put right what `errors` names; every request and its fields stand at /docs"
+    remedy = "correct the fields in `errors`; /docs describes every request and its fields"
     return problem_response(
-        problem_kinds()["not-valid"], f"{len(found)} of its fields cannot be taken", remedy=remedy, errors=found
+        problem_kinds()["not-valid"], f"{len(found)} of its fields are not valid", remedy=remedy, errors=found
     )
 
 
 def _detail_of_error(error: Mapping[str, Any]) -> str:
     if error["type"] == "union_tag_not_found":
         # As pydantic says it, only its own users understand it.
-        return f"needs a field {error['ctx']['discriminator']} that says what it is"
+        return f"needs a field {error['ctx']['discriminator']} with its kind"
     return str(error["msg"])
 
 
@@ -204,7 +204,7 @@ def _allowed_methods(request: Request) -> str:
 
 
 async def _on_disconnect(_request: Request, _error: Exception) -> Response:
-    # Whoever went away in the middle of a body reads no answer, and is no fault of the service to be logged.
+    # Whoever disconnected in the middle of a body reads no answer, and is no fault of the service to be logged.
     return Response(status_code=400)
 
 
@@ -212,5 +212,5 @@ async def _on_unexpected_error(request: Request, error: Exception) -> Response:
     number = secrets.token_hex(4)
     LOG.error("%s: %s %s failed", number, request.method, request.url.path, exc_info=error)
     return problem_response(
-        problem_kinds()["unexpected"], "an error nobody expected", where=number, remedy="look at the log"
+        problem_kinds()["unexpected"], "an unexpected error", where=number, remedy="look at the log"
     )

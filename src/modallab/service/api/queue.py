@@ -34,58 +34,59 @@ NewConsent = Annotated[
     ),
 ]
 Why = Annotated[QueueReason | None, Body(openapi_examples={"why": Example(value={"reason": "the clamp is loose"})})]
-Ended = Annotated[bool, Query(description="Whether to list items that have ended too, the newest 50 first.")]
+Ended = Annotated[bool, Query(description="Whether to list the newest 50 ended items too.")]
 _CHANGES = documented_responses(404, 409, 507)
 
 
 @router.get("/rigs/{rig}/queue", responses=documented_responses(404))
 def get_queue(rig: str, service: ServiceOf, ended: Ended = False) -> QueueView:
-    """What goes on and what waits at a rig, and what it waits for."""
+    """The active and the waiting runs of a rig, and what the next one waits for."""
     return queueing.queue_view(service, state_of(service, rig), ended=ended)
 
 
 @router.post("/rigs/{rig}/queue", status_code=201, dependencies=ONCE, responses=_CHANGES)
 def queue_run(rig: str, new: NewItem, service: ServiceOf, operator: Operator) -> QueueItem:
-    """Queue a run behind the others; needs no lease. It begins by itself only if who holds the lease consents to it."""
+    """Add a run to the end of the queue; needs no lease. It starts automatically only with the consent of the lease's
+    holder."""
     return queueing.queue_run(service, state_of(service, rig), new, operator)
 
 
 @router.put("/rigs/{rig}/queue/order", responses=_CHANGES)
 def reorder_queue(rig: str, order: NewOrder, service: ServiceOf, operator: Operator) -> QueueView:
-    """Have what waits run in this order."""
+    """Set the order of the waiting runs."""
     queueing.reorder_items(service, state_of(service, rig).id, order.items, operator)
     return queueing.queue_view(service, state_of(service, rig))
 
 
 @router.put("/rigs/{rig}/queue/consent", responses=_CHANGES)
 def consent_to_queue(rig: str, new: NewConsent, service: ServiceOf, lease: LeaseId = None) -> QueueView:
-    """Let items that wait begin by themselves; needs the rig's lease, and ends with it."""
+    """Permit waiting items to start automatically; needs the rig's lease, and ends with it."""
     queueing.give_consent(service, state_of(service, rig).id, new, lease)
     return queueing.queue_view(service, state_of(service, rig))
 
 
 @router.delete("/rigs/{rig}/queue/consent", responses=_CHANGES)
 def withdraw_consent(rig: str, service: ServiceOf) -> QueueView:
-    """Let nothing begin by itself; needs no lease."""
+    """Withdraw the consent: nothing starts automatically. Needs no lease."""
     service.control.withdraw_consent(state_of(service, rig).id)
     return queueing.queue_view(service, state_of(service, rig))
 
 
 @router.post("/rigs/{rig}/queue/pause", dependencies=ONCE, responses=_CHANGES)
 def pause_queue(rig: str, service: ServiceOf, operator: Operator, why: Why = None) -> QueueView:
-    """Have nothing begin; a run that is on goes on. Needs no lease."""
+    """Pause the queue: no run starts, an active run continues. Needs no lease."""
     queueing.pause_queue(service, state_of(service, rig).id, "" if why is None else why.reason, operator)
     return queueing.queue_view(service, state_of(service, rig))
 
 
 @router.post("/rigs/{rig}/queue/resume", dependencies=ONCE, responses=_CHANGES)
 def resume_queue(rig: str, service: ServiceOf, lease: LeaseId = None) -> QueueView:
-    """Let it go on; needs the rig's lease."""
+    """Resume the queue; needs the rig's lease."""
     queueing.resume_queue(service, state_of(service, rig).id, lease)
     return queueing.queue_view(service, state_of(service, rig))
 
 
 @router.post("/rigs/{rig}/queue/{item}/skip", dependencies=ONCE, responses=_CHANGES)
 def skip_item(rig: str, item: str, service: ServiceOf, operator: Operator, why: Why = None) -> QueueItem:
-    """Take an item out that waits."""
+    """Remove a waiting item."""
     return queueing.skip_item(service, state_of(service, rig).id, item, "" if why is None else why.reason, operator)

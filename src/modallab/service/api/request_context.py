@@ -22,8 +22,8 @@ CALLER = "modallab.caller"
 """In the scope of a request whose token or cookie counts."""
 _NO_CONTROL = r"^[^\x00-\x1f\x7f]+$"
 Item = TypeVar("Item")
-OfTest = Annotated[Test | None, Query(description="Whose model; left out: the first.")]
-Points = Annotated[list[int] | None, Query(max_length=100, description="Points; repeat it for several.")]
+OfTest = Annotated[Test | None, Query(description="Test of the model (default: the first).")]
+Points = Annotated[list[int] | None, Query(max_length=100, description="Points; repeat for several.")]
 Motion = Literal["displacement", "velocity", "acceleration"]
 
 
@@ -49,7 +49,7 @@ def _operator(
             alias=OPERATOR,
             max_length=80,
             pattern=_NO_CONTROL,
-            description="Who asks, for the record, where the service's own token does not say it.",
+            description="Name of the operator for the audit record, with the service's own token.",
         ),
     ] = None,
 ) -> str:
@@ -76,7 +76,9 @@ LeaseId = Annotated[
 ]
 
 
-IfMatch = Annotated[str | None, Header(alias="If-Match", max_length=200, description="ETag of what was read.")]
+IfMatch = Annotated[
+    str | None, Header(alias="If-Match", max_length=200, description="ETag of the version that was read.")
+]
 IfNoneMatch = Annotated[str | None, Header(alias="If-None-Match", max_length=200)]
 
 
@@ -89,7 +91,9 @@ def revision_of(if_match: str | None) -> int:
     """
     if if_match is None:
         raise PreconditionNeededError(
-            "the change does not say what it changes", where="If-Match", remedy="send the ETag of what you read"
+            "the change does not name the version to change",
+            where="If-Match",
+            remedy="send the ETag of the version that you read",
         )
     text = if_match.strip().removeprefix("W/").strip('"')
     if not (text.isascii() and text.isdigit() and len(text) < 10):
@@ -107,8 +111,8 @@ def is_unchanged(if_none_match: str | None, tag: object) -> bool:
     return if_none_match is not None and f'"{tag}"' in if_none_match
 
 
-Limit = Annotated[int, Query(ge=1, le=500, description="How many at most.")]
-Cursor = Annotated[str | None, Query(max_length=200, description="`next` of the page before.")]
+Limit = Annotated[int, Query(ge=1, le=500, description="Largest number of items.")]
+Cursor = Annotated[str | None, Query(max_length=200, description="`next` of the previous page.")]
 
 
 def place_of(cursor: str | None) -> str | None:
@@ -146,4 +150,4 @@ def page_of_items(items: Sequence[Item], limit: int, place: Callable[[Item], obj
 
 
 def _foreign_cursor(cursor: str) -> DataError:
-    return DataError(f"{cursor!r} is no cursor", where="cursor", remedy="send `next` of the page before, as it was")
+    return DataError(f"{cursor!r} is no cursor", where="cursor", remedy="send `next` of the previous page, unchanged")

@@ -41,13 +41,13 @@ def get_run_model(run: str, service: ServiceOf) -> ModelsView:
 
 @router.get("/runs/{run}/jobs", responses=documented_responses(404))
 def list_run_jobs(run: str, service: ServiceOf) -> Page[JobView]:
-    """The jobs that work on a run, the newest first."""
+    """The jobs of a run, the newest first."""
     return Page(items=tuple(job_in_list(job) for job in jobs_of_run(service, run)))
 
 
 @router.get("/campaigns/{campaign}/curves", responses=documented_responses(404))
 def get_curves(campaign: str, service: ServiceOf) -> CurvesView:
-    """What the newest models of a campaign are looked at by: measured and regenerated mobility, stabilisation."""
+    """Curves of the newest models of a campaign: measured and regenerated mobility, stabilisation diagram."""
     return curves_of_campaign(service, campaign)
 
 
@@ -59,5 +59,5 @@ def get_campaign_gap(campaign: str, service: ServiceOf) -> DiagnosisView:
 
 @router.get("/comparison", responses=documented_responses(404))
 def compare_runs(one: Run, other: Run, service: ServiceOf) -> ComparisonView:
-    """The models of two runs side by side: frequencies, damping, MAC of the shapes."""
+    """Comparison of the models of two runs: frequencies, damping, MAC of the shapes."""
     return comparison_of_runs(service, one, other)

@@ -55,13 +55,13 @@ def list_rigs(service: ServiceOf) -> Page[RigView]:
 
 @router.get("/rigs/{rig}", responses=documented_responses(404))
 def get_rig(rig: str, service: ServiceOf) -> RigView:
-    """How a rig stands."""
+    """State of a rig."""
     return rig_view(service, state_of(service, rig))
 
 
 @router.get("/rigs/{rig}/description", responses=documented_responses(404))
 def get_description(rig: str, service: ServiceOf) -> Rig:
-    """What stands on the bench, as in the rig file."""
+    """The description of the bench, as in the rig file."""
     return state_of(service, rig).rig
 
 
@@ -74,13 +74,13 @@ def get_description(rig: str, service: ServiceOf) -> Rig:
 def stop_rig(rig: str, service: ServiceOf, operator: Operator, stop: Reason = None) -> RigView:
     """Bring the output to 0 V and latch the rig. Needs no lease. This is not a safety-rated stop."""
     reason = "" if stop is None else stop.reason
-    service.control.emergency_stop(state_of(service, rig).id, reason or "asked for by the operator", operator)
+    service.control.emergency_stop(state_of(service, rig).id, reason or "requested by the operator", operator)
     return rig_view(service, state_of(service, rig))
 
 
 @router.post("/rigs/{rig}/reset", dependencies=ONCE, responses=documented_responses(404, 409))
 def reset_rig(rig: str, service: ServiceOf, lease: LeaseId = None, why: Reason = None) -> RigView:
-    """Let a tripped rig be driven again, after someone has looked at it."""
+    """Allow a tripped rig to be driven again, after a check of the bench."""
     service.control.reset(state_of(service, rig).id, "" if why is None else why.reason, lease)
     return rig_view(service, state_of(service, rig))
 
@@ -121,8 +121,8 @@ lease_router = make_router("lease")
     "/rigs/{rig}/lease", status_code=201, dependencies=ONCE, responses=documented_responses(404, 409, 507)
 )
 def take_lease(rig: str, new: NewLease, service: ServiceOf, caller: CallerOf, operator: Operator) -> Lease:
-    """Take the lease of a rig, if nobody holds it; with `take_over` from its holder, if no run is on or it is you; with
-    `recover` the one you hold already."""
+    """Take the lease of a rig, if it is free. `take_over` takes it from its holder, if no run is active or you are
+    the holder; `recover` returns your own lease."""
     state = state_of(service, rig)
     name = caller.name or new.operator or operator
     known = name != UNKNOWN
@@ -132,16 +132,16 @@ def take_lease(rig: str, new: NewLease, service: ServiceOf, caller: CallerOf, op
     own = known and holder is not None and holder.operator == name
     if new.take_over and state.run is not None and not own:
         raise LeaseHeldError(
-            f"run {state.run} is on, under the lease of another",
+            f"run {state.run} is active, under the lease of another person",
             where=rig,
-            remedy="wait for its end, or stop it in an emergency, which needs no lease; then take over",
+            remedy="wait for its end, or use the emergency stop, which needs no lease; then take over",
         )
     return service.leases.take(state.id, name, new.ttl_s, take_over=new.take_over)
 
 
 @lease_router.put("/rigs/{rig}/lease", responses=documented_responses(404, 507))
 def renew_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Lease:
-    """Begin the lease's time again."""
+    """Restart the time of the lease."""
     return service.leases.renew(state_of(service, rig).id, lease or "")
 
 
@@ -154,7 +154,7 @@ def release_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Respon
 
 @lease_router.get("/rigs/{rig}/lease", responses=documented_responses(404))
 def get_lease(rig: str, service: ServiceOf) -> LeaseHolder:
-    """Who holds the rig."""
+    """The holder of the rig's lease."""
     holder = service.leases.holder(state_of(service, rig).id)
     if holder is None:
         raise NotFoundError("nobody holds it", where=rig, remedy="take the lease")
@@ -163,7 +163,7 @@ def get_lease(rig: str, service: ServiceOf) -> LeaseHolder:
 
 @router.post("/rigs/{rig}/plan-checks", responses=documented_responses(404), openapi_extra=role_needed("observer"))
 def check_plan(rig: str, plan: Annotated[Plan, Body()], service: ServiceOf) -> PlanCheck:
-    """Ask whether the rig could run a plan; nothing moves, and no lease is needed."""
+    """Check whether the rig can run a plan; nothing moves, and no lease is needed."""
     controller = state_of(service, rig)
     try:
         require_reasonable(plan, controller.rig)
@@ -181,26 +181,26 @@ def _require_possible(plan: Plan, controller: ControllerState) -> None:
 
 @router.get("/rigs/{rig}/revisions", responses=documented_responses(404))
 def list_rig_revisions(rig: str, service: ServiceOf) -> Page[RigRevision]:
-    """What a rig was believed to be, the oldest first."""
+    """All descriptions of a rig, the oldest first."""
     return Page(items=RigRevisions(service.engine).all(state_of(service, rig).id))
 
 
 @router.get("/rigs/{rig}/revisions/{number}", responses=documented_responses(404))
 def get_rig_revision(rig: str, number: Number, service: ServiceOf) -> Rig:
-    """A description that the rig has had."""
+    """One description of a rig."""
     return RigRevisions(service.engine).description(state_of(service, rig).id, number)
 
 
 @router.post("/rigs/{rig}/revisions", status_code=201, dependencies=ONCE, responses=documented_responses(404, 409, 507))
 def revise_rig(rig: str, new: RigRevisionNew, service: ServiceOf, lease: LeaseId = None) -> RigView:
-    """Go on with another description of what stands on the bench, which is opened again; needs the rig's lease."""
+    """Replace the description of the bench, which is reopened; needs the rig's lease."""
     service.control.revise(state_of(service, rig).id, new.description, new.reason, lease)
     return rig_view(service, state_of(service, rig))
 
 
 @router.post("/campaigns/{campaign}/gap/apply", dependencies=ONCE, responses=documented_responses(404, 409, 422, 507))
 def apply_diagnosis(campaign: str, service: ServiceOf, lease: LeaseId = None) -> RigView:
-    """Go on with a rig whose simulation carries what the campaign's newest diagnosis found; needs the rig's lease."""
+    """Add the effects of the campaign's newest diagnosis to the rig's simulation; needs the rig's lease."""
     # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
     from modallab.gap.revisions.apply import with_diagnosis
 
@@ -219,7 +219,7 @@ def _require_same(service: Service, state: ControllerState, runs: tuple[str, ...
     """Reject a diagnosis that was made with another description than the rig has now."""
     if any(service.store.catalogue.run(run).rig != state.rig for run in runs):
         raise ConflictError(
-            "the diagnosed runs were recorded with another description of the rig than counts now",
+            "the rig has been revised since the diagnosed runs",
             where=state.id,
             remedy="diagnose a campaign that was recorded with this revision",
         )

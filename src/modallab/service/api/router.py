@@ -80,7 +80,7 @@ class IdempotencyKeys:
                 return StoredAnswer(found["status"], dict(found["headers"]), found["body"])
             if found["boot"] == self._boot:
                 raise ConflictError(
-                    "the first request with this key is being answered", where="Idempotency-Key", remedy="ask again"
+                    "the first request with this key is still in progress", where="Idempotency-Key", remedy="ask again"
                 )
             connection.execute(update(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key).values(boot=self._boot))
         return None
@@ -105,7 +105,7 @@ def idempotency_key(
             min_length=8,
             max_length=128,
             pattern=r"^[\x21-\x7e]+$",
-            description="Made again for each request; sent again with the same request, it gives the first answer.",
+            description="A new key for each request; a repeated request with the same key gets the first answer.",
         ),
     ] = None,
 ) -> str | None:
@@ -201,13 +201,13 @@ def _require_unpacked(request: Request) -> None:
     Raises:
         MediaTypeError: names the packing.
     """
-    remedy = "send the body as it is: the JSON, or the file itself"
+    remedy = "send the body unpacked: the JSON, or the file"
     packed = request.headers.get("content-encoding", "identity")
     if packed.lower() != "identity":
-        raise MediaTypeError(f"a body packed by {packed!r} cannot be taken", where="Content-Encoding", remedy=remedy)
+        raise MediaTypeError(f"a body packed by {packed!r} is not accepted", where="Content-Encoding", remedy=remedy)
     kind = request.headers.get("content-type", "")
     if kind.lower().startswith("multipart/"):
-        raise MediaTypeError(f"a body in parts, {kind!r}, cannot be taken", where="Content-Type", remedy=remedy)
+        raise MediaTypeError(f"a body in parts, {kind!r}, is not accepted", where="Content-Type", remedy=remedy)
 
 
 async def _require_body(request: Request) -> None:
@@ -223,7 +223,7 @@ async def _require_body(request: Request) -> None:
     kind = request.headers.get("content-type", "")
     if body and not _JSON.fullmatch(kind):
         raise MediaTypeError(
-            f"a body of the type {kind!r} cannot be taken" if kind else "the body has no type",
+            f"a body of the type {kind!r} is not accepted" if kind else "the body has no type",
             where="Content-Type",
             remedy="send JSON, with the header Content-Type: application/json",
         )
@@ -232,7 +232,7 @@ async def _require_body(request: Request) -> None:
 
 
 def _nul_character_error(where: str) -> DataError:
-    return DataError("holds the character NUL, which no text has", where=where, remedy="leave it out")
+    return DataError("contains the character NUL", where=where, remedy="leave it out")
 
 
 async def answer_once(request: Request, body: bytes, answer: Callable[[], Awaitable[Response]]) -> Response:

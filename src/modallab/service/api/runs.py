@@ -59,7 +59,7 @@ def list_runs(
     archived: Archived = False,
     deleted: Deleted = False,
 ) -> Page[RunView]:
-    """The runs of a campaign, the oldest first; those that are archived or deleted only where they are asked for."""
+    """The runs of a campaign, the oldest first; archived or deleted ones only on request."""
     after = place_of(cursor)
     # The one a page ended with may have been set aside since.
     names = service.repository.runs(campaign, archived=True, deleted=True)
@@ -74,7 +74,7 @@ def list_runs(
 def start_run(
     campaign: str, new: NewRun, service: ServiceOf, response: Response, key: Key, lease: LeaseId = None
 ) -> RunView:
-    """Begin a run on the campaign's rig; needs the rig's lease. Follow it by its events or at `Location`."""
+    """Start a run on the campaign's rig; needs the rig's lease. Follow it by its events or at `Location`."""
     run = begin_run(service, campaign, new, lease, key)
     response.headers["Location"] = f"{PREFIX}/runs/{run}"
     return run_view(service, run)
@@ -84,7 +84,7 @@ def start_run(
     "/runs/{run}", response_model=RunView, responses={304: {"description": "unchanged"}} | documented_responses(404)
 )
 def get_run(run: str, service: ServiceOf, response: Response, if_none_match: IfNoneMatch = None) -> RunView | Response:
-    """A run as it stands."""
+    """A run in its present state."""
     view = run_view(service, run)
     tag = f"{view.state}-{view.blocks}-{view.accepted}-{view.code}-{view.archived_utc}{view.deleted_utc}"
     if is_unchanged(if_none_match, tag):
@@ -98,7 +98,7 @@ def command_run(run: str, command: RunCommand, service: ServiceOf, lease: LeaseI
     """Pause, resume, repeat a frequency, drop a hit, stop or abort; needs the rig's lease."""
     view = run_view(service, run)
     if view.rig is None:
-        raise ConflictError(f"run {run} was not begun by this service", where=run, remedy="use its own program")
+        raise ConflictError(f"another program started run {run}", where=run, remedy="use the program that started it")
     service.control.command(view.rig, run, command, lease)
     return run_view(service, run)
 
@@ -118,7 +118,7 @@ def get_frf(
     if_none_match: IfNoneMatch = None,
     estimator: Annotated[FrfEstimator, Query(description="H2 and Hv allow for noise on the force.")] = "H1",
 ) -> FrfView | Response:
-    """Mobility and coherence of the blocks that count now; the ETag changes with every one of them."""
+    """Mobility and coherence of the valid blocks; the ETag changes with every block."""
     counted = [row.n for row in block_records(service, run) if row.note.accepted]
     tag = f"{estimator}-{len(counted)}-{hash(tuple(counted)) & 0xFFFFFFFF:08x}"
     if is_unchanged(if_none_match, tag):

@@ -20,10 +20,10 @@ pages = APIRouter(include_in_schema=False)
 
 
 class Login(Frozen):
-    """Log in.
+    """Credentials of a user.
 
     Attributes:
-        token: the service's own, or a user's.
+        token: the service's own token, or a user's.
     """
 
     token: Annotated[str, Field(max_length=200)]
@@ -31,7 +31,7 @@ class Login(Frozen):
 
 @router.post("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
 def log_in(login: Login, request: Request) -> Response:
-    """Get a cookie that stands for the token; no script of a page can read it, and no other site can send it."""
+    """Get a cookie that replaces the token; scripts cannot read it, and other sites cannot send it."""
     callers: Callers = request.app.state.callers
     caller = callers.of_token(login.token)
     if caller is None:
@@ -43,7 +43,7 @@ def log_in(login: Login, request: Request) -> Response:
 
 @router.delete("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
 def log_out(request: Request) -> Response:
-    """Give the cookie back: it stands for nothing any more, whoever may have a copy."""
+    """Log out: the cookie becomes invalid, including all copies."""
     sessions: Sessions = request.app.state.sessions
     sessions.end(request.cookies.get(COOKIE, ""))
     response = Response(status_code=204)
@@ -53,7 +53,7 @@ def log_out(request: Request) -> Response:
 
 @router.get("/me")
 def show_caller(caller: CallerOf) -> CallerView:
-    """Who you are to the service, by the token or the cookie that was sent."""
+    """The user of the token or cookie in the request."""
     return caller
 
 
@@ -77,7 +77,7 @@ def follow_link(key: Annotated[str, Query(max_length=200)], request: Request) ->
     sessions: Sessions = request.app.state.sessions
     token = sessions.use_link(key)
     if token is None:
-        return _wrong_token("this link was used, or is too old")
+        return _wrong_token("this link was used, or has expired")
     response = RedirectResponse("/", 303, headers={"Cache-Control": "no-store", "Referrer-Policy": "no-referrer"})
     _begin_session(request, response, token)
     return response

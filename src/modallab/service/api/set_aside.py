@@ -28,21 +28,21 @@ def archive_campaign(campaign: str, service: ServiceOf, operator: Operator) -> C
 
 @router.delete("/campaigns/{campaign}", responses=_CHANGES)
 def delete_campaign(campaign: str, service: ServiceOf, operator: Operator, request: Request) -> CampaignView:
-    """Delete a campaign with its runs. Until `purge_utc` nothing is lost, and it can be restored."""
+    """Delete a campaign with its runs. Until `purge_utc` it can be restored."""
     Archive(service.engine).delete("campaign", campaign, operator, _grace_of_request(request))
     return _set_campaign_aside(service, campaign, "deleted", operator)
 
 
 @router.post("/campaigns/{campaign}/restore", dependencies=ONCE, responses=_CHANGES)
 def restore_campaign(campaign: str, service: ServiceOf, operator: Operator) -> CampaignView:
-    """Have a campaign back that is archived or deleted."""
+    """Restore an archived or deleted campaign."""
     Archive(service.engine).restore("campaign", campaign, operator)
     return _set_campaign_aside(service, campaign, "restored", operator)
 
 
 @router.post("/runs/{run}/archive", dependencies=ONCE, responses=_CHANGES)
 def archive_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
-    """Leave a run out of lists, and out of what is made of its campaign unless it is named."""
+    """Leave a run out of lists, and out of results of its campaign unless it is named."""
     record_of(service, run)
     Archive(service.engine).archive("run", run, operator)
     return _set_run_aside(service, run, "archived", operator)
@@ -50,7 +50,7 @@ def archive_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
 
 @router.delete("/runs/{run}", responses=_CHANGES)
 def delete_run(run: str, service: ServiceOf, operator: Operator, request: Request) -> RunView:
-    """Delete a run that has ended. Until `purge_utc` nothing is lost, and it can be restored."""
+    """Delete a run that has ended. Until `purge_utc` it can be restored."""
     record_of(service, run)
     Archive(service.engine).delete("run", run, operator, _grace_of_request(request))
     return _set_run_aside(service, run, "deleted", operator)
@@ -58,7 +58,7 @@ def delete_run(run: str, service: ServiceOf, operator: Operator, request: Reques
 
 @router.post("/runs/{run}/restore", dependencies=ONCE, responses=_CHANGES)
 def restore_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
-    """Have a run back that is archived or deleted."""
+    """Restore an archived or deleted run."""
     record_of(service, run)
     Archive(service.engine).restore("run", run, operator)
     return _set_run_aside(service, run, "restored", operator)

@@ -27,7 +27,7 @@ NewToken = Annotated[
 
 @router.get("/users", openapi_extra=ADMIN)
 def list_users(service: ServiceOf) -> Page[UserView]:
-    """All users by name, revoked ones with them."""
+    """All users by name, including revoked ones."""
     return Page(items=tuple(_users(service).all()))
 
 
@@ -48,7 +48,7 @@ def get_user(user: str, service: ServiceOf) -> UserView:
 
 @router.patch("/users/{user}", responses=documented_responses(404, 409, 507), openapi_extra=ADMIN)
 def change_user(user: str, change: ChangedUser, service: ServiceOf, operator: Operator, request: Request) -> UserView:
-    """Give a user another role; what the user's tokens are for changes with it."""
+    """Give a user another role; the rights of the user's tokens change with it."""
     changed = _users(service).change(user, change.role, operator)
     _refresh(request)
     return changed
@@ -56,7 +56,7 @@ def change_user(user: str, change: ChangedUser, service: ServiceOf, operator: Op
 
 @router.delete("/users/{user}", responses=documented_responses(404, 507), openapi_extra=ADMIN)
 def revoke_user(user: str, service: ServiceOf, operator: Operator, request: Request) -> UserView:
-    """Have no token of a user count any more; the name stays in the record of what was done."""
+    """Revoke all tokens of a user; the name stays in the audit record."""
     revoked = _users(service).revoke(user, operator)
     _refresh(request)
     return revoked
@@ -64,7 +64,7 @@ def revoke_user(user: str, service: ServiceOf, operator: Operator, request: Requ
 
 @router.get("/users/{user}/tokens", responses=documented_responses(404), openapi_extra=ADMIN)
 def list_tokens(user: str, service: ServiceOf) -> Page[TokenView]:
-    """The tokens of a user, the oldest first, revoked and expired ones with them."""
+    """The tokens of a user, the oldest first, including revoked and expired ones."""
     return Page(items=tuple(_users(service).tokens(user)))
 
 
@@ -74,7 +74,7 @@ def list_tokens(user: str, service: ServiceOf) -> Page[TokenView]:
 def make_token(
     user: str, new: NewToken, service: ServiceOf, operator: Operator, request: Request, response: Response
 ) -> TokenMade:
-    """Make a token. It is shown this once; asked again, another one is made."""
+    """Make a token. It is shown only once; a repeated request makes another one."""
     made = _users(service).make_token(user, new, operator)
     _refresh(request)
     response.headers["Cache-Control"] = "no-store"
@@ -83,7 +83,7 @@ def make_token(
 
 @router.delete("/users/{user}/tokens/{token}", responses=documented_responses(404, 507), openapi_extra=ADMIN)
 def revoke_token(user: str, token: str, service: ServiceOf, operator: Operator, request: Request) -> TokenView:
-    """Have a token not count any more, nor the cookies that stand for it."""
+    """Revoke a token and its cookies."""
     revoked = _users(service).revoke_token(user, token, operator)
     _refresh(request)
     return revoked

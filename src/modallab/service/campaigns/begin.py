@@ -65,17 +65,17 @@ def _complete_plan(service: Service, campaign: str, new: RunNew) -> Plan:
     before = service.repository.entry(new.continues)
     if before is None or before.campaign != campaign:
         raise NotFoundError(
-            f"campaign {campaign} has no run {new.continues!r}", where="continues", remedy="look at its runs"
+            f"campaign {campaign} has no run {new.continues!r}", where="continues", remedy="read the list of its runs"
         )
     aside = Archive(service.engine).run(new.continues, "")
     if aside is not None and aside.state != "archived":
-        raise ConflictError("a deleted run is not continued", where="continues", remedy="restore it first")
+        raise ConflictError("a deleted run cannot be continued", where="continues", remedy="restore it first")
     record = service.store.catalogue.run(new.continues)
     if record.state not in ENDED:
         raise transition_error(record.state, "be continued")
     if not record.valid:
         raise ConflictError(
-            "an aborted run is marked as invalid and not continued", where="continues", remedy="begin a new run"
+            "an aborted run is invalid and cannot be continued", where="continues", remedy="start a new run"
         )
     return new.plan or remaining_plan(record.plan, service.store.catalogue.blocks(new.continues))
 
@@ -135,7 +135,7 @@ def _remaining_levels(plan: BroadbandPlan, good: Sequence[BlockNote]) -> Broadba
 
 
 def _complete() -> ConflictError:
-    return ConflictError("the run has all its plan asked for", where="continues", remedy="send a plan with the request")
+    return ConflictError("the run has completed its plan", where="continues", remedy="send a plan with the request")
 
 
 def require_reasonable(plan: Plan, rig: Rig) -> None:

@@ -92,7 +92,7 @@ class LocalCampaign:
         if not self._lock.acquire():
             self._store.close()
             raise ServiceError(
-                "a service uses this data folder", where=str(folder), remedy="ask the service, or name another folder"
+                "a service uses this data folder", where=str(folder), remedy="use the service, or name another folder"
             )
         self._ended: SimpleQueue[str] = SimpleQueue()
         run_log = self._run_log = RunLog(self._store, EventLog(self._store.catalogue.engine))
@@ -208,7 +208,7 @@ class LocalCampaign:
             require_setups(plan, self._as_filed)
             if moved is None:
                 raise PlanError(
-                    f"{len(plan.setups)} setups, and nobody is there to move sensors",
+                    f"{len(plan.setups)} setups, and no operator to move sensors",
                     where="impact plan",
                     remedy="use record_setups, or modallab campaign run",
                 )
@@ -254,6 +254,6 @@ class LocalCampaign:
             raise RunEndedError(
                 f"the run is {record.state}: {record.reason}",
                 where=run,
-                remedy=remedy or "what it had kept can be read",
+                remedy=remedy or "its stored blocks can be read",
             )
         return run

@@ -61,14 +61,14 @@ def queue_view(service: Service, rig: ControllerState, *, ended: bool = False) -
 
 
 def skip_item(service: Service, rig: str, item: str, reason: str, operator: str) -> QueueItem:
-    """Take an item out that waits. Raises as `RunQueue.skip`."""
+    """Remove a waiting item. Raises as `RunQueue.skip`."""
     skipped = RunQueue(service.engine).take_out(rig, item, reason, operator)
     _notify_queue(service, rig, item=item, state="skipped", reason=reason, operator=operator)
     return skipped
 
 
 def reorder_items(service: Service, rig: str, items: Sequence[str], operator: str) -> None:
-    """Have what waits run in this order. Raises as `RunQueue.reorder`."""
+    """Set the order of the waiting runs. Raises as `RunQueue.reorder`."""
     RunQueue(service.engine).reorder(rig, items, operator)
     _notify_queue(service, rig, state="reordered", operator=operator)
 
@@ -100,7 +100,7 @@ def give_consent(service: Service, rig: str, new: ConsentNew, lease: str | None)
     waiting = tuple(item.id for item in RunQueue(service.engine).open(rig) if item.state == "waiting")
     foreign = sorted(set(new.items or ()) - set(waiting))
     if foreign:
-        raise ConflictError(f"item {foreign[0]} does not wait", where="items", remedy="read the queue again")
+        raise ConflictError(f"item {foreign[0]} is not waiting", where="items", remedy="read the queue again")
     given = service.control.give_consent(rig, new, waiting if new.items is None else new.items, lease)
     _notify_queue(service, rig, state="consent", operator=given.operator, drive=given.drive, at_bench=given.at_bench)
 

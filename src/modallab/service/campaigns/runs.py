@@ -29,12 +29,12 @@ def record_of(service: Service, run: str) -> RunRecord:
     with read_transaction(service.engine) as connection:
         known = connection.scalar(select(RUNS.c.id).where(RUNS.c.id == run))
     if known is None:
-        raise NotFoundError(f"there is no run {run!r}", remedy="look at the list of runs of its campaign")
+        raise NotFoundError(f"there is no run {run!r}", remedy="read the list of runs of its campaign")
     return service.store.catalogue.run(run)
 
 
 def run_view(service: Service, run: str) -> RunView:
-    """A run as it stands.
+    """A run in its present state.
 
     Raises:
         NotFoundError: there is none of this name.
@@ -85,7 +85,7 @@ def block_record(service: Service, run: str, n: int) -> BlockRecord:
     for block in block_records(service, run):
         if block.n == n:
             return block
-    raise NotFoundError(f"run {run} has no block {n}", remedy="look at the list of its blocks")
+    raise NotFoundError(f"run {run} has no block {n}", remedy="read the list of its blocks")
 
 
 def block_view(block: BlockRecord) -> BlockView:
@@ -138,7 +138,7 @@ def judge_block(
     block, record, entry = block_record(service, run, n), record_of(service, run), service.repository.entry(run)
     if entry is None:
         raise ConflictError(
-            f"run {run} belongs to no campaign of this service", where=run, remedy="use its own program"
+            f"run {run} belongs to no campaign of this service", where=run, remedy="use the program that started it"
         )
     if record.state not in ENDED:
         service.leases.require(entry.rig, lease)

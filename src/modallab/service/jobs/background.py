@@ -100,7 +100,7 @@ class AfterRun:
 
     def _replace(self, job: Job) -> None:
         if not any(self._counts(run) for run in job.inputs):
-            self._jobs.cancel(job.id, "none of its blocks counts any more")
+            self._jobs.cancel(job.id, "none of its blocks is valid any more")
             return
         newer = self._jobs.replace(job, self._store.revision(job.inputs))
         campaign = self._repository.campaign_of_job(job.id)

@@ -32,14 +32,14 @@ def order_estimate(service: Service, run: str, operator: str) -> Job:
 
     Raises:
         NotFoundError: no such run in a campaign.
-        ConflictError: it has no good block yet, or the campaign is archived or deleted.
+        ConflictError: the run has no good block yet, or the campaign is archived or deleted.
     """
     entry = service.repository.entry(run)
     if entry is None:
-        raise NotFoundError(f"there is no run {run!r} in a campaign", remedy="look at the runs of a campaign")
+        raise NotFoundError(f"there is no run {run!r} in a campaign", remedy="read the list of runs of a campaign")
     Archive(service.engine).require_present(entry.campaign)
     if not _counts(service, run):
-        raise ConflictError("it has no good block yet", where=run, remedy="wait for the first one")
+        raise ConflictError("the run has no good block yet", where=run, remedy="wait for the first good block")
     job = service.jobs.submit("estimate", {"as_of": service.store.revision((run,))}, (run,))
     service.repository.add_job(entry.campaign, job, operator)
     return job
@@ -52,7 +52,7 @@ def order_blind(service: Service, new: JobNew, operator: str) -> Job:
         JobError: runs were named, or parameters that cannot be kept.
     """
     if new.runs is not None:
-        raise JobError("blind trials are made, not read from runs", where="runs", remedy="leave `runs` out")
+        raise JobError("blind trials have no input runs", where="runs", remedy="leave `runs` out")
     parse_parameters("blind", new.parameters)
     job = service.jobs.submit("blind", dict(new.parameters), ())
     audit.enter_action(service.engine, operator, "order-blind", job.id, {"job": job.id, "runs": []})
@@ -74,11 +74,13 @@ def _runs(service: Service, campaign: str, requested: tuple[str, ...] | None) ->
     known = service.repository.runs(campaign, archived=requested is not None)
     foreign = [run for run in requested or () if run not in known]
     if foreign:
-        raise NotFoundError(f"campaign {campaign} has no run {foreign[0]!r}", where="runs", remedy="look at its runs")
+        raise NotFoundError(
+            f"campaign {campaign} has no run {foreign[0]!r}", where="runs", remedy="read the list of its runs"
+        )
     records = [service.store.catalogue.run(run) for run in requested or known]
     going_on = [record.id for record in records if record.state not in ENDED]
     if requested and going_on:
-        raise ConflictError(f"run {going_on[0]} is going on", where="runs", remedy="wait for its end")
+        raise ConflictError(f"run {going_on[0]} is active", where="runs", remedy="wait for its end")
     ended = (record.id for record in records if record.state in ENDED and record.valid)
     usable = tuple(run for run in ended if _counts(service, run))
     if not usable:
@@ -130,7 +132,7 @@ def job_file(service: Service, job: Job, name: str) -> bytes:
     files = result.get("files")
     place = files.get(name) if isinstance(files, dict) else None
     if not isinstance(place, str):
-        raise NotFoundError(f"job {job.id} left no file {name!r}", where=job.id, remedy="look at its result")
+        raise NotFoundError(f"job {job.id} left no file {name!r}", where=job.id, remedy="read its result")
     try:
         return (service.folder / place).read_bytes()
     except OSError as error:

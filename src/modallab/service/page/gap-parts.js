@@ -25,17 +25,17 @@ export function where({ stage, x_m: x, channels: rows, why, share }) {
 export function described(found, numbers) {
   if (!found) return null;
   const { says, shrink: shrunk, alternatives } = found;
-  return panel("What it behaves like", h("p", {}, `The gap behaves like ${says.replace(/,+$/, "")}.`),
-    shrunk.closed !== null && h("p", {}, h("strong", {}, `That closes ${closed(shrunk.closed)} of it`), ` on ${shrunk.held_out.length} records that no fit has seen: from ${number(shrunk.before, 3)} to ${number(shrunk.after, 3)} noise units. It need not be the cause: another change may behave alike.`),
+  return panel("Description of the unnamed cause", h("p", {}, `The gap behaves like ${says.replace(/,+$/, "")}.`),
+    shrunk.closed !== null && h("p", {}, h("strong", {}, `That closes ${closed(shrunk.closed)} of it`), ` on ${shrunk.held_out.length} held-out records: from ${number(shrunk.before, 3)} to ${number(shrunk.after, 3)} noise units. It need not be the cause: another change may behave alike.`),
     table("Its numbers", ["Number", ["Value", "n"], ["95 % interval", "n"]], numbers),
     alternatives.length > 0 && h("ul", { class: "plainlist" }, alternatives.map((other) => h("li", {}, `${sentence(other.says)} It leaves ${number(other.gap, 3)} noise units.`))));
 }
 
-/** How far it shrinks on records that no fit has seen. */
+/** Shrinkage of the gap on held-out records. */
 export function shrink(found) {
   const rows = [["Gap before", `${number(found.before, 3)} noise units`], ["Gap after", `${number(found.after, 3)} noise units`], ["Closed", found.closed === null ? "–" : closed(found.closed)],
     found.interval && ["95 % interval", `${closed(found.interval[0])} to ${closed(found.interval[1])}`]].filter(Boolean);
-  return panel("On records that no fit has seen", table("How far the gap shrinks", ["", ["", "n"]], rows),
+  return panel("On held-out records", table("How far the gap shrinks", ["", ["", "n"]], rows),
     Object.entries(found.rival).map(([name, value]) => h("p", {}, `The best other explanation, ${spaced(name).replaceAll("+", " and ")}, closes ${closed(value)}.`)), h("p", { class: "muted" }, `${found.held_out.length} records were held out.`));
 }
 

@@ -42,7 +42,7 @@ class ProcessList:
         _, stuck = psutil.wait_procs(at_work, timeout=END_S)
         left = [process for process, _ in living if process not in at_work or process in stuck]
         for process in left:
-            LOG.warning("process %d is left of an earlier service of this folder, and is ended", process.pid)
+            LOG.warning("process %d remains from an earlier service of this folder, and is ended", process.pid)
             with suppress(psutil.NoSuchProcess):
                 process.kill()
         psutil.wait_procs(left, timeout=END_S)

@@ -39,7 +39,7 @@ def require_token(settings: Settings) -> str:
         return _chosen_token(settings.token_file)
     if not settings.is_local:
         raise ServiceError(
-            f"others can reach {settings.host}, and no token was chosen",
+            f"other computers can reach {settings.host}, but no token was chosen",
             where="host",
             remedy="set MODALLAB_TOKEN to at least 16 characters, name a file that holds them, or listen on 127.0.0.1",
         )
@@ -138,7 +138,7 @@ def require_scheduler(settings: Settings) -> None:
         ServiceError: as `tls_of`.
     """
     if settings.jobs:
-        require_package("distributed", "computing models and diagnoses in the service (or start it with --no-jobs)")
+        require_package("distributed", "computing models and diagnoses in the service (or start with --no-jobs)")
     if settings.scheduler is None:
         return
     from modallab.jobs.cluster import TlsFiles, check_address
@@ -154,7 +154,7 @@ def _show_address(url: str) -> str:
         return make_url(url).render_as_string(hide_password=True)
     except ArgumentError as error:
         raise ServiceError(
-            "the address of the database cannot be understood",
+            "the address of the database is not valid",
             where="MODALLAB_DATABASE",
             remedy="write it as postgresql://user:password@machine:5432/name",
         ) from error

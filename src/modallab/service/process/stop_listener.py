@@ -116,7 +116,7 @@ class _Server(ThreadingHTTPServer):
         super().shutdown_request(request)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        LOG.debug("stop listener: %s went away", client_address, exc_info=True)
+        LOG.debug("stop listener: %s disconnected", client_address, exc_info=True)
 
     def _drop(self, request: socket.socket) -> None:
         del self._waited_for[request]

@@ -227,7 +227,7 @@ class ServiceSupervisor:
         timed_out = timer.look(counter.received_s, self._api.used_s)
         # Started again it may be back within the second that it is given: its end alone is reason enough.
         return counter.gone or (
-            f"no sign of life of the REST process for {counter.since_received_s:.1f} s" if timed_out else ""
+            f"no heartbeat of the REST process for {counter.since_received_s:.1f} s" if timed_out else ""
         )
 
     def _is_connected(self) -> bool:

@@ -30,7 +30,7 @@ def settle_tls(settings: Settings) -> Settings:
     cert, key = settings.tls_cert, settings.tls_key
     if settings.tls_self_signed:
         if cert or key:
-            raise _certificate_error("a certificate is named, and one is to be made", "name one, or have one made")
+            raise _certificate_error("a certificate is named, and another was requested", "name one, or request one")
         cert, key = self_signed(settings.data / FOLDER, {*LOOPBACK, settings.host, *settings.hosts})
         settings = settings.model_copy(update={"tls_cert": cert, "tls_key": key})
     elif (cert is None) != (key is None):

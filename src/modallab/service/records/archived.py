@@ -26,7 +26,7 @@ class SetAsideEntry:
 
     Attributes:
         state: `archived` or `deleted`; once the grace time has ended `purging`, then `purged`.
-        operator: who did it.
+        operator: name of the operator.
         utc: when.
         purge_utc: when the grace time ends; "" for what is archived.
     """
@@ -196,7 +196,7 @@ def _require_at_rest(connection: Connection, kind: Kind, name: str) -> None:
     joined = select(RUNS.c.id).join(CAMPAIGN_RUNS, CAMPAIGN_RUNS.c.run == RUNS.c.id)
     going_on = connection.scalar(joined.where(column == name, RUNS.c.state.not_in(ENDED)).limit(1))
     if going_on is not None:
-        raise ConflictError(f"run {going_on} is going on", where=name, remedy="wait for its end, or stop it")
+        raise ConflictError(f"run {going_on} is active", where=name, remedy="wait for its end, or stop it")
     waits = select(QUEUE.c.id).where(QUEUE.c.campaign == name, QUEUE.c.state.in_(("waiting", "running"))).limit(1)
     item = connection.scalar(waits) if kind == "campaign" else None
     if item is not None:

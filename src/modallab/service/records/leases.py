@@ -13,7 +13,7 @@ from modallab.service.records.users import UNKNOWN
 from modallab.storage.engine import read_transaction, write_transaction
 from modallab.storage.service_tables import LEASES
 
-REMEDY = "ask for the lease of the rig, renew it before it is over, and send its id as Modallab-Lease"
+REMEDY = "take the lease of the rig, renew it before it ends, and send its id as Modallab-Lease"
 
 
 class RigLeases:
@@ -48,7 +48,7 @@ class RigLeases:
         return lease
 
     def renew(self, rig: str, lease: str) -> Lease:
-        """Begin the lease's time again.
+        """Restart the time of the lease.
 
         Raises:
             LeaseNeededError: it is over or not the one.
@@ -114,13 +114,13 @@ class RigLeases:
             return LeaseHeldError(
                 f"{operator} holds {rig} already, for {self._remaining_s(row):.1f} s more: the lease is yours",
                 where=rig,
-                remedy="ask with recover: true, which gives it to you again; or give it back where you took it",
+                remedy="send recover: true to get the lease again; or release it where you took it",
             )
         return LeaseHeldError(
             f"{row['operator']} holds {rig} for {self._remaining_s(row):.1f} s more",
             where=rig,
-            remedy="ask the holder to give it back, or wait; if the holder's program is gone, ask with take_over, or, "
-            "who holds it, with recover; an emergency stop needs no lease",
+            remedy="ask the holder to release the lease, or wait; if the holder's program has ended, send "
+            "take_over, or for your own lease recover; an emergency stop needs no lease",
         )
 
     def _remaining_s(self, row: Any) -> float:
@@ -130,9 +130,9 @@ class RigLeases:
         if not lease:
             raise LeaseNeededError(f"commanding {rig} needs its lease, and none was sent", where=rig, remedy=REMEDY)
         if row is None or not secrets.compare_digest(str(row["id"]).encode(), lease.encode()):
-            raise LeaseNeededError(f"this is not the lease of {rig} that is held now", where=rig, remedy=REMEDY)
+            raise LeaseNeededError(f"this is not the present lease of {rig}", where=rig, remedy=REMEDY)
         if self._remaining_s(row) <= 0:
-            raise LeaseNeededError(f"the lease of {rig} is over", where=rig, remedy=REMEDY)
+            raise LeaseNeededError(f"the lease of {rig} has ended", where=rig, remedy=REMEDY)
         return row
 
 

@@ -26,11 +26,11 @@ class RunEntry:
     """What the repository says of a run.
 
     Attributes:
-        run: its name.
+        run: name of the run.
         campaign: it belongs to.
         rig: id of the rig.
-        operator: who began it.
-        continues: the run whose good blocks it takes over.
+        operator: name of the operator who started it.
+        continues: name of the continued run.
         code: of the error it ended with, else "".
     """
 
@@ -114,7 +114,7 @@ class CampaignRepository:
             return _campaigns(connection, connection.scalars(query).all())
 
     def runs(self, campaign: str, *, archived: bool = False, deleted: bool = False) -> tuple[str, ...]:
-        """The runs of a campaign, the oldest first; those that are archived or deleted only where they are asked for.
+        """The runs of a campaign, the oldest first; archived or deleted ones only on request.
 
         Raises:
             NotFoundError: there is no such campaign.
@@ -137,7 +137,7 @@ class CampaignRepository:
                 raise ChangedError(
                     f"the campaign is at revision {found.revision}, not {revision}",
                     where=campaign,
-                    remedy="read it again, and decide again",
+                    remedy="read the campaign again, then repeat the change",
                 )
             query = update(CAMPAIGNS).where(CAMPAIGNS.c.id == campaign)
             connection.execute(query.values(**values, revision=revision + 1))
@@ -237,7 +237,7 @@ def key_limit() -> str:
 
 def key_of_another() -> IdempotencyError:
     """What to raise where a key stands for another request."""
-    return IdempotencyError("this key was sent with another request", where="Idempotency-Key", remedy="make a new key")
+    return IdempotencyError("another request had this key", where="Idempotency-Key", remedy="make a new key")
 
 
 _ENTRY = ("run", "campaign", "rig", "operator", "continues", "code")

@@ -77,7 +77,7 @@ class RunQueue:
             return [_item_of_row(row) for row in connection.execute(query.limit(limit)).mappings()]
 
     def reorder(self, rig: str, items: Sequence[str], operator: str) -> None:
-        """Have what waits run in this order.
+        """Set the order of the waiting runs.
 
         Raises:
             ConflictError: these are not the items that wait.
@@ -86,16 +86,16 @@ class RunQueue:
             waiting = _waiting_items(connection, rig)
             if sorted(items) != sorted(waiting):
                 raise ConflictError(
-                    f"{len(items)} items, which are not the {len(waiting)} that wait",
+                    f"{len(items)} items, which are not the {len(waiting)} waiting ones",
                     where="items",
-                    remedy="read the queue again, and name every item that waits once",
+                    remedy="read the queue again, and name every waiting item once",
                 )
             for item, place in zip(items, sorted(waiting.values()), strict=True):
                 connection.execute(update(QUEUE).where(QUEUE.c.id == item).values(place=place))
             audit.note_action(connection, operator, "reorder-queue", rig, {"items": list(items)})
 
     def take_out(self, rig: str, item: str, reason: str, operator: str) -> QueueItem:
-        """Take an item out that waits.
+        """Remove a waiting item.
 
         Raises:
             NotFoundError: the queue has none of this id.
@@ -106,7 +106,9 @@ class RunQueue:
             if found.rig != rig:
                 raise _unknown_item(item)
             if found.state != "waiting":
-                raise ConflictError(f"the item is {found.state}", where=item, remedy="a run that is on can be stopped")
+                raise ConflictError(
+                    f"the item is {found.state}", where=item, remedy="an active run can only be stopped"
+                )
             _set_state(connection, item, state="skipped", reason=reason)
             audit.note_action(connection, operator, "skip-queued", item, {"reason": reason})
             return _item_row(connection, item)
@@ -170,4 +172,4 @@ def _item_of_row(row: Mapping[Any, Any]) -> QueueItem:
 
 
 def _unknown_item(item: str) -> NotFoundError:
-    return NotFoundError(f"there is no item {item!r} in the queue", remedy="look at the rig's queue")
+    return NotFoundError(f"there is no item {item!r} in the queue", remedy="read the rig's queue")

@@ -41,7 +41,7 @@ class Users:
         return user
 
     def all(self) -> list[UserView]:
-        """All users by name, revoked ones with them."""
+        """All users by name, including revoked ones."""
         with read_transaction(self._engine) as connection:
             rows = connection.execute(select(USERS).order_by(USERS.c.name)).mappings()
             return [UserView.model_validate(dict(row)) for row in rows]
@@ -104,7 +104,7 @@ class Users:
             return TokenMade(token=token, about=_token(connection, name, ident))
 
     def tokens(self, name: str) -> list[TokenView]:
-        """The tokens of a user, the oldest first, revoked and expired ones with them.
+        """The tokens of a user, the oldest first, including revoked and expired ones.
 
         Raises:
             NotFoundError: there is no user of this name.

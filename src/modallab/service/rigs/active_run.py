@@ -46,9 +46,9 @@ class RequestedRun:
             with self._lock:
                 self._given_up = not self._on_its_way
             raise RigUnavailableError(
-                f"the run had not begun after {patience_s:g} s",
+                f"the run had not started after {patience_s:g} s",
                 where=self.order.rig,
-                remedy="ask again when the rig is idle" if self._given_up else "look at the campaign's list of runs",
+                remedy="try again when the rig is idle" if self._given_up else "read the campaign's list of runs",
             ) from error
 
     def is_of(self, order: StartRun) -> bool:
@@ -132,7 +132,7 @@ class ActiveRun:
         for block in self.run_log.store.catalogue.blocks(self.run):
             if block.n == n:
                 return block.note.name
-        raise NotFoundError(f"run {self.run} has no block {n}", where="n", remedy="look at the list of its blocks")
+        raise NotFoundError(f"run {self.run} has no block {n}", where="n", remedy="read the list of its blocks")
 
     def _follow(self, process: RigProcess, begun: "Future[str]") -> ModallabError | None:
         try:
@@ -145,7 +145,7 @@ class ActiveRun:
             finally:
                 events.close()
         except StopIteration:
-            return ModallabError("the rig's process began no run", remedy="look at the log")
+            return ModallabError("the rig's process started no run", remedy="look at the log")
         except ModallabError as error:
             self._ended_by(error)
             return None if begun.done() else error

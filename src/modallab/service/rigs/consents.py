@@ -14,10 +14,10 @@ class Consent:
 
     Attributes:
         lease: id of the lease it was given under.
-        operator: who gave it.
-        drive: tests that move the output may begin.
-        at_bench: impact tests may begin.
-        items: of the queue it is for.
+        operator: name of the operator.
+        drive: whether tests that move the output may start.
+        at_bench: whether impact tests may start.
+        items: items of the queue that it covers.
         process: the rig's process when it was given.
         until_s: by the monotonic clock.
     """

@@ -26,9 +26,9 @@ class StartRun:
     Attributes:
         rig: id of the rig.
         campaign: id of the campaign.
-        plan: what to do.
+        plan: plan of the run.
         lease: id of the rig's lease.
-        continues: the run whose good blocks it takes over.
+        continues: name of the continued run.
         key: under which it is begun once, however often it is asked for.
     """
 
@@ -48,10 +48,10 @@ class ControllerState:
         id: of the rig.
         rig: as believed.
         bench: address.
-        state: of its process.
+        state: state of the rig's process.
         info: what the bench said of itself; None until it is open.
-        run: the active run.
-        error: why it is unavailable.
+        run: name of the active run.
+        error: reason if the rig is unavailable.
         since: when it came to stand so, in UTC.
     """
 
@@ -73,7 +73,7 @@ class Control(Protocol):
         ...
 
     def processes(self) -> dict[str, int]:
-        """The processes of the service that live, by name, each with the system's number for it."""
+        """The running processes of the service, by name, each with its process id."""
         ...
 
     def start(self, order: StartRun) -> str:
@@ -122,7 +122,7 @@ class Control(Protocol):
         ...
 
     def withdraw_consent(self, rig: str) -> None:
-        """Let nothing begin by itself; needs no lease.
+        """Withdraw the consent: nothing starts automatically. Needs no lease.
 
         Raises:
             NotFoundError.

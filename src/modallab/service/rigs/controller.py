@@ -115,7 +115,7 @@ class RigController:
         Raises:
             IdempotencyError: another request was sent with its key.
             TrippedError: reset first.
-            ConflictError: a run is going on.
+            ConflictError: a run is active.
             RigUnavailableError: the bench is not open.
             ModallabError: what kept it from beginning.
         """
@@ -154,7 +154,7 @@ class RigController:
         """
         active, process = self._active, self._process
         if active is None or process is None or active.run != run:
-            raise ConflictError(f"run {run} is not going on", where=self.bench.id, remedy="look at the list of runs")
+            raise ConflictError(f"run {run} is not going on", where=self.bench.id, remedy="read the list of runs")
         active.command(process, command, operator)
 
     def emergency_stop(self, reason: str, operator: str) -> None:
@@ -173,25 +173,25 @@ class RigController:
         """
         unwritten = self._stop.reset()
         if self.latch.reset() is None and not unwritten:
-            raise NotFoundError("the rig is not tripped", where=self.bench.id, remedy="there is nothing to reset")
+            raise NotFoundError("the rig is not tripped", where=self.bench.id, remedy="no reset is needed")
         self._run_log.reset(self.bench.id, reason, operator)
 
     def revise(self, rig: Rig, reason: str, operator: str) -> None:
         """Go on with another description of what stands on the bench, which is opened again for it.
 
         Raises:
-            ConflictError: a run is going on, or the description is of another rig.
+            ConflictError: a run is active, or the description is of another rig.
             StorageError: it could not be kept.
         """
         if rig.name != self.bench.rig.name:
             raise ConflictError(
                 f"the description is of {rig.name!r}, the rig is {self.bench.rig.name!r}",
                 where=self.bench.id,
-                remedy="send it under the rig's name; another rig is served by a service of its own",
+                remedy="send it with the rig's name; another rig needs another service",
             )
         with self._starting:
             if self._active is not None or not self._requested.empty():
-                raise ConflictError("a run is going on", where=self.bench.id, remedy="wait for its end, or stop it")
+                raise ConflictError("a run is active", where=self.bench.id, remedy="wait for its end, or stop it")
             if rig == self.bench.rig:
                 return
             self._run_log.revisions.add(self.bench.id, rig, reason, operator)

@@ -27,23 +27,23 @@ def reason_not_to_begin(item: QueueItem, state: ControllerState, trip: Trip | No
     until he says that he is at the bench.
     """
     if trip is not None:
-        return f"the rig is tripped: {trip.what}; look at the bench, and reset it"
+        return f"the rig is tripped: {trip.what}; check the bench, then reset the rig"
     if state.state != "idle":
         return f"run {state.run} is on" if state.run else f"the rig is {state.state}"
     if consent is None:
-        return f"nobody who holds the lease has consented to it{_unless_consented(item)}"
+        return f"no holder of the lease has consented to it{_unless_consented(item)}"
     if item.id not in consent.items:
         return f"{consent.operator}'s consent was given before it was queued{_unless_consented(item)}"
     if item.drives and not consent.drive:
         return f"{consent.operator} has not consented to tests that move the output"
     if not item.drives and not consent.at_bench:
-        return f"{consent.operator} has not said that he is at the bench, and the test needs its operator"
+        return f"{consent.operator} has not confirmed to be at the bench, as this test needs"
     return ""
 
 
 def _unless_consented(item: QueueItem) -> str:
     need = "tests that drive" if item.drives else "impact tests, at the bench"
-    return f"; give one for {need}, with the lease"
+    return f"; consent to {need}, with the lease"
 
 
 LOG = logging.getLogger(__name__)
@@ -90,7 +90,7 @@ class QueueRunner:
         items = self._queue.open()
         for rig in self._controllers.consents.take_stopped():
             if any(item.rig == rig for item in items):
-                self._pause(rig, "the rig was stopped in an emergency")
+                self._pause(rig, "the rig had an emergency stop")
         paused = self._queue.paused()
         for state in self._controllers.states():
             first = next((item for item in items if item.rig == state.id), None)
@@ -113,7 +113,7 @@ class QueueRunner:
     def _try(self, item: QueueItem, state: ControllerState) -> None:
         consent = self._controllers.consent(item.rig)
         if consent is not None and consent.process != self._controllers.pid(item.rig):
-            self._pause(item.rig, "the rig's process was started again since its operator has consented")
+            self._pause(item.rig, "the rig's process was restarted after the consent")
             return
         given = None if consent is None else consent.view
         if reason_not_to_begin(item, state, self._controllers.trip(item.rig), given) or not self._may_begin():
@@ -132,7 +132,7 @@ class QueueRunner:
             # It may begin yet: whether it has is looked up.
             self._pause(item.rig, f"item {item.id}: {error.what}")
         except ModallabError as error:
-            self._fail(item, str(error), f"item {item.id} could not begin: {error.what}")
+            self._fail(item, str(error), f"item {item.id} could not start: {error.what}")
         else:
             self._set(item, "running", run=run)
 

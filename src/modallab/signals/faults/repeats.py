@@ -142,7 +142,7 @@ def _holds_values(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple
         if count < max(LEAST, moving.size * max(MOST_BY_CHANCE * by_chance ** (least - 1), LEAST_SHARE)):
             continue
         length = float(np.median(held.length))
-        what = f"values held for {length:g} samples, as a slower converter gives them"
+        what = f"values held for {length:g} samples, as from a slower converter"
         first = int(held.first[(held.length >= length).argmax()])
         return (Fault(channel, what, first / rate_hz, int((held.length - 1).sum())),)
     return ()
@@ -186,7 +186,7 @@ def copies(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real) -
     if not 0 < samples < _MOST_COPIED * rows.shape[1]:
         return ()
     first = int(found.first[moving[0]]) + lag
-    what = f"repeats to the last digit, with all others, what stood {lag / rate_hz:.6g} s before"
+    what = f"repeats exactly, with all other channels, the samples from {lag / rate_hz:.6g} s before"
     return (Fault(channels[key], what, first / rate_hz, samples),)
 
 

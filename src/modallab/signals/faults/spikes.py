@@ -30,7 +30,7 @@ def find_spikes(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Re
         alone = [i for i in _candidate_samples(off[k], least[k]) if _deviation_ratio(off[k], least[k], i) > ALONE]
         places = [i for i in alone if not _felt_elsewhere(np.delete(off, k, 0), np.delete(least, k, 0), i)]
         if places:
-            what = f"a value of {rows[k, places[0]]:.6g} that nothing near it explains"
+            what = f"a value of {rows[k, places[0]]:.6g} that neighbouring samples do not explain"
             found.append(Fault(channel, what, places[0] / rate_hz, len(places)))
     return tuple(found)
 

@@ -44,7 +44,7 @@ def dead(row: Real, channel: str, steps: Real) -> tuple[Fault, ...]:
     # A little more, as sums of steps are rounded.
     if not span or span > (MOST_STEPS + 0.01) * step:
         return ()
-    return (Fault(channel, f"moves by no more than {span / step:.0f} steps of its converter", 0.0, row.size),)
+    return (Fault(channel, f"moves by at most {span / step:.0f} steps of its converter", 0.0, row.size),)
 
 
 def overloads(block: Block, rig: Rig) -> tuple[Fault, ...]:

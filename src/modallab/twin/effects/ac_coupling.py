@@ -30,5 +30,5 @@ MODEL = EffectModel(
         rank=110,
         slots=lambda _: (FreeNumber("corner_hz", "log", spread_logarithmically(0.01, 8.0, 7), low=1e-4, high=200.0),),
     ),
-    experiment="Switch the inputs to DC and repeat the sines at low frequencies: only a high-pass changes their phase.",
+    experiment="Switch the inputs to DC and repeat the sines at low frequencies: only a high-pass changes the phase.",
 )

@@ -40,10 +40,10 @@ MODEL = EffectModel(
     rivals=(
         RivalEffect(
             "sensor_mass",
-            "Take all accelerometers but one off and repeat the hits: if the "
-            "frequencies rise alike, it is the sensors.",
+            "Take all accelerometers but one off and repeat the hits: frequencies that rise alike indicate the "
+            "sensors.",
             rank=10,
-            plan="Repeat the hits with one accelerometer only: that tells the sensors' mass from another.",
+            plan="Repeat the hits with one accelerometer only: this separates the sensors' mass from another.",
         ),
         RivalEffect("clamp_rotation", "Screw a known mass to the free end and repeat the hits.", rank=20),
     ),

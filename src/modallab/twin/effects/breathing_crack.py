@@ -60,5 +60,5 @@ MODEL = EffectModel(
         inexact=0.05,
         law=SteppedLaw(overtones="even", acts="couple"),
     ),
-    experiment="Look for even overtones in the sine responses: a crack that breathes makes them at every level.",
+    experiment="Look for even overtones in the sine responses: a breathing crack makes even overtones at every level.",
 )

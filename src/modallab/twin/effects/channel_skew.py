@@ -34,6 +34,6 @@ MODEL = EffectModel(
         # Between samples a bench or a simulation interpolates, none of them exactly.
         inexact=0.02,
     ),
-    experiment="Exchange the first and the last row of the converter and repeat: a skew goes with the row.",
+    experiment="Exchange the first and the last row of the converter and repeat: a skew stays with the row.",
     rivals=(RivalEffect("trigger_delay", "Exchange the first and the last row of the converter and repeat.", rank=80),),
 )

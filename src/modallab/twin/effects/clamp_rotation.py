@@ -50,5 +50,5 @@ MODEL = EffectModel(
     search=EffectSearch(
         rank=10, slots=_slots, tolerance=ReplacedTolerance(replaces="clamp_compliance", deviations=_own_deviations)
     ),
-    experiment="Strike close to the clamp: the slope there shows a soft root, not a crack nor a shift.",
+    experiment="Strike close to the clamp: the slope there shows a rotating root, not a crack or a translation.",
 )

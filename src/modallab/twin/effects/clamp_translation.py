@@ -39,5 +39,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     search=EffectSearch(rank=20, slots=_slots),
-    experiment="Put an accelerometer on the clamp itself: a root that shifts moves there, one that turns does not.",
+    experiment="Put an accelerometer on the clamp itself: a translating root moves the clamp, a rotating root does "
+    "not.",
 )

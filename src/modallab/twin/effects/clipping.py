@@ -7,9 +7,9 @@ MODEL = EffectModel(
     kind=EffectKind(
         "clipping",
         "sensor",
-        (Parameter("fraction_of_peak", "", 0.02, 0.999, spoken="share of the peak that is left"),),
+        (Parameter("fraction_of_peak", "", 0.02, 0.999, spoken="remaining share of the peak"),),
         "channel",
-        "one channel is cut at fraction_of_peak of what it would reach",
+        "one channel is clipped at fraction_of_peak of its true peak",
         linear=False,
     ),
     rank=80,

@@ -23,7 +23,7 @@ MODEL = EffectModel(
         "sensor",
         (Parameter("gain", "", 1e-3, 2.0, signed=True, none=1.0),),
         "force",
-        "the force channel reads gain times what it should; the range is that of |gain - 1|",
+        "the force channel reads gain times the true force; the range is that of |gain - 1|",
     ),
     rank=90,
     spoken="force gain",

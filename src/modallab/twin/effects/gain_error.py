@@ -31,7 +31,7 @@ MODEL = EffectModel(
         "sensor",
         (Parameter("gain", "", 1e-3, 2.0, signed=True, none=1.0),),
         "channel",
-        "one channel reads gain times what it should; the range is that of |gain - 1|",
+        "one channel reads gain times the true value; the range is that of |gain - 1|",
     ),
     rank=10,
     spoken="gain error",
@@ -53,7 +53,7 @@ MODEL = EffectModel(
         ),
         tolerance=ReplacedTolerance(deviations=_own_deviations, deviations_from=_from_polarity, replaces_gain=True),
     ),
-    experiment="Exchange the suspect accelerometer with its neighbour and repeat: a wrong gain goes with the sensor.",
+    experiment="Exchange the suspect accelerometer with its neighbour and repeat: a wrong gain moves with the sensor.",
     rivals=(
         RivalEffect("position_error", "Exchange the suspect accelerometer with its neighbour and repeat.", rank=40),
     ),

@@ -33,5 +33,5 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     search=EffectSearch(rank=60, slots=_slots),
-    experiment="Unfasten the cables one by one and repeat the hits: the first frequency falls as the spring goes.",
+    experiment="Unfasten the cables one by one and repeat the hits: the first frequency falls with the spring removed.",
 )

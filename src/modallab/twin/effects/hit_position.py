@@ -28,7 +28,7 @@ MODEL = EffectModel(
         "excitation",
         (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True, spoken="offset"),),
         "hit",
-        "every hit lands dx farther from the clamp than said",
+        "every hit lands dx farther from the clamp than its stated point",
         tests=("impact",),
     ),
     rank=10,
@@ -39,5 +39,5 @@ MODEL = EffectModel(
     search=EffectSearch(
         rank=160, slots=_slots, needs="impact", tolerance=ReplacedTolerance(deviations=_own_deviations)
     ),
-    experiment="Mark the points on the beam and repeat the hits there: the sines do not know of it.",
+    experiment="Mark the points on the beam and repeat the hits there: sines are not affected.",
 )

@@ -41,5 +41,6 @@ MODEL = EffectModel(
     search=EffectSearch(
         rank=70, slots=_slots, tolerance=ReplacedTolerance(deviations=_own_deviations, absorbed_by="damping ratios")
     ),
-    experiment="Compare the phases along the beam at a resonance: one damper bends them, even damping does not.",
+    experiment="Compare the phases along the beam at a resonance: a single damper changes the phases along the "
+    "beam, even damping does not.",
 )

@@ -41,5 +41,5 @@ MODEL = EffectModel(
     once=False,
     # Wax or a loose stud is no pure spring and dashpot.
     search=EffectSearch(rank=240, slots=_slots, inexact=0.03),
-    experiment="Fasten the accelerometer again and repeat the hits: a resonance of the mount moves or goes.",
+    experiment="Fasten the accelerometer again and repeat the hits: a resonance of the mount moves or disappears.",
 )

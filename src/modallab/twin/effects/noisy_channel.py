@@ -17,5 +17,6 @@ MODEL = EffectModel(
     moves_poles=False,
     once=False,
     search=None,
-    experiment="Record the undisturbed bench with the cable of this row exchanged: noise of the cable goes with it.",
+    experiment="Record the undisturbed bench with the cable of this row exchanged: noise of the cable moves with "
+    "the cable.",
 )

@@ -28,5 +28,6 @@ MODEL = EffectModel(
     moves_poles=False,
     once=False,
     search=EffectSearch(rank=220, slots=lambda _: (), fixed=(("sign", -1.0),)),
-    experiment="Push the beam by hand at the suspect accelerometer: a turned one reads against its neighbour.",
+    experiment="Push the beam by hand at the suspect accelerometer: a turned sensor has the opposite sign of its "
+    "neighbour.",
 )

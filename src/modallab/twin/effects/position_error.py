@@ -39,5 +39,6 @@ MODEL = EffectModel(
     search=EffectSearch(
         rank=230, slots=_slots, tolerance=ReplacedTolerance(replaces="position_m", deviations=_own_deviations)
     ),
-    experiment="Exchange the accelerometer with its neighbour: a wrong place stays there, a wrong gain goes along.",
+    experiment="Exchange the accelerometer with its neighbour: a wrong place stays, a wrong gain moves with the "
+    "sensor.",
 )

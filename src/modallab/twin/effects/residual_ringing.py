@@ -9,7 +9,7 @@ MODEL = EffectModel(
         "excitation",
         (Parameter("fraction", "", 1e-4, 3.0, spoken="ringing before the hit, as a share of the response to it"),),
         "impact",
-        "the beam still rings from before when the hit falls",
+        "the beam still rings at the time of the hit",
         tests=("impact",),
     ),
     rank=50,
@@ -18,5 +18,5 @@ MODEL = EffectModel(
     moves_poles=False,
     once=True,
     search=None,
-    experiment="Wait longer before each hit and repeat them.",
+    experiment="Wait longer before each hit and repeat the hits.",
 )

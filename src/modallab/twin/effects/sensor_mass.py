@@ -37,5 +37,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     search=EffectSearch(rank=30, slots=_slots, tolerance=ReplacedTolerance(deviations=_own_deviations)),
-    experiment="Take all accelerometers but one off and repeat the hits: the frequencies rise if it is the sensors.",
+    experiment="Take all accelerometers but one off and repeat the hits: the frequencies rise if the sensors are "
+    "the cause.",
 )

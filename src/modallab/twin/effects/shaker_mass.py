@@ -41,9 +41,9 @@ MODEL = EffectModel(
         needs="shaker",
         tolerance=ReplacedTolerance(replaces="shaker_mass_kg", deviations=_own_deviations),
     ),
-    experiment="Repeat the hits with the shaker fastened: a mass that hangs there then lowers the frequencies.",
+    experiment="Repeat the hits with the shaker fastened: an attached mass then lowers the frequencies.",
     rivals=(
         RivalEffect("stinger_moment", "Repeat the sines with the shaker at another point.", rank=50),
-        RivalEffect("added_mass", "Take the shaker off and repeat the hits.", rank=60),
+        RivalEffect("added_mass", "Remove the shaker and repeat the hits.", rank=60),
     ),
 )

@@ -39,5 +39,7 @@ MODEL = EffectModel(
         inexact=0.03,
     ),
     experiment="Strike on both sides of the place: the shapes bend most at a crack.",
-    rivals=(RivalEffect("clamp_rotation", "Strike close to the clamp: the slope there tells a soft root.", rank=30),),
+    rivals=(
+        RivalEffect("clamp_rotation", "Strike close to the clamp: the slope there shows a rotating root.", rank=30),
+    ),
 )

@@ -43,5 +43,6 @@ MODEL = EffectModel(
     moves_poles=False,
     once=True,
     search=EffectSearch(rank=310, slots=lambda _: ()),
-    experiment="Tap beside each of the two accelerometers: the row that reads more is its own.",
+    experiment="Tap beside each of the two accelerometers: the row with the larger reading belongs to that "
+    "accelerometer.",
 )

@@ -41,6 +41,6 @@ MODEL = EffectModel(
             absorbed_by="Young's modulus", replaces="stiffness_drift", deviations=_own_deviations
         ),
     ),
-    experiment="Repeat the first hits at the end: only a drift makes them another beam than at the beginning.",
+    experiment="Repeat the first hits at the end: only a drift gives another beam than at the beginning.",
     rivals=(RivalEffect("clamp_rotation", "Repeat the first hits at the end.", rank=90),),
 )

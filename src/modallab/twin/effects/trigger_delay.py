@@ -19,7 +19,7 @@ MODEL = EffectModel(
         "acquisition",
         (Parameter("seconds", "s", 1e-8, 5e-3, spoken="delay"),),
         "all",
-        "the force is stamped seconds late: beside its sample stands an acceleration of seconds later",
+        "the force is recorded late by seconds: its sample is aligned with a later acceleration",
     ),
     rank=20,
     spoken="trigger delay",
@@ -32,5 +32,6 @@ MODEL = EffectModel(
             FreeNumber("seconds", "plain", spread_logarithmically(1e-6, 4e-3, 9), 1e-4, low=0.0, high=8e-3),
         ),
     ),
-    experiment="Feed one signal to the force row and to another: a delay between the two shows without the beam.",
+    experiment="Feed one signal to the force row and to another: a delay between the two is then visible without "
+    "the beam.",
 )

@@ -46,8 +46,8 @@ MODEL = EffectModel(
             Parameter("bedding", "N/m^2", 1e-3, 1e7, signed=True, spoken="stiffness per metre"),
         ),
         "all",
-        "a force per length of tension times the curvature less bedding times the displacement; numbers that are not "
-        "given are none",
+        "a force per length of tension times the curvature less bedding times the displacement; missing numbers are "
+        "zero",
     ),
     rank=20,
     spoken="an axial force or an elastic bedding along the beam",
@@ -55,5 +55,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     search=EffectSearch(rank=20, slots=_slots, inexact=0.01),
-    experiment="Look for what pulls or presses the beam along its axis, or lies along it, and repeat the hits.",
+    experiment="Remove what pulls or presses the beam along its axis, or touches it along its length, and repeat "
+    "the hits.",
 )

@@ -53,7 +53,7 @@ MODEL = EffectModel(
         ),
         "x",
         "a force at x of -(k + c s + m s^2) times the beam's displacement there, and of a mass hung_m on a spring with "
-        "its own resonance at hung_hz; numbers that are not given are none",
+        "its own resonance at hung_hz; missing numbers are zero",
     ),
     rank=10,
     spoken="a force at one place that follows the motion there",
@@ -61,5 +61,5 @@ MODEL = EffectModel(
     moves_poles=True,
     once=False,
     search=EffectSearch(rank=10, slots=_slots, inexact=0.01),
-    experiment="Look at the place, fasten or take off what touches the beam there, and repeat the hits.",
+    experiment="Fasten or remove what touches the beam at this place, and repeat the hits.",
 )

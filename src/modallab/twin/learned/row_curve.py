@@ -51,5 +51,5 @@ MODEL = EffectModel(
     moves_poles=False,
     once=False,
     search=None,
-    experiment="Repeat the hits softer: what a curve bends is straight where little is read.",
+    experiment="Repeat the hits softer: at small readings a curve is nearly linear.",
 )

@@ -51,8 +51,8 @@ MODEL = EffectModel(
             Parameter("mount_zeta", "", 1e-3, 2.0, spoken="damping ratio of the mount"),
         ),
         "channel",
-        "what is recorded is what is felt times gain, delayed, behind a first-order low-pass, a first-order high-pass "
-        "and a mount with a resonance, of one channel or of all; numbers that are not given are none",
+        "the recording is the motion times gain, delayed, after a first-order low-pass, a first-order high-pass "
+        "and a mount with a resonance, of one channel or of all; missing numbers are zero",
     ),
     rank=30,
     spoken="a linear operator between sensor and record",

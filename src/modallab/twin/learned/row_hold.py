@@ -9,7 +9,7 @@ MODEL = EffectModel(
         "acquisition",
         (
             Parameter("share", "", 1e-5, 0.5, spoken="share of samples lost"),
-            Parameter("kept", "", 0.0, 1.0, spoken="in their place: the sample before (1) or 0 (0)"),
+            Parameter("kept", "", 0.0, 1.0, spoken="replacement: the previous sample (1) or 0 (0)"),
         ),
         "channel",
         "a share of one channel's samples is lost; in their place stands kept times the sample before, 0 or 1 times",
@@ -20,5 +20,5 @@ MODEL = EffectModel(
     moves_poles=False,
     once=False,
     search=None,
-    experiment="Record the channel at another input, then through another cable: see with which the losses go.",
+    experiment="Record the channel at another input, then through another cable: find with which the losses move.",
 )

@@ -273,7 +273,7 @@ def _judge_point(point: int, away: dict[int, float], scale: float, far: float, s
     if own > far and nearest != point and away[nearest] < min(NEARER * own, NEAR * far):
         reasons.append(f"this looks like point {nearest}; {point} was requested")
     elif abs(scale - 1) > OFF_SCALE:
-        than = f"after the {struck} before at point {point}" if struck else "hits at other points lead to expect"
+        than = f"after the {struck} before at point {point}" if struck else "hits at other points predict"
         reasons.append(
             f"the structure moved {scale:.2g} times as much a newton as {than},"
             f" at least {1 - OFF_SCALE:g}, at most {1 + OFF_SCALE:g}: struck obliquely, or beside the point"

@@ -66,7 +66,7 @@ def answer_of(
     Args:
         samples: (rig's channels, n) as delivered.
         conversion: to SI units.
-        rate_hz: of the samples.
+        rate_hz: sampling rate.
         before: index of the trigger.
         channels: whose answer is wanted.
         up_to_hz: at least so far.
