@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.acquisition.process.host import take_priority
+from modallab.acquisition.process.host import raise_priority
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Burst, Chunk
@@ -147,7 +147,7 @@ def main() -> None:
     arguments = parser.parse_args()
     rig = parse_rig((files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "link_rig.yaml")
     # As a rig's process does.
-    print(take_priority() or "raised priority")
+    print(raise_priority() or "raised priority")
     outcomes: list[Outcome] = []
     hidden = 0
     seed = arguments.first

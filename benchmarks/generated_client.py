@@ -85,13 +85,13 @@ def tutorial(lab: Generated) -> list[str]:
     rig = lab("rigs", "list_rigs").items[0].id
     while lab("rigs", "get_rig", rig).state != "idle":
         time.sleep(0.2)
-    new = lab.document("CampaignNew", {"name": "first session", "rig": rig})
+    new = lab.document("CampaignRequest", {"name": "first session", "rig": rig})
     campaign = lab("campaigns", "create_campaign", body=new, idempotency_key="generated-client").id
-    held = lab("lease", "take_lease", rig, body=lab.document("LeaseNew", {"operator": "Ada", "ttl_s": 3600}))
+    held = lab("lease", "take_lease", rig, body=lab.document("LeaseRequest", {"operator": "Ada", "ttl_s": 3600}))
     lease = {"modallab_lease": held.id}
     runs: list[str] = []
     for plan in PLANS:
-        begun = lab("runs", "start_run", campaign, body=lab.document("RunNew", {"plan": plan}), **lease)
+        begun = lab("runs", "start_run", campaign, body=lab.document("RunRequest", {"plan": plan}), **lease)
         wait_for(lambda run: lab("runs", "get_run", run), begun.id)
         runs.append(begun.id)
     impact, sine = runs
@@ -113,7 +113,7 @@ def tutorial(lab: Generated) -> list[str]:
     model = lab("results", "get_run_model", sine).models[0].model
     pages = {}
     for order, page in (("report", "get_report"), ("diagnose", "get_diagnosis")):
-        job = lab("jobs", order, campaign, body=lab.document("JobNew", {}))
+        job = lab("jobs", order, campaign, body=lab.document("JobRequest", {}))
         wait_for(lambda job: lab("jobs", "get_job", job), job.id)
         content = lab("jobs", page, campaign)
         pages[order] = len(content)

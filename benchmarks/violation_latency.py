@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.acquisition.process.host import take_priority
+from modallab.acquisition.process.host import raise_priority
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request
@@ -117,7 +117,7 @@ def main() -> None:
     for process in busy:
         process.start()
     try:
-        said = "ordinary priority" if arguments.ordinary else take_priority() or "raised priority"
+        said = "ordinary priority" if arguments.ordinary else raise_priority() or "raised priority"
         took = np.array([trial(rig, seed) for seed in range(1, arguments.trials + 1)])
     finally:
         for process in busy:

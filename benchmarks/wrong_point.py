@@ -11,7 +11,7 @@ from collections import Counter
 import numpy as np
 
 from modallab.acquisition.procedures.struck_point.check import StruckPointCheck
-from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, answer_of
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, response_of_hit
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Request
 from modallab.cli.demo import demo_rig
@@ -47,7 +47,7 @@ def session(seed: int, hits: int, wrong: float, expected: ExpectedModes | None, 
             samples = conversion.si(bench.read(3 * BLOCK, 1.0).samples)
             bench.stop()
             first = int(np.argmax(samples[0] >= 2.0)) - BEFORE
-            answer = answer_of(samples[:, first : first + BLOCK], conversion.force, RATE_HZ, BEFORE)
+            answer = response_of_hit(samples[:, first : first + BLOCK], conversion.force, RATE_HZ, BEFORE)
             if samples[0].max() < WEAKEST_N or answer is None:
                 continue
             said = check.look(f"{point}/{n}", point, answer)

@@ -207,7 +207,7 @@ def python() -> str:
 
 def _function(name: str) -> str:
     import modallab
-    from modallab.notebook.measured import frf
+    from modallab.notebook.measured_frf import frf
 
     # Importing the package of the same name puts it in the function's place.
     function = frf if name == "frf" else getattr(modallab, name)

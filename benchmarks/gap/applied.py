@@ -15,26 +15,26 @@ from typing import Any
 
 import numpy as np
 
-from modallab.blind.answer import ANSWERS, Answer, read_answers
+from modallab.blind.answer import ANSWERS, TrialAnswer, read_answers
 from modallab.blind.outcome import true_name
-from modallab.blind.run import diagnose_later
+from modallab.blind.run import diagnose_later_campaign
 from modallab.blind.score import Trial
 from modallab.blind.seal import SEALED
 
 
-def answered(folder: Path) -> list[tuple[Answer, Trial]]:
+def answered(folder: Path) -> list[tuple[TrialAnswer, Trial]]:
     """What has been answered, beside its truth, in the order of the trials."""
-    found: list[tuple[Answer, Trial]] = []
+    found: list[tuple[TrialAnswer, Trial]] = []
     for a in sorted(read_answers(folder / ANSWERS), key=lambda a: a.name):
         truth = json.loads((folder / SEALED / f"{a.name}.json").read_text(encoding="utf-8"))["truth"]
         found.append((a, Trial(a.name, truth["effects"], a.diagnosis, a.length_m, a.seconds)))
     return found
 
 
-def applied(folder: Path, answer: Answer, trial: Trial) -> dict[str, Any]:
+def applied(folder: Path, answer: TrialAnswer, trial: Trial) -> dict[str, Any]:
     """One right diagnosis, held against the later campaign."""
     begun = time.process_time()
-    seen = diagnose_later(folder / SEALED / f"{answer.name}_later.h5", answer.diagnosis)
+    seen = diagnose_later_campaign(folder / SEALED / f"{answer.name}_later.h5", answer.diagnosis)
     entry = {"name": answer.name, "effect": true_name(trial), "predicted": answer.diagnosis.shrink.closed}
     return entry | {"seen": seen.closed, "shut": seen.shut, "seconds": time.process_time() - begun}
 

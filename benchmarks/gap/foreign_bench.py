@@ -18,7 +18,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.simulations.simulated_records import simulated_records
-from modallab_simulators.cantilever.address import Circumstances, Settings
+from modallab_simulators.cantilever.address import SessionConditions, Settings
 from modallab_simulators.cantilever.altered import ChainChanges
 from modallab_simulators.cantilever.chain import Chain
 from modallab_simulators.cantilever.loads import BLOCK, Drive
@@ -46,7 +46,7 @@ class Simulator:
     def records(self, campaign: Campaign) -> dict[str, Array]:
         """Record -> (channels, n) for the forces of a campaign, each row in its channel's own unit and direction."""
         settings = Settings(self.seed, bad_hits=0.0, k_root=inf, effects=self.effects)
-        truth = draw_truth(settings, self.rig, Circumstances(one_clock=True, modes=15))
+        truth = draw_truth(settings, self.rig, SessionConditions(one_clock=True, modes=15))
         found: dict[str, Array] = {}
         tests: tuple[Test, ...] = ("impact", "sine")
         for test in tests:

@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import Any
 
 from modallab.blind.answer import ANSWERS, read_answers
-from modallab.blind.answer import answer_of as diagnosed
+from modallab.blind.answer import answer_trial as diagnosed
 from modallab.blind.draw import TrialDraw, draw_trials, make_trial
-from modallab.blind.outcome import named_cause, sum_up_trials, true_name
+from modallab.blind.outcome import named_cause, summarise_trials, true_name
 from modallab.blind.request import BlindRequest
 from modallab.blind.score import Trial
 from modallab.blind.seal import SEALED, hash_of, seal_truth, sealed_hash
@@ -130,7 +130,7 @@ def main() -> None:
     if arguments.later:
         measured_again(arguments.folder, draws, trials)
     print("\n".join(row(t) for t in trials))
-    found = sum_up_trials(trials, None, hash_of((arguments.folder / ANSWERS).read_text(encoding="utf-8")))
+    found = summarise_trials(trials, None, hash_of((arguments.folder / ANSWERS).read_text(encoding="utf-8")))
     for figure in found.figures:
         print(f"{figure.name:45s} {figure.value}  of {figure.count:3d}  {' '.join(figure.misses)}")
     print(f"calibration error {found.calibration_error:.4f}")

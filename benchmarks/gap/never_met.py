@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import butter, iirnotch, lfilter
 
-from modallab.blind.draw import TrialDraw, drawn_rig, make_trial, with_other_mounting
+from modallab.blind.draw import TrialDraw, draw_rig, make_trial, with_changed_mounting
 from modallab.blind.trial_bench import trial_bench
 from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
@@ -219,7 +219,7 @@ def _changed(block: Block, kind: Samples, d: Draw, n: int) -> Block:
 def _in_part(kind: str, seed: int) -> Campaign:
     effect, there = PARTS[kind]
     bench = trial_bench()
-    rig = with_other_mounting(drawn_rig(seed).model_copy(update={"tolerance": Tolerance.usual()}), seed)
+    rig = with_changed_mounting(draw_rig(seed).model_copy(update={"tolerance": Tolerance.usual()}), seed)
     drawn = bench.draw_effect(rig, seed, effect, 300.0).effect
     without, having = (bench.make_trial(rig, seed, e, "usual")[0] for e in ((), (drawn,)))
     pairs = enumerate(zip(without.blocks, having.blocks, strict=True))

@@ -33,7 +33,7 @@ from modallab.gap.design.experiments import DECIDES, continue_campaign, next_exp
 from modallab.gap.design.explanations import remaining_explanations, without_redundant
 from modallab.gap.diagnosis import diagnose
 from modallab.storage import Store, campaign_of
-from modallab_simulators.cantilever.address import Circumstances, parse
+from modallab_simulators.cantilever.address import SessionConditions, parse
 from modallab_simulators.cantilever.bench import CantileverBench
 
 STANDING = 0.05
@@ -71,7 +71,7 @@ def trial(seed: int, names: Sequence[str]) -> dict[str, Any]:
 def recorded(url: str, rig: Rig, plans: Sequence[Plan], folder: Path, session: int = 0) -> Campaign:
     """Tests on the simulated bench, in this process; another session has hits and noise of its own."""
     # As in blind trials: one card drives and converts, and the beam has no more modes than matter in the band.
-    circumstances = Circumstances(first_start=1000 * session, one_clock=True, modes=15)
+    circumstances = SessionConditions(first_start=1000 * session, one_clock=True, modes=15)
     with Store(folder) as store:
         benches = [CantileverBench(url, rig, parse(url), circumstances) for _ in plans]
         return campaign_of(

@@ -24,7 +24,7 @@ from modallab.core.rig import Rig
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.search.consequence import ABOVE
 from modallab.twin.effects import effect_models
-from modallab_simulators.cantilever.gap_size import Ruler
+from modallab_simulators.cantilever.gap_size import GapMeter
 
 
 def drawn(seed: int, stepped: bool) -> Iterator[tuple[TrialDraw, Any]]:
@@ -41,7 +41,7 @@ def below_tolerance(effect: Effect, rig: Rig, seed: int) -> str:
     search = effect_models()[effect.effect].search
     if search is not None and search.tolerance.deviations(effect, rig) <= ABOVE:
         return "within its tolerance"
-    moves = Ruler(rig, seed).moves((effect,))
+    moves = GapMeter(rig, seed).moves((effect,))
     return "" if moves >= rig.tolerance.response else f"moves the response by {moves:.2%}"
 
 

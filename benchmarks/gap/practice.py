@@ -86,7 +86,7 @@ def by_effect(listed: list[Trial]) -> list[str]:
         groups[" + ".join(sorted(str(e["effect"]) for e in trial.truth)) or "none"].append(trial)
     rows: list[str] = []
     for name, group in sorted(groups.items()):
-        right = sum(t.said == t.names if t.knowable else t.diagnosis.verdict == "unknown" for t in group)
+        right = sum(t.said == t.names if t.identifiable else t.diagnosis.verdict == "unknown" for t in group)
         stage = sum(t.diagnosis.where.stage in {e["family"] for e in t.truth} for t in group if t.truth)
         errors = [e for t in group for e in parameter_errors(t)]
         error = f"{100 * float(np.median(errors)):.2g} %" if errors else ""

@@ -63,7 +63,7 @@ def trial(folder: Path, entry: dict[str, Any]) -> Trial:
 
 def right(t: Trial) -> bool:
     """Whether the verdict and, where there are names for them, the names are those of the truth."""
-    return t.said == t.names if t.knowable else t.diagnosis.verdict == "unknown"
+    return t.said == t.names if t.identifiable else t.diagnosis.verdict == "unknown"
 
 
 def right_stage(t: Trial) -> bool:
@@ -81,9 +81,9 @@ def row(t: Trial) -> str:
 
 def table(listed: list[Trial]) -> list[str]:
     none = [t for t in listed if not t.truth]
-    single = [t for t in listed if len(t.truth) == 1 and t.knowable]
-    several = [t for t in listed if len(t.truth) > 1 and t.knowable]
-    other = [t for t in listed if t.truth and not t.knowable]
+    single = [t for t in listed if len(t.truth) == 1 and t.identifiable]
+    several = [t for t in listed if len(t.truth) > 1 and t.identifiable]
+    other = [t for t in listed if t.truth and not t.identifiable]
     gaps = [t for t in listed if t.truth]
     errors = [e for t in listed for e in parameter_errors(t)]
     return [

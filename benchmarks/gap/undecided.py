@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from modallab.blind.draw import drawn_rig, with_other_mounting
+from modallab.blind.draw import draw_rig, with_changed_mounting
 from modallab.core.effects import Effect, kind_of
 from modallab.core.plan import HitAcceptance, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.design.distinguishability import distinguishability_of_data
 from modallab.gap.design.planned import HIT_N, records_of_plans
-from modallab.gap.model.candidates import beam_candidates, channel_candidates, testable
+from modallab.gap.model.candidates import beam_candidates, channel_candidates, has_needed_tests
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import jacobian
@@ -100,7 +100,7 @@ class Sight:
         """Effects of every kind, at every sensor."""
         channels = [channel_candidates(self.rig, c) for c in self.data.channels]
         found = [c for listed in (beam_candidates(self.rig), *channels) for c in listed]
-        return [c for c in found if c.effect in EFFECTS and testable(c, self.data)]
+        return [c for c in found if c.effect in EFFECTS and has_needed_tests(c, self.data)]
 
     @cached_property
     def others(self) -> list[tuple[str, np.ndarray]]:
@@ -161,9 +161,9 @@ def drawn(seed: int, names: Sequence[str] = EFFECTS) -> dict[str, Any] | None:
     rng = np.random.default_rng([seed, 16])
     rough = bool(rng.random() < BUILT)
     sensors, plan = str(rng.choice(list(SENSORS))), str(rng.choice(list(PLANS)))
-    rig = with_sensors(drawn_rig(seed), SENSORS[sensors])
+    rig = with_sensors(draw_rig(seed), SENSORS[sensors])
     if rough:
-        rig = with_other_mounting(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
+        rig = with_changed_mounting(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
     sight = Sight(rig, [PLANS[plan]])
     listed = [
         c

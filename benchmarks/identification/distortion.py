@@ -21,7 +21,7 @@ from modallab.core.block import Campaign
 from modallab.core.plan import BroadbandPlan
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.frf.distortions import waves_of
-from modallab.frf.left_out import UndrivenDistortions
+from modallab.frf.undriven_lines import UndrivenDistortions
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.averaged import distortions_of
 from modallab.pipelines.identify import identify_campaign, usable_blocks

@@ -30,7 +30,7 @@ _RATE_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Stretch:
+class RecordedStretch:
     """A recorded block and its place in the replay's sample count."""
 
     first: int
@@ -66,7 +66,7 @@ class ReplayBench(WithoutOutput):
     def __init__(self, url: str, rig: Rig, campaign: Campaign, speed: float) -> None:
         self._url, self._rig, self._campaign, self._speed = url, rig, campaign, speed
         self._state = "open"
-        self._stretches: tuple[Stretch, ...] = ()
+        self._stretches: tuple[RecordedStretch, ...] = ()
         self._at = self._position = 0
         tests = {test: len(campaign.of(test)) for test in ("impact", "sine")}
         facts = {f"recorded {key}": value for key, value in campaign.provenance.items()}
@@ -146,7 +146,7 @@ class ReplayBench(WithoutOutput):
         if self._at < len(self._stretches):
             self._position = self._stretches[self._at].first
 
-    def _lost(self, stretch: Stretch, left: int) -> SamplesLostError:
+    def _lost(self, stretch: RecordedStretch, left: int) -> SamplesLostError:
         self._next()
         follows = "the recording ends there" if self._at == len(self._stretches) else f"{self._position} comes next"
         return SamplesLostError(
@@ -212,9 +212,9 @@ def _uniform(blocks: tuple[Block, ...], url: str) -> None:
             )
 
 
-def _placed(blocks: tuple[Block, ...]) -> tuple[Stretch, ...]:
+def _placed(blocks: tuple[Block, ...]) -> tuple[RecordedStretch, ...]:
     """Each block at the place its device counted; one that begins before the last has ended comes a sample after it."""
-    placed: list[Stretch] = []
+    placed: list[RecordedStretch] = []
     offset = -blocks[0].first_sample
     for block in blocks:
         first = block.first_sample + offset
@@ -222,7 +222,7 @@ def _placed(blocks: tuple[Block, ...]) -> tuple[Stretch, ...]:
             # Another run, or a source that counted nothing: how long the pause was is not known.
             first = placed[-1].end + 1
             offset = first - block.first_sample
-        placed.append(Stretch(first, block))
+        placed.append(RecordedStretch(first, block))
     return tuple(placed)
 
 

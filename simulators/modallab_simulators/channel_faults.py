@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.abilities import ShakersPlayingTogether, WavePlaying
+from modallab.bench.abilities import DrivesSeveralShakers, PlaysWaves
 from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 
 Kind = Literal["dead", "frozen", "unplugged", "clipped", "swapped"]
@@ -97,12 +97,12 @@ class FaultyBench:
 
     def play_wave(self, wave: Waveform) -> int:
         """As the bench does; a wave counts as a burst."""
-        assert isinstance(self._bench, WavePlaying)
+        assert isinstance(self._bench, PlaysWaves)
         return self._begun(self._bench.play_wave(wave), wave)
 
     def play_waves(self, waves: Sequence[Waveform]) -> int:
         """As the bench does; waves of several shakers count as one burst."""
-        assert isinstance(self._bench, ShakersPlayingTogether)
+        assert isinstance(self._bench, DrivesSeveralShakers)
         return self._begun(self._bench.play_waves(waves), waves[0])
 
     def prompt_hit(self, point: int) -> None:

@@ -40,7 +40,7 @@ GENERATOR_FAULTS = (
 
 
 @dataclass(slots=True)
-class Armed:
+class ArmedFault:
     """A fault that waits for its call.
 
     Attributes:
@@ -60,13 +60,13 @@ class FaultPlan:
     """Faults armed for calls, in the order they were armed."""
 
     def __init__(self) -> None:
-        self._armed: deque[Armed] = deque()
+        self._armed: deque[ArmedFault] = deque()
 
-    def arm(self, fault: Armed) -> None:
+    def arm(self, fault: ArmedFault) -> None:
         """Let a fault wait."""
         self._armed.append(fault)
 
-    def due(self, call: str) -> Armed | None:
+    def due(self, call: str) -> ArmedFault | None:
         """The fault for a call that is being made, if one waits for it."""
         for fault in self._armed:
             if fault.call == call and fault.times > 0:

@@ -12,19 +12,19 @@ if TYPE_CHECKING:
     from modallab.formats.fem.matrix_model import MatrixModel
     from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
     from modallab.modification.coupled import CouplingToStructure
-    from modallab.notebook.correlated import Correlated, CorrelatedModes, UpdatedModel
-    from modallab.notebook.driven import driven
-    from modallab.notebook.gap import Agreement, GapFound, agreement, diagnose
+    from modallab.notebook.display import DisplayedResult
+    from modallab.notebook.driven_records import driven
+    from modallab.notebook.gap import Agreement, GapDiagnosis, agreement, diagnose
     from modallab.notebook.identify import identify
-    from modallab.notebook.measured import MeasuredFrf, frf
+    from modallab.notebook.measured_frf import MeasuredFrf, frf
     from modallab.notebook.model import Model
+    from modallab.notebook.model_behaviour import DeflectionShape, ModelBehaviour
+    from modallab.notebook.model_comparison import CorrelatedModes, ModelComparison, UpdatedModel
+    from modallab.notebook.model_predictions import ChangedModel, ModelPredictions
     from modallab.notebook.predicted_motion import PredictedMotion
-    from modallab.notebook.put_to_use import ChangedModel, ModelUses
     from modallab.notebook.recording import Recording, load, responses
-    from modallab.notebook.shown import DisplayedResult
     from modallab.notebook.simulate import simulate
     from modallab.notebook.twin import DiagnosedTwin
-    from modallab.notebook.understood import DeflectionShape, ModelBehaviour
     from modallab.updating.prior import Prior
 
 __version__ = "0.1.0"
@@ -32,20 +32,20 @@ __version__ = "0.1.0"
 __all__ = [
     "Agreement",
     "ChangedModel",
-    "Correlated",
     "CorrelatedModes",
     "CouplingToStructure",
     "DeflectionShape",
     "DiagnosedTwin",
     "DisplayedResult",
     "Element",
-    "GapFound",
+    "GapDiagnosis",
     "ImpulseForce",
     "MatrixModel",
     "MeasuredFrf",
     "Model",
     "ModelBehaviour",
-    "ModelUses",
+    "ModelComparison",
+    "ModelPredictions",
     "PredictedMotion",
     "Prior",
     "RandomForce",
@@ -72,19 +72,19 @@ __getattr__ = lazy_getattr(
         "core.documents.forces": ("ImpulseForce", "RandomForce", "SineForce", "SweepForce"),
         "modification.attachments": ("Element", "RigidLink", "TunedAbsorber"),
         "modification.coupled": ("CouplingToStructure",),
-        "notebook.understood": ("DeflectionShape", "ModelBehaviour"),
-        "notebook.shown": ("DisplayedResult",),
+        "notebook.model_behaviour": ("DeflectionShape", "ModelBehaviour"),
+        "notebook.display": ("DisplayedResult",),
         "notebook.predicted_motion": ("PredictedMotion",),
-        "notebook.put_to_use": ("ChangedModel", "ModelUses"),
-        "notebook.gap": ("Agreement", "GapFound", "agreement", "diagnose"),
-        "notebook.measured": ("MeasuredFrf", "frf"),
+        "notebook.model_predictions": ("ChangedModel", "ModelPredictions"),
+        "notebook.gap": ("Agreement", "GapDiagnosis", "agreement", "diagnose"),
+        "notebook.measured_frf": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model",),
         "notebook.identify": ("identify",),
-        "notebook.correlated": ("Correlated", "CorrelatedModes", "UpdatedModel"),
+        "notebook.model_comparison": ("ModelComparison", "CorrelatedModes", "UpdatedModel"),
         "updating.prior": ("Prior",),
         "formats.fem.matrix_model": ("MatrixModel",),
         "notebook.recording": ("Recording", "load", "responses"),
-        "notebook.driven": ("driven",),
+        "notebook.driven_records": ("driven",),
         "notebook.simulate": ("simulate",),
         "notebook.twin": ("DiagnosedTwin",),
     },

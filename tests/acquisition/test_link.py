@@ -3,7 +3,7 @@
 import multiprocessing
 import time
 
-from modallab.acquisition.process.link import Abort, Close, Ended, Link, OwnerHeartbeat, RunPlan, Stop
+from modallab.acquisition.process.link import Abort, CloseOrder, Link, OwnerHeartbeat, RunEnded, RunPlan, Stop
 from modallab.acquisition.process.ready import Order
 from modallab.core.plan import ImpactPlan
 
@@ -25,7 +25,7 @@ def test_orders_come_through_and_a_new_run_forgets_the_last_ones() -> None:
     assert link.order() is None
     mine.send(Stop())
     assert waited_for(link, "stop")
-    mine.send(Close())
+    mine.send(CloseOrder())
     assert link.next_plan() is None
     mine.close()
 
@@ -54,9 +54,9 @@ def test_reports_never_wait_for_an_owner_that_does_not_listen() -> None:
     link = Link(theirs)
     begin, began = time.monotonic(), time.thread_time()
     for _ in range(20000):
-        link.send(Ended(None))
+        link.send(RunEnded(None))
     assert time.thread_time() - began < 2.0
     # The shortest wait of a system, a millisecond, for each would be twice that; a busy machine takes a part of it.
     assert time.monotonic() - begin < 10.0
-    assert mine.recv() == Ended(None)
+    assert mine.recv() == RunEnded(None)
     mine.close()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scripted_bench import ScriptedBench, scripted_rig
 
-from modallab.acquisition.monitor.burst_look import ExchangedChannels
+from modallab.acquisition.monitor.burst_windows import ExchangedChannels
 from modallab.acquisition.monitor.plausibility import KnownShapes, Plausibility
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
 from modallab.acquisition.monitor.tone_prediction import channel_faults, is_dead, predict_later_window, tone_basis

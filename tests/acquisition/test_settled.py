@@ -13,9 +13,9 @@ from modallab.acquisition.monitor.settled import (
     check_settled,
     floor_of,
     largest_ratio,
+    mean_sensor_motion,
     motion_decays,
     noise_limit,
-    own_motion,
     ringing_lines,
     sensor_motion,
 )
@@ -42,7 +42,7 @@ def check(samples: np.ndarray, floor: Floor) -> SettledCheck:
 
 def residual_ratio(before: np.ndarray, block: np.ndarray, floor: Floor) -> tuple[float, int]:
     moves, lines = ringing_lines(WindowLevels.of(before, floor.rms), floor)
-    return largest_ratio(moves, lines, own_motion(sensor_motion(block, before.shape[1], floor)))
+    return largest_ratio(moves, lines, mean_sensor_motion(sensor_motion(block, before.shape[1], floor)))
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from modallab.acquisition.procedures.broadband_wave import blocks_of_wave, layou
 from modallab.acquisition.procedures.driven_forces import drive_followed_by_each_force
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.process.run import record
-from modallab.bench.abilities import ShakersPlayingTogether
+from modallab.bench.abilities import DrivesSeveralShakers
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import BenchInfo
 from modallab.core.errors import PlanError, SafetyError, UnsupportedError
@@ -118,7 +118,7 @@ def test_a_bench_of_one_output_and_a_generator_say_that_they_cannot(both: Rig, l
             raise AssertionError(wave)
 
     bench = OneOutput(link_rig)
-    assert not isinstance(bench, ShakersPlayingTogether)
+    assert not isinstance(bench, DrivesSeveralShakers)
     with pytest.raises(UnsupportedError, match="drives one shaker, and the plan drives 2 at once"):
         require_waves(plan_of("random"), bench, both)
     require_waves(plan_of("random", shakers="first"), bench, both)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.acquisition.monitor.rest_noise import RestNoise
-from modallab.acquisition.monitor.wave_look import flat_tops
+from modallab.acquisition.monitor.wave_samples import flat_tops
 from modallab.acquisition.process.run import record, run_plan
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Chunk

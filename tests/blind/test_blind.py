@@ -9,9 +9,9 @@ import pytest
 import yaml
 from made_diagnosis import made_diagnosis
 
-from modallab.blind.answer import answer_all, read_answers
+from modallab.blind.answer import answer_trials, read_answers
 from modallab.blind.draw import NONE, PAIR, draw_trials
-from modallab.blind.outcome import BlindOutcome, sum_up_trials
+from modallab.blind.outcome import BlindOutcome, summarise_trials
 from modallab.blind.page import render
 from modallab.blind.request import BlindRequest
 from modallab.blind.run import blind_folder, run_blind_trials
@@ -112,7 +112,7 @@ def test_an_answer_that_was_cut_off_is_given_anew(answers: Path, tmp_path: Path)
     whole = (answers / "answers.jsonl").read_text(encoding="utf-8")
     out.write_text(whole + whole[:40], encoding="utf-8")
     assert [answer.name for answer in read_answers(out)] == ["one"]
-    assert answer_all({"one": answers / "campaigns" / "one.h5"}, out, None) == hash_of(whole)
+    assert answer_trials({"one": answers / "campaigns" / "one.h5"}, out, None) == hash_of(whole)
     out.write_text("{}\n", encoding="utf-8")
     with pytest.raises(FormatError, match="line 1: is no answer"):
         read_answers(out)
@@ -141,7 +141,7 @@ def test_the_outcome_sums_up_effect_by_effect(rig: Rig) -> None:
         _trial(rig, "missed", [TRUE_MASS]),
         _trial(rig, "strange", [NAMELESS]),
     ]
-    found = sum_up_trials(trials, "ab", "cd")
+    found = summarise_trials(trials, "ab", "cd")
     by_name = {e.effect: e for e in found.effects}
     assert by_name["added_mass"].said == {"added_mass": 1, "unknown": 1}
     assert (by_name["added_mass"].right, by_name["support_resonance"].right) == (1, 1)

@@ -8,7 +8,7 @@ import pytest
 from phased_line import model, rig
 
 from modallab.blind.measured.draw import MeasuredRequest
-from modallab.blind.measured.run import blind_on
+from modallab.blind.measured.run import run_trials_on
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.modification.frfs import receptances_of_model
@@ -25,16 +25,16 @@ def measured(degrees: float) -> Frf:
 
 @pytest.mark.thorough("ten identifications")
 def test_most_effects_are_named_and_nothing_done_is_no_gap(tmp_path: Path) -> None:
-    found = blind_on(measured(10.0), rig(), tmp_path, MeasuredRequest(trials=8, none=2, seed=1))
+    found = run_trials_on(measured(10.0), rig(), tmp_path, MeasuredRequest(trials=8, none=2, seed=1))
     assert sum(t.right for t in found.trials if t.effect != "none") >= 6
     assert all(t.said == "no_gap" for t in found.trials if t.effect == "none")
     with pytest.raises(DataError, match="other trials"):
-        blind_on(measured(10.0), rig(), tmp_path, MeasuredRequest(trials=1, none=1, seed=2))
+        run_trials_on(measured(10.0), rig(), tmp_path, MeasuredRequest(trials=1, none=1, seed=2))
 
 
 def test_a_trial_without_modes_is_counted_and_ends_nothing(tmp_path: Path) -> None:
     clean = measured(0.0)
     # Noise of which a mode can be found only where nothing drowns it.
     loud = replace(clean, variance=np.full(clean.values.shape, 1e4))
-    found = blind_on(loud, rig(), tmp_path, MeasuredRequest(trials=1, none=1, seed=1))
+    found = run_trials_on(loud, rig(), tmp_path, MeasuredRequest(trials=1, none=1, seed=1))
     assert [(t.said, t.right) for t in found.trials] == [("not_identified", False)] * 2

@@ -12,7 +12,7 @@ from pages import HOW_TO, PAGES, ROOT, Fenced, fenced, name, needs_service, to_r
 from twin_campaign import built
 
 from modallab.client import Client
-from modallab.core.documents.runs import RunNew, Stop
+from modallab.core.documents.runs import RunRequest, Stop
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.formats import write_export
@@ -71,7 +71,7 @@ class Reader:
         service = self.lab.service
         lease = self.lab.lease()
         # So many that on a busy machine, too, it is stopped before it has them all.
-        plan = RunNew(plan=ImpactPlan(points=(10,), hits=8))
+        plan = RunRequest(plan=ImpactPlan(points=(10,), hits=8))
         run = begin_run(service, self.variables["CAMPAIGN"], plan, lease.id)
         self.lab.wait_for(lambda e: e.run == run and e.kind == "block")
         self.lab.controllers.command(RIG, run, Stop(), lease.id)

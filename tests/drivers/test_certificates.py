@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.procedures.sensors import remarks_on
+from modallab.acquisition.procedures.sensors import sensor_remarks
 from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
 from modallab.core.errors import RigError
@@ -35,11 +35,11 @@ def certified(rig: Rig, index: int, **fields: object) -> Rig:
 def test_a_valid_certificate_is_not_remarked_on(rig: Rig):
     believed = rig.channels[3].sensitivity("impact")
     good = certified(rig, 3, sensitivity_v_per_unit=1.009 * believed, expires=TODAY)
-    assert remarks_on(good, "impact", TODAY) == []
+    assert sensor_remarks(good, "impact", TODAY) == []
 
 
 def test_an_expired_one_is_remarked_on_and_no_contradiction(rig: Rig):
-    (remark,) = remarks_on(certified(rig, 3, expires=date(2026, 5, 31)), "impact", TODAY)
+    (remark,) = sensor_remarks(certified(rig, 3, expires=date(2026, 5, 31)), "impact", TODAY)
     assert not remark.contradiction
     assert "K-1" in remark.what
     assert "2026-05-31" in remark.what
@@ -47,16 +47,16 @@ def test_an_expired_one_is_remarked_on_and_no_contradiction(rig: Rig):
 
 def test_another_sensor_or_another_sensitivity_is_a_contradiction(rig: Rig):
     believed = rig.channels[3].sensitivity("impact")
-    (other,) = remarks_on(certified(rig, 3, serial="9999"), "impact", TODAY)
+    (other,) = sensor_remarks(certified(rig, 3, serial="9999"), "impact", TODAY)
     assert other.contradiction
     off = certified(rig, 3, sensitivity_v_per_unit=1.02 * believed)
-    (wrong,) = remarks_on(off, "impact", TODAY)
+    (wrong,) = sensor_remarks(off, "impact", TODAY)
     assert wrong.contradiction
     assert "-1.96 %" in wrong.what
     # Calibrated on the bench since: that counts.
     name = rig.channels[3].name
     since = Calibration(date=date(2026, 3, 1), channel=name, method="reference", sensitivity_v_per_unit=1.0)
-    assert remarks_on(off.model_copy(update={"history": (since,)}), "impact", TODAY) == []
+    assert sensor_remarks(off.model_copy(update={"history": (since,)}), "impact", TODAY) == []
 
 
 def test_a_run_reports_what_is_expired_and_rejects_what_contradicts(rig: Rig, tmp_path: Path):
@@ -87,7 +87,7 @@ def test_sensors_say_themselves_which_they_are(rig: Rig):
     believed = rig.model_copy(update={"converter": converter, "channels": tuple(fed)})
     with NiServer(mounted, "9234") as server:
         bench = open_bench(server.url, believed)
-        remarks = remarks_on(believed, "impact", TODAY, bench)
+        remarks = sensor_remarks(believed, "impact", TODAY, bench)
         bench.close()
     # The force transducer has been changed; it has a data sheet as the others have.
     assert [remark.channel for remark in remarks] == [rig.channels[0].name]

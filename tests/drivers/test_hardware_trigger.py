@@ -8,7 +8,7 @@ from ni_server import NiServer
 
 from modallab.acquisition.monitor.run_states import Requests
 from modallab.acquisition.process.run import record, run_plan
-from modallab.bench.abilities import HardwareTriggered, ReferenceTrigger
+from modallab.bench.abilities import ReferenceTrigger, TriggersInHardware
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, Request
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, DeviceGoneError, PlanError
@@ -91,9 +91,9 @@ def test_a_bench_without_a_trigger_rejects_the_plan_naming_the_field(rig: Rig, t
         record(bench, rig, PLAN, store, lambda _: None)
 
 
-def armed(bench: Bench, rig: Rig, level: float, pre_trigger: int = 500) -> HardwareTriggered:
+def armed(bench: Bench, rig: Rig, level: float, pre_trigger: int = 500) -> TriggersInHardware:
     bench.configure(Request("impact", 2000.0))
-    assert isinstance(bench, HardwareTriggered)
+    assert isinstance(bench, TriggersInHardware)
     bench.arm(ReferenceTrigger(rig.force_channel.index, level, level / 2, pre_trigger, pre_trigger + 500))
     return bench
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.bench.recut import PASS, half_width, resample
+from modallab.bench.resampling import PASS, half_width, resample
 
 NI_GRID_HZ = 13.1072e6 / 256
 CASES = [

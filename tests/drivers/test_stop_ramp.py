@@ -11,10 +11,10 @@ import pytest
 from ni_server import NiServer
 from stop_trace import RATE_HZ, Stop, seen
 
-from modallab.bench.abilities import WavePlaying
-from modallab.bench.fall import FALL_S, fall_s, fall_samples
+from modallab.bench.abilities import PlaysWaves
 from modallab.bench.loader import open_bench, open_output
 from modallab.bench.protocol import Bench, Burst, Request, Waveform
+from modallab.bench.ramp_down import FALL_S, ramp_down_s, ramp_down_samples
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx import ramp_down
 
@@ -122,7 +122,7 @@ def test_a_stop_of_a_wave_at_a_random_moment_is_no_step(paced: NiServer, rig: Ri
     rng = np.random.default_rng()
     wave = wave_like_noise(rng)
     bench = opened(paced, rig)
-    assert isinstance(bench, WavePlaying)
+    assert isinstance(bench, PlaysWaves)
     bench.configure(Request("random", 2000.0))
     bench.start()
     bench.play_wave(wave)
@@ -156,7 +156,7 @@ def test_the_file_of_a_wave_is_there_while_it_plays_and_no_longer(
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     wave = wave_like_noise(np.random.default_rng())
     bench = opened(paced, rig)
-    assert isinstance(bench, WavePlaying)
+    assert isinstance(bench, PlaysWaves)
     bench.configure(Request("random", 2000.0))
     bench.start()
     bench.play_wave(wave)
@@ -185,11 +185,11 @@ def test_a_burst_that_has_ended_needs_no_fall(paced: NiServer, rig: Rig) -> None
 
 @pytest.mark.parametrize("from_v", [-5.0, -0.3, 0.0, 1.0, 5.0])
 def test_a_fall_begins_where_the_output_is_and_ends_at_exactly_0_v(from_v: float) -> None:
-    volts = fall_samples(from_v, 5.0, 51_200.0)
+    volts = ramp_down_samples(from_v, 5.0, 51_200.0)
     assert volts[0] == from_v
     assert volts[-1] == 0.0
     assert np.abs(volts[51:] - volts[:-51]).max(initial=0.0) <= MOST_PER_MS * 5.0 * 1.001
-    assert fall_s(from_v, 5.0) >= FALL_S
+    assert ramp_down_s(from_v, 5.0) >= FALL_S
 
 
 def rig_of_four(rig: Rig) -> Rig:

@@ -11,7 +11,7 @@ from two_shakers import TIP, two_shakers
 
 from modallab.acquisition.procedures.broadband_wave import layout_of, waves_of
 from modallab.acquisition.process.run import record
-from modallab.bench.abilities import ShakersPlayingTogether
+from modallab.bench.abilities import DrivesSeveralShakers
 from modallab.bench.loader import open_bench, open_output
 from modallab.bench.protocol import Bench, Burst, Request, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, SafetyError
@@ -72,7 +72,7 @@ def lag_of(volts: np.ndarray, wave: Waveform, start: int, rate_hz: float) -> tup
 
 def test_each_output_plays_its_own_wave_from_one_sample_on(cabled: NiServer, both: Rig) -> None:
     bench, rate_hz = started(cabled, both)
-    assert isinstance(bench, ShakersPlayingTogether)
+    assert isinstance(bench, DrivesSeveralShakers)
     start = bench.play_waves(WAVES)
     volts = bench.read(round((LAYOUT.end_s + 1.0) * rate_hz), 20.0).samples
     found = [lag_of(volts[row], wave, start, rate_hz) for row, wave in enumerate(WAVES)]
@@ -85,7 +85,7 @@ def test_each_output_plays_its_own_wave_from_one_sample_on(cabled: NiServer, bot
 
 def test_one_wave_or_a_burst_plays_on_the_first_output_alone(cabled: NiServer, both: Rig) -> None:
     bench, rate_hz = started(cabled, both)
-    assert isinstance(bench, ShakersPlayingTogether)
+    assert isinstance(bench, DrivesSeveralShakers)
     bench.play_wave(WAVES[0])
     volts = bench.read(round((LAYOUT.end_s + 1.0) * rate_hz), 20.0).samples
     assert volts[0].std() > 0.1
@@ -100,7 +100,7 @@ def test_one_wave_or_a_burst_plays_on_the_first_output_alone(cabled: NiServer, b
 @pytest.mark.parametrize("way", ["zero", "stop"])
 def test_both_outputs_fall_together(cabled: NiServer, both: Rig, way: str) -> None:
     bench, rate_hz = started(cabled, both)
-    assert isinstance(bench, ShakersPlayingTogether)
+    assert isinstance(bench, DrivesSeveralShakers)
     slow = [Waveform(a * np.sin(np.linspace(0, np.pi, 20001)) * np.sin(np.pi * 0.5), 5000.0) for a in (2.0, -3.0)]
     for wave in slow:
         wave.samples[[0, -1]] = 0.0
@@ -121,7 +121,7 @@ def test_both_outputs_fall_together(cabled: NiServer, both: Rig, way: str) -> No
 
 def test_waves_that_cannot_go_together_are_rejected_with_their_numbers(cabled: NiServer, both: Rig) -> None:
     bench, _ = started(cabled, both)
-    assert isinstance(bench, ShakersPlayingTogether)
+    assert isinstance(bench, DrivesSeveralShakers)
     short = Waveform(WAVES[1].samples[:-10].copy(), WAVES[1].rate_hz)
     short.samples[-1] = 0.0
     with pytest.raises(ConfigurationError, match="one rate and one length"):
@@ -171,7 +171,7 @@ def test_who_ends_them_from_outside_brings_both_outputs_to_zero(both: Rig, way: 
     guarded = both.model_copy(update={"excitation": Excitation(watchdog_s=1.5 if way == "watchdog" else 5.0)})
     with NiServer(both, "9215", "--pace", virtual=False) as server:
         bench, _ = started(server, guarded)
-        assert isinstance(bench, ShakersPlayingTogether)
+        assert isinstance(bench, DrivesSeveralShakers)
         bench.play_waves(WAVES)
         # A watchdog would not wait for one long read.
         for _ in range(60):

@@ -8,7 +8,7 @@ from ni_server import NiServer
 
 from modallab.acquisition.procedures.broadband_wave import layout_of, wave_of
 from modallab.acquisition.process.run import record
-from modallab.bench.abilities import WavePlaying
+from modallab.bench.abilities import PlaysWaves
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Request, Waveform
 from modallab.core.errors import ConfigurationError, UnsupportedError
@@ -24,7 +24,7 @@ PLAN = BroadbandPlan(signal="pseudo-random", levels_v={"low": 0.5}, blocks=3, se
 def test_a_wave_is_played_as_it_was_computed_and_ends_at_zero(rig: Rig):
     with NiServer(rig, "9215", "--cables") as server:
         bench = open_bench(server.url, rig)
-        assert isinstance(bench, WavePlaying)
+        assert isinstance(bench, PlaysWaves)
         rate_hz = bench.configure(Request("pseudo-random", RATE_HZ)).rate_hz
         bench.start()
         bench.read(400, 2.0)

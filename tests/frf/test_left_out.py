@@ -5,7 +5,7 @@ import pytest
 
 from modallab.core.block import Block
 from modallab.core.errors import DataError
-from modallab.frf.left_out import distortions_at_undriven_lines, leaves_lines_out
+from modallab.frf.undriven_lines import distortions_at_undriven_lines, has_undriven_lines
 from modallab.identification.selection.assumptions import linearity_of_waves
 from modallab.signals.signals import Signals
 
@@ -66,7 +66,7 @@ def test_what_the_force_itself_holds_there_is_not_the_structures() -> None:
 
 def test_a_drive_of_all_lines_leaves_none_out() -> None:
     every = blocks(lambda u: u, grid=lambda _: np.arange(1, N // 2))
-    assert not leaves_lines_out(every, BAND)
+    assert not has_undriven_lines(every, BAND)
     with pytest.raises(DataError, match="0 odd lines are driven by one wave and left out by another, 0 even"):
         distortions_at_undriven_lines(every, BAND)
 

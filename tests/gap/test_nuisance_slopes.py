@@ -11,7 +11,7 @@ from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import Nuisances, nuisances
-from modallab.gap.report.moved import moved_numbers
+from modallab.gap.report.fitted_numbers import fitted_numbers
 
 RIG = link().model_copy(update={"tolerance": Tolerance.usual()})
 FREE: Nuisances = nuisances(RIG, 260.0, [(0.6, 2), (1.0, 2), (0.3, 2)])
@@ -34,7 +34,7 @@ def slopes(data: Reduced) -> tuple[Problem, np.ndarray, np.ndarray]:
 
 NAMES = [
     f"{m.name} {m.place}".strip()
-    for m in moved_numbers(Problem(Reduced(RIG, (), None, (), np.zeros(0), 1.0), FREE), np.zeros(FREE.size))
+    for m in fitted_numbers(Problem(Reduced(RIG, (), None, (), np.zeros(0), 1.0), FREE), np.zeros(FREE.size))
 ]
 
 

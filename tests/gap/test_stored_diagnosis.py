@@ -1,6 +1,6 @@
 """A diagnosis that an earlier version wrote is read."""
 
-from modallab.core.diagnosis import Calibrated, CandidateSet, Diagnosis, Gap, Shrink, Where
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Gap, Shrinkage, TwinParameters, Where
 
 
 def test_a_diagnosis_of_version_1_is_read() -> None:
@@ -15,9 +15,9 @@ def test_a_diagnosis_of_version_1_is_read() -> None:
         where=Where(stage=None, channels=[], x_m=None, tests=[], bands=[], share=0.0, why=[]),
         effects=[],
         candidates=[CandidateSet(effects=["polarity"], probability=0.1, gap=2.0)],
-        shrink=Shrink(held_out=[], before=2.0, after=1.0, closed=None, interval=None, rival={}),
+        shrink=Shrinkage(held_out=[], before=2.0, after=1.0, closed=None, interval=None, rival={}),
         next_experiment="",
-        twin=Calibrated(
+        twin=TwinParameters(
             youngs_modulus_pa=2e11, thickness_m=5e-3, density_kg_m3=7850, zeta=[0.01], residual_compliance=0.3
         ),
         notes=[],

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from lab import RIG, Lab
 
-from modallab.core.documents.queue import QueueItemNew
-from modallab.core.documents.results import JobNew
-from modallab.core.documents.runs import RunNew
-from modallab.core.documents.users import TokenNew, UserNew
+from modallab.core.documents.queue import QueueItemRequest
+from modallab.core.documents.results import JobRequest
+from modallab.core.documents.runs import RunRequest
+from modallab.core.documents.users import TokenRequest, UserRequest
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.jobs.job import Kind
@@ -37,14 +37,14 @@ def furnish(folder: Path, rig: Rig, database: str | None = None) -> Lab:
         campaign = lab.campaign("with a model")
         lab.campaign("with nothing")
         lease = lab.lease()
-        run = begin_run(lab.service, campaign, RunNew(plan=ImpactPlan(points=(10, 6, 3), hits=2)), lease.id)
+        run = begin_run(lab.service, campaign, RunRequest(plan=ImpactPlan(points=(10, 6, 3), hits=2)), lease.id)
         lab.wait_for_ended(run)
         lab.wait_until_idle()
         lab.service.leases.release(RIG, lease.id)
         _compute(lab)
-        order_job(lab.service, campaign, "report", JobNew(), "Ada")
+        order_job(lab.service, campaign, "report", JobRequest(), "Ada")
         _let_people_in(lab)
-        new = QueueItemNew(campaign=campaign, plan=ImpactPlan(points=(10,)))
+        new = QueueItemRequest(campaign=campaign, plan=ImpactPlan(points=(10,)))
         queue_run(lab.service, state_of(lab.service, RIG), new, "Ada")
     except BaseException:
         lab.close()
@@ -55,8 +55,8 @@ def furnish(folder: Path, rig: Rig, database: str | None = None) -> Lab:
 def _let_people_in(lab: Lab) -> None:
     users = Users(lab.service.engine)
     for name in ("Olga", "Otto"):
-        users.add(UserNew(name=name), "Ada")
-        users.make_token(name, TokenNew(), "Ada")
+        users.add(UserRequest(name=name), "Ada")
+        users.make_token(name, TokenRequest(), "Ada")
 
 
 def _compute(lab: Lab) -> None:

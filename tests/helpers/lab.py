@@ -12,7 +12,7 @@ import uvicorn
 
 from modallab.core.documents.pages import EventView
 from modallab.core.documents.rigs import Lease
-from modallab.core.documents.runs import CampaignNew
+from modallab.core.documents.runs import CampaignRequest
 from modallab.core.events import RunState
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
@@ -70,7 +70,7 @@ class Lab:
 
     def campaign(self, name: str = "a session") -> str:
         """A new campaign's id."""
-        return self.service.repository.create(CampaignNew(name=name, rig=RIG), "Ada").id
+        return self.service.repository.create(CampaignRequest(name=name, rig=RIG), "Ada").id
 
     def wait_for(self, happened: Callable[[EventView], bool], after: int = 0, within_s: float = 240.0) -> EventView:
         """The first event for which `happened`."""

@@ -1,6 +1,6 @@
 """A diagnosis as a document, without a search."""
 
-from modallab.core.diagnosis import Calibrated, Diagnosis, Found, Gap, Shrink, Verdict, Where
+from modallab.core.diagnosis import Diagnosis, Found, Gap, Shrinkage, TwinParameters, Verdict, Where
 from modallab.core.effects import Effect, kind_of
 from modallab.core.places import AlongBeam
 from modallab.core.rig import Rig
@@ -34,7 +34,7 @@ def made_diagnosis(rig: Rig, *effects: Effect, verdict: Verdict = "known", proba
         where=Where(stage=stage, channels=[], x_m=x, tests=["impact"], bands=[], share=1.0, why=[]),
         effects=found,
         candidates=[],
-        shrink=Shrink(
+        shrink=Shrinkage(
             held_out=["impact_p10_0", "impact_p10_1"],
             before=300.0,
             after=1.1,
@@ -43,7 +43,7 @@ def made_diagnosis(rig: Rig, *effects: Effect, verdict: Verdict = "known", proba
             rival={},
         ),
         next_experiment="",
-        twin=Calibrated(
+        twin=TwinParameters(
             youngs_modulus_pa=2.06e11,
             thickness_m=rig.beam.thickness_m,
             density_kg_m3=7840.0,

@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.fall import MOST_PER_S
+from modallab.bench.ramp_down import MOST_PER_S
 
 RATE_HZ = 51_200.0
 HOLD = 25

@@ -16,7 +16,7 @@ from modallab.modification.known import KnownStructure
 from modallab.modification.modified import passive_damping
 from modallab.modification.remainder import intervals_of_rest
 from modallab.modification.structure import structure_of
-from modallab.reporting.modified_table import modified_rows
+from modallab.reporting.modification_table import modified_rows
 
 HZ = np.linspace(5.0, 60.0, 40)
 S = 2j * np.pi * HZ

@@ -17,8 +17,8 @@ from modallab.modification.deflection import mode_deflection, motion_in_space, o
 from modallab.modification.known import KnownStructure
 from modallab.modification.nodes import places_of_modes
 from modallab.modification.participation import ModalParticipation, modal_participation
+from modallab.reporting.behaviour_table import correlation_rows, node_rows
 from modallab.reporting.figures.deflection import FRAMES, Drawing
-from modallab.reporting.understood_table import correlation_rows, node_rows
 from modallab.updating.correlation import correlate_models
 
 FREEDOMS = tuple((p, "z") for p in (1, 2, 3, 4))

@@ -8,7 +8,7 @@ from twin_campaign import built, link
 
 from modallab.core.block import Campaign
 from modallab.core.budget import Budget, BudgetRow
-from modallab.core.diagnosis import CandidateSet, Diagnosis, Percent
+from modallab.core.diagnosis import CandidateSet, Diagnosis, ResponseShare
 from modallab.core.effects import Effect
 from modallab.core.places import AlongBeam
 from modallab.core.rig import Rig
@@ -51,9 +51,9 @@ def diagnosis(rig: Rig, campaign: Campaign) -> Diagnosis:
             "by_channel": {name: 200.0 + k for k, name in enumerate(names)},
             "after_by_channel": dict.fromkeys(names, 1.0),
             "by_record": {b.name: 100.0 for b in campaign.blocks} | {"impact_p10": 90.0},
-            "share_nominal": Percent(at_resonance=0.94, away=0.13),
-            "share_before": Percent(at_resonance=0.5, away=0.071),
-            "share_after": Percent(at_resonance=0.00005, away=None),
+            "share_nominal": ResponseShare(at_resonance=0.94, away=0.13),
+            "share_before": ResponseShare(at_resonance=0.5, away=0.071),
+            "share_after": ResponseShare(at_resonance=0.00005, away=None),
         }
     )
     rows = [

@@ -7,7 +7,7 @@ from modallab.cli.demo import demo_rig
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab_simulators.cantilever.address import Settings, parse
-from modallab_simulators.cantilever.altered import DRIFT_S, Altered
+from modallab_simulators.cantilever.altered import DRIFT_S, AlteredBench
 from modallab_simulators.cantilever.loads import Drive
 from modallab_simulators.cantilever.stream import Site
 from modallab_simulators.cantilever.truth import MOST, NOISE, as_built, draw_truth
@@ -27,7 +27,7 @@ def test_the_address_says_how_well_a_bench_is_built() -> None:
 
 def test_all_is_drawn_within_three_deviations_and_again_by_the_same_seed(rig: Rig) -> None:
     t = rig.tolerance
-    one, again, other = (as_built(Altered(), rig, t, seed, None) for seed in (7, 7, 8))
+    one, again, other = (as_built(AlteredBench(), rig, t, seed, None) for seed in (7, 7, 8))
     assert one.chain.gain == again.chain.gain != other.chain.gain
     gains = np.array(list(one.chain.gain.values())) - 1
     assert 0 < np.max(np.abs(gains)) <= MOST * t.sensitivity
@@ -41,7 +41,7 @@ def test_all_is_drawn_within_three_deviations_and_again_by_the_same_seed(rig: Ri
 
 
 def test_a_rig_file_without_tolerances_of_assembly_leaves_an_ideal_one(rig: Rig) -> None:
-    bare = as_built(Altered(), rig, Tolerance(sensitivity=0.0), 7, None)
+    bare = as_built(AlteredBench(), rig, Tolerance(sensitivity=0.0), 7, None)
     assert set(bare.chain.gain.values()) == {1.0}
     assert bare.structure.waves == bare.structure.attachments == bare.structure.dampers == ()
 
@@ -67,5 +67,5 @@ def test_the_beam_goes_on_moving_as_it_did_while_its_stiffness_drifts(rig: Rig, 
         after = site.age(share * DRIFT_S)
         assert after is not before
         seen, _ = before.advance(state, [])
-        goes_on, _ = after.advance(after.taken_over(before, state), [])
+        goes_on, _ = after.advance(after.state_from(before, state), [])
         assert np.abs(goes_on - seen)[:, 0].max() < 0.05 * np.abs(seen).max()

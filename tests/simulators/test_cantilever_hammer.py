@@ -14,7 +14,7 @@ from modallab_simulators.cantilever.hammer import (
     REBOUND_S,
     WEAK_N,
     WIDTH_S,
-    Contact,
+    ContactPulse,
     Hit,
     draw_swing,
 )
@@ -42,7 +42,7 @@ def hit(bench: Bench, point: int) -> np.ndarray:
 
 
 def test_a_pulse_is_smooth_and_ends():
-    pulse = Contact(0.1, 0.004, 80.0)
+    pulse = ContactPulse(0.1, 0.004, 80.0)
     times = np.linspace(0.09, 0.12, 3001)
     force = pulse.force(times)
     assert force.max() == pytest.approx(80.0, rel=1e-6)
@@ -52,7 +52,7 @@ def test_a_pulse_is_smooth_and_ends():
 
 
 def test_a_hit_of_two_contacts_is_their_sum():
-    first, second = Contact(0.1, 0.004, 80.0), Contact(0.13, 0.004, 20.0)
+    first, second = ContactPulse(0.1, 0.004, 80.0), ContactPulse(0.13, 0.004, 20.0)
     both = Hit(0.5, (first, second))
     times = np.linspace(0.09, 0.15, 500)
     np.testing.assert_array_equal(both.force(times), first.force(times) + second.force(times))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from modallab_simulators.cantilever.basis import ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.hammer import Contact
+from modallab_simulators.cantilever.hammer import ContactPulse
 from modallab_simulators.cantilever.loads import BLOCK, Drive, Output
 from modallab_simulators.cantilever.recursion import DELAY, lowpass
 from modallab_simulators.cantilever.structure import Structure
@@ -27,7 +27,7 @@ def basis(rate_hz: float, zeta: float) -> ModalBasis:
     return ModalBasis(BEAM, BEAM.omega(count), np.full(count, zeta))
 
 
-def strike(structure: Any, rate_hz: float, x_m: float, contact: Contact, blocks: int) -> tuple[Floats, Any]:
+def strike(structure: Any, rate_hz: float, x_m: float, contact: ContactPulse, blocks: int) -> tuple[Floats, Any]:
     state, pieces = structure.at_rest, []
     for block in range(blocks):
         first, count = structure.times(block)
@@ -51,7 +51,7 @@ def test_response_to_a_hit_is_the_analytic_response(rate_hz: float, point: int):
     modes = basis(rate_hz, 0.03)
     structure = Structure(modes, OUTPUTS, rate_hz, oversampling(rate_hz))
     blocks = math.ceil(45 * rate_hz / BLOCK)
-    contact = Contact(0.0123, max(0.0015, 1.6 / rate_hz), 100.0)
+    contact = ContactPulse(0.0123, max(0.0015, 1.6 / rate_hz), 100.0)
     seen, _ = strike(structure, rate_hz, float(X[point]), contact, blocks)
     f = np.fft.rfftfreq(seen.shape[1], 1 / rate_hz)
     spectra = np.fft.rfft(seen, axis=1)
@@ -70,7 +70,7 @@ def test_velocity_displacement_and_voltage_are_seen_alike():
     state, pieces = structure.at_rest, []
     for block in range(94):
         first, count = structure.times(block)
-        force = Contact(0.02, 0.002, 50.0).force(np.arange(first, first + count) / 8000)
+        force = ContactPulse(0.02, 0.002, 50.0).force(np.arange(first, first + count) / 8000)
         seen, state = structure.advance(state, [Drive(float(X[3]), force, 4.0)] if force.any() else [])
         pieces.append(seen)
     spectra = np.fft.rfft(np.concatenate(pieces, axis=1), axis=1)
@@ -88,7 +88,7 @@ def test_velocity_displacement_and_voltage_are_seen_alike():
 def test_reciprocity():
     modes = basis(2000.0, 0.005)
     structure = Structure(modes, OUTPUTS, 2000.0, 4)
-    contact = Contact(0.01, 0.003, 80.0)
+    contact = ContactPulse(0.01, 0.003, 80.0)
     at_three, _ = strike(structure, 2000.0, float(X[2]), contact, 3)
     at_ten, _ = strike(structure, 2000.0, float(X[9]), contact, 3)
     np.testing.assert_allclose(at_three[10], at_ten[3], rtol=0, atol=1e-10 * np.abs(at_ten).max())
@@ -98,7 +98,7 @@ def test_energy_of_every_mode_is_what_the_hit_put_in():
     """Undamped, a hit leaves |z| = phi |F(omega)| in each mode; F of a sin^2 pulse in closed form."""
     modes = basis(2000.0, 1e-12)
     structure = Structure(modes, OUTPUTS, 2000.0, 4)
-    contact = Contact(0.01, 0.004, 80.0)
+    contact = ContactPulse(0.01, 0.004, 80.0)
     _, state = strike(structure, 2000.0, float(X[9]), contact, 2)
     turns = modes.omega * contact.width_s / (2 * math.pi)
     pulse = contact.peak_n * contact.width_s / 2 * np.abs(np.sinc(turns) / (1 - turns**2))
@@ -114,7 +114,7 @@ def test_free_decay_is_exact():
     modes = basis(2000.0, 0.02)
     modes = ModalBasis(BEAM, modes.omega, np.where(np.arange(len(modes.omega)) == 0, 0.004, 0.19))
     structure = Structure(modes, OUTPUTS, 2000.0, 4)
-    seen, _ = strike(structure, 2000.0, float(X[9]), Contact(0.01, 0.004, 80.0), 10)
+    seen, _ = strike(structure, 2000.0, float(X[9]), ContactPulse(0.01, 0.004, 80.0), 10)
     y = seen[10, 4 * BLOCK :]
     pole = np.exp(modes.poles[0] / 2000.0)
     residue = y[2:] - 2 * pole.real * y[1:-1] + abs(pole) ** 2 * y[:-2]
@@ -148,7 +148,7 @@ def test_superposition_of_two_forces():
     structure = Structure(modes, OUTPUTS, 2000.0, 4)
     first, count = structure.times(0)
     times = np.arange(first, first + count) / 8000
-    a = Drive(float(X[9]), Contact(0.05, 0.003, 50.0).force(times))
+    a = Drive(float(X[9]), ContactPulse(0.05, 0.003, 50.0).force(times))
     b = Drive(float(X[3]), np.sin(2 * math.pi * 50 * times) * (times > 0))
     both, _ = structure.advance(structure.at_rest, [a, b])
     alone = sum(structure.advance(structure.at_rest, [d])[0] for d in (a, b))

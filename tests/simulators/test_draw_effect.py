@@ -10,7 +10,7 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
 from modallab_simulators.cantilever.blind_trials import GAP_RANGE, draw_effect, draw_gap
-from modallab_simulators.cantilever.gap_size import Ruler, solve
+from modallab_simulators.cantilever.gap_size import GapMeter, solve
 
 
 @pytest.fixture(scope="module")
@@ -20,23 +20,23 @@ def link() -> Rig:
 
 
 @pytest.fixture(scope="module")
-def ruler(link: Rig) -> Ruler:
-    return Ruler(link, 4)
+def ruler(link: Rig) -> GapMeter:
+    return GapMeter(link, 4)
 
 
 def gain(value: float) -> tuple[Effect, ...]:
     return (Effect(effect="gain_error", parameters={"gain": value}, place={"channel": 5}),)
 
 
-def test_nothing_opens_no_gap(ruler: Ruler):
+def test_nothing_opens_no_gap(ruler: GapMeter):
     assert ruler.gap(()) < 0.01
 
 
-def test_a_small_effect_of_twice_the_size_opens_twice_the_gap(ruler: Ruler):
+def test_a_small_effect_of_twice_the_size_opens_twice_the_gap(ruler: GapMeter):
     assert ruler.gap(gain(1.02)) == pytest.approx(2 * ruler.gap(gain(1.01)), rel=1e-3)
 
 
-def test_noise_of_one_channel_is_counted_without_being_drawn(ruler: Ruler, link: Rig):
+def test_noise_of_one_channel_is_counted_without_being_drawn(ruler: GapMeter, link: Rig):
     noisy = Effect(effect="noisy_channel", parameters={"factor": 11.0}, place={"channel": 5})
     converter = link.converter
     assert converter is not None
@@ -45,7 +45,7 @@ def test_noise_of_one_channel_is_counted_without_being_drawn(ruler: Ruler, link:
 
 
 @pytest.mark.thorough("draws an effect of a stated gap")
-def test_the_requested_gap_is_met(link: Rig, ruler: Ruler):
+def test_the_requested_gap_is_met(link: Rig, ruler: GapMeter):
     drawn = draw_effect(link, 4, "gain_error", 3.0)
     assert drawn.gap == pytest.approx(3.0, rel=0.05)
     assert ruler.gap((drawn.effect,)) == pytest.approx(drawn.gap, rel=1e-6)

@@ -11,7 +11,7 @@ from scipy.optimize import brentq, newton
 from modallab_simulators.cantilever.assembled import PreloadedModes
 from modallab_simulators.cantilever.attached import Absorber, AttachedModes, Attachment
 from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.cracked import HALF_WIDTH, CrackedBeam, Loss
+from modallab_simulators.cantilever.cracked import HALF_WIDTH, CrackedBeam, LocalStiffnessLoss
 from modallab_simulators.cantilever.modes import DampedBasis, Damper, Modes
 from modallab_simulators.cantilever.side_modes import TorsionBar
 
@@ -87,7 +87,7 @@ def test_many_light_masses_are_a_heavier_beam():
     np.testing.assert_allclose(AttachedModes(BEAM, places).omega(4), BEAM.omega(4) / sqrt(1.2), rtol=2e-4)
 
 
-def shot(loss: Loss, omega: float) -> float:
+def shot(loss: LocalStiffnessLoss, omega: float) -> float:
     """Determinant of moment and shear at the tip, of two solutions shot from the clamp."""
     width = HALF_WIDTH * L
 
@@ -103,7 +103,7 @@ def shot(loss: Loss, omega: float) -> float:
 
 @pytest.mark.parametrize(("x", "share"), [(0.25, 0.75), (0.02, 0.6), (0.6, 0.95)])
 def test_loss_of_stiffness_against_shooting(x: float, share: float):
-    loss = Loss(x * L, share)
+    loss = LocalStiffnessLoss(x * L, share)
     for omega in CrackedBeam(BEAM, [loss]).omega(4):
         assert brentq(lambda w: shot(loss, w), omega * 0.999, omega * 1.001, rtol=1e-9) == pytest.approx(
             omega, rel=1e-6
@@ -112,7 +112,7 @@ def test_loss_of_stiffness_against_shooting(x: float, share: float):
 
 def test_a_shallow_loss_follows_the_curvature():
     """Rayleigh: the share of a mode's strain energy that is lost."""
-    loss, s = Loss(0.3 * L, 1e-4), np.linspace(0, L, 20_001)
+    loss, s = LocalStiffnessLoss(0.3 * L, 1e-4), np.linspace(0, L, 20_001)
     curvature = BEAM.shapes(s, 6, 2)
     lost = EI * 1e-4 * np.exp(-(((s - loss.x_m) / (HALF_WIDTH * L)) ** 2))
     energy = np.trapezoid(lost[:, None] * curvature**2, s, axis=0)
@@ -122,7 +122,7 @@ def test_a_shallow_loss_follows_the_curvature():
 
 def structures() -> dict[str, Modes]:
     soft = CantileverBeam(L, EI, BEAM.mass_kg_m, 7.0)
-    cracked = CrackedBeam(BEAM, [Loss(0.2 * L, 0.7), Loss(0.5 * L, 0.3)])
+    cracked = CrackedBeam(BEAM, [LocalStiffnessLoss(0.2 * L, 0.7), LocalStiffnessLoss(0.5 * L, 0.3)])
     mixed = [Attachment(0.63 * L, mass=0.3 * M), Attachment(0.3 * L, stiffness=40 * K), Attachment(0.4 * L, 1, 0.0, KT)]
     return {
         "attached": AttachedModes(soft, mixed, 300 * K),

@@ -12,7 +12,7 @@ from added_effect import NAME, added, page_files
 import modallab.twin.effects as twin
 import modallab_simulators.cantilever.effects as bench
 from modallab.core.rig import Beam
-from modallab.gap.report.inspected import INSPECTIONS
+from modallab.gap.report.effect_inspection import INSPECTIONS
 from modallab.twin.effect_model import EffectModel, EffectSearch, NoChange
 from modallab_simulators.cantilever.effect_part import EffectPart
 
@@ -61,8 +61,10 @@ def _of_model(name: str, model: EffectModel) -> list[str]:
         "does not say whether a bench has it once: `once`": not isinstance(model.once, bool),
         "has a change of the twin and no `search`, or the other way round": isinstance(model.change, NoChange)
         is not (model.search is None),
-        "is predicted by no force: add an inspection to gap/report/inspected.py": inspected and name not in INSPECTIONS,
-        "has an inspection in gap/report/inspected.py and a change of the twin": not inspected and name in INSPECTIONS,
+        "is predicted by no force: add an inspection to gap/report/effect_inspection.py": inspected
+        and name not in INSPECTIONS,
+        "has an inspection in gap/report/effect_inspection.py and a change of the twin": not inspected
+        and name in INSPECTIONS,
         "names rivals that are no effects": any(
             r.effect and r.effect not in twin.effect_models() for r in model.rivals
         ),

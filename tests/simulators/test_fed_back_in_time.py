@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from test_cantilever_structure import BEAM, OUTPUTS, X, basis, receptance, strike
 
 from modallab_simulators.cantilever.feedback.elements import PointElement
-from modallab_simulators.cantilever.feedback.structure import FedStructure
-from modallab_simulators.cantilever.hammer import Contact
+from modallab_simulators.cantilever.feedback.structure import FeedbackStructure
+from modallab_simulators.cantilever.hammer import ContactPulse
 from modallab_simulators.cantilever.structure import Structure
 from modallab_simulators.cantilever.truth import oversampling
 
@@ -26,8 +26,8 @@ def struck(element: PointElement, point: int) -> NDArray[np.float64]:
     """All outputs after a hit, (outputs, samples)."""
     times = oversampling(RATE_HZ)
     linear = Structure(basis(RATE_HZ, 0.03), OUTPUTS, RATE_HZ, times)
-    fed = FedStructure(linear, [element], None, 1 / (RATE_HZ * times))
-    return strike(fed, RATE_HZ, float(X[point]), Contact(0.0123, 0.0015, 100.0), BLOCKS)[0]
+    fed = FeedbackStructure(linear, [element], None, 1 / (RATE_HZ * times))
+    return strike(fed, RATE_HZ, float(X[point]), ContactPulse(0.0123, 0.0015, 100.0), BLOCKS)[0]
 
 
 @pytest.mark.parametrize("stiffness", [0.3, 30.0])

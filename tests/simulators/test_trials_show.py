@@ -13,8 +13,8 @@ from modallab.gap.conditioning.reduce import reduce_blocks, thin_lines
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.report.effect_inspection import inspect_effects
 from modallab.gap.report.initial_gap import free_of, weights_of
-from modallab.gap.report.inspected import inspect_effects
 from modallab.gap.report.measure import squared_residuals
 from modallab.gap.search.fitting import Bench
 from modallab_simulators.cantilever.trial import HITS, LAST_ORDER, LEVELS_N, make_trial

@@ -9,8 +9,8 @@ import h5py
 import pytest
 from recording import INFO, PLAN, begin, noise, small_rig
 
+from modallab.core.child_process import FileLock
 from modallab.core.errors import DiskFullError, FormatError, StorageError
-from modallab.core.owned import Lease
 from modallab.storage import BlockNote, Store
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import file_system, require_local, require_space
@@ -150,7 +150,7 @@ def test_a_local_folder_is_allowed(tmp_path: Path) -> None:
 
 
 def test_a_lease_has_one_holder_until_it_lets_go(tmp_path: Path) -> None:
-    first, second = Lease(tmp_path / "lease"), Lease(tmp_path / "lease")
+    first, second = FileLock(tmp_path / "lease"), FileLock(tmp_path / "lease")
     assert first.acquire()
     assert not second.acquire()
     first.release()

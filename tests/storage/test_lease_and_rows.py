@@ -9,8 +9,8 @@ import pytest
 from recording import begin
 from sqlalchemy import text
 
+from modallab.core.child_process import FileLock
 from modallab.core.errors import RowDamagedError, StorageError
-from modallab.core.owned import Lease
 from modallab.storage import Store
 
 
@@ -19,7 +19,7 @@ def test_one_holds_the_lock_while_others_take_it_and_give_it_back(tmp_path: Path
 
     def hold() -> None:
         for n in range(300):
-            lease = Lease(path)
+            lease = FileLock(path)
             if not lease.acquire():
                 continue
             if not held.acquire(blocking=False):

@@ -14,7 +14,7 @@ from structures import Material
 
 from corpus.campaigns import Entry
 from corpus.sealed import SEALED, unsealed
-from modallab.blind.draw import TrialDraw, drawn_rig, make_trial, with_other_mounting
+from modallab.blind.draw import TrialDraw, draw_rig, make_trial, with_changed_mounting
 from modallab.blind.trial_bench import trial_bench
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
@@ -102,9 +102,9 @@ def measured(entry: Entry) -> tuple[Campaign, list[dict[str, Any]]]:
     if entry.drawn is None:
         draw = make_trial(TrialDraw(entry.id, entry.effect, int(entry.seed), entry.how), later=False)
         return draw.campaign, draw.truth["effects"]  # type: ignore[return-value]
-    seed, rig = int(entry.seed), drawn_rig(int(entry.seed))
+    seed, rig = int(entry.seed), draw_rig(int(entry.seed))
     if entry.how != "none":
-        rig = with_other_mounting(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
+        rig = with_changed_mounting(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
     effects = [as_effect(e) for e in entry.drawn]
     return trial_bench().make_trial(rig, seed, effects, entry.how)[0], entry.drawn
 

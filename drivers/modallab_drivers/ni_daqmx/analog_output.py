@@ -13,8 +13,8 @@ from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import BenchError, OutputLostError
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, typed_error, typed_errors
 from modallab_drivers.ni_daqmx.guards import after_expiry
-from modallab_drivers.ni_daqmx.ramp_down import DESCRIPTION, IDLE, Played, PlayedWave, fall_to_zero, write_zero
-from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
+from modallab_drivers.ni_daqmx.ramp_down import DESCRIPTION, IDLE, TaskSignal, TaskWave, ramp_down_to_zero, write_zero
+from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, retry_while_reserved
 from modallab_drivers.ni_daqmx.synchronise import REFERENCE_CLOCKS
 from modallab_drivers.output import burst_samples, wave_samples
 
@@ -52,12 +52,12 @@ class AnalogOutput:
         self._where = f"{route.address.url}, output {', '.join(self._physical)}"
         self._task: Any = None
         self._waves: NDArray[np.float64] = np.zeros((len(outputs), 1))
-        self._played: list[Played | PlayedWave] = []
+        self._played: list[TaskSignal | TaskWave] = []
         self.reference_clock = ""
         # After a death 0 V is better than the last value. A stop in good order needs the last value, for its fall.
         behaviour = AOIdleOutputBehavior
         self._idle = behaviour.MAINTAIN_EXISTING_VALUE if guarded else behaviour.ZERO_VOLTS
-        patiently(lambda: after_expiry(route, self._write_zero))
+        retry_while_reserved(lambda: after_expiry(route, self._write_zero))
 
     @property
     def range_v(self) -> float:
@@ -77,25 +77,25 @@ class AnalogOutput:
     def play(self, burst: Burst, now: int, rate_hz: float) -> None:
         """Write the whole burst to the first output and start it: from here on it ends without us."""
         requested = max(MIN_RATE_HZ, SAMPLES_A_CYCLE * burst.frequency_hz)
-        self._start(requested, lambda rate: [burst_samples(burst, rate)], lambda rate, _: [Played(burst, rate)])
+        self._start(requested, lambda rate: [burst_samples(burst, rate)], lambda rate, _: [TaskSignal(burst, rate)])
 
     def play_waves(self, waves: Sequence[Waveform]) -> None:
         """Write whole waves of one rate and length to the outputs and start them: from here on they end without us."""
         self._start(
             waves[0].rate_hz,
             lambda rate: [wave_samples(wave, rate) for wave in waves],
-            lambda rate, rows: [PlayedWave.kept(row, rate) for row in rows],
+            lambda rate, rows: [TaskWave.kept(row, rate) for row in rows],
         )
 
     def _start(
         self,
         requested: float,
         samples_at: Callable[[float], list[NDArray[np.float64]]],
-        played_at: Callable[[float, list[NDArray[np.float64]]], Sequence[Played | PlayedWave]],
+        played_at: Callable[[float, list[NDArray[np.float64]]], Sequence[TaskSignal | TaskWave]],
     ) -> None:
         self._drop()
         with typed_errors(self._where):
-            task = patiently(lambda: self._new(task_name(self._physical[0])))
+            task = retry_while_reserved(lambda: self._new(task_name(self._physical[0])))
             try:
                 count = len(samples_at(requested)[0])
                 task.timing.cfg_samp_clk_timing(requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=count)
@@ -108,7 +108,7 @@ class AnalogOutput:
                     )
                 task.out_stream.regen_mode = RegenerationMode.DONT_ALLOW_REGENERATION
                 self._played = list(played_at(rate, rows))
-                zeros = [Played.zeros(len(rows[0]), rate)] * (self.count - len(rows))
+                zeros = [TaskSignal.zeros(len(rows[0]), rate)] * (self.count - len(rows))
                 self._describe(task, [played.described() for played in (*self._played, *zeros)])
                 waves = np.zeros((self.count, len(rows[0])))
                 waves[: len(rows)] = rows
@@ -153,12 +153,12 @@ class AnalogOutput:
             # Where the device does not answer, or nobody knows what the output has come to, only a step is left.
             with suppress(Exception):
                 rate_hz = float(self._task.timing.samp_clk_rate)
-                fall_to_zero(self._task._interpreter, self._task._handle, self._physical, (self._waves, rate_hz))
+                ramp_down_to_zero(self._task._interpreter, self._task._handle, self._physical, (self._waves, rate_hz))
         self._drop()
         # A supervisor may be doing the same at this moment, and holds the output meanwhile.
         # And an expired watchdog holds it at 0 V.
         with suppress(WatchdogExpiredError):
-            patiently(self._write_zero, ZERO_WAIT_S)
+            retry_while_reserved(self._write_zero, ZERO_WAIT_S)
 
     def close(self) -> None:
         """Bring it to 0 V and let go of it."""
@@ -172,7 +172,7 @@ class AnalogOutput:
     def _forget(self) -> None:
         all_played, self._played = self._played, []
         for played in all_played:
-            if isinstance(played, PlayedWave):
+            if isinstance(played, TaskWave):
                 played.forget()
 
     def _write_zero(self) -> None:

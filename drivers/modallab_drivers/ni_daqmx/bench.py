@@ -16,7 +16,7 @@ from modallab_drivers.ni_daqmx.channels import teds_sensitivities, teds_serials
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError
 from modallab_drivers.ni_daqmx.inputs import Inputs, TriggeredRecord
 from modallab_drivers.ni_daqmx.plugs import Plug, plugs_of
-from modallab_drivers.ni_daqmx.route import Route, parse, patiently
+from modallab_drivers.ni_daqmx.route import Route, parse, retry_while_reserved
 from modallab_drivers.ni_daqmx.shaker import Shaker
 from modallab_drivers.output import require, require_count
 
@@ -102,7 +102,7 @@ class NiBench:
         inputs = self._inputs or self._make_inputs()
         self._shaker.follow(inputs.reference_clock)
         try:
-            patiently(inputs.start)
+            retry_while_reserved(inputs.start)
         except BenchError as error:
             self._shaker.unwatch()
             if isinstance(error, DeviceGoneError):
@@ -134,7 +134,7 @@ class NiBench:
         self._drop_inputs()
         inputs = self._make_inputs(trigger)
         try:
-            patiently(inputs.start)
+            retry_while_reserved(inputs.start)
         except DeviceGoneError:
             self._gone()
             raise
@@ -187,7 +187,7 @@ class NiBench:
         """Whoever strikes is notified by the page; the point must be one of the rig."""
         self._rig.x_of(point)
 
-    def fed_channels(self) -> tuple[str, ...]:
+    def supplied_channels(self) -> tuple[str, ...]:
         """Channels of the rig whose sensors the inputs feed with a current."""
         return tuple(plug.channel.name for plug in self._plugs if plug.supply_a)
 
@@ -196,16 +196,16 @@ class NiBench:
         self._require("configured", "running", "stopped", to="ask for the synchronisation")
         return (self._inputs or self._make_inputs()).synchronisation(running=self._state == "running")
 
-    def sensed_sensitivities(self) -> dict[str, float]:
+    def read_sensitivities(self) -> dict[str, float]:
         """V per SI unit of the sensors that carry a TEDS, by channel."""
         self._require("open", "configured", "stopped", "lost", to="ask sensors")
         return teds_sensitivities(self._route, self._plugs)
 
-    def open_sensors_unseen(self) -> tuple[str, ...]:
+    def channels_without_open_detection(self) -> tuple[str, ...]:
         """Names of fed channels of which the device cannot say whether a sensor is there."""
         return self._inputs.open_unseen() if self._inputs is not None else ()
 
-    def sensed_serials(self) -> dict[str, str]:
+    def read_serials(self) -> dict[str, str]:
         """Serial number of the sensors that carry a TEDS, by channel."""
         self._require("open", "configured", "stopped", "lost", to="ask sensors")
         return teds_serials(self._route, self._plugs)
@@ -263,7 +263,7 @@ class NiBench:
         request = self._request
         assert request is not None
         try:
-            self._inputs = patiently(lambda: self._inputs_for(request, reference))
+            self._inputs = retry_while_reserved(lambda: self._inputs_for(request, reference))
         except DeviceGoneError:
             self._gone()
             raise
@@ -287,7 +287,7 @@ class NiBench:
             return
         self._route.close()
         self._route = Route(self._address)
-        self._shaker.come_back(self._route, self._route.devices())
+        self._shaker.reconnect(self._route, self._route.devices())
         self._inputs = None
         self._state = "stopped"
 

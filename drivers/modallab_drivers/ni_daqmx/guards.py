@@ -12,7 +12,7 @@ from nidaqmx.types import AOExpirationState
 
 from modallab.core.hardware import Excitation
 from modallab_drivers.ni_daqmx.errors import CHASSIS_EXPIRED, WatchdogExpiredError, of_code, typed_errors
-from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
+from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, retry_while_reserved
 
 T = TypeVar("T")
 
@@ -133,7 +133,7 @@ class Guards:
         if excitation.watchdog_s is not None and outputs:
             device = route.address.device
             timeout_s = excitation.watchdog_s
-            self._guards.append(patiently(lambda: Watchdog(route, device, outputs, timeout_s), ZERO_WAIT_S))
+            self._guards.append(retry_while_reserved(lambda: Watchdog(route, device, outputs, timeout_s), ZERO_WAIT_S))
         if excitation.heartbeat_line:
             self._guards.append(HeartbeatLine(route, excitation.heartbeat_line))
 

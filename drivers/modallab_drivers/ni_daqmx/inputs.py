@@ -16,7 +16,7 @@ from modallab.core.units import Test
 from modallab_drivers.ni_daqmx.errors import NOT_YET, UNSUPPORTED_HERE, typed_error
 from modallab_drivers.ni_daqmx.plugs import Plug
 from modallab_drivers.ni_daqmx.route import Route
-from modallab_drivers.ni_daqmx.synchronise import made_tasks
+from modallab_drivers.ni_daqmx.synchronise import synchronised_tasks
 
 FAULT_POLL_S = 1.0
 
@@ -125,7 +125,7 @@ class Inputs:
             DeviceBusyError: another program holds an input.
         """
         self._where = route.address.url
-        made = made_tasks(route, plugs, test, rate_hz, reference, synchronisation or Synchronisation())
+        made = synchronised_tasks(route, plugs, test, rate_hz, reference, synchronisation or Synchronisation())
         self.tasks, self.synchronised_by = made.tasks, made.synchronised_by
         self.reference_clock = made.reference_clock
         self._rows = [[plugs.index(plug) for plug in task.plugs] for task in self.tasks]

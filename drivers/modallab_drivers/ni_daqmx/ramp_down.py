@@ -22,10 +22,10 @@ import numpy as np
 from nidaqmx.constants import AcquisitionType, AOIdleOutputBehavior, Edge
 from numpy.typing import NDArray
 
-from modallab.bench.fall import fall_samples
 from modallab.bench.protocol import Burst
+from modallab.bench.ramp_down import ramp_down_samples
+from modallab.core.child_process import FileLock
 from modallab.core.errors import ConfigurationError
-from modallab.core.owned import Lease
 from modallab_drivers.ni_daqmx.errors import typed_error
 from modallab_drivers.output import burst_samples
 
@@ -41,7 +41,7 @@ SHAPED = "modallab-wave"
 
 
 @dataclass(frozen=True, slots=True)
-class Played:
+class TaskSignal:
     """What a task plays.
 
     Attributes:
@@ -78,7 +78,7 @@ class Played:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class PlayedWave:
+class TaskWave:
     """What a task plays that is no sine.
 
     Attributes:
@@ -123,17 +123,17 @@ class PlayedWave:
         return cls(np.load(name, allow_pickle=False), float(rate_hz), Path(name))
 
 
-def read_description(text: str) -> Played | PlayedWave:
+def read_description(text: str) -> TaskSignal | TaskWave:
     """What a channel's description says that its task plays.
 
     Raises:
         ValueError: nothing of ours.
         OSError: the file of a wave is not on this machine.
     """
-    return PlayedWave.read(text) if text.startswith(SHAPED) else Played.read(text)
+    return TaskWave.read(text) if text.startswith(SHAPED) else TaskSignal.read(text)
 
 
-def fall_to_zero(
+def ramp_down_to_zero(
     interpreter: Any, task: Any, physical: Sequence[str], own: tuple[NDArray[np.float64], float] | None = None
 ) -> None:
     """Stop what a task plays and let it fall, all outputs together; returns at 0 V, or with whoever else does the same.
@@ -176,7 +176,7 @@ def _falls(volts: NDArray[np.float64], waves: NDArray[np.float64], rate_hz: floa
     """(outputs, n) from the value each output has to 0 V; who is there first stays there."""
     # An output that plays nothing has no level, and nothing to fall from.
     levels = np.maximum(np.abs(waves).max(axis=1), np.finfo(float).tiny)
-    falls = [fall_samples(float(v), float(level), rate_hz) for v, level in zip(volts, levels, strict=True)]
+    falls = [ramp_down_samples(float(v), float(level), rate_hz) for v, level in zip(volts, levels, strict=True)]
     longest = max(map(len, falls))
     return np.stack([np.pad(fall, (0, longest - len(fall))) for fall in falls])
 
@@ -184,7 +184,7 @@ def _falls(volts: NDArray[np.float64], waves: NDArray[np.float64], rate_hz: floa
 @contextmanager
 def _alone(physical: str) -> Generator[None]:
     """Keeps others of this machine from the same output, but never for long: a fall must come."""
-    lease = Lease(Path(tempfile.gettempdir()) / f"modallab-{re.sub('[^A-Za-z0-9]', '-', physical)}.lock")
+    lease = FileLock(Path(tempfile.gettempdir()) / f"modallab-{re.sub('[^A-Za-z0-9]', '-', physical)}.lock")
     until = time.monotonic() + BEGIN_S
     with suppress(OSError):
         while not lease.acquire() and time.monotonic() < until:

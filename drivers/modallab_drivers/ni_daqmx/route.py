@@ -220,7 +220,7 @@ class Route:
             self._channel.close()
 
 
-def patiently(call: Callable[[], T], wait_s: float | None = None) -> T:
+def retry_while_reserved(call: Callable[[], T], wait_s: float | None = None) -> T:
     """Try again for a while when another program holds what is needed.
 
     Args:

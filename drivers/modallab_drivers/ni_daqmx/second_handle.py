@@ -12,8 +12,8 @@ from modallab_drivers.ni_daqmx.analog_output import task_name
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, typed_errors
 from modallab_drivers.ni_daqmx.guards import heartbeat_name, watchdog_name
 from modallab_drivers.ni_daqmx.plugs import outputs_of
-from modallab_drivers.ni_daqmx.ramp_down import fall_to_zero, write_zero
-from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, parse, patiently
+from modallab_drivers.ni_daqmx.ramp_down import ramp_down_to_zero, write_zero
+from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, parse, retry_while_reserved
 from modallab_drivers.ni_daqmx.synchronise import session_name
 
 
@@ -68,14 +68,14 @@ class SecondHandle:
         self._fall()
         self._end_task(task_name(self._physical[0]))
         # Its owner, or another handle, may be bringing it to 0 V at this moment: no reason to reset the device.
-        patiently(self._write_zero, ZERO_WAIT_S)
+        retry_while_reserved(self._write_zero, ZERO_WAIT_S)
 
     def _fall(self) -> None:
         """Ahead of the step: where the server keeps the burst's task, it falls from the value it has."""
         if self._route.remote:
             # Whatever goes wrong with a fall, the step must come.
             with suppress(Exception):
-                fall_to_zero(self._ready._interpreter, self._named(task_name(self._physical[0])), self._physical)
+                ramp_down_to_zero(self._ready._interpreter, self._named(task_name(self._physical[0])), self._physical)
 
     def _end_anew(self) -> None:
         # Our own task may be gone, when the device was reset or came back.

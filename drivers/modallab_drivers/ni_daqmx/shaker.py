@@ -171,7 +171,7 @@ class Shaker:
         if isinstance(self._output, AnalogOutput):
             self._output.abandon()
 
-    def come_back(self, route: Route, devices: Sequence[DeviceInfo]) -> None:
+    def reconnect(self, route: Route, devices: Sequence[DeviceInfo]) -> None:
         """The device is back: take its output again."""
         chosen = outputs_of(self._rig, devices, self._where)
         if chosen:

@@ -30,7 +30,7 @@ REFERENCE_CLOCKS = {"PXIe_Clk100": 100e6, "PXI_Clk10": 10e6}
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Made:
+class SynchronisedTasks:
     """The tasks of all inputs, in words what keeps them together, and the backplane's clock they follow, if any."""
 
     tasks: tuple[InputTask, ...]
@@ -43,14 +43,14 @@ def session_name(device: str) -> str:
     return f"modallab-inputs-{device}"
 
 
-def made_tasks(
+def synchronised_tasks(
     route: Route,
     plugs: Sequence[Plug],
     test: Test,
     rate_hz: float,
     reference: ReferenceTrigger | None,
     wanted: Synchronisation,
-) -> Made:
+) -> SynchronisedTasks:
     """The tasks of all plugs, with their clock set, in the way the rig file wants or the first that the devices take.
 
     Raises:
@@ -60,15 +60,15 @@ def made_tasks(
     for plug in plugs:
         units.setdefault(plug.unit, []).append(plug)
     if len(units) == 1:
-        return Made(_one(route, plugs, test, rate_hz, reference), "")
+        return SynchronisedTasks(_one(route, plugs, test, rate_hz, reference), "")
     ways = _ways(wanted)
     rejected: list[str] = []
     for way in ways:
         try:
             if way == "one task":
-                return Made(_one(route, plugs, test, rate_hz, reference), _said(way, units))
+                return SynchronisedTasks(_one(route, plugs, test, rate_hz, reference), _said(way, units))
             clock = "" if way == "the timebase" else way
-            return Made(_each(route, units, test, rate_hz, reference, way), _said(way, units), clock)
+            return SynchronisedTasks(_each(route, units, test, rate_hz, reference, way), _said(way, units), clock)
         except ConfigurationError as error:
             rejected.append(f"by {way}: {error.what}")
     raise ConfigurationError(

@@ -175,7 +175,7 @@ _READERS: dict[str, tuple[Callable[[str], object], str]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Circumstances:
+class SessionConditions:
     """The circumstances of a session at the bench.
 
     Attributes:
@@ -196,5 +196,5 @@ class Circumstances:
     drift_s: float | None = None
 
 
-EVERYDAY = Circumstances()
+EVERYDAY = SessionConditions()
 """A bench as its address says."""

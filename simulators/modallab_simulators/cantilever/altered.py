@@ -7,7 +7,7 @@ from math import inf
 from modallab.core.arrays import Real
 from modallab_simulators.cantilever.attached import Absorber, Attachment
 from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.cracked import Loss
+from modallab_simulators.cantilever.cracked import LocalStiffnessLoss
 from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.feedback.elements import CrackElement, Drag, PointElement
 from modallab_simulators.cantilever.modes import Damper, Modes
@@ -69,7 +69,7 @@ class StructureChanges:
 
     root_nm_rad: tuple[float, ...] = ()
     root_n_m: float = inf
-    losses: tuple[Loss, ...] = ()
+    losses: tuple[LocalStiffnessLoss, ...] = ()
     waves: tuple[tuple[int, float], ...] = ()
     mass_waves: tuple[tuple[int, float], ...] = ()
     preload_n: float = 0.0
@@ -156,7 +156,7 @@ class ExcitationChanges:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Altered:
+class AlteredBench:
     """The bench as effects leave it."""
 
     structure: StructureChanges = field(default_factory=StructureChanges)

@@ -11,12 +11,12 @@ import numpy as np
 from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.address import EVERYDAY, Circumstances, Settings
+from modallab_simulators.cantilever.address import EVERYDAY, SessionConditions, Settings
 from modallab_simulators.cantilever.chain import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
-from modallab_simulators.cantilever.hammer import Hit, Swing, draw_swing
-from modallab_simulators.cantilever.loads import BLOCK, Moving
+from modallab_simulators.cantilever.hammer import Hit, PlannedHit, draw_swing
+from modallab_simulators.cantilever.loads import BLOCK, MovingStructure
 from modallab_simulators.cantilever.operator_line import OperatorLine, Strike
 from modallab_simulators.cantilever.shaker import Emission, WaveEmission, require_burst, require_wave
 from modallab_simulators.cantilever.stream import SampleStream, Site
@@ -42,7 +42,7 @@ class CantileverBench:
         circumstances: how the bench is met.
     """
 
-    def __init__(self, url: str, rig: Rig, settings: Settings, circumstances: Circumstances = EVERYDAY) -> None:
+    def __init__(self, url: str, rig: Rig, settings: Settings, circumstances: SessionConditions = EVERYDAY) -> None:
         self._rig, self._settings = rig, settings
         self._truth = draw_truth(settings, rig, circumstances)
         self._rows = len(outputs_of(rig, self._truth.effects.altered.chain))
@@ -215,7 +215,7 @@ class CantileverBench:
         if self._operator is not None:
             self._operator.close()
 
-    def _structure_at(self, site: Site, began_s: float, at_s: float) -> Moving:
+    def _structure_at(self, site: Site, began_s: float, at_s: float) -> MovingStructure:
         return site.held if at_s < self._held_to_s else site.age(began_s + at_s)
 
     def _act(self, operator: OperatorLine) -> None:
@@ -241,7 +241,7 @@ class CantileverBench:
     def _clock(self) -> float:
         return (1 + self._truth.clock) / self._circumstances.stretch - 1
 
-    def _drawn_swing(self) -> Swing:
+    def _drawn_swing(self) -> PlannedHit:
         """The next swing; how long the operator waits is counted in samples of the converter."""
         settings = self._settings
         rng = generator(settings.seed, Stream.HITS, self._swings)

@@ -11,7 +11,7 @@ from modallab.core.rig import Rig
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.effect_part import EffectPart, Ties
 from modallab_simulators.cantilever.effects import allowed, kinds, part_of
-from modallab_simulators.cantilever.gap_size import Ruler, solve
+from modallab_simulators.cantilever.gap_size import GapMeter, solve
 from modallab_simulators.cantilever.trial import LEVELS_N, make_trial
 
 GAP_RANGE = (1.5, 300.0)
@@ -57,7 +57,7 @@ def draw_effect(rig: Rig, seed: int, name: str, requested: float | None = None) 
     part = part_of(name)
     target = draw_gap(seed) if requested is None else requested
     shape = _Shape(rig, seed, part)
-    ruler = Ruler(rig, seed)
+    ruler = GapMeter(rig, seed)
     if shape.main is None:
         return _read(ruler, shape.at(0.0), target)
     if part.seen_by_force:
@@ -68,7 +68,7 @@ def draw_effect(rig: Rig, seed: int, name: str, requested: float | None = None) 
     return DrawnEffect(shape.at(size), target, gap, ruler.moves((shape.at(size),)))
 
 
-def _read(ruler: Ruler, effect: Effect, requested: float) -> DrawnEffect:
+def _read(ruler: GapMeter, effect: Effect, requested: float) -> DrawnEffect:
     return DrawnEffect(effect, requested, ruler.gap((effect,)), ruler.moves((effect,)))
 
 

@@ -93,7 +93,7 @@ class Hum:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Luck:
+class RandomErrors:
     """What chance does to a stretch of samples.
 
     Attributes:
@@ -173,14 +173,14 @@ class Chain:
         levels[row] = level_v
         return replace(self, clip_v=levels)
 
-    def draw(self, noise: np.random.Generator, flaws: np.random.Generator, count: int) -> Luck:
+    def draw(self, noise: np.random.Generator, flaws: np.random.Generator, count: int) -> RandomErrors:
         """What chance does to the next `count` samples; the noise is the same whatever flaws the bench has."""
         rows = len(self.volts_per_si)
         lost = flaws.random((rows, count)) < self.lost_share[:, None] if self.lost_share.any() else None
         late = flaws.standard_normal(count) if self.jitter_s else None
-        return Luck(noise.standard_normal((rows, count), dtype=np.float32), lost, late)
+        return RandomErrors(noise.standard_normal((rows, count), dtype=np.float32), lost, late)
 
-    def convert(self, seen: Real, luck: Luck, times_s: Real) -> NDArray[np.generic]:
+    def convert(self, seen: Real, luck: RandomErrors, times_s: Real) -> NDArray[np.generic]:
         """Counts of what the rows see in SI units at some times, both (rows, n).
 
         Raises:
@@ -206,7 +206,7 @@ class Chain:
             level = self.clip_v[row] / self.volts_per_count[row]
             np.clip(counts[row], -level, level, out=counts[row])
         if luck.lost is not None:
-            lose(counts, luck.lost, self.holds)
+            replace_lost_samples(counts, luck.lost, self.holds)
         np.rint(counts, out=counts)
         np.clip(counts, self.low, self.high, out=counts)
         return counts.astype(self.dtype)
@@ -216,7 +216,7 @@ class Chain:
         return np.any((samples == self.high) | (samples == self.low), axis=1)
 
 
-def lose(counts: Real, lost: NDArray[np.bool_], holds: frozenset[int]) -> None:
+def replace_lost_samples(counts: Real, lost: NDArray[np.bool_], holds: frozenset[int]) -> None:
     """Write what stands in place of lost samples: 0, or in rows that hold it the sample before, both (rows, n)."""
     for row in np.flatnonzero(np.any(lost, axis=1)):
         if int(row) in holds:

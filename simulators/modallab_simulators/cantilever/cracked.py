@@ -28,7 +28,7 @@ _BASE = 160
 
 
 @dataclass(frozen=True, slots=True)
-class Loss:
+class LocalStiffnessLoss:
     """The share of EI that is gone at `x_m`."""
 
     x_m: float
@@ -44,7 +44,9 @@ class CrackedBeam(SolvedModes):
         waves: (k, a): EI times 1 + a cos(k pi x / L).
     """
 
-    def __init__(self, beam: CantileverBeam, losses: Sequence[Loss], waves: Sequence[tuple[int, float]] = ()) -> None:
+    def __init__(
+        self, beam: CantileverBeam, losses: Sequence[LocalStiffnessLoss], waves: Sequence[tuple[int, float]] = ()
+    ) -> None:
         super().__init__(beam)
         self._beam = beam
         self._s, weights = _everywhere(beam.length_m, losses) if waves else _nodes(beam.length_m, losses)
@@ -84,7 +86,7 @@ class CrackedBeam(SolvedModes):
         return values[::-1] ** -0.5, vectors[:, ::-1]
 
 
-def _nodes(length_m: float, losses: Sequence[Loss]) -> tuple[Real, Real]:
+def _nodes(length_m: float, losses: Sequence[LocalStiffnessLoss]) -> tuple[Real, Real]:
     """Gauss-Legendre nodes and weights in fine panels wherever EI is less."""
     half = _REACH * HALF_WIDTH * length_m
     edges = np.unique(
@@ -95,7 +97,7 @@ def _nodes(length_m: float, losses: Sequence[Loss]) -> tuple[Real, Real]:
     return _gauss(edges, inside)
 
 
-def _everywhere(length_m: float, losses: Sequence[Loss]) -> tuple[Real, Real]:
+def _everywhere(length_m: float, losses: Sequence[LocalStiffnessLoss]) -> tuple[Real, Real]:
     """The same along the whole beam, where any EI is other than believed."""
     half = _REACH * HALF_WIDTH * length_m
     fine = [np.clip(np.linspace(c.x_m - half, c.x_m + half, _PANELS + 1), 0, length_m) for c in losses]

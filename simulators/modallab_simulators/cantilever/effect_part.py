@@ -9,9 +9,9 @@ import numpy as np
 from modallab.core.block import Block
 from modallab.core.effects import Effect, EffectKind, kind_of
 from modallab.core.rig import Beam, Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 
-Change = Callable[[Altered, Effect, Rig], Altered]
+Change = Callable[[AlteredBench, Effect, Rig], AlteredBench]
 Ties = dict[str, tuple[float, float]]
 
 

@@ -27,10 +27,10 @@ _NARROW = 0.02
 
 def gap_of(rig: Rig, seed: int, effects: Sequence[Effect]) -> float:
     """The gap some effects open in the trial of a seed, in noise units."""
-    return Ruler(rig, seed).gap(effects)
+    return GapMeter(rig, seed).gap(effects)
 
 
-class Ruler:
+class GapMeter:
     """Measures gaps in the trials of one seed."""
 
     def __init__(self, rig: Rig, seed: int) -> None:

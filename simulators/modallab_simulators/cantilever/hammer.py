@@ -8,7 +8,7 @@ from modallab.core.arrays import Real
 
 
 @dataclass(frozen=True, slots=True)
-class Contact:
+class ContactPulse:
     """A contact pulse peak_n sin^2(pi t / width_s) from `start_s`."""
 
     start_s: float
@@ -26,7 +26,7 @@ class Hit:
     """What the hammer does at one place; or, where its transducer does not feel it, something else that knocks."""
 
     x_m: float
-    contacts: tuple[Contact, ...]
+    contacts: tuple[ContactPulse, ...]
     seen: bool = True
 
     @property
@@ -62,7 +62,7 @@ REBOUND_SHARE = (0.15, 0.6)
 
 
 @dataclass(frozen=True, slots=True)
-class Swing:
+class PlannedHit:
     """One hit as intended: times count from the prompt, the place from the point.
 
     Attributes:
@@ -83,7 +83,7 @@ class Swing:
     rebound_s: float = 0.0
     rebound_share: float = 0.0
 
-    def stretched(self, waiting: float, contact: float) -> "Swing":
+    def stretched(self, waiting: float, contact: float) -> "PlannedHit":
         """The same with the time to the hit, and with those of the contact, longer by these factors."""
         return replace(
             self,
@@ -96,9 +96,9 @@ class Swing:
         """The hit at `x_m`, no harder than `bearable_n`."""
         start = prompted_s + self.reaction_s
         peak = self.weak_n if self.weak_n else min(self.peak_n, bearable_n)
-        contacts = [Contact(start, self.width_s, peak)]
+        contacts = [ContactPulse(start, self.width_s, peak)]
         if self.rebound_s:
-            contacts.append(Contact(start + self.rebound_s, self.width_s, peak * self.rebound_share))
+            contacts.append(ContactPulse(start + self.rebound_s, self.width_s, peak * self.rebound_share))
         return Hit(x_m, tuple(contacts))
 
 
@@ -108,14 +108,14 @@ def draw_swing(
     place_m: float,
     peaks_n: tuple[float, float] = PEAK_N,
     reactions_s: tuple[float, float] = REACTION_S,
-) -> Swing:
+) -> PlannedHit:
     """Draw a hit; with probability `bad_hits` a bad one, as often a double hit as too weak."""
     reaction, width = rng.uniform(*reactions_s), rng.uniform(*WIDTH_S)
     peak, place = rng.uniform(*peaks_n), rng.standard_normal() * place_m
     bad, double = rng.uniform() < bad_hits, rng.uniform() < 0.5
     weak, gap, share = rng.uniform(*WEAK_N), rng.uniform(*REBOUND_S), rng.uniform(*REBOUND_SHARE)
     if not bad:
-        return Swing(reaction, width, peak, place)
+        return PlannedHit(reaction, width, peak, place)
     if double:
-        return Swing(reaction, width, peak, place, rebound_s=gap, rebound_share=share)
-    return Swing(reaction, width, peak, place, weak_n=weak)
+        return PlannedHit(reaction, width, peak, place, rebound_s=gap, rebound_share=share)
+    return PlannedHit(reaction, width, peak, place, weak_n=weak)

@@ -9,7 +9,7 @@ from modallab.core.effects import Effect, EffectKind
 from modallab.core.errors import ConfigurationError
 from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels, rows_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
 from modallab_simulators.cantilever.effects import allowed, kinds, part_of, parts
 
@@ -119,7 +119,7 @@ class Injected:
     """All effects of a bench, in the order they were given, and the bench as they leave it."""
 
     effects: tuple[Effect, ...] = ()
-    altered: Altered = field(default_factory=Altered)
+    altered: AlteredBench = field(default_factory=AlteredBench)
 
     def reported(self) -> str:
         """As JSON, in the form of a campaign's truth: effect, family, parameters, place."""
@@ -153,7 +153,7 @@ def inject(effects: Sequence[Effect], rig: Rig) -> Injected:
         problems += _repeated(effect, placed[:place])
     if problems:
         raise ConfigurationError("\n".join(problems), remedy="correct the effects in the bench's address")
-    altered = Altered()
+    altered = AlteredBench()
     for effect in sorted(placed, key=lambda e: part_of(e.effect).rank):
         altered = part_of(effect.effect).change(altered, effect, rig)
     return Injected(placed, altered)

@@ -72,7 +72,7 @@ class Drive:
     shaker: int = 0
 
 
-class Moving(Protocol):
+class MovingStructure(Protocol):
     """A structure in time, with a state of whatever kind."""
 
     @property
@@ -90,7 +90,7 @@ class Moving(Protocol):
         """The state of a beam that has never moved."""
         ...
 
-    def taken_over(self, other: Any, state: Any) -> Any:
+    def state_from(self, other: Any, state: Any) -> Any:
         """This structure's state where every mode moves as another's does."""
         ...
 

@@ -11,7 +11,7 @@ from math import cos, radians
 from typing import Any
 
 from modallab.core.errors import ConfigurationError
-from modallab_simulators.cantilever.hammer import Contact, Hit
+from modallab_simulators.cantilever.hammer import ContactPulse, Hit
 
 LARGEST = 4096
 
@@ -43,9 +43,9 @@ class Strike:
     def hits(self, now_s: float, x_m: float) -> list[Hit]:
         """What acts: on the beam, and on the hammer's transducer alone, which stands on the clamp for that."""
         start, share = now_s + self.after_s, cos(radians(self.oblique_deg))
-        contacts = [Contact(start, self.width_s, self.peak_n)]
+        contacts = [ContactPulse(start, self.width_s, self.peak_n)]
         if self.rebound_s:
-            contacts.append(Contact(start + self.rebound_s, self.width_s, self.peak_n * self.rebound_share))
+            contacts.append(ContactPulse(start + self.rebound_s, self.width_s, self.peak_n * self.rebound_share))
         on_beam = Hit(x_m, _scaled(contacts, share))
         return [on_beam] if share == 1 else [on_beam, Hit(0.0, _scaled(contacts, 1 - share))]
 
@@ -105,5 +105,5 @@ def _read(text: bytes) -> Act:
         raise ConfigurationError(f"{text!r} is no act of an operator", remedy="send strike or hold as JSON") from error
 
 
-def _scaled(contacts: list[Contact], share: float) -> tuple[Contact, ...]:
-    return tuple(Contact(c.start_s, c.width_s, c.peak_n * share) for c in contacts)
+def _scaled(contacts: list[ContactPulse], share: float) -> tuple[ContactPulse, ...]:
+    return tuple(ContactPulse(c.start_s, c.width_s, c.peak_n * share) for c in contacts)

@@ -5,8 +5,8 @@ from math import isfinite, pi
 
 import numpy as np
 
-from modallab.bench.fall import fall_s, volts_during_fall
 from modallab.bench.protocol import Burst, Waveform
+from modallab.bench.ramp_down import ramp_down_s, ramp_down_volts
 from modallab.core.arrays import Real
 from modallab.core.errors import ConfigurationError
 
@@ -35,7 +35,7 @@ class Emission:
         whole = self.start_s + self.burst.duration_s / (1 + self.clock)
         if self.cut_s is None or self.cut_s >= whole:
             return whole
-        return self.cut_s + fall_s(self._at(self.cut_s), self.burst.amplitude_v)
+        return self.cut_s + ramp_down_s(self._at(self.cut_s), self.burst.amplitude_v)
 
     def cut(self, at_s: float) -> "Emission":
         """The same, brought to zero at `at_s` unless it was before."""
@@ -45,7 +45,7 @@ class Emission:
         """Output in V: a sine under its taper, or what falls from it; exactly 0 outside the burst."""
         wave = self._wave(times_s)
         if self.cut_s is not None:
-            falling = volts_during_fall(times_s - self.cut_s, self._at(self.cut_s), self.burst.amplitude_v)
+            falling = ramp_down_volts(times_s - self.cut_s, self._at(self.cut_s), self.burst.amplitude_v)
             wave = np.where(times_s < self.cut_s, wave, falling)
         return np.where((times_s > self.start_s) & (times_s < self.end_s), wave, 0.0)
 

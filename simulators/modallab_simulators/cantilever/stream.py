@@ -12,13 +12,13 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab_simulators.cantilever.assembled import elements_of
 from modallab_simulators.cantilever.basis import Basis
-from modallab_simulators.cantilever.chain import Chain, Hum, Luck, outputs_of
+from modallab_simulators.cantilever.chain import Chain, Hum, RandomErrors, outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.drifting import Drifting
 from modallab_simulators.cantilever.excitation import Excitation, Floor
-from modallab_simulators.cantilever.hammer import PEAK_N, WIDTH_S, Contact
+from modallab_simulators.cantilever.hammer import PEAK_N, WIDTH_S, ContactPulse
 from modallab_simulators.cantilever.injected import Injected
-from modallab_simulators.cantilever.loads import BLOCK, Drive, Moving
+from modallab_simulators.cantilever.loads import BLOCK, Drive, MovingStructure
 from modallab_simulators.cantilever.structure import Structure
 from modallab_simulators.cantilever.truth import Truth, oversampling
 
@@ -46,7 +46,7 @@ class Site:
         """Between internal samples."""
         return 1 / (self.rate_hz * self.oversample)
 
-    def age(self, bench_s: float, *, exactly: bool = False) -> Moving:
+    def age(self, bench_s: float, *, exactly: bool = False) -> MovingStructure:
         """The structure after some bench time: again at a start, and else where a drift has gone on a good deal."""
         if not self._truth.drift:
             return self.structure
@@ -56,7 +56,7 @@ class Site:
         return self.structure
 
     @cached_property
-    def held(self) -> Moving:
+    def held(self) -> MovingStructure:
         """The structure with a hand on the beam."""
         return self._built(replace(self._truth, zeta=(HELD_ZETA,)), self._progress)
 
@@ -83,15 +83,15 @@ class Site:
         full_scales = self._sound_chain.volts_per_count * self._sound_chain.high
         return _HEADROOM / float(np.max(peaks / full_scales))
 
-    def _peaks(self, structure: Moving, chain: Chain, width_s: float, x_m: float) -> Real:
+    def _peaks(self, structure: MovingStructure, chain: Chain, width_s: float, x_m: float) -> Real:
         """Of a hit of 1 N, in V, (rows,)."""
         first, count = structure.times(0)
-        unit = Contact(0.001, width_s, 1.0).force(np.arange(first, first + count, dtype=np.float64) * self.step_s)
+        unit = ContactPulse(0.001, width_s, 1.0).force(np.arange(first, first + count, dtype=np.float64) * self.step_s)
         seen, _ = structure.advance(structure.at_rest, [Drive(x_m, unit)])
         return np.max(np.abs(seen), axis=1) * np.abs(chain.volts_per_si)
 
     @cached_property
-    def _sound(self) -> Moving:
+    def _sound(self) -> MovingStructure:
         if not self._truth.effects.effects:
             return self.structure
         return self._built(replace(self._truth, effects=Injected()), 0.0)
@@ -100,7 +100,7 @@ class Site:
     def _sound_chain(self) -> Chain:
         return Chain.of(self._rig, self._test, Injected().altered.chain)
 
-    def _built(self, truth: Truth, progress: float) -> Moving:
+    def _built(self, truth: Truth, progress: float) -> MovingStructure:
         changes = truth.effects.altered.structure
         elements = elements_of(truth.beam_at(progress), changes)
         # Nonlinear elements ask for more than a basis between others knows.
@@ -110,9 +110,9 @@ class Site:
         if not elements and not changes.drag:
             return linear
         # The compiled loop: a bench without local nonlinearities does not pay for the import.
-        from modallab_simulators.cantilever.feedback.structure import FedStructure
+        from modallab_simulators.cantilever.feedback.structure import FeedbackStructure
 
-        return FedStructure(linear, elements, changes.drag, self.step_s)
+        return FeedbackStructure(linear, elements, changes.drag, self.step_s)
 
     def _basis(self, truth: Truth, progress: float) -> Basis:
         return truth.basis(self.rate_hz, self._test, progress, self.oversample)
@@ -132,7 +132,7 @@ class Site:
         return max(reached)
 
 
-StructureAt = Callable[[int], Moving]
+StructureAt = Callable[[int], MovingStructure]
 """The structure as it is in a stretch."""
 
 
@@ -159,7 +159,7 @@ class SampleStream:
         self._step_s = 1 / (rate_hz * self._structure.oversample)
         self._block = -1
         self._before = self._after = self._structure.at_rest
-        self._luck = Luck(np.zeros((0, 0), dtype=np.float32))
+        self._luck = RandomErrors(np.zeros((0, 0), dtype=np.float32))
         self._counts: NDArray[np.generic] | None = None
         self._passed = np.zeros((0, 0), dtype=np.int16)
 
@@ -200,7 +200,7 @@ class SampleStream:
     def _step_to(self, block: int) -> None:
         structure = self._structure_at(block)
         if structure is not self._structure:
-            self._after, self._structure = structure.taken_over(self._structure, self._after), structure
+            self._after, self._structure = structure.state_from(self._structure, self._after), structure
         self._block, self._before = block, self._after
         self._luck = self._chain.draw(self._rng, self._flaws, BLOCK)
         self._counts = None

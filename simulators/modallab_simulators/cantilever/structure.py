@@ -96,7 +96,7 @@ class Structure:
         """The state of a beam that has never moved."""
         return np.zeros(len(self._poles), dtype=np.complex128)
 
-    def taken_over(self, other: "Structure", state: Complex128) -> Complex128:
+    def state_from(self, other: "Structure", state: Complex128) -> Complex128:
         """This structure's state where displacement and velocity of every mode are those of another's."""
         count = len(self._basis.poles)
         p, q, z = self._basis.poles, other._basis.poles, state[:count]

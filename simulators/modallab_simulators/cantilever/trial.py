@@ -19,7 +19,7 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.plan import BLOCK_S, PAPER_LINES
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab_simulators.cantilever.address import Circumstances, Settings
+from modallab_simulators.cantilever.address import SessionConditions, Settings
 from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.effects import part_of
@@ -43,7 +43,7 @@ RECORD_S = 60.0
 LAST_ORDER = len(HITS) * 6 + len(LEVELS_N) * len(PAPER_LINES) - 1
 """Place in time of a campaign's last record."""
 
-_CIRCUMSTANCES = Circumstances(one_clock=True, straight_ramp=True, modes=15, drift_s=LAST_ORDER * RECORD_S)
+_CIRCUMSTANCES = SessionConditions(one_clock=True, straight_ramp=True, modes=15, drift_s=LAST_ORDER * RECORD_S)
 """One card drives and converts; fifteen modes reach well past the band, as those of the twin do."""
 
 _REPEATS = 6
@@ -109,7 +109,7 @@ class Operator:
         rig: what is believed.
         seed: of the trial.
         effects: in the bench.
-        stretch: how much longer than meant all takes that excites, see `Circumstances`.
+        stretch: how much longer than meant all takes that excites, see `SessionConditions`.
         order: place in time of the first record.
         tolerances: how well the bench is put together, as in its address.
         session: the how manieth on this bench.

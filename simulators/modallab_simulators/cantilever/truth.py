@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.core.units import Test
-from modallab_simulators.cantilever.address import EVERYDAY, Circumstances, Settings
-from modallab_simulators.cantilever.altered import SIDE_ZETA, Altered, ChainChanges, StructureChanges
+from modallab_simulators.cantilever.address import EVERYDAY, SessionConditions, Settings
+from modallab_simulators.cantilever.altered import SIDE_ZETA, AlteredBench, ChainChanges, StructureChanges
 from modallab_simulators.cantilever.assembled import beside, modes_of
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes, Attachment
 from modallab_simulators.cantilever.basis import Basis, FewModes, ModalBasis
@@ -35,7 +35,7 @@ MOST = 3.0
 """Deviations beyond which nothing is drawn."""
 
 
-def as_built(altered: Altered, rig: Rig, tolerance: Tolerance, seed: int, lasts_s: float | None) -> Altered:
+def as_built(altered: AlteredBench, rig: Rig, tolerance: Tolerance, seed: int, lasts_s: float | None) -> AlteredBench:
     """What effects have left of a bench, with everything a little off.
 
     Args:
@@ -46,7 +46,7 @@ def as_built(altered: Altered, rig: Rig, tolerance: Tolerance, seed: int, lasts_
         lasts_s: bench time over which the stiffness drifts, unless an effect says it; None for the usual.
     """
     drawn = _Drawn(generator(seed, Stream.TOLERANCES), tolerance)
-    return Altered(
+    return AlteredBench(
         _structure(altered.structure, rig, drawn, lasts_s),
         _chain(altered.chain, rig, drawn),
         replace(altered.excitation, scatter_m=tolerance.hit_position_m, gain_scatter=tolerance.hit_gain),
@@ -244,7 +244,7 @@ def oversampling(rate_hz: float) -> int:
     return max(_OVERSAMPLE, ceil(_INTERNAL_HZ / rate_hz))
 
 
-def draw_truth(settings: Settings, rig: Rig, circumstances: Circumstances = EVERYDAY) -> Truth:
+def draw_truth(settings: Settings, rig: Rig, circumstances: SessionConditions = EVERYDAY) -> Truth:
     """Draw the truth of a rig's bench.
 
     Raises:

@@ -41,7 +41,7 @@ def main() -> int:
     server, started["port"] = serve(system, arguments.port, _credentials(arguments.tls), local=arguments.local)
     print(json.dumps(started), flush=True)
     for line in sys.stdin:
-        print(json.dumps(obey(system, generator, line.strip())), flush=True)
+        print(json.dumps(obey_operator(system, generator, line.strip())), flush=True)
     server.stop(None)
     return 0
 
@@ -60,7 +60,7 @@ def build(arguments: argparse.Namespace) -> SimulatedSystem:
     return SimulatedSystem(BenchClock(arguments.pace), layout, plant, rig, saved)
 
 
-def obey(system: SimulatedSystem, generator: PtyGenerator | None, line: str) -> dict[str, object]:
+def obey_operator(system: SimulatedSystem, generator: PtyGenerator | None, line: str) -> dict[str, object]:
     """Do what an operator does, and say what came of it."""
     word, _, rest = line.partition(" ")
     try:

@@ -54,9 +54,9 @@ def arm(system: "SimulatedSystem", line: str) -> None:
     }
     if kind in arguments:
         call, code = arguments[kind]
-        system.faults.arm(faults.Armed(call, code, kind, int(words[0]) if words else 1))
+        system.faults.arm(faults.ArmedFault(call, code, kind, int(words[0]) if words else 1))
     elif kind == faults.STATUS:
-        system.faults.arm(faults.Armed(words[0], int(words[1]), kind, int(words[2]) if len(words) > 2 else 1))
+        system.faults.arm(faults.ArmedFault(words[0], int(words[1]), kind, int(words[2]) if len(words) > 2 else 1))
     else:
         _break(system, kind, words)
 

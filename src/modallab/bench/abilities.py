@@ -27,7 +27,7 @@ class ReferenceTrigger:
 
 
 @runtime_checkable
-class HardwareTriggered(Protocol):
+class TriggersInHardware(Protocol):
     """A bench whose device can wait for a hit by itself. While it does, nothing streams."""
 
     def arm(self, trigger: ReferenceTrigger) -> None:
@@ -44,7 +44,7 @@ class HardwareTriggered(Protocol):
 
 
 @runtime_checkable
-class WavePlaying(Protocol):
+class PlaysWaves(Protocol):
     """A bench whose output plays more than sines."""
 
     def play_wave(self, wave: Waveform) -> int:
@@ -53,7 +53,7 @@ class WavePlaying(Protocol):
 
 
 @runtime_checkable
-class ShakersPlayingTogether(WavePlaying, Protocol):
+class DrivesSeveralShakers(PlaysWaves, Protocol):
     """A bench with an output for each shaker of its rig, which play together and end together.
 
     `zero` brings all of them to 0 V at once, as their end by themselves and any watchdog does.
@@ -70,7 +70,7 @@ class ShakersPlayingTogether(WavePlaying, Protocol):
 
 
 @runtime_checkable
-class SelfReporting(Protocol):
+class ReportsOutput(Protocol):
     """A bench whose excitation can be asked what it plays."""
 
     def output_facts(self) -> dict[str, float | str]:
@@ -83,10 +83,10 @@ class SelfReporting(Protocol):
 
 
 @runtime_checkable
-class SelfDescribing(Protocol):
+class ReadsSensitivities(Protocol):
     """A bench whose sensors may say themselves how sensitive they are (TEDS)."""
 
-    def sensed_sensitivities(self) -> dict[str, float]:
+    def read_sensitivities(self) -> dict[str, float]:
         """V per SI unit by channel name, for those that say so; only while nothing streams."""
         ...
 
@@ -95,16 +95,16 @@ class SelfDescribing(Protocol):
 class SensorSupplyCheck(Protocol):
     """A bench whose device feeds sensors, and may be able to say that one is missing."""
 
-    def open_sensors_unseen(self) -> tuple[str, ...]:
+    def channels_without_open_detection(self) -> tuple[str, ...]:
         """Names of fed channels of which the device cannot say whether a sensor is there; known once it was read."""
         ...
 
 
 @runtime_checkable
-class SelfNaming(Protocol):
+class ReadsSerialNumbers(Protocol):
     """A bench whose sensors may say themselves which they are (TEDS)."""
 
-    def sensed_serials(self) -> dict[str, str]:
+    def read_serials(self) -> dict[str, str]:
         """Serial number by channel name, for those that say so; only while nothing streams."""
         ...
 
@@ -134,9 +134,9 @@ class SynchronisedBench(Protocol):
 
 
 @runtime_checkable
-class FeedsSensors(Protocol):
+class SuppliesSensors(Protocol):
     """A bench whose inputs feed sensors: their bias must settle after the supply comes on."""
 
-    def fed_channels(self) -> tuple[str, ...]:
+    def supplied_channels(self) -> tuple[str, ...]:
         """Names of the channels that it feeds with a current."""
         ...

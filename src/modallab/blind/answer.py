@@ -21,7 +21,7 @@ Given = TypeVar("Given")
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class TrialAnswer:
     """What was said of a campaign.
 
     Attributes:
@@ -39,7 +39,7 @@ class Answer:
     withheld: frozenset[str] = frozenset()
 
 
-def answer_of(campaign: Path, withheld: frozenset[str] = frozenset()) -> dict[str, Any]:
+def answer_trial(campaign: Path, withheld: frozenset[str] = frozenset()) -> dict[str, Any]:
     """Diagnose a campaign; the answer as it is written down, but for its name."""
     read = read_campaign(campaign)
     begun = time.process_time()
@@ -50,18 +50,18 @@ def answer_of(campaign: Path, withheld: frozenset[str] = frozenset()) -> dict[st
     return {"seconds": seconds, "length_m": length, "diagnosis": diagnosis.model_dump(mode="json")} | more
 
 
-def answer_all(campaigns: dict[str, Path], out: Path, pool: Executor | None) -> str:
+def answer_trials(campaigns: dict[str, Path], out: Path, pool: Executor | None) -> str:
     """Answer what the file does not hold yet, one line each; gives the hash of the file once all is answered."""
     there = {answer.name for answer in read_answers(out)}
     left = [(name, path) for name, path in campaigns.items() if name not in there]
     with out.open("a", encoding="utf-8", newline="\n") as target:
-        for (name, _), entry in compute_in_pool(pool, lambda pair: (answer_of, pair[1]), left, "diagnosed"):
+        for (name, _), entry in compute_in_pool(pool, lambda pair: (answer_trial, pair[1]), left, "diagnosed"):
             target.write(json.dumps({"name": name} | entry) + "\n")
             target.flush()
     return hash_of(out.read_text(encoding="utf-8"))
 
 
-def read_answers(file: Path) -> list[Answer]:
+def read_answers(file: Path) -> list[TrialAnswer]:
     """The answers in a file; a last line that was cut off by the end of its process is left out.
 
     Raises:
@@ -74,12 +74,12 @@ def read_answers(file: Path) -> list[Answer]:
     return [_read_answer(line, f"{file}, line {number}") for number, line in enumerate(lines[:-1], 1)]
 
 
-def _read_answer(line: str, where: str) -> Answer:
+def _read_answer(line: str, where: str) -> TrialAnswer:
     try:
         entry: dict[str, Any] = json.loads(line)
         diagnosis = Diagnosis.model_validate(entry["diagnosis"])
         withheld = frozenset(entry.get("withheld", ()))
-        return Answer(entry["name"], diagnosis, entry["seconds"], entry.get("length_m", 1.0), withheld)
+        return TrialAnswer(entry["name"], diagnosis, entry["seconds"], entry.get("length_m", 1.0), withheld)
     except (ValueError, KeyError) as error:
         raise FormatError(
             f"is no answer: {error}", where=where, remedy="delete that line; its trial is then diagnosed again"

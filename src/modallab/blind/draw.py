@@ -80,9 +80,9 @@ def make_trial(draw: TrialDraw, later: bool = True) -> GeneratedTrial:
 
     Its truth holds the gap that its effect opens, in noise units.
     """
-    bench, rig = trial_bench(), drawn_rig(draw.seed)
+    bench, rig = trial_bench(), draw_rig(draw.seed)
     if draw.tolerances != "none":
-        rig = with_other_mounting(rig.model_copy(update={"tolerance": Tolerance.usual()}), draw.seed)
+        rig = with_changed_mounting(rig.model_copy(update={"tolerance": Tolerance.usual()}), draw.seed)
     effects, more = _draw_effects(bench, rig, draw)
     campaign, truth = bench.make_trial(rig, draw.seed, effects, draw.tolerances)
     again = bench.make_trial(rig, draw.seed, effects, draw.tolerances, session=1)[0] if later else None
@@ -172,7 +172,7 @@ def _seed_of(seed: int, number: int) -> int:
     return int.from_bytes(hashlib.sha256(f"modallab blind {seed} {number}".encode()).digest()[:6])
 
 
-def drawn_rig(seed: int) -> Rig:
+def draw_rig(seed: int) -> Rig:
     """A link that a seed draws, with a point at each tenth of its length; only its beam is not known exactly."""
     rng = np.random.default_rng([seed, 77])
     length, width = round(float(rng.uniform(*_LENGTH_M)), 3), round(float(rng.uniform(*_WIDTH_M)), 4)
@@ -225,7 +225,7 @@ def _accelerometer(k: int) -> Channel:
     )
 
 
-def with_other_mounting(rig: Rig, seed: int) -> Rig:
+def with_changed_mounting(rig: Rig, seed: int) -> Rig:
     """The rig as labs write it down: some accelerometers are mounted against the drive, some are given in g."""
     rng = np.random.default_rng([seed, 80])
     return rig.model_copy(update={"channels": tuple(_mount_channel(c, rng) for c in rig.channels)})

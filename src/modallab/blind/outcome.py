@@ -83,7 +83,7 @@ class BlindOutcome(Frozen):
     shrinkage: list[ShrinkageOutcome]
 
 
-def sum_up_trials(trials: Sequence[Trial], sealed: str | None, answers: str) -> BlindOutcome:
+def summarise_trials(trials: Sequence[Trial], sealed: str | None, answers: str) -> BlindOutcome:
     """Sum up trials whose truth has been read."""
     error, bins = reliability(trials)
     groups: dict[str, list[Trial]] = defaultdict(list)

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from modallab.blind.answer import ANSWERS, Answer, answer_all, compute_in_pool, read_answers
+from modallab.blind.answer import ANSWERS, TrialAnswer, answer_trials, compute_in_pool, read_answers
 from modallab.blind.draw import TrialDraw, draw_trials, make_trial
-from modallab.blind.outcome import BlindOutcome, sum_up_trials
+from modallab.blind.outcome import BlindOutcome, summarise_trials
 from modallab.blind.request import BlindRequest
 from modallab.blind.score import Trial
 from modallab.blind.seal import SEALED, open_truth, publish_hashes, published_hashes, seal_truth, sealed_hash
@@ -62,12 +62,12 @@ def blind_draws(
     report_progress(0.3, f"sealed, SHA-256 {sealed}")
     campaigns = {draw.name: _campaign_of(folder, draw.name) for draw in draws}
     with part_of_progress(0.3, 0.8, "blind"):
-        answers = answer_all(campaigns, folder / ANSWERS, pool)
+        answers = answer_trials(campaigns, folder / ANSWERS, pool)
     with part_of_progress(0.8, 1.0, "opened"):
         found = {answer.name: answer for answer in read_answers(folder / ANSWERS)}
         seen = _later_campaigns_seen(folder, found, pool) if later else {}
         trials = [_trial_of_answer(found[name], open_truth(folder, name)["effects"], seen.get(name)) for name in hashes]
-    return sum_up_trials(trials, sealed, answers)
+    return summarise_trials(trials, sealed, answers)
 
 
 def blind_folder(campaigns: Path, truths: Path | None, out: Path, pool: Executor | None = None) -> BlindOutcome | str:
@@ -89,11 +89,11 @@ def blind_folder(campaigns: Path, truths: Path | None, out: Path, pool: Executor
     found = campaigns_in(campaigns)
     out.mkdir(parents=True, exist_ok=True)
     with part_of_progress(0.0, 1.0, "blind"):
-        answers = answer_all(found, out / ANSWERS, pool)
+        answers = answer_trials(found, out / ANSWERS, pool)
     if truths is None:
         return answers
     listed = {answer.name: answer for answer in read_answers(out / ANSWERS)}
-    return sum_up_trials(
+    return summarise_trials(
         [_trial_of_answer(listed[name], _truth_of_trial(truths, name), None) for name in found], None, answers
     )
 
@@ -178,7 +178,7 @@ class RepeatedCampaign(NamedTuple):
 
 
 def _later_campaigns_seen(
-    folder: Path, found: Mapping[str, Answer], pool: Executor | None
+    folder: Path, found: Mapping[str, TrialAnswer], pool: Executor | None
 ) -> dict[str, RepeatedCampaign]:
     known = [answer for answer in found.values() if answer.diagnosis.verdict == "known"]
     later = compute_in_pool(
@@ -188,10 +188,10 @@ def _later_campaigns_seen(
 
 
 def _repeat_campaign(what: tuple[Path, Any]) -> RepeatedCampaign:
-    return diagnose_later(*what)
+    return diagnose_later_campaign(*what)
 
 
-def _trial_of_answer(answer: Answer, truth: list[dict[str, Any]], seen: RepeatedCampaign | None) -> Trial:
+def _trial_of_answer(answer: TrialAnswer, truth: list[dict[str, Any]], seen: RepeatedCampaign | None) -> Trial:
     return Trial(
         answer.name,
         truth,
@@ -204,7 +204,7 @@ def _trial_of_answer(answer: Answer, truth: list[dict[str, Any]], seen: Repeated
     )
 
 
-def diagnose_later(later: Path, diagnosis: Diagnosis) -> RepeatedCampaign:
+def diagnose_later_campaign(later: Path, diagnosis: Diagnosis) -> RepeatedCampaign:
     """Hold a diagnosis that names effects against a later campaign on the same bench."""
     campaign = read_campaign(later)
     revised = replace(campaign, rig=with_diagnosis(campaign.rig, diagnosis, date.min))

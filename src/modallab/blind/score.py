@@ -54,7 +54,7 @@ class Trial:
         return frozenset(str(e["effect"]) for e in self.truth if e["effect"] in _modelled_effects() - self.withheld)
 
     @property
-    def knowable(self) -> bool:
+    def identifiable(self) -> bool:
         """Whether every effect of the truth has a model."""
         return len(self.names) == len(self.truth)
 
@@ -64,7 +64,7 @@ class Trial:
         verdict = self.diagnosis.verdict
         if not self.truth:
             return verdict == "no_gap"
-        return self.said == self.names if self.knowable else verdict == "unknown"
+        return self.said == self.names if self.identifiable else verdict == "unknown"
 
     @property
     def shrink_error(self) -> float | None:
@@ -90,10 +90,10 @@ class Figure:
 
 def score_trials(trials: Sequence[Trial]) -> list[Figure]:
     """The figures a diagnosis is judged by."""
-    singles = [t for t in trials if len(t.truth) == 1 and t.knowable]
-    doubles = [t for t in trials if len(t.truth) > 1 and t.knowable]
+    singles = [t for t in trials if len(t.truth) == 1 and t.identifiable]
+    doubles = [t for t in trials if len(t.truth) > 1 and t.identifiable]
     empty = [t for t in trials if not t.truth]
-    strange = [t for t in trials if t.truth and not t.knowable]
+    strange = [t for t in trials if t.truth and not t.identifiable]
     present = [t for t in trials if t.truth]
     return [
         _share("single effect named right", singles, lambda t: t.said == t.names),

@@ -13,7 +13,7 @@ from modallab.core.documents.pages import EventView
 from modallab.formats.atomic import write_text
 
 if TYPE_CHECKING:
-    from modallab.reporting.modified_table import TableRows
+    from modallab.reporting.modification_table import TableRows
 
 
 class _DiscardedOutput:

@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from modallab.bench.loader import simulated_bench
+from modallab.cli.background_result import BackgroundResult
 from modallab.cli.console import Display, console_of
-from modallab.cli.in_advance import BackgroundResult
 from modallab.core.block import Campaign
 from modallab.core.plan import BLOCK_S, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
 from modallab.formats.atomic import make_folder
 from modallab.formats.rig.rig_file import parse_rig
-from modallab.service.campaigns.local_session import LocalCampaign, operator_here
+from modallab.service.campaigns.local_session import LocalCampaign, local_user
 
 if TYPE_CHECKING:
     from modallab.pipelines.identify import IdentifiedTest
@@ -55,7 +55,7 @@ def _demo_at_terminal(arguments: argparse.Namespace) -> int:
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     # What identifies and draws takes as long to load as the bench to begin.
     BackgroundResult(lambda: import_module("modallab.cli.demo_results"))
-    with Display(console) as display, LocalCampaign(rig, url, folder / "data", rig.name, operator_here()) as session:
+    with Display(console) as display, LocalCampaign(rig, url, folder / "data", rig.name, local_user()) as session:
         hammer, *shaker = demo_plans()
         runs = session.run_all([hammer], display.notify)
         struck = session.recorded(runs)

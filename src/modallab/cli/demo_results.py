@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
+from modallab.cli.background_result import BackgroundResult
 from modallab.cli.console import console_of
 from modallab.cli.identify import print_remarks, result_table
-from modallab.cli.in_advance import BackgroundResult
 from modallab.core.block import Block, Campaign
 from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
@@ -15,7 +15,7 @@ from modallab.pipelines.identify import IdentifiedTest, identify_campaign
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.report import report_content
 from modallab.reporting.report import write_report
-from modallab.reporting.waiting import waiting_line
+from modallab.reporting.waiting_line import waiting_line
 from modallab.storage import Store
 from modallab.storage.campaigns import rejected_blocks
 

@@ -31,7 +31,7 @@ from modallab.gap.simulations.compare import compare_simulation
 from modallab.gap.words.verdicts import gap_in_percent, sentence_by_model, sentence_of_simulation, verdict_sentence
 from modallab.reporting.gap_report import write_gap_report
 from modallab.reporting.simulation_report import write_simulation_report
-from modallab.reporting.waiting import waiting_line
+from modallab.reporting.waiting_line import waiting_line
 from modallab.service.campaigns.begin import require_reasonable
 
 _ANY_BENCH = BenchInfo(url="", devices=(), can_drive=True, real_time=False, facts={})

@@ -26,7 +26,7 @@ from modallab.pipelines.response_setups import identify_response_setups
 from modallab.pipelines.setups import JoinedSetups, identify_setups
 from modallab.reporting.report import write_report
 from modallab.reporting.table import modal_table
-from modallab.reporting.waiting import waiting_line
+from modallab.reporting.waiting_line import waiting_line
 
 
 def run(arguments: argparse.Namespace) -> int:

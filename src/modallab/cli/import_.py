@@ -15,7 +15,7 @@ from modallab.formats.draft import assumptions, write_draft
 from modallab.formats.importer import import_recordings
 from modallab.formats.rig.rig_file import read_rig
 from modallab.pipelines.results import holds_results_only, import_results
-from modallab.reporting.waiting import waiting_line
+from modallab.reporting.waiting_line import waiting_line
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -4,7 +4,7 @@ import argparse
 
 from modallab.cli.model_behaviour import frf, response, show_nodes, show_participation, show_shape, state_space
 from modallab.cli.model_change import absorber, compare, couple, free_band, modify, tune, update
-from modallab.cli.model_ready import prepare_model
+from modallab.cli.model_input import prepare_model
 from modallab.formats.rig.rig_file import read_rig
 
 

@@ -23,7 +23,7 @@ from modallab.modification.motion import MotionOverTime, force_samples
 from modallab.modification.nodes import places_of_modes
 from modallab.modification.participation import modal_participation
 from modallab.modification.structure import At
-from modallab.reporting.understood_table import (
+from modallab.reporting.behaviour_table import (
     advice_of,
     deflection_rows,
     motion_document,

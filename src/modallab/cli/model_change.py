@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab.cli.console import console_of, show_rows, write_json
-from modallab.cli.model_ready import prepare_model
+from modallab.cli.model_input import prepare_model
 from modallab.core.errors import ConfigurationError, StorageError
 from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
@@ -24,7 +24,8 @@ from modallab.modification.inverse import (
 from modallab.modification.known import KnownStructure
 from modallab.pipelines.model_update import update_model
 from modallab.pipelines.structure_gap import read_reference
-from modallab.reporting.modified_table import (
+from modallab.reporting.behaviour_table import correlation_rows
+from modallab.reporting.modification_table import (
     absorber_rows,
     check_predictions,
     free_rows,
@@ -34,7 +35,6 @@ from modallab.reporting.modified_table import (
     updated_document,
     updated_mode_rows,
 )
-from modallab.reporting.understood_table import correlation_rows
 from modallab.updating.correlation import ModelCorrelation, correlate_models
 from modallab.updating.prior import Prior
 

@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     settle_database(settings)
     require_scheduler(settings)
     with ServiceSupervisor(settings, rigs, token) as supervisor:
-        signal.signal(signal.SIGTERM, lambda _number, _frame: supervisor.ask_to_close())
+        signal.signal(signal.SIGTERM, lambda _number, _frame: supervisor.request_close())
         place = supervisor.place
         print(f"modallab serves at {settings.scheme}://{place.host}:{place.port}/, the API is at /docs")
         if settings.tls_self_signed and settings.tls_cert is not None:

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from rich.console import Console
 
 from modallab.cli.backup import require_data_folder
-from modallab.core.documents.users import TokenNew, UserNew
+from modallab.core.documents.users import TokenRequest, UserRequest
 from modallab.core.errors import DataError
 from modallab.core.field_errors import error_sentences
 from modallab.service.records.users import Users
@@ -30,14 +30,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _add(users: Users, arguments: argparse.Namespace) -> None:
-    users.add(UserNew(name=arguments.name, role=arguments.role), _operator_name())
+    users.add(UserRequest(name=arguments.name, role=arguments.role), _operator_name())
     _token(users, arguments)
 
 
 def _token(users: Users, arguments: argparse.Namespace) -> None:
     role = arguments.role if arguments.action == "token" else None
     rigs = tuple(arguments.rig or ())
-    new = TokenNew(label=arguments.label, role=role, rigs=rigs, ttl_days=arguments.days)
+    new = TokenRequest(label=arguments.label, role=role, rigs=rigs, ttl_days=arguments.days)
     made = users.make_token(arguments.name, new, _operator_name())
     until = f", until {made.about.expires_utc}" if made.about.expires_utc else ""
     _print([f"token {made.about.id} of {arguments.name}, {made.about.role}{until}; shown this once:", made.token])

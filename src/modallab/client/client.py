@@ -15,9 +15,9 @@ from modallab.client.held_lease import HeldLease
 from modallab.client.queue_and_user_calls import QueueCalls, UserCalls
 from modallab.core.documents.models import ComparisonView, DiagnosisView, ModelsView
 from modallab.core.documents.pages import EventView, Page
-from modallab.core.documents.results import FrfView, JobKind, JobNew, JobView
-from modallab.core.documents.rigs import Lease, LeaseNew, RigView, StopReason
-from modallab.core.documents.runs import BlockView, CampaignNew, CampaignView, Command, RunNew, RunView, Verdict
+from modallab.core.documents.results import FrfView, JobKind, JobRequest, JobView
+from modallab.core.documents.rigs import Lease, LeaseRequest, RigView, StopReason
+from modallab.core.documents.runs import BlockView, CampaignRequest, CampaignView, Command, RunRequest, RunView, Verdict
 from modallab.core.plan import Plan
 
 ENDED = ("done", "failed", "aborted")
@@ -79,13 +79,13 @@ class Client(QueueCalls, UserCalls):
             take_over: from whoever holds it, as long as no run is on; from yourself always.
             recover: the one you hold already.
         """
-        new = LeaseNew(operator=operator, ttl_s=ttl_s, take_over=take_over, recover=recover)
+        new = LeaseRequest(operator=operator, ttl_s=ttl_s, take_over=take_over, recover=recover)
         lease = self._post(Lease, f"/rigs/{rig}/lease", new)
         return HeldLease(lease, self._renew, self._release)
 
     def create_campaign(self, name: str, rig: str, note: str = "") -> CampaignView:
         """Make a campaign on a rig."""
-        return self._post(CampaignView, "/campaigns", CampaignNew(name=name, rig=rig, note=note))
+        return self._post(CampaignView, "/campaigns", CampaignRequest(name=name, rig=rig, note=note))
 
     def campaigns(self, *, archived: bool = False, deleted: bool = False) -> tuple[CampaignView, ...]:
         """All campaigns, the newest first; those that are archived or deleted only where they are asked for."""
@@ -126,7 +126,7 @@ class Client(QueueCalls, UserCalls):
 
     def start_run(self, campaign: str, plan: Plan | None, lease: HeldLease, continues: str | None = None) -> RunView:
         """Begin a run; without a plan, with what is left of the run it continues."""
-        return self._post(RunView, f"/campaigns/{campaign}/runs", RunNew(plan=plan, continues=continues), lease)
+        return self._post(RunView, f"/campaigns/{campaign}/runs", RunRequest(plan=plan, continues=continues), lease)
 
     def run(self, run: str) -> RunView:
         """A run as it stands."""
@@ -180,11 +180,11 @@ class Client(QueueCalls, UserCalls):
 
     def order(self, campaign: str, kind: JobKind, **parameters: JsonValue) -> JobView:
         """Order the model, the diagnosis or the report of a campaign."""
-        return self._post(JobView, f"/campaigns/{campaign}/{ORDERS[kind]}", JobNew(parameters=parameters))
+        return self._post(JobView, f"/campaigns/{campaign}/{ORDERS[kind]}", JobRequest(parameters=parameters))
 
     def blind_trials(self, **parameters: JsonValue) -> JobView:
         """Order blind trials of the diagnosis on simulated benches."""
-        return self._post(JobView, "/blind-trials", JobNew(parameters=parameters))
+        return self._post(JobView, "/blind-trials", JobRequest(parameters=parameters))
 
     def jobs(self, campaign: str, kind: JobKind | None = None) -> tuple[JobView, ...]:
         """The jobs of a campaign, the newest first."""

@@ -5,16 +5,23 @@ from urllib.parse import quote
 
 from modallab.client.connection import Connection, RenewedLease
 from modallab.core.documents.pages import Page
-from modallab.core.documents.queue import ConsentNew, QueueItem, QueueItemNew, QueueOrder, QueueReason, QueueView
+from modallab.core.documents.queue import (
+    ConsentRequest,
+    QueueItem,
+    QueueItemRequest,
+    QueueOrder,
+    QueueReason,
+    QueueView,
+)
 from modallab.core.documents.users import (
     CallerView,
     LoginLink,
+    NewToken,
     Role,
-    TokenMade,
-    TokenNew,
+    TokenRequest,
     TokenView,
     UserChange,
-    UserNew,
+    UserRequest,
     UserView,
 )
 from modallab.core.plan import Plan
@@ -29,7 +36,7 @@ class QueueCalls(Connection):
 
     def queue_run(self, rig: str, campaign: str, plan: Plan, note: str = "") -> QueueItem:
         """Queue a run behind the others; needs no lease."""
-        return self._post(QueueItem, f"/rigs/{rig}/queue", QueueItemNew(campaign=campaign, plan=plan, note=note))
+        return self._post(QueueItem, f"/rigs/{rig}/queue", QueueItemRequest(campaign=campaign, plan=plan, note=note))
 
     def reorder_queue(self, rig: str, items: Sequence[str]) -> QueueView:
         """Have all that waits run in this order."""
@@ -49,7 +56,7 @@ class QueueCalls(Connection):
 
     def consent(self, rig: str, lease: RenewedLease, *, drive: bool = False, at_bench: bool = False) -> QueueView:
         """Let what waits now begin by itself: with `drive` tests that move the output, with `at_bench` impact tests."""
-        new = ConsentNew(drive=drive, at_bench=at_bench)
+        new = ConsentRequest(drive=drive, at_bench=at_bench)
         return self._put(QueueView, f"/rigs/{rig}/queue/consent", new, lease)
 
     def withdraw_consent(self, rig: str) -> QueueView:
@@ -74,7 +81,7 @@ class UserCalls(Connection):
 
     def add_user(self, name: str, role: Role = "operator") -> UserView:
         """Add a user, who has no token yet."""
-        return self._post(UserView, "/users", UserNew(name=name, role=role))
+        return self._post(UserView, "/users", UserRequest(name=name, role=role))
 
     def change_user(self, name: str, role: Role) -> UserView:
         """Give a user another role."""
@@ -95,10 +102,10 @@ class UserCalls(Connection):
         rigs: Sequence[str] = (),
         ttl_days: float | None = None,
         label: str = "",
-    ) -> TokenMade:
+    ) -> NewToken:
         """Make a token for a user; it is shown this once."""
-        new = TokenNew(label=label, role=role, rigs=tuple(rigs), ttl_days=ttl_days)
-        return self._post(TokenMade, f"{_path_of_user(name)}/tokens", new)
+        new = TokenRequest(label=label, role=role, rigs=tuple(rigs), ttl_days=ttl_days)
+        return self._post(NewToken, f"{_path_of_user(name)}/tokens", new)
 
     def revoke_token(self, name: str, token: str) -> TokenView:
         """Have a token not count any more; `token` is its id."""

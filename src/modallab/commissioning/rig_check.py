@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.procedures.sensors import fed_channels, remarks_on, wait_until_settled
+from modallab.acquisition.procedures.sensors import sensor_remarks, supplied_channels, wait_until_settled
 from modallab.acquisition.procedures.trigger import Trigger
-from modallab.bench.abilities import SelfDescribing
+from modallab.bench.abilities import ReadsSensitivities
 from modallab.bench.protocol import Bench, Burst, Delivery, Request
 from modallab.core.errors import BenchError
 from modallab.core.rig import Channel, Rig
@@ -133,7 +133,7 @@ def check_clock(bench: Bench, rig: Rig, volts: float) -> list[Finding]:
 
 def settle(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding], int]:
     """Read on until fed sensors have settled; returns what was found, and how many samples were read."""
-    fed, read = fed_channels(bench, rig), 0
+    fed, read = supplied_channels(bench, rig), 0
 
     def pull(count: int) -> NDArray[np.float64]:
         nonlocal read
@@ -176,8 +176,8 @@ def _check_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over:
 def check_sensors(bench: Bench, rig: Rig) -> list[Finding]:
     """What certificates and the sensors themselves say, against the rig file; for each that says something."""
     today = datetime.now(UTC).date()
-    remarks = [remark for test in _tests(rig) for remark in remarks_on(rig, test, today, bench)]
-    sensed = bench.sensed_sensitivities() if isinstance(bench, SelfDescribing) else {}
+    remarks = [remark for test in _tests(rig) for remark in sensor_remarks(rig, test, today, bench)]
+    sensed = bench.read_sensitivities() if isinstance(bench, ReadsSensitivities) else {}
     findings = [
         Finding(remark.channel, "sensor", remark.what, "bad" if remark.contradiction else "look")
         for remark in dict.fromkeys(remarks)

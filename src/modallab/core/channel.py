@@ -7,7 +7,7 @@ from pydantic import Field, PositiveInt, model_validator
 
 from modallab.core.errors import RigError
 from modallab.core.field_errors import reject_problems
-from modallab.core.frozen import Finite, Frozen, NonNegative, Positive, is_unstated
+from modallab.core.frozen import Finite, Frozen, NonNegative, Positive, is_not_stated
 from modallab.core.hardware import Certificate
 from modallab.core.rig_checks import channel_problems
 from modallab.core.units import BROADBAND, Quantity, Test
@@ -68,7 +68,7 @@ class Channel(Frozen):
     point: PositiveInt | None = None
     direction: Direction = "+z"
     mass_kg: NonNegative = 0.0
-    sensitivity_v_per_unit: Finite | dict[Test, Finite] | None = Field(default=None, exclude_if=is_unstated)
+    sensitivity_v_per_unit: Finite | dict[Test, Finite] | None = Field(default=None, exclude_if=is_not_stated)
     coupling: Literal["DC", "AC", "IEPE", "bridge"] = "DC"
     range_v: Positive | None = None
     serial: str = ""
@@ -79,7 +79,7 @@ class Channel(Frozen):
     ac_corner_hz: NonNegative = 0.0
     delay_s: NonNegative = 0.0
     skew_s: NonNegative = 0.0
-    certificate: Certificate | None = Field(default=None, exclude_if=is_unstated)
+    certificate: Certificate | None = Field(default=None, exclude_if=is_not_stated)
 
     def sensitivity(self, test: Test) -> float:
         """Volts per unit in a test; the preamplifier may stand differently in each."""

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from modallab.core.budget import Budget
-from modallab.core.effect import Alternative, Learned
+from modallab.core.effect import Alternative, LearnedElement
 from modallab.core.effects import Effect, Stage
 from modallab.core.frozen import Frozen
 from modallab.core.places import Place, place_as_shares
@@ -15,7 +15,7 @@ from modallab.core.versions import DIAGNOSIS
 Verdict = Literal["no_gap", "known", "unknown"]
 
 
-class Percent(Frozen):
+class ResponseShare(Frozen):
     """Measured less predicted over the response, as a share: median over records, after subtraction of the noise.
 
     Attributes:
@@ -75,9 +75,9 @@ class Gap(Frozen):
     by_mode: dict[str, float]
     by_order: dict[str, float]
     poles_hz: list[float]
-    share_nominal: Percent | None = None
-    share_before: Percent | None = None
-    share_after: Percent | None = None
+    share_nominal: ResponseShare | None = None
+    share_before: ResponseShare | None = None
+    share_after: ResponseShare | None = None
     discrepancy: Discrepancy | None = None
 
 
@@ -133,7 +133,7 @@ class Found(Frozen):
         return Effect(effect=self.effect, parameters=self.parameters, place=place_as_shares(self.place))
 
 
-class Shrink(Frozen):
+class Shrinkage(Frozen):
     """Shrinkage of the gap on held-out records.
 
     Attributes:
@@ -153,7 +153,7 @@ class Shrink(Frozen):
     rival: dict[str, float]
 
 
-class Departure(Frozen):
+class ToleranceDeviation(Frozen):
     """Deviation of a parameter of the twin within its tolerance.
 
     Attributes:
@@ -171,7 +171,7 @@ class Departure(Frozen):
     u: float
 
 
-class Calibrated(Frozen):
+class TwinParameters(Frozen):
     """The fitted parameters of the twin.
 
     Attributes:
@@ -195,7 +195,7 @@ class Calibrated(Frozen):
     gains: dict[int, float] = Field(default_factory=dict[int, float])
     residual_compliance: float = 0.0
     root_rotation: float = 0.0
-    departures: list[Departure] = Field(default_factory=list[Departure])
+    departures: list[ToleranceDeviation] = Field(default_factory=list[ToleranceDeviation])
     drift_curve: list[tuple[float, float]] = Field(default_factory=list[tuple[float, float]])
 
 
@@ -214,10 +214,10 @@ class CandidateSet(Frozen):
     probability: float
     gap: float
     fitted: list[Effect] = Field(default_factory=list[Effect])
-    twin: Calibrated | None = None
+    twin: TwinParameters | None = None
 
 
-class Described(Frozen):
+class GapDescription(Frozen):
     """Description of a gap that no effect of the catalogue explains. Never a cause.
 
     Attributes:
@@ -234,12 +234,12 @@ class Described(Frozen):
 
     says: str
     stage: Stage
-    elements: list[Learned]
+    elements: list[LearnedElement]
     x_m: float | None
     x_m_interval: tuple[float, float] | None
     channels: list[str]
-    shrink: Shrink
-    twin: Calibrated
+    shrink: Shrinkage
+    twin: TwinParameters
     alternatives: list[Alternative]
 
 
@@ -270,10 +270,10 @@ class Diagnosis(Frozen):
     where: Where
     effects: list[Found]
     candidates: list[CandidateSet]
-    shrink: Shrink
+    shrink: Shrinkage
     next_experiment: str
-    twin: Calibrated
+    twin: TwinParameters
     notes: list[str]
     budget: Budget | None = None
-    described: Described | None = None
+    described: GapDescription | None = None
     unknown: float | None = None

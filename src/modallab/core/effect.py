@@ -43,7 +43,7 @@ class Revision(Frozen):
     source: str = ""
 
 
-class Learned(Frozen):
+class LearnedElement(Frozen):
     """A learned element of the twin: a description of the gap, not its cause.
 
     Attributes:

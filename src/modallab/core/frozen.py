@@ -80,12 +80,12 @@ Truth = Annotated[bool, Strict()]
 """What someone asks for or agrees to: true or false, and neither 1, "yes" nor "on", which may be a slip."""
 
 
-def is_absent(value: object) -> bool:
-    """Whether there is no array: one cannot be compared as `is_unstated` does."""
+def is_missing(value: object) -> bool:
+    """Whether there is no array: one cannot be compared as `is_not_stated` does."""
     return value is None
 
 
-def is_unstated(value: object) -> bool:
+def is_not_stated(value: object) -> bool:
     """Whether an optional field holds nothing: then it is not written, as in documents from before there was one."""
     return value is None or value == ()
 

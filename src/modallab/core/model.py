@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from modallab.core.frf import Frf
-from modallab.core.frozen import ComplexArray, Frozen, RealArray, is_absent, is_unstated
+from modallab.core.frozen import ComplexArray, Frozen, RealArray, is_missing, is_not_stated
 from modallab.core.units import Test
 from modallab.core.versions import MODEL
 
@@ -121,11 +121,11 @@ class ModalModel(Frozen):
     half_power: RealArray
     half_power_floor: RealArray
     notes: tuple[str, ...] = Field(default=())
-    scale_uncertainty: ScaleUncertainty | None = Field(default=None, exclude_if=is_unstated)
-    operating_shapes: ComplexArray | None = Field(default=None, exclude_if=is_absent)
-    operating_shape_sigma: RealArray | None = Field(default=None, exclude_if=is_absent)
-    backbone: Backbone | None = Field(default=None, exclude_if=is_absent)
-    hit_shares: RealArray | None = Field(default=None, exclude_if=is_absent)
+    scale_uncertainty: ScaleUncertainty | None = Field(default=None, exclude_if=is_not_stated)
+    operating_shapes: ComplexArray | None = Field(default=None, exclude_if=is_missing)
+    operating_shape_sigma: RealArray | None = Field(default=None, exclude_if=is_missing)
+    backbone: Backbone | None = Field(default=None, exclude_if=is_missing)
+    hit_shares: RealArray | None = Field(default=None, exclude_if=is_missing)
 
     @property
     def n_modes(self) -> int:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationError, ValidatorFunctionWrapHandler, WrapValidator
 from pydantic_core import PydanticCustomError
 
-from modallab.core.frozen import Frozen, is_unstated
+from modallab.core.frozen import Frozen, is_not_stated
 
 
 class NoPlace(Frozen):
@@ -24,7 +24,7 @@ class AlongBeam(Frozen):
     """
 
     x: float
-    x_m: float | None = Field(default=None, exclude_if=is_unstated)
+    x_m: float | None = Field(default=None, exclude_if=is_not_stated)
 
 
 class AllAlongBeam(Frozen):
@@ -46,7 +46,7 @@ class OneChannel(Frozen):
     """
 
     channel: int
-    level_v: float | None = Field(default=None, exclude_if=is_unstated)
+    level_v: float | None = Field(default=None, exclude_if=is_not_stated)
 
 
 class TwoChannels(Frozen):
@@ -109,7 +109,7 @@ class NearPoint(Frozen):
 
     point: int
     at_m: tuple[float, float, float]
-    axis: str | None = Field(default=None, exclude_if=is_unstated)
+    axis: str | None = Field(default=None, exclude_if=is_not_stated)
 
 
 class BetweenPoints(Frozen):

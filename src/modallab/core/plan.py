@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, PositiveFloat, PositiveInt
 
-from modallab.core.frozen import Frozen, Truth, is_unstated
+from modallab.core.frozen import Frozen, Truth, is_not_stated
 from modallab.core.units import Broadband, Test
 
 BLOCK_S = 1.024
@@ -70,8 +70,8 @@ class ImpactPlan(Frozen):
     """An impact test: a number of good hits at each point.
 
     `rate_hz` is set on the device, which may give a higher rate; blocks have the whole number of samples nearest
-    to `block_s`. With `delivered_hz` blocks are resampled to exactly that rate at reading. The trigger is in software on
-    the continuous stream; `hardware` uses the device's own reference trigger. With `setups` all points are struck in
+    to `block_s`. With `delivered_hz` blocks are resampled to exactly that rate at reading. Software triggers on the
+    continuous stream; `hardware` uses the device's own reference trigger. With `setups` all points are struck in
     every set-up, each a run of its own. `operator_decides` selects hits for the operator's decision, for which the run
     waits.
 
@@ -108,9 +108,9 @@ class ImpactPlan(Frozen):
     hit_timeout_s: PositiveFloat = 300.0
     max_rejections: PositiveInt = 20
     acceptance: HitAcceptance = HitAcceptance()
-    setups: tuple[SetUp, ...] = Field(default=(), exclude_if=is_unstated)
+    setups: tuple[SetUp, ...] = Field(default=(), exclude_if=is_not_stated)
     operator_decides: Literal["never", "rejected", "every"] = Field(default="never", exclude_if=lambda v: v == "never")
-    precision: Precision | None = Field(default=None, exclude_if=is_unstated)
+    precision: Precision | None = Field(default=None, exclude_if=is_not_stated)
 
 
 class KnownMode(Frozen):

@@ -10,7 +10,7 @@ from modallab.core.channel import Channel, Converter, Direction, Point
 from modallab.core.effect import Effect, Revision
 from modallab.core.errors import RigError
 from modallab.core.field_errors import reject_problems
-from modallab.core.frozen import Frozen, Positive, is_unstated
+from modallab.core.frozen import Frozen, Positive, is_not_stated
 from modallab.core.hardware import Calibration, Excitation, Shaker, Synchronisation
 from modallab.core.rig_checks import cross_problems
 from modallab.core.versions import RIG
@@ -91,17 +91,17 @@ class Rig(Frozen):
     gravity_axis: Direction = "-y"
     drive_direction: Direction = "+z"
     points: tuple[Point, ...] = ()
-    lines: tuple[tuple[PositiveInt, PositiveInt], ...] = Field(default=(), exclude_if=is_unstated)
-    surfaces: tuple[Surface, ...] = Field(default=(), exclude_if=is_unstated)
+    lines: tuple[tuple[PositiveInt, PositiveInt], ...] = Field(default=(), exclude_if=is_not_stated)
+    surfaces: tuple[Surface, ...] = Field(default=(), exclude_if=is_not_stated)
     channels: Annotated[tuple[Channel, ...], Field(min_length=1)]
     converter: Converter | None = None
     shaker_point: PositiveInt | None = None
     limits: Limits | None = None
     excitation: Excitation | None = None
-    shakers: tuple[Shaker, ...] = Field(default=(), exclude_if=is_unstated)
+    shakers: tuple[Shaker, ...] = Field(default=(), exclude_if=is_not_stated)
     history: tuple[Calibration, ...] = ()
-    synchronisation: Synchronisation | None = Field(default=None, exclude_if=is_unstated)
-    revisions: tuple[Revision, ...] = Field(default=(), exclude_if=is_unstated)
+    synchronisation: Synchronisation | None = Field(default=None, exclude_if=is_not_stated)
+    revisions: tuple[Revision, ...] = Field(default=(), exclude_if=is_not_stated)
 
     @model_validator(mode="before")
     @classmethod

@@ -16,7 +16,7 @@ from modallab.formats.check_campaign import check_recordings, check_structure, c
 from modallab.formats.draft import DraftChannel, select_channels, with_named_points
 from modallab.formats.format import sniff
 from modallab.formats.options import COUNTED_HZ, ImportOptions, options_of
-from modallab.signals.faults.found import faults_of
+from modallab.signals.faults.all_faults import faults_of
 
 _VOLTS = ("V", "mV")
 

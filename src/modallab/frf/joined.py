@@ -123,7 +123,7 @@ def _per_noise(force: NDArray[np.complex128]) -> Real:
     return np.einsum("lii->il", np.linalg.inv(smooth.transpose(2, 0, 1))).real
 
 
-def check_followed(frf: Frf) -> None:
+def check_responses_follow(frf: Frf) -> None:
     """Reject an FRF that does not stand out of its own noise: the drive was off, or it is not what was recorded.
 
     Raises:

@@ -11,16 +11,16 @@ from modallab.core.progress import part_of_progress, report_progress
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.conditioning.split import split_held_out
-from modallab.gap.documented import SearchInput, ShownEffects, document_diagnosis, is_harmless
+from modallab.gap.diagnosis_document import EffectsInRecords, SearchInput, document_diagnosis, is_harmless
+from modallab.gap.explanation_search import search_explanation
 from modallab.gap.model.nuisances import beam_of
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.restored import first_fit_of
 from modallab.gap.model.tolerances import with_tolerances
+from modallab.gap.report.effect_inspection import effects_on_records, inspect_effects, is_in_revisions
 from modallab.gap.report.initial_gap import bench_of, free_of, weights_of
-from modallab.gap.report.inspected import effects_on_records, inspect_effects, is_in_revisions
 from modallab.gap.report.locate import locate_gap
 from modallab.gap.search.choose import Choice
-from modallab.gap.searched import search_explanation
 from modallab.gap.unknown.describe import describe
 
 
@@ -85,8 +85,8 @@ def _made_ready(
     )
 
 
-def _effects_on_records(ready: SearchInput, choice: Choice) -> ShownEffects:
+def _effects_on_records(ready: SearchInput, choice: Choice) -> EffectsInRecords:
     prepared, allowed = ready.prepared, ready.bench.allowed
     named = [f for f in inspect_effects(prepared, twin_of(choice.accepted_fit, ready.everything)) if allowed(f.effect)]
     seen = [f for f in named if not is_harmless(prepared, f) and not is_in_revisions(f, ready.rig)]
-    return ShownEffects(named, seen, [name for name in effects_on_records(prepared) if not allowed(name)])
+    return EffectsInRecords(named, seen, [name for name in effects_on_records(prepared) if not allowed(name)])

@@ -196,7 +196,7 @@ class Cluster:
         found = {"scheduler": _process_of_cluster(self._own).pid} | workers
         return {name: pid for name, pid in found.items() if pid is not None}
 
-    def worn(self, idle: bool) -> bool:
+    def needs_restart(self, idle: bool) -> bool:
         """Whether workers of this machine's own died and did not come back, and nothing is lost by starting again.
 
         Dask replaces a worker that dies, but not one that dies the moment it has come up.

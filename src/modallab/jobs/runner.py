@@ -129,7 +129,7 @@ class Runner:
         if time.monotonic() < self._ask_next_s:
             return False
         self._ask_next_s = time.monotonic() + CLUSTER_S
-        return cluster.worn(not self._attempts)
+        return cluster.needs_restart(not self._attempts)
 
     def _take(self, cluster: Cluster) -> list[LeasedJob]:
         try:

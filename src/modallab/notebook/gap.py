@@ -20,22 +20,22 @@ from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.words.effects import numbers_of, parameter_in_words, place_of, place_of_change
 from modallab.gap.words.verdicts import sentence_by_model, verdict_sentence
 from modallab.notebook.arguments import band_of, path_for
+from modallab.notebook.display import DisplayedTable
 from modallab.notebook.identify import campaign_in
-from modallab.notebook.measured import MeasuredFrf
+from modallab.notebook.measured_frf import MeasuredFrf
 from modallab.notebook.model import Model
 from modallab.notebook.recording import Recording
-from modallab.notebook.shown import DisplayedTable
 from modallab.notebook.twin import DiagnosedTwin
 from modallab.pipelines.structure_gap import Band, gap_against, gap_of, model_to_compare
 from modallab.reporting.structure_report import StructureGap, write_structure_report
-from modallab.reporting.waiting import waiting_line
+from modallab.reporting.waiting_line import waiting_line
 
 Reference = Model | Recording | MeasuredFrf | Path | str
 """What a structure is compared with: its modal model, the earlier measurement, or a finite-element model's file."""
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class GapFound:
+class GapDiagnosis:
     """What a diagnosis found.
 
     Attributes:
@@ -112,7 +112,7 @@ class GapFound:
         return path
 
     def __repr__(self) -> str:
-        return f"<GapFound: {self.sentence}>"
+        return f"<GapDiagnosis: {self.sentence}>"
 
     def _repr_html_(self) -> str:
         return self.table().html()
@@ -126,7 +126,7 @@ def diagnose(
     band: tuple[float, float] | None = None,
     keep: str | Path | None = None,
     progress: bool = True,
-) -> GapFound:
+) -> GapDiagnosis:
     """Where simulation and bench differ, which effect causes it, and how far the gap shrinks with it.
 
     Args:
@@ -156,19 +156,19 @@ def diagnose(
     if band is not None:
         raise DataError("a band has no effect without a reference", remedy="give `reference`, or leave `band` out")
     if keep is not None and path_for(keep, (".json",)).exists():
-        return GapFound(campaign, _keep_diagnosis(Path(keep), campaign))
+        return GapDiagnosis(campaign, _keep_diagnosis(Path(keep), campaign))
     with waiting_line("reading the records", progress=progress):
-        found = GapFound(campaign, diagnose_campaign(campaign, HoldOut.parse(hold_out)))
+        found = GapDiagnosis(campaign, diagnose_campaign(campaign, HoldOut.parse(hold_out)))
     if keep is not None:
         found.save(keep)
     return found
 
 
 @one_thread()
-def _compare_reference(campaign: Campaign, reference: Reference, band_hz: Band, progress: bool) -> GapFound:
+def _compare_reference(campaign: Campaign, reference: Reference, band_hz: Band, progress: bool) -> GapDiagnosis:
     with waiting_line("identifying", progress=progress):
         gap = _campaign_against(campaign, reference, band_hz)
-    return GapFound(campaign, gap.diagnosis, gap)
+    return GapDiagnosis(campaign, gap.diagnosis, gap)
 
 
 def agreement(measured: Recording) -> Agreement:

@@ -9,13 +9,13 @@ from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL
 from modallab.identification.options import USUAL_RESPONSE, IdentificationOptions, ResponseMethod
 from modallab.notebook.arguments import band_of, frequencies_of
-from modallab.notebook.measured import MeasuredFrf, phase_rises
+from modallab.notebook.measured_frf import MeasuredFrf, phase_rises
 from modallab.notebook.model import Model
 from modallab.notebook.recording import Recording
 from modallab.pipelines.response_only import identify_chosen
 from modallab.pipelines.response_setups import identify_response_setups
 from modallab.pipelines.setups import identify_setups
-from modallab.reporting.waiting import waiting_line
+from modallab.reporting.waiting_line import waiting_line
 
 
 def identify(

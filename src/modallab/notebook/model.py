@@ -19,10 +19,10 @@ from modallab.identification.selection.criteria import mac
 from modallab.modification.freedoms import with_points
 from modallab.modification.known import KnownStructure
 from modallab.notebook.arguments import path_for
-from modallab.notebook.correlated import Correlated
-from modallab.notebook.put_to_use import ModelUses
-from modallab.notebook.shown import DisplayedTable
-from modallab.notebook.understood import ModelBehaviour
+from modallab.notebook.display import DisplayedTable
+from modallab.notebook.model_behaviour import ModelBehaviour
+from modallab.notebook.model_comparison import ModelComparison
+from modallab.notebook.model_predictions import ModelPredictions
 from modallab.pipelines.identify import CampaignResult, IdentifiedTest
 from modallab.pipelines.model_file import write_models
 from modallab.verification.comparison import common_shapes
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class Model(ModelUses, ModelBehaviour, Correlated):
+class Model(ModelPredictions, ModelBehaviour, ModelComparison):
     """A modal model with its uncertainty; of several tests, that of the first. `model["sine"]` is that of another.
 
     Attributes:

@@ -10,8 +10,8 @@ from modallab.core.arrays import Real
 from modallab.core.errors import DataError
 from modallab.formats.prediction import write_motion
 from modallab.modification.motion import MotionOverTime
-from modallab.notebook.shown import DisplayedTable
-from modallab.reporting.understood_table import motion_rows
+from modallab.notebook.display import DisplayedTable
+from modallab.reporting.behaviour_table import motion_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

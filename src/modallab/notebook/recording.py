@@ -20,7 +20,7 @@ from modallab.formats.format import sniff
 from modallab.formats.importer import import_recordings
 from modallab.formats.rig.rig_file import read_rig
 from modallab.notebook.arguments import path_for
-from modallab.notebook.shown import DisplayedTable
+from modallab.notebook.display import DisplayedTable
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)

@@ -17,7 +17,7 @@ from modallab.core.progress import report_progress
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.notebook.arguments import plans_of
 from modallab.notebook.recording import Recording
-from modallab.reporting.waiting import waiting_line
+from modallab.reporting.waiting_line import waiting_line
 
 Numbers = Mapping[str, float | str]
 PATIENCE_S = 10.0

@@ -11,7 +11,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, FrfQuantity
 from modallab.core.rig import Rig
 from modallab.modification.state_space import SteppedModes
-from modallab.notebook.measured import MeasuredFrf, frf
+from modallab.notebook.measured_frf import MeasuredFrf, frf
 from modallab.twin.bench import Twin
 from modallab.twin.modes import TwinModes, solve_modes
 

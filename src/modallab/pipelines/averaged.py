@@ -14,10 +14,10 @@ from modallab.core.rig import Rig
 from modallab.frf.broadband import PERIODIC, blocks_of_one_level, driven_lines
 from modallab.frf.distortions import Distortions, estimate_distortions
 from modallab.frf.estimate import lines_of_band
-from modallab.frf.joined import check_followed, joined_spectra, least_blocks, split_blocks
-from modallab.frf.left_out import UndrivenDistortions, distortions_at_undriven_lines, leaves_lines_out
+from modallab.frf.joined import check_responses_follow, joined_spectra, least_blocks, split_blocks
 from modallab.frf.periodic_drive import RANDOM, driven_frf, resample_to_drive_clock, with_even_weights, without_decays
 from modallab.frf.sums import Estimator
+from modallab.frf.undriven_lines import UndrivenDistortions, distortions_at_undriven_lines, has_undriven_lines
 from modallab.identification.frf_model import NOT_FROM_RECORDS, frf_in_band, identify_frf
 from modallab.identification.impact import default_band, start_frf
 from modallab.identification.likelihood.basis import poles_of
@@ -50,7 +50,7 @@ def frf_of_drive(
             or Hv.
     """
     measured = driven_frf(signals, rig, band_hz, estimator)
-    check_followed(measured)
+    check_responses_follow(measured)
     return with_even_weights(measured)
 
 
@@ -159,7 +159,7 @@ def distortions_of(signals: Sequence[Signals], model: ModalModel) -> Distortions
     if signals[0].block.test not in PERIODIC:
         return estimate_distortions(signals, model.band_hz)
     settled = _settled_periods(signals, model)
-    return (distortions_at_undriven_lines if leaves_lines_out(settled, model.band_hz) else estimate_distortions)(
+    return (distortions_at_undriven_lines if has_undriven_lines(settled, model.band_hz) else estimate_distortions)(
         settled, model.band_hz
     )
 

@@ -11,7 +11,7 @@ from modallab.blind.request import BlindRequest
 from modallab.core.block import Campaign
 from modallab.core.errors import IdentificationError, JobError, PlanError
 from modallab.core.field_errors import error_sentences
-from modallab.core.frozen import Frozen, is_unstated
+from modallab.core.frozen import Frozen, is_not_stated
 from modallab.core.hold_out import HoldOut
 from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL, estimator_names, find_estimator
@@ -60,10 +60,10 @@ class IdentifyParameters(Frozen):
     test: Test | None = None
     refine: bool | None = None
     pick_hz: Annotated[tuple[Annotated[float, Field(gt=0, allow_inf_nan=False)], ...], Field(max_length=100)] = Field(
-        default=(), exclude_if=is_unstated
+        default=(), exclude_if=is_not_stated
     )
     frf: FrfEstimator = Field(default="H1", exclude_if=lambda estimator: estimator == "H1")
-    response_only: bool | None = Field(default=None, exclude_if=is_unstated)
+    response_only: bool | None = Field(default=None, exclude_if=is_not_stated)
     response_method: ResponseMethod = Field(default=USUAL_RESPONSE, exclude_if=lambda method: method == USUAL_RESPONSE)
 
     @model_validator(mode="after")
@@ -132,8 +132,8 @@ class DiagnoseParameters(Frozen):
     """
 
     hold_out: Annotated[str, AfterValidator(_check_hold_out)] = "mixed"
-    reference: tuple[str, ...] = Field(default=(), exclude_if=is_unstated)
-    band_hz: tuple[Hertz, Hertz] | None = Field(default=None, exclude_if=is_unstated)
+    reference: tuple[str, ...] = Field(default=(), exclude_if=is_not_stated)
+    band_hz: tuple[Hertz, Hertz] | None = Field(default=None, exclude_if=is_not_stated)
 
     @model_validator(mode="after")
     def _check_band(self) -> Self:

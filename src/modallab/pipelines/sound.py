@@ -6,7 +6,7 @@ from modallab.core.array_checks import check_samples
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ErrorCollection
 from modallab.core.rig import Rig
-from modallab.signals.faults.found import faults_of
+from modallab.signals.faults.all_faults import faults_of
 from modallab.signals.faults.repeats import Fault
 
 _NAMED = 3

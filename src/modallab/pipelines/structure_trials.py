@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from modallab.blind.measured.draw import MeasuredRequest
-from modallab.blind.measured.run import blind_on
+from modallab.blind.measured.run import run_trials_on
 from modallab.blind.measured.score import MeasuredOutcome
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
@@ -30,7 +30,7 @@ def trials_on(campaign: Campaign, folder: Path, request: MeasuredRequest) -> Mea
     frf = measured_frf(campaign)
     if request.band_hz is not None:
         frf = frf_in_band(frf, request.band_hz)
-    return blind_on(frf, campaign.rig, folder, request, Path(campaign.source).name)
+    return run_trials_on(frf, campaign.rig, folder, request, Path(campaign.source).name)
 
 
 def measured_frf(campaign: Campaign) -> Frf:

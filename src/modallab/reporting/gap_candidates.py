@@ -1,6 +1,6 @@
 """What a diagnosis compared: explanations with what they leave, and the residual before and after."""
 
-from modallab.core.diagnosis import CandidateSet, Diagnosis, Shrink
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Shrinkage
 from modallab.core.digits import part_of, probability_text, three_digits
 from modallab.gap.words.effects import effect_names
 from modallab.reporting.figures import style
@@ -56,7 +56,7 @@ def shrink_section(diagnosis: Diagnosis) -> Markup | None:
     return page_section("Shrinkage of the gap", captioned_picture(scaled_bars(rows, CLOSED, 1.0), caption))
 
 
-def closed_bar(name: str, shrink: Shrink) -> Markup:
+def closed_bar(name: str, shrink: Shrinkage) -> Markup:
     """One bar: the share of the gap that is closed on held-out records; empty where there was none to close."""
     closed = shrink.closed or 0.0
     return scaled_bars([Bar(name, closed, part_of(closed), "second", shrink.interval)], CLOSED, 1.0)

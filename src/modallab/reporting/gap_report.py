@@ -4,7 +4,7 @@ from pathlib import Path
 
 from modallab.core.block import Campaign
 from modallab.core.budget import Budget, BudgetRow
-from modallab.core.diagnosis import Diagnosis, Found, Percent
+from modallab.core.diagnosis import Diagnosis, Found, ResponseShare
 from modallab.core.digits import part_of, probability_text, three_digits
 from modallab.core.effects import kind_of
 from modallab.core.places import x_m_of
@@ -83,7 +83,7 @@ def _width_of_gap(diagnosis: Diagnosis) -> Markup:
     return html_element("section", widths, html_element("p", note + typeset_sentence(unexplained_sentence(gap))))
 
 
-def _resonant_and_other(share: Percent | None) -> tuple[str, str]:
+def _resonant_and_other(share: ResponseShare | None) -> tuple[str, str]:
     """At resonance and away from it."""
     at, away = (None, None) if share is None else (share.at_resonance, share.away)
     return share_of_response(at), share_of_response(away)

@@ -9,9 +9,9 @@ from modallab.reporting.content import ReportContent
 from modallab.reporting.markup import Markup, html_element, page_head
 from modallab.reporting.sections import (
     assumptions,
-    at_a_glance,
     half_power,
     model,
+    overview,
     provenance,
     rig,
     setups,
@@ -64,7 +64,7 @@ def render(content: ReportContent) -> str:
         "header",
         html_element("h1", content.title),
         html_element("p", summary.summary_sentence(content, found), class_="lead"),
-        at_a_glance.overview_list(content, found), _table_of_contents(shown),
+        overview.overview_list(content, found), _table_of_contents(shown),
     )  # fmt: skip
     body = html_element("body", head, html_element("main", *(p.render() for p in shown)))
     return f'<!DOCTYPE html>\n<html lang="en">{page_head(content.title)}{body}</html>\n'

@@ -147,7 +147,7 @@ class Catalogue:
         with read_transaction(self.engine) as connection:
             return tuple(_run_of_row(row) for row in connection.execute(select(RUNS).order_by(RUNS.c.seq)).mappings())
 
-    def unended(self) -> tuple[str, ...]:
+    def runs_without_end(self) -> tuple[str, ...]:
         """Names of the runs that are going on, or were when their recorder died, in the order they were begun."""
         query = select(RUNS.c.id).where(RUNS.c.state.not_in(ENDED)).order_by(RUNS.c.seq)
         with read_transaction(self.engine) as connection:

@@ -12,9 +12,9 @@ from typing import Any, Self
 import numpy as np
 
 from modallab.bench.protocol import Delivery
+from modallab.core.child_process import FileLock
 from modallab.core.errors import DiskFullError, StorageError
 from modallab.core.events import BlockAcknowledged, RunState
-from modallab.core.owned import Lease
 from modallab.core.versions import SAMPLES
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import require_room
@@ -55,7 +55,7 @@ def _place_samples(writer: SampleWriter, samples: Samples) -> PlacedSamples:
 class Recorder:
     """The one writer of a run. As a context manager it lets go of the lease and the file however the run ends."""
 
-    def __init__(self, catalogue: Catalogue, folder: Path, run: RunRecord, lease: Lease) -> None:
+    def __init__(self, catalogue: Catalogue, folder: Path, run: RunRecord, lease: FileLock) -> None:
         self.run = run.id
         self._record = run
         self._catalogue = catalogue

@@ -12,10 +12,10 @@ import numpy as np
 
 from modallab import __version__
 from modallab.bench.protocol import BenchInfo
-from modallab.bench.recut import RecutRule
+from modallab.bench.resampling import ResamplingRule
 from modallab.core.block import Block, Ramp, other_driven_points
+from modallab.core.child_process import FileLock
 from modallab.core.errors import BlockDamagedError, StorageError
-from modallab.core.owned import Lease
 from modallab.core.plan import Plan, SinePlan, records_of
 from modallab.core.rig import Rig
 from modallab.storage.catalogue import Catalogue
@@ -84,7 +84,7 @@ class Store:
 
         Its committed blocks stay readable. A run another live process records is left alone.
         """
-        return tuple(run for run in self.catalogue.unended() if self._bury(run))
+        return tuple(run for run in self.catalogue.runs_without_end() if self._bury(run))
 
     def _bury(self, run: str) -> bool:
         with self._lease(run) as lease:
@@ -181,8 +181,8 @@ class Store:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _lease(self, run: str) -> Lease:
-        return Lease(self._runs / f"{run}.lease")
+    def _lease(self, run: str) -> FileLock:
+        return FileLock(self._runs / f"{run}.lease")
 
 
 def rig_hash(rig: Rig) -> str:
@@ -199,7 +199,7 @@ def _block_of_run(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Blo
     samples = reader.read(row.offset, row.count)
     require_intact(samples, row)
     assert run.rates is not None  # a block is recorded after the delivery is known
-    recut = RecutRule.read(row.note.facts)
+    recut = ResamplingRule.read(row.note.facts)
     over = set(row.note.overload)
     return Block(
         name=row.note.name,

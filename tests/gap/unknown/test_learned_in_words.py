@@ -2,7 +2,7 @@
 
 import pytest
 
-from modallab.core.effect import Learned
+from modallab.core.effect import LearnedElement
 from modallab.core.rig import Rig
 from modallab.gap.words.learned import learned_in_words
 
@@ -32,11 +32,11 @@ from modallab.gap.words.learned import learned_in_words
     ],
 )
 def test_each_number_is_said_in_its_unit(element: str, numbers: dict[str, float], words: str, rig: Rig) -> None:
-    assert learned_in_words([Learned(element=element, parameters=numbers)], rig) == words
+    assert learned_in_words([LearnedElement(element=element, parameters=numbers)], rig) == words
 
 
 def test_where_it_acts_follows(rig: Rig) -> None:
-    spring = Learned(element="point_law", parameters={"k": 120.0}, place={"x": 0.5, "x_m": 0.379})
+    spring = LearnedElement(element="point_law", parameters={"k": 120.0}, place={"x": 0.5, "x_m": 0.379})
     assert learned_in_words([spring], rig) == "a spring of 120 N/m to ground at 0.379 m"
-    late = Learned(element="row_filter", parameters={"delay": 0.001}, place={"channel": "all"})
+    late = LearnedElement(element="row_filter", parameters={"delay": 0.001}, place={"channel": "all"})
     assert learned_in_words([late], rig) == "a delay of 1 ms on all accelerometers"

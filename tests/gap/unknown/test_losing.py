@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.block import Block
-from modallab.gap.conditioning.lost import rows_losing_samples
+from modallab.gap.conditioning.lost_samples import channels_losing_samples
 
 NOISE = np.array([3e-4, 3e-4, 3e-4])
 
@@ -36,15 +36,15 @@ def records(share: float, kept: bool, noise_v: float = 3e-4, count_v: float = 3e
 
 @pytest.mark.parametrize(("share", "kept"), [(0.3, False), (0.05, False), (0.3, True), (0.05, True)])
 def test_a_row_that_loses_samples_is_found(share: float, kept: bool) -> None:
-    assert rows_losing_samples(records(share, kept), NOISE, 0) == (2,)
+    assert channels_losing_samples(records(share, kept), NOISE, 0) == (2,)
 
 
 @pytest.mark.parametrize(("noise_v", "count_v"), [(3e-4, 3e-4), (0.0, 3e-4), (1e-6, 5e-3), (3e-4, 1e-7)])
 @pytest.mark.parametrize("hz", [4.0, 60.0, 200.0])
 def test_a_signal_that_passes_through_0_loses_nothing(noise_v: float, count_v: float, hz: float) -> None:
-    assert rows_losing_samples(records(0.0, kept=False, noise_v=noise_v, count_v=count_v, hz=hz), NOISE, 0) == ()
+    assert channels_losing_samples(records(0.0, kept=False, noise_v=noise_v, count_v=count_v, hz=hz), NOISE, 0) == ()
 
 
 def test_noise_that_the_losses_make_themselves_hides_them() -> None:
     # Why the caller gives the noise at its calmest: a spectrum takes losses for noise.
-    assert rows_losing_samples(records(0.3, kept=False), np.full(3, 0.06), 0) == ()
+    assert channels_losing_samples(records(0.3, kept=False), np.full(3, 0.06), 0) == ()

@@ -9,7 +9,7 @@ import pytest
 from lab import RIG, TOKEN, Lab
 from pydantic import ValidationError
 
-from modallab.core.documents.runs import CampaignNew
+from modallab.core.documents.runs import CampaignRequest
 from modallab.core.settings import Settings
 from modallab.service.api.app import create_app
 from modallab.service.api.compression import accepts_gzip
@@ -58,7 +58,7 @@ def test_text_is_compressed_with_a_weak_tag_and_is_the_same(lab: Lab) -> None:
 
 
 def test_a_weak_tag_is_as_good_for_a_change(lab: Lab) -> None:
-    campaign = lab.service.repository.create(CampaignNew(name="long", rig=RIG, note="x" * 2000), "Ada").id
+    campaign = lab.service.repository.create(CampaignRequest(name="long", rig=RIG, note="x" * 2000), "Ada").id
     with lab.client() as client:
         tag = client.get(f"/api/v1/campaigns/{campaign}").headers["etag"]
         assert tag.startswith("W/")

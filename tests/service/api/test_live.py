@@ -13,7 +13,7 @@ from lab import RIG, TOKEN, Lab
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from modallab.core.documents.runs import RunNew, Stop
+from modallab.core.documents.runs import RunRequest, Stop
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.service.api.asyncapi import event_kinds
@@ -41,7 +41,7 @@ def running(lab: Lab, plan: ImpactPlan) -> Iterator[tuple[str, str]]:
     """A run that is on, and the lease; stopped at the end."""
     lease = lab.lease()
     try:
-        run = begin_run(lab.service, lab.campaign(), RunNew(plan=plan), lease.id)
+        run = begin_run(lab.service, lab.campaign(), RunRequest(plan=plan), lease.id)
         yield run, lease.id
         if lab.store.catalogue.run(run).state not in ("done", "failed", "aborted"):
             lab.controllers.command(RIG, run, Stop(), lease.id)

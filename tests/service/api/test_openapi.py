@@ -47,5 +47,15 @@ def test_an_error_without_an_answer_of_its_own_is_answered_as_the_class_above_it
 
 def test_every_object_of_ours_rejects_unknown_fields(lab: Lab) -> None:
     schemas = lab.app.openapi()["components"]["schemas"]
-    asked = ["CampaignNew", "CampaignChange", "RunNew", "LeaseNew", "JobNew", "Verdict", "Login", "Pause", "Drop"]
+    asked = [
+        "CampaignRequest",
+        "CampaignChange",
+        "RunRequest",
+        "LeaseRequest",
+        "JobRequest",
+        "Verdict",
+        "Login",
+        "Pause",
+        "Drop",
+    ]
     assert all(schemas[name]["additionalProperties"] is False for name in asked)

@@ -8,7 +8,7 @@ import pytest
 from lab import RIG, TOKEN, Lab
 
 from modallab.client import Client
-from modallab.core.documents.runs import RunNew
+from modallab.core.documents.runs import RunRequest
 from modallab.core.plan import ImpactPlan
 from modallab.service.campaigns.begin import begin_run
 
@@ -347,7 +347,7 @@ def test_health_names_what_is_wrong_and_where_to_stop(lab: Lab) -> None:
 
 def test_a_stream_of_a_run_that_has_ended_ends_too_wherever_it_begins(lab: Lab) -> None:
     lease = lab.lease()
-    run = begin_run(lab.service, lab.campaign(), RunNew(plan=ImpactPlan(points=(10,), hits=1)), lease.id)
+    run = begin_run(lab.service, lab.campaign(), RunRequest(plan=ImpactPlan(points=(10,), hits=1)), lease.id)
     lab.wait_for_state(run, "done")
     lab.wait_until_idle()
     lab.service.leases.release(RIG, lease.id)

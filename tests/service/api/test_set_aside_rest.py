@@ -4,14 +4,14 @@ import pytest
 from lab import RIG, TOKEN, Lab
 
 from modallab.client import Client, ServiceProblemError
-from modallab.core.documents.runs import RunNew, Stop
+from modallab.core.documents.runs import RunRequest, Stop
 from modallab.core.plan import ImpactPlan
 from modallab.service.campaigns.begin import begin_run
 
 
 def test_a_run_and_its_campaign_go_and_come_back(lab: Lab) -> None:
     campaign, lease = lab.campaign(), lab.lease()
-    run = begin_run(lab.service, campaign, RunNew(plan=ImpactPlan(points=(10,), hits=40)), lease.id)
+    run = begin_run(lab.service, campaign, RunRequest(plan=ImpactPlan(points=(10,), hits=40)), lease.id)
     with Client(lab.url, TOKEN, "Ada") as client:
         lab.wait_for(lambda e: e.run == run and e.kind == "block")
         for deleted in (client.delete_run, client.archive_run):

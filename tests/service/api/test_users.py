@@ -8,8 +8,8 @@ import pytest
 from lab import RIG, Lab
 
 from modallab.client import Client, ServiceProblemError
-from modallab.core.documents.runs import RunNew
-from modallab.core.documents.users import Role, TokenNew, UserNew
+from modallab.core.documents.runs import RunRequest
+from modallab.core.documents.users import Role, TokenRequest, UserRequest
 from modallab.core.plan import ImpactPlan
 from modallab.service.campaigns.begin import begin_run
 from modallab.service.records.users import Users
@@ -23,8 +23,8 @@ LONG = ImpactPlan(points=(10,), hits=60)
 def token(lab: Lab, name: str, role: Role = "operator", **more: object) -> str:
     users = Users(lab.service.engine)
     if all(user.name != name for user in users.all()):
-        users.add(UserNew(name=name, role=role), "tests")
-    made = users.make_token(name, TokenNew.model_validate(more), "tests").token
+        users.add(UserRequest(name=name, role=role), "tests")
+    made = users.make_token(name, TokenRequest.model_validate(more), "tests").token
     lab.app.state.callers.refresh()
     return made
 
@@ -194,7 +194,7 @@ def test_one_person_does_not_get_the_answer_to_another(lab: Lab, people) -> None
 
 def test_an_old_run_is_judged_without_a_lease_and_not_by_an_observer(lab: Lab, people) -> None:
     lease = lab.lease("Bob")
-    run = begin_run(lab.service, lab.campaign(), RunNew(plan=ImpactPlan(points=(10,), hits=2)), lease.id)
+    run = begin_run(lab.service, lab.campaign(), RunRequest(plan=ImpactPlan(points=(10,), hits=2)), lease.id)
     lab.wait_for_ended(run)
     lab.wait_until_idle()
     # Somebody else holds the rig meanwhile.

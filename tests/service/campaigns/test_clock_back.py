@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from postgresql_server import DATABASES
 
-from modallab.core.documents.runs import CampaignNew
+from modallab.core.documents.runs import CampaignRequest
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.service.records import repository
@@ -42,7 +42,7 @@ def test_campaigns_and_runs_are_listed_as_they_were_made(
 ) -> None:
     monkeypatch.setattr(repository, "datetime", Slow)
     campaigns = CampaignRepository(store.catalogue.engine)
-    made = [campaigns.create(CampaignNew(name=f"n{n}", rig="link"), "Ada").id for n in range(4)]
+    made = [campaigns.create(CampaignRequest(name=f"n{n}", rig="link"), "Ada").id for n in range(4)]
     assert made == sorted(made, reverse=True)
     assert [found.id for found in campaigns.campaigns(None, 10)] == made[::-1]
     assert [found.id for found in campaigns.campaigns(made[2], 10)] == [made[1], made[0]]

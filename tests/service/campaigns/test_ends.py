@@ -14,7 +14,7 @@ from lab import RIG, Lab
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.pages import EventView
-from modallab.core.documents.runs import CampaignNew, RunNew, Stop
+from modallab.core.documents.runs import CampaignRequest, RunRequest, Stop
 from modallab.core.errors import DeviceGoneError
 from modallab.core.events import RunState, StateChanged
 from modallab.core.plan import ImpactPlan
@@ -63,7 +63,7 @@ def test_a_rig_that_dies_under_the_eyes_of_the_recovery_ends_its_run_once(lab: L
     try:
         with _looking_all_the_time(RunRecovery(lab.run_log, look_s=0.0)):
             for _ in range(3):
-                run = begin_run(lab.service, campaign, RunNew(plan=LONG), lease.id)
+                run = begin_run(lab.service, campaign, RunRequest(plan=LONG), lease.id)
                 lab.wait_for(lambda e, run=run: e.run == run and e.kind == "block")
                 os.kill(lab.controller.pid or 0, signal.SIGKILL)
                 lab.wait_for(lambda e, run=run: e.run == run and e.kind == "failed")
@@ -78,7 +78,7 @@ def test_a_rig_that_dies_under_the_eyes_of_the_recovery_ends_its_run_once(lab: L
 def _recorded(store: Store, run_log: RunLog, rig: Rig, state: RunState, reported: RunState) -> str:
     """A run that stands at `state` on the disk, of which the log heard up to `reported`."""
     info = BenchInfo("sim://somewhere", (), True, False, {})
-    campaign = run_log.repository.create(CampaignNew(name="a session", rig="link"), "Ada").id
+    campaign = run_log.repository.create(CampaignRequest(name="a session", rig="link"), "Ada").id
     with store.begin(LONG, rig, info) as recorder:
         if state != "created":
             recorder.enter(state, "as the rig said")

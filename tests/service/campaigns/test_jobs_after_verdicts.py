@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from recorded_run import record_run
 
-from modallab.core.documents.results import JobNew
-from modallab.core.documents.runs import CampaignNew, Verdict
+from modallab.core.documents.results import JobRequest
+from modallab.core.documents.runs import CampaignRequest, Verdict
 from modallab.jobs import Job
 from modallab.jobs.attempt import Attempt
 from modallab.jobs.leases import Leases
@@ -35,7 +35,7 @@ def service(tmp_path: Path) -> Iterator[Service]:
 
 @pytest.fixture
 def campaign(service: Service) -> str:
-    return service.repository.create(CampaignNew(name="a session", rig=RIG), "Ada").id
+    return service.repository.create(CampaignRequest(name="a session", rig=RIG), "Ada").id
 
 
 def _record(service: Service, campaign: str, continues: str | None = None) -> str:
@@ -59,16 +59,16 @@ def _done(service: Service, job: Job) -> None:
 @pytest.mark.parametrize("kind", ["identify", "report", "diagnose"])
 def test_who_asks_again_after_a_verdict_has_it_computed_anew(service: Service, campaign: str, kind) -> None:
     run = _record(service, campaign)
-    first = order_job(service, campaign, kind, JobNew(), "Ada")
+    first = order_job(service, campaign, kind, JobRequest(), "Ada")
     _done(service, first)
-    assert order_job(service, campaign, kind, JobNew(), "Ada").id == first.id
+    assert order_job(service, campaign, kind, JobRequest(), "Ada").id == first.id
     _judge(service, run, False, 0, 1, 2)
-    second = order_job(service, campaign, kind, JobNew(), "Ada")
+    second = order_job(service, campaign, kind, JobRequest(), "Ada")
     assert (second.state, second.result) == ("queued", None)
     _done(service, second)
     # Where the verdicts are taken back it is the first work again, and the newest of the campaign.
     _judge(service, run, True, 0, 1, 2)
-    assert order_job(service, campaign, kind, JobNew(), "Ada").id == first.id
+    assert order_job(service, campaign, kind, JobRequest(), "Ada").id == first.id
     assert service.repository.jobs(campaign, kind) == [first.id, second.id]
 
 
@@ -84,7 +84,7 @@ def test_a_run_that_continues_a_judged_one_is_identified_anew(service: Service, 
 
 def test_a_block_that_is_judged_before_its_job_begins_is_not_passed_over(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
-    job = order_job(service, campaign, "identify", JobNew(), "Ada")
+    job = order_job(service, campaign, "identify", JobRequest(), "Ada")
     _judge(service, run, False, 0)
     (kind, *_) = kinds(campaigns_of(service.store), service.folder, service.store.revision)
     leases = Leases(service.engine, "a runner")
@@ -94,7 +94,7 @@ def test_a_block_that_is_judged_before_its_job_begins_is_not_passed_over(service
     assert ended.state == "failed"
     assert "blocks that count have changed" in str(ended.error)
     assert "order it again" in str(ended.error)
-    assert order_job(service, campaign, "identify", JobNew(), "Ada").state == "queued"
+    assert order_job(service, campaign, "identify", JobRequest(), "Ada").state == "queued"
 
 
 def _verdict(service: Service, run: str, accepted: bool, *numbers: int) -> None:
@@ -105,7 +105,7 @@ def _verdict(service: Service, run: str, accepted: bool, *numbers: int) -> None:
 def test_a_verdict_while_jobs_wait_has_them_done_with_what_counts_now(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
     automatic = AfterRun(service.store, service.jobs).identify(run)
-    ordered = order_job(service, campaign, "report", JobNew(), "Ada")
+    ordered = order_job(service, campaign, "report", JobRequest(), "Ada")
     _verdict(service, run, False, 0)
     for old, kind in ((automatic, "identify"), (ordered, "report")):
         ended = service.jobs.get(old.id)
@@ -123,7 +123,7 @@ def test_a_verdict_while_jobs_wait_has_them_done_with_what_counts_now(service: S
 def test_what_a_person_waits_for_stays_before_what_is_done_by_itself(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
     AfterRun(service.store, service.jobs).identify(run)
-    order_job(service, campaign, "report", JobNew(), "Ada")
+    order_job(service, campaign, "report", JobRequest(), "Ada")
     _verdict(service, run, False, 0)
     (taken,) = Leases(service.engine, "a runner").take(["identify", "report"], 1)
     assert taken.job.kind == "report"

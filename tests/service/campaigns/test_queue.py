@@ -10,9 +10,9 @@ import pytest
 from lab import RIG, TOKEN, Lab
 
 from modallab.client import Client, ServiceProblemError
-from modallab.core.documents.queue import ConsentNew, QueueItem, QueueItemNew
+from modallab.core.documents.queue import ConsentRequest, QueueItem, QueueItemRequest
 from modallab.core.documents.rigs import Lease
-from modallab.core.documents.runs import RunNew, Stop
+from modallab.core.documents.runs import RunRequest, Stop
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.service.api.rigs import state_of
@@ -52,11 +52,11 @@ def lease(lab: Lab) -> Iterator[Lease]:
 
 def queued(lab: Lab, *plans: Plan) -> list[str]:
     rig, campaign = state_of(lab.service, RIG), lab.campaign()
-    return [queueing.queue_run(lab.service, rig, QueueItemNew(campaign=campaign, plan=p), "Otto").id for p in plans]
+    return [queueing.queue_run(lab.service, rig, QueueItemRequest(campaign=campaign, plan=p), "Otto").id for p in plans]
 
 
 def consent(lab: Lab, lease: Lease, **what: bool) -> None:
-    queueing.give_consent(lab.service, RIG, ConsentNew.model_validate(what), lease.id)
+    queueing.give_consent(lab.service, RIG, ConsentRequest.model_validate(what), lease.id)
 
 
 def item(lab: Lab, name: str) -> QueueItem:
@@ -104,7 +104,7 @@ def test_a_shaker_starts_only_by_the_consent_of_who_holds_the_lease_to_that_very
     assert nothing_begins(lab, runner)
     assert "has not consented to tests that move the output" in waits_for(lab)
     with pytest.raises(LeaseNeededError):
-        queueing.give_consent(lab.service, RIG, ConsentNew(drive=True), None)
+        queueing.give_consent(lab.service, RIG, ConsentRequest(drive=True), None)
     consent(lab, lease, drive=True)
     (later,) = queued(lab, SINE)
     until(lambda: item(lab, first).state == "done")
@@ -128,7 +128,7 @@ def test_a_run_begun_by_hand_ends_the_consent(lab: Lab, lease: Lease, runner) ->
     queueing.pause_queue(lab.service, RIG, "", "Otto")
     queued(lab, SINE)
     consent(lab, lease, drive=True)
-    run = begin_run(lab.service, lab.campaign(), RunNew(plan=HIT), lease.id)
+    run = begin_run(lab.service, lab.campaign(), RunRequest(plan=HIT), lease.id)
     lab.wait_for_ended(run)
     lab.wait_until_idle()
     queueing.resume_queue(lab.service, RIG, lease.id)
@@ -196,7 +196,7 @@ def test_a_plan_is_looked_at_when_it_is_queued(lab: Lab, lease: Lease) -> None:
     rig, campaign = state_of(lab.service, RIG), lab.campaign()
     for plan in (ImpactPlan(points=(99,)), SINE.model_copy(update={"levels_v": {"low": 99.0}})):
         with pytest.raises(PlanError):
-            queueing.queue_run(lab.service, rig, QueueItemNew(campaign=campaign, plan=plan), "Otto")
+            queueing.queue_run(lab.service, rig, QueueItemRequest(campaign=campaign, plan=plan), "Otto")
 
 
 def test_about_how_long_a_run_takes_is_said(lab: Lab) -> None:

@@ -10,14 +10,14 @@ import pytest
 from lab import RIG, Lab
 from sqlalchemy import update
 
-from modallab.core.documents.runs import RunNew
+from modallab.core.documents.runs import RunRequest
 from modallab.core.plan import ImpactPlan
 from modallab.service.campaigns.begin import begin_run
 from modallab.service.errors import IdempotencyError
 from modallab.storage.engine import write_transaction
 from modallab.storage.service_tables import RUN_KEYS
 
-SHORT = RunNew(plan=ImpactPlan(points=(10,), hits=2))
+SHORT = RunRequest(plan=ImpactPlan(points=(10,), hits=2))
 KEY = "a-key-of-mine"
 
 
@@ -47,7 +47,7 @@ def test_one_key_is_one_run_though_the_first_answer_was_lost(lab: Lab) -> None:
         # Whoever answers REST requests by now, and whatever it may have forgotten.
         assert begin_run(lab.service, campaign, SHORT, lease.id, KEY) == run
         assert lab.service.repository.campaign(campaign).runs == (run,)
-        other = RunNew(plan=ImpactPlan(points=(10,), hits=3))
+        other = RunRequest(plan=ImpactPlan(points=(10,), hits=3))
         with pytest.raises(IdempotencyError, match="another request"):
             begin_run(lab.service, campaign, other, lease.id, KEY)
     finally:

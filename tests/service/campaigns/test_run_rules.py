@@ -5,7 +5,7 @@ from lab import RIG, Lab
 
 from modallab.acquisition.monitor.run_states import TRANSITIONS, IllegalTransitionError
 from modallab.acquisition.process.trip import TrippedError
-from modallab.core.documents.runs import Abort, Drop, Pause, Repeat, Resume, RunNew, Stop, Verdict
+from modallab.core.documents.runs import Abort, Drop, Pause, Repeat, Resume, RunRequest, Stop, Verdict
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.service.campaigns.begin import begin_run
@@ -35,7 +35,7 @@ def test_an_action_is_legal_where_the_table_has_a_step_for_it(state, action) -> 
 def test_a_run_pauses_goes_on_drops_a_hit_and_asks_for_it_again(lab: Lab) -> None:
     lease = lab.lease()
     try:
-        run = begin_run(lab.service, lab.campaign(), RunNew(plan=LONG), lease.id)
+        run = begin_run(lab.service, lab.campaign(), RunRequest(plan=LONG), lease.id)
         kept = lab.wait_for(lambda e: e.run == run and e.kind == "block")
         lab.controllers.command(RIG, run, Pause(), lease.id)
         paused = lab.wait_for_state(run, "paused")
@@ -58,7 +58,7 @@ def test_a_run_pauses_goes_on_drops_a_hit_and_asks_for_it_again(lab: Lab) -> Non
 def test_a_repeated_frequency_replaces_the_block_before(lab: Lab) -> None:
     lease = lab.lease()
     try:
-        run = begin_run(lab.service, lab.campaign(), RunNew(plan=LONG_SINE), lease.id)
+        run = begin_run(lab.service, lab.campaign(), RunRequest(plan=LONG_SINE), lease.id)
         first = lab.wait_for(lambda e: e.run == run and e.kind == "block")
         with pytest.raises(PlanError, match="123"):
             lab.controllers.command(RIG, run, Repeat(frequency_hz=123.0), lease.id)
@@ -77,18 +77,18 @@ def test_an_emergency_stop_latches_until_the_holder_of_the_lease_resets(lab: Lab
     lease = lab.lease("Grace")
     try:
         campaign = lab.campaign()
-        run = begin_run(lab.service, campaign, RunNew(plan=LONG_SINE), lease.id)
+        run = begin_run(lab.service, campaign, RunRequest(plan=LONG_SINE), lease.id)
         lab.wait_for_state(run, "acquiring")
         lab.controllers.emergency_stop(None, "smoke", "passer-by")
         lab.wait_for_state(run, "aborted")
         assert not run_view(lab.service, run).valid
         lab.wait_until_idle()
         with pytest.raises(TrippedError, match="smoke"):
-            begin_run(lab.service, campaign, RunNew(plan=SHORT_SINE), lease.id)
+            begin_run(lab.service, campaign, RunRequest(plan=SHORT_SINE), lease.id)
         with pytest.raises(LeaseNeededError):
             lab.controllers.reset(RIG, "", None)
         lab.controllers.reset(RIG, "looked at it", lease.id)
-        run = begin_run(lab.service, campaign, RunNew(plan=SHORT_SINE), lease.id)
+        run = begin_run(lab.service, campaign, RunRequest(plan=SHORT_SINE), lease.id)
         lab.wait_for_state(run, "done")
     finally:
         lab.service.leases.release(RIG, lease.id)
@@ -102,7 +102,7 @@ def test_an_emergency_stop_latches_until_the_holder_of_the_lease_resets(lab: Lab
 def test_a_rejected_block_leaves_the_average_and_comes_back(lab: Lab) -> None:
     lease = lab.lease()
     try:
-        run = begin_run(lab.service, lab.campaign(), RunNew(plan=ImpactPlan(points=(10,), hits=3)), lease.id)
+        run = begin_run(lab.service, lab.campaign(), RunRequest(plan=ImpactPlan(points=(10,), hits=3)), lease.id)
         lab.wait_for_state(run, "done")
         frfs = LiveFrfs(lab.store)
         whole = frfs.frf(run)
@@ -123,20 +123,20 @@ def test_an_ended_run_is_continued_with_what_is_left(lab: Lab) -> None:
     try:
         campaign = lab.campaign()
         plan = SHORT_SINE.model_copy(update={"frequencies_hz": (19.0, 20.0, 21.0, 22.0, 23.0, 24.0, 25.0, 26.0)})
-        run = begin_run(lab.service, campaign, RunNew(plan=plan), lease.id)
+        run = begin_run(lab.service, campaign, RunRequest(plan=plan), lease.id)
         lab.wait_for(lambda e: e.run == run and e.kind == "block")
         lab.controllers.command(RIG, run, Stop(), lease.id)
         lab.wait_for_state(run, "done")
         lab.wait_until_idle()
         had = [b.note.frequency_hz for b in block_records(lab.service, run)]
-        second = begin_run(lab.service, campaign, RunNew(continues=run), lease.id)
+        second = begin_run(lab.service, campaign, RunRequest(continues=run), lease.id)
         lab.wait_for_state(second, "done")
         lab.wait_until_idle()
         new = [b.note.frequency_hz for b in block_records(lab.service, second)]
         assert sorted([*had, *new]) == sorted(plan.frequencies_hz)
         assert lab.service.repository.chain(second) == (run, second)
         with pytest.raises(ConflictError, match="all its plan"):
-            begin_run(lab.service, campaign, RunNew(continues=second), lease.id)
+            begin_run(lab.service, campaign, RunRequest(continues=second), lease.id)
     finally:
         lab.service.leases.release(RIG, lease.id)
 
@@ -145,13 +145,13 @@ def test_an_aborted_run_is_kept_and_not_continued(lab: Lab) -> None:
     lease = lab.lease()
     try:
         campaign = lab.campaign()
-        run = begin_run(lab.service, campaign, RunNew(plan=LONG), lease.id)
+        run = begin_run(lab.service, campaign, RunRequest(plan=LONG), lease.id)
         lab.wait_for(lambda e: e.run == run and e.kind == "block")
         lab.controllers.command(RIG, run, Abort(), lease.id)
         lab.wait_for_state(run, "aborted")
         assert block_records(lab.service, run)
         with pytest.raises(ConflictError, match="aborted"):
-            begin_run(lab.service, campaign, RunNew(continues=run), lease.id)
+            begin_run(lab.service, campaign, RunRequest(continues=run), lease.id)
     finally:
         lab.service.leases.release(RIG, lease.id)
         lab.wait_until_idle()

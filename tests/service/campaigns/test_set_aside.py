@@ -8,9 +8,9 @@ import pytest
 from recorded_run import record_run
 
 from modallab.bench.protocol import BenchInfo
-from modallab.core.documents.queue import QueueItemNew
-from modallab.core.documents.results import JobNew
-from modallab.core.documents.runs import CampaignNew
+from modallab.core.documents.queue import QueueItemRequest
+from modallab.core.documents.results import JobRequest
+from modallab.core.documents.runs import CampaignRequest
 from modallab.core.errors import StorageError
 from modallab.core.plan import ImpactPlan
 from modallab.jobs.leases import Leases as JobLeases
@@ -20,7 +20,7 @@ from modallab.service.campaigns.runs import run_view
 from modallab.service.context import Service, open_service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.jobs.campaign_jobs import order_job
-from modallab.service.records.archived import Archive
+from modallab.service.records.archive import Archive
 from modallab.service.records.leases import RigLeases
 from modallab.service.records.repository import RunEntry
 from modallab.service.records.run_queue import RunQueue
@@ -48,7 +48,7 @@ def aside(service: Service) -> Archive:
 
 @pytest.fixture
 def campaign(service: Service) -> str:
-    return service.repository.create(CampaignNew(name="a session", rig=RIG), "Ada").id
+    return service.repository.create(CampaignRequest(name="a session", rig=RIG), "Ada").id
 
 
 def record(service: Service, campaign: str, continues: str | None = None) -> str:
@@ -75,7 +75,7 @@ def samples(service: Service, run: str) -> int:
 
 
 def test_lists_leave_out_what_is_archived_or_deleted_unless_it_is_asked_for(service, aside, campaign) -> None:
-    other = service.repository.create(CampaignNew(name="another", rig=RIG), "Ada").id
+    other = service.repository.create(CampaignRequest(name="another", rig=RIG), "Ada").id
     kept, archived, deleted = (record(service, campaign) for _ in range(3))
     before = service.repository.campaign(campaign).revision
     aside.archive("run", archived, "Ada")
@@ -105,11 +105,11 @@ def test_what_is_restored_is_as_it_was(service, aside, campaign) -> None:
 def test_a_deleted_run_is_in_no_result_and_an_archived_one_where_it_is_named(service, aside, campaign) -> None:
     first, second = record(service, campaign), record(service, campaign)
     aside.archive("run", first, "Ada")
-    assert order_job(service, campaign, "identify", JobNew(), "Ada").inputs == (second,)
-    assert order_job(service, campaign, "identify", JobNew(runs=(first, second)), "Ada").inputs == (first, second)
+    assert order_job(service, campaign, "identify", JobRequest(), "Ada").inputs == (second,)
+    assert order_job(service, campaign, "identify", JobRequest(runs=(first, second)), "Ada").inputs == (first, second)
     aside.delete("run", first, "Ada", GRACE)
     with pytest.raises(NotFoundError, match="no run"):
-        order_job(service, campaign, "identify", JobNew(runs=(first,)), "Ada")
+        order_job(service, campaign, "identify", JobRequest(runs=(first,)), "Ada")
     aside.delete("run", second, "Ada", GRACE)
     with pytest.raises(ConflictError, match="no ended, valid run"):
         export_campaign(service, campaign, "hdf5")
@@ -119,7 +119,7 @@ def test_nothing_is_added_to_a_campaign_that_is_set_aside(service, aside, campai
     record(service, campaign)
     aside.archive("campaign", campaign, "Ada")
     with pytest.raises(ConflictError, match="the campaign is archived"):
-        order_job(service, campaign, "report", JobNew(), "Ada")
+        order_job(service, campaign, "report", JobRequest(), "Ada")
     # But a run that was on its way brings it back rather than to be deleted with it.
     run = record(service, campaign)
     assert service.repository.campaign(campaign).archived_utc == ""
@@ -133,7 +133,9 @@ def test_what_goes_on_or_waits_or_is_continued_is_not_deleted(service, aside, ca
         aside.delete("run", first, "Ada", GRACE)
     aside.delete("run", second, "Ada", GRACE)
     aside.delete("run", first, "Ada", GRACE)
-    item = RunQueue(service.engine).add(RIG, QueueItemNew(campaign=campaign, plan=ImpactPlan(points=(1,))), 1.0, "Ada")
+    item = RunQueue(service.engine).add(
+        RIG, QueueItemRequest(campaign=campaign, plan=ImpactPlan(points=(1,))), 1.0, "Ada"
+    )
     with pytest.raises(ConflictError, match="the queue belongs to it"):
         aside.delete("campaign", campaign, "Ada", GRACE)
     RunQueue(service.engine).take_out(RIG, item.id, "", "Ada")
@@ -173,7 +175,7 @@ def test_a_deleted_campaign_loses_its_samples_and_reports(service, aside, campai
     report = service.folder / "results" / "one" / "report.html"
     report.parent.mkdir(parents=True)
     report.write_text("a report")
-    job = order_job(service, campaign, "report", JobNew(), "Ada")
+    job = order_job(service, campaign, "report", JobRequest(), "Ada")
     leases = JobLeases(service.engine, "a runner")
     (taken,) = leases.take(["report"], 1)
     assert leases.done(taken, {"document": {}, "files": {"report.html": "results/one/report.html"}})

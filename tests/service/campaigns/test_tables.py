@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
-from modallab.core.documents.runs import CampaignChange, CampaignNew
+from modallab.core.documents.runs import CampaignChange, CampaignRequest
 from modallab.core.errors import StorageError
 from modallab.service.api.router import IdempotencyKeys, StoredAnswer
 from modallab.service.errors import ChangedError, ConflictError, IdempotencyError, LeaseHeldError, LeaseNeededError
@@ -127,7 +127,7 @@ def test_a_key_is_for_one_request_and_what_a_dead_process_left_is_done_again(sto
 
 def test_of_two_changes_of_one_revision_one_is_rejected(store: Store) -> None:
     repository = CampaignRepository(store.catalogue.engine)
-    made = repository.create(CampaignNew(name="old", rig="link"), "Ada")
+    made = repository.create(CampaignRequest(name="old", rig="link"), "Ada")
     repository.change(made.id, CampaignChange(name="new"), made.revision, "Ada")
     with pytest.raises(ChangedError):
         repository.change(made.id, CampaignChange(name="newer"), made.revision, "Bob")

@@ -10,7 +10,7 @@ SLEEP = "sleeping_child:sleep"
 
 def test_one_that_was_asked_to_leave_is_never_started() -> None:
     child = Child("late", SLEEP, (60.0,))
-    child.ask_to_leave()
+    child.request_exit()
     child.look()
     child.close()
     assert child.process is None
@@ -21,7 +21,7 @@ def test_one_that_is_asked_to_leave_while_it_is_started_is_gone_when_it_is_close
     for _ in range(3):
         starting = Thread(target=child.look)
         starting.start()
-        child.ask_to_leave()
+        child.request_exit()
         child.close()
         starting.join()
         # Of this name only: other tests of the same worker keep rigs of their own.

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
 from modallab_simulators.cantilever.feedback.elements import Drag
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     assert rig.beam is not None
     s = altered.structure
     return replace(altered, structure=replace(s, drag=Drag(effect.parameters["c2_total"] / rig.beam.length_m)))

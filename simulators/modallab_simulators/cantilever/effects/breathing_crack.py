@@ -5,7 +5,7 @@ from functools import partial
 
 from modallab.core.effects import Effect, x_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 from modallab_simulators.cantilever.feedback.elements import CrackElement
@@ -15,7 +15,7 @@ def _element(x_m: float, loss: float, beam: CantileverBeam) -> CrackElement:
     return CrackElement(x_m, loss, beam.bending_stiffness_n_m2)
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     element = partial(_element, x_of(effect, rig), effect.parameters["EI_loss_open"])
     s = altered.structure
     return replace(altered, structure=replace(s, elements=(*s.elements, element)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from modallab.core.effects import Effect
 from modallab.core.rig import Beam, Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, Ties
 from modallab_simulators.cantilever.feedback.elements import PointElement
@@ -23,7 +23,7 @@ def _element(numbers: Mapping[str, float], beam: CantileverBeam) -> PointElement
     return PointElement(0.0, 1, "play", (root - soft, gap * (1 + within * series)))
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     numbers = effect.parameters
     stiffest, element = numbers["k_contact"] + numbers.get("k_within", 0.0), partial(_element, numbers)
     s = altered.structure

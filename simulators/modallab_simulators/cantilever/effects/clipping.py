@@ -8,11 +8,11 @@ import numpy as np
 from modallab.core.block import Block
 from modallab.core.effects import Effect, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered, Clip
+from modallab_simulators.cantilever.altered import AlteredBench, Clip
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     numbers = effect.parameters
     clip = Clip(row_of(effect), numbers["fraction_of_peak"], numbers.get("peak_v"))
     c = altered.chain

@@ -5,7 +5,7 @@ from functools import partial
 
 from modallab.core.effects import Effect, x_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 from modallab_simulators.cantilever.feedback.elements import PointElement
@@ -15,7 +15,7 @@ def _element(x_m: float, k3: float, beam: CantileverBeam) -> PointElement:
     return PointElement(x_m, 0, "cubic", (k3,))
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     element = partial(_element, x_of(effect, rig), effect.parameters["k3"])
     s = altered.structure
     return replace(altered, structure=replace(s, elements=(*s.elements, element)))

@@ -6,11 +6,11 @@ import numpy as np
 
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     c = altered.chain
     return replace(altered, chain=replace(c, hum=(effect.parameters["volts"], effect.parameters["hz"])))
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     c = altered.chain
     return replace(altered, chain=replace(c, noise={**c.noise, row_of(effect): effect.parameters["factor"]}))
 

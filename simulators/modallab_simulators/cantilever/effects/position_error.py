@@ -4,14 +4,14 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
 
 ROUNDING = 1e-9
 """Share of the length by which a sensor may leave the beam: one drawn to sit at its very end is there but for this."""
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     c = altered.chain
     return replace(altered, chain=replace(c, moved_m={**c.moved_m, row_of(effect): effect.parameters["dx"]}))
 

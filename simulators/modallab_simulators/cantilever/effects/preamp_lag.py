@@ -4,12 +4,12 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 from modallab_simulators.cantilever.sensor import low_pass
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     c = altered.chain
     return replace(
         altered, chain=replace(c, filters=(*c.filters, (row_of(effect), low_pass(effect.parameters["corner_hz"]))))

@@ -4,15 +4,16 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, x_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
-from modallab_simulators.cantilever.cracked import Loss
+from modallab_simulators.cantilever.altered import AlteredBench
+from modallab_simulators.cantilever.cracked import LocalStiffnessLoss
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     s = altered.structure
     return replace(
-        altered, structure=replace(s, losses=(*s.losses, Loss(x_of(effect, rig), effect.parameters["EI_loss"])))
+        altered,
+        structure=replace(s, losses=(*s.losses, LocalStiffnessLoss(x_of(effect, rig), effect.parameters["EI_loss"]))),
     )
 
 

@@ -5,12 +5,12 @@ from math import pi
 
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.attached import Absorber
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     mass, hz = effect.parameters["mass"], effect.parameters["hz"]
     hung = Absorber(x_of(effect, rig), mass, mass * (2 * pi * hz) ** 2)
     s = altered.structure

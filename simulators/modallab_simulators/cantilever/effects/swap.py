@@ -5,11 +5,11 @@ from dataclasses import replace
 from modallab.core.effects import Effect
 from modallab.core.places import TwoChannels
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     assert isinstance(effect.place, TwoChannels)
     c = altered.chain
     return replace(altered, chain=replace(c, exchanged=(*c.exchanged, effect.place.channel)))

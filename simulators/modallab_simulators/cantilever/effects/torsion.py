@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered, SideFamily
+from modallab_simulators.cantilever.altered import AlteredBench, SideFamily
 from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 from modallab_simulators.cantilever.modes import Modes
@@ -15,7 +15,7 @@ def _modes(true: TrueBeam, width_m: float) -> Modes:
     return TorsionBar.of(true.beam.length_m, width_m, true.thickness_m, true.youngs_modulus_pa, true.density_kg_m3)
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     s = altered.structure
     family = SideFamily(_modes, effect.parameters["offset"])
     return replace(altered, structure=replace(s, side_modes=(*s.side_modes, family)))

@@ -30,7 +30,7 @@ _AHEAD = REACH + 2
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class FedState:
+class FeedbackState:
     """All a stretch needs to know of the past.
 
     Attributes:
@@ -52,7 +52,7 @@ class FedState:
         return bool(self.linear.any() or self.z.any() or self.g.any() or self.past.any())
 
 
-class FedStructure:
+class FeedbackStructure:
     """A structure whose local elements are solved step by step, and then drive the linear one as known forces."""
 
     def __init__(
@@ -79,36 +79,36 @@ class FedStructure:
         return self._linear.latency
 
     @property
-    def at_rest(self) -> FedState:
+    def at_rest(self) -> FeedbackState:
         """The state of a beam that has never moved."""
         channels = len(self._loads)
         first, _ = self._linear.times(0)
         modes = np.zeros(len(self._decay), dtype=np.complex128)
         memory = np.zeros((len(self._elements), 4))
-        return FedState(self._linear.at_rest, modes, np.zeros(channels), memory, np.zeros((channels, -first)))
+        return FeedbackState(self._linear.at_rest, modes, np.zeros(channels), memory, np.zeros((channels, -first)))
 
     def times(self, block: int) -> tuple[int, int]:
         """First internal sample and number of those whose force the stretch `block` needs."""
         first, count = self._linear.times(block)
         return first, count + _AHEAD
 
-    def taken_over(self, other: "FedStructure", state: FedState) -> FedState:
+    def state_from(self, other: "FeedbackStructure", state: FeedbackState) -> FeedbackState:
         """This structure's state where every mode moves as another's does."""
-        linear = self._linear.taken_over(other._linear, state.linear)
-        return replace(state, linear=linear, z=self._linear.taken_over(other._linear, state.z))
+        linear = self._linear.state_from(other._linear, state.linear)
+        return replace(state, linear=linear, z=self._linear.state_from(other._linear, state.z))
 
-    def advance(self, state: FedState, drives: Sequence[Drive]) -> tuple[Real, FedState]:
+    def advance(self, state: FeedbackState, drives: Sequence[Drive]) -> tuple[Real, FeedbackState]:
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
         loads, after = self._fed(state, drives)
         seen, linear = self._linear.advance(state.linear, loads)
         return seen, replace(after, linear=linear)
 
-    def pass_over(self, state: FedState, drives: Sequence[Drive]) -> FedState:
+    def pass_over(self, state: FeedbackState, drives: Sequence[Drive]) -> FeedbackState:
         """The state after a stretch of which nobody wants the outputs."""
         loads, after = self._fed(state, drives)
         return replace(after, linear=self._linear.pass_over(state.linear, loads))
 
-    def _fed(self, state: FedState, drives: Sequence[Drive]) -> tuple[list[Drive], FedState]:
+    def _fed(self, state: FeedbackState, drives: Sequence[Drive]) -> tuple[list[Drive], FeedbackState]:
         """All loads of a stretch on the linear structure, and the state for the next but for that structure's own."""
         _, count = self._linear.times(0)
         step, ahead = BLOCK * self.oversample, count - state.past.shape[1]
@@ -121,7 +121,7 @@ class FedStructure:
         loads += [replace(load, force_n=force) for load, force in zip(self._loads, forces, strict=True)]
         return loads, replace(new, past=forces[:, step:])
 
-    def _marched(self, state: FedState, drives: Sequence[Drive], count: int) -> tuple[FedState, Real]:
+    def _marched(self, state: FeedbackState, drives: Sequence[Drive], count: int) -> tuple[FeedbackState, Real]:
         begin = state.past.shape[1] - 1 - REACH
         forces = np.zeros((len(drives), count + 2 * REACH + 1))
         into, direct = np.zeros((len(drives), len(state.z)), complex), np.zeros((len(self._local), len(drives)))

@@ -5,7 +5,7 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.quadrature import gauss_legendre
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.attached import Attachment
 from modallab_simulators.cantilever.effect_part import EffectPart
 
@@ -13,7 +13,7 @@ PLACES = 12
 """Springs that stand for an even bedding: Gauss points, exact for the product of two low modes."""
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     assert rig.beam is not None
     s, law, length = altered.structure, effect.parameters, rig.beam.length_m
     s = replace(s, preload_n=s.preload_n + law.get("tension", 0.0))

@@ -5,13 +5,13 @@ from math import pi
 
 from modallab.core.effects import Effect, EffectKind, Parameter, x_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.attached import Absorber, Attachment
 from modallab_simulators.cantilever.effect_part import EffectPart
 from modallab_simulators.cantilever.modes import Damper
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     s, law, x = altered.structure, effect.parameters, x_of(effect, rig)
     if "k" in law or "m" in law:
         own = Attachment(x, mass=law.get("m", 0.0), stiffness=law.get("k", 0.0))

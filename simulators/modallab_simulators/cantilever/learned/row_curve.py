@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
 
 
@@ -22,7 +22,7 @@ def _distorted(law: Mapping[str, float], volts: Real) -> Real:
     return volts + law.get("square", 0.0) * volts**2 + law.get("cubic", 0.0) * volts**3
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     c = altered.chain
     return replace(
         altered, chain=replace(c, curves={**c.curves, row_of(effect): partial(_distorted, dict(effect.parameters))})

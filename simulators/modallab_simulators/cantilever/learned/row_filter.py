@@ -5,12 +5,12 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.places import AllChannels, OneChannel
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
 from modallab_simulators.cantilever.sensor import Sensor, high_pass, low_pass, mount
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     c, law = altered.chain, effect.parameters
     own = effect.place.channel if isinstance(effect.place, OneChannel) else None
     rows = [c.index for c in rig.responses] if own is None else [own]

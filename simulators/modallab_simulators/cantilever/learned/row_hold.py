@@ -4,11 +4,11 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, EffectKind, Parameter, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     c, row = altered.chain, row_of(effect)
     kept = c.holds | {row} if effect.parameters.get("kept") else c.holds
     return replace(altered, chain=replace(c, lost_share={**c.lost_share, row: effect.parameters["share"]}, holds=kept))

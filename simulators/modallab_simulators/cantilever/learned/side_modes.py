@@ -7,7 +7,7 @@ from math import inf, pi
 
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered, SideFamily
+from modallab_simulators.cantilever.altered import AlteredBench, SideFamily
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.effect_part import EffectPart
@@ -38,7 +38,7 @@ def _alone(law: Mapping[str, float], true: TrueBeam, width_m: float) -> Modes:
 FAMILIES = {"twist_hz": _twist, "across_hz": _across, "alone_hz": _alone}
 
 
-def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     s, law = altered.structure, effect.parameters
     more = (SideFamily(partial(modes, law), 1.0, law["zeta"]) for name, modes in FAMILIES.items() if name in law)
     return replace(altered, structure=replace(s, side_modes=(*s.side_modes, *more)))

@@ -16,7 +16,7 @@ from modallab.acquisition.monitor.settled import (
 )
 from modallab.acquisition.monitor.stream import Stream, Watch
 from modallab.bench.protocol import Bench
-from modallab.bench.recut import RecutRule
+from modallab.bench.resampling import ResamplingRule
 from modallab.core.errors import SamplesLostError
 from modallab.core.events import BlockAccepted, BlockAcknowledged, BlockDropped, Progress
 from modallab.core.rig import Rig
@@ -43,7 +43,7 @@ WINDOW_BLOCKS = 2
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class HeldBlock:
+class BufferedBlock:
     """A block in memory: while the output is on, nothing is written.
 
     Attributes:
@@ -81,7 +81,7 @@ class RunContext:
     conversion: Conversion
     stream: Stream
     block: int
-    recut: RecutRule | None = None
+    recut: ResamplingRule | None = None
     requests: Requests = field(default_factory=Requests)
     excitation: Excitation = field(default_factory=Excitation)
 
@@ -136,9 +136,9 @@ class RunContext:
         """The sample (exclusive) up to which a block from `first` must be read before it can be held."""
         return first + (self.block if self.recut is None else max(self.block, self.recut.native - self.recut.lead))
 
-    def held(self, first: int, note: BlockNote) -> "HeldBlock":
+    def held(self, first: int, note: BlockNote) -> "BufferedBlock":
         """The block from sample `first`, as it will be written."""
-        return HeldBlock(self._cut(first), self._noted(first, note))
+        return BufferedBlock(self._cut(first), self._noted(first, note))
 
     def place(self, first: int) -> Future[PlacedSamples]:
         """Begin to write the samples of the block from sample `first`, while it is still looked at."""
@@ -164,7 +164,7 @@ class RunContext:
         ends = self.stream.overload(first - self.recut.lead, self.recut.native)
         return replace(note, overload=ends, facts=note.facts | self.recut.facts())
 
-    def write(self, block: "HeldBlock") -> BlockAcknowledged:
+    def write(self, block: "BufferedBlock") -> BlockAcknowledged:
         """Keep a block and report that it is kept."""
         kept = self.recorder.record(block.samples, block.note)
         self.emit(kept)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.burst_look import BurstWindows
+from modallab.acquisition.monitor.burst_windows import BurstWindows
 from modallab.acquisition.monitor.tone_prediction import PredictedWindow
 from modallab.core.errors import SafetyError
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from modallab.acquisition.monitor.ring import Ring, RingShape, make_ring
+from modallab.acquisition.monitor.ring_buffer import RingBuffer, RingBufferLayout, make_ring_buffer
 from modallab.bench.protocol import Chunk, Delivery
 from modallab.core.frozen import Frozen
 from modallab.core.rig import Rig
@@ -22,7 +22,7 @@ SECONDS = 10.0, 2.0
 """What a ring holds; the second where there is no memory for the first."""
 
 
-class CountRestart(Frozen):
+class SampleCountRestart(Frozen):
     """Where the device's count of samples begins again: sample `position` of the ring is its `first_sample`."""
 
     position: int
@@ -52,26 +52,26 @@ class LiveInfo(Frozen):
     scale: tuple[float, ...]
     units: tuple[str, ...]
     dtype: str
-    breaks: tuple[CountRestart, ...] = ()
+    breaks: tuple[SampleCountRestart, ...] = ()
 
-    def open(self) -> Ring:
+    def open(self) -> RingBuffer:
         """The ring, to read.
 
         Raises:
             OSError: it is gone.
         """
-        return Ring(Path(self.ring), RingShape(len(self.channels), self.capacity, self.dtype))
+        return RingBuffer(Path(self.ring), RingBufferLayout(len(self.channels), self.capacity, self.dtype))
 
 
 LiveTap = Callable[[Chunk], None]
 
 
-class LiveRing:
+class LiveRingBuffer:
     """The ring of one run, from the side that writes. Where there is no memory for it, nothing is shown."""
 
     def __init__(self, data_folder: Path) -> None:
         self._folder = data_folder / FOLDER
-        self._ring: Ring | None = None
+        self._ring: RingBuffer | None = None
         self._info: LiveInfo | None = None
         self._next = -1
 
@@ -97,7 +97,7 @@ class LiveRing:
         assert ring is not None
         assert info is not None
         if chunk.first_sample != self._next:
-            here = CountRestart(position=ring.written, first_sample=chunk.first_sample)
+            here = SampleCountRestart(position=ring.written, first_sample=chunk.first_sample)
             self._info = info.model_copy(update={"breaks": (*info.breaks, here)})
             # A disk that takes no more keeps a look from nobody else's data.
             with suppress(OSError):
@@ -136,7 +136,7 @@ def live_info(data_folder: Path, run: str) -> LiveInfo | None:
         return None
 
 
-def clear_left_over(data_folder: Path, ended: Callable[[str], bool]) -> None:
+def remove_stale_ring_buffers(data_folder: Path, ended: Callable[[str], bool]) -> None:
     """Remove what processes that were killed left in memory; `ended` says of a name whether it is over."""
     for file in (data_folder / FOLDER).glob("*.json"):
         info = live_info(data_folder, file.stem)
@@ -145,10 +145,10 @@ def clear_left_over(data_folder: Path, ended: Callable[[str], bool]) -> None:
             file.unlink(missing_ok=True)
 
 
-def _ring_shape(channels: int, delivery: Delivery) -> Ring | None:
+def _ring_shape(channels: int, delivery: Delivery) -> RingBuffer | None:
     for seconds in SECONDS:
         with suppress(OSError):
-            return make_ring(RingShape.lasting(channels, delivery.rate_hz, delivery.dtype, seconds))
+            return make_ring_buffer(RingBufferLayout.lasting(channels, delivery.rate_hz, delivery.dtype, seconds))
     return None
 
 

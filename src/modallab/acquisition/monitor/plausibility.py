@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.burst_look import HOP_S, WEAK_EARLIER_S, WEAK_LATER_S, BurstWindows, has_drive
+from modallab.acquisition.monitor.burst_windows import HOP_S, WEAK_EARLIER_S, WEAK_LATER_S, BurstWindows, has_drive
 from modallab.acquisition.monitor.expected_force import OTHERS_FROM, SEEN, ExpectedForce, implausible_channel_error
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.tone_prediction import (
@@ -67,9 +67,9 @@ class NormalRanges:
         return True
 
 
-def normal_looks(look: BurstWindows, force: ExpectedForce) -> NormalRanges | None:
+def normal_ranges_of_windows(look: BurstWindows, force: ExpectedForce) -> NormalRanges | None:
     """Of all looks for which the samples have come; None where there are few, or not all windows lie in the burst."""
-    ends = look.ends_ready()
+    ends = look.ends_of_complete_windows()
     later, weak, learned = look.count(look.later_s), look.count(WEAK_LATER_S), look.count(HOP_S)
     if len(ends) < FEW or not look.holds(ends, max(weak, later + look.gap + max(look.earlier, learned))):
         return None
@@ -179,7 +179,7 @@ class Plausibility:
         if cut.size:
             raise implausible_channel_error(f"{self._names[int(cut[0])]} is clipped: all its highest samples are equal")
         look.add(chunk.samples)
-        normal = normal_looks(look, self._force)
+        normal = normal_ranges_of_windows(look, self._force)
         while look.next_hop():
             if normal is None or not normal.passes(look):
                 self._require_all(look)

@@ -224,13 +224,13 @@ def amplitude_of_motion(block: Window, n: int, lines: NDArray[np.int64], floor: 
     return found
 
 
-def own_motion(sensors: Single) -> Real:
+def mean_sensor_motion(sensors: Single) -> Real:
     """(lines,) of `sensor_motion`, the root of the mean square over channels."""
     return np.sqrt(np.mean([row.astype(np.float64) ** 2 for row in sensors], axis=0))
 
 
 def largest_ratio(moves: Real, lines: NDArray[np.int64], own: Real) -> tuple[float, int]:
-    """The largest ratio of what rings to a hit's `own_motion`, at its line or beside it, and its line; 0 if none rings.
+    """The largest ratio of ringing to a hit's `mean_sensor_motion`, at its line or beside it, and the line; 0 if none rings.
 
     Args:
         moves: (peaks,) amplitudes of what rings.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.rest_noise import RestNoise
-from modallab.acquisition.monitor.wave_look import WaveSamples
+from modallab.acquisition.monitor.wave_samples import WaveSamples
 from modallab.bench.protocol import Chunk, Waveform
 from modallab.core.errors import SafetyError
 from modallab.storage.samples import Samples

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from math import ceil
 
 from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch, expected_to_move
-from modallab.acquisition.monitor.context import HeldBlock, RunContext
+from modallab.acquisition.monitor.context import BufferedBlock, RunContext
 from modallab.acquisition.monitor.run_states import DropBlock
 from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
 from modallab.acquisition.procedures.broadband_checks import driven_points, over_limits
@@ -18,7 +18,7 @@ from modallab.acquisition.procedures.broadband_wave import (
     waves_of,
 )
 from modallab.acquisition.procedures.driven_forces import DrivenForces
-from modallab.bench.abilities import ShakersPlayingTogether, WavePlaying
+from modallab.bench.abilities import DrivesSeveralShakers, PlaysWaves
 from modallab.bench.protocol import Bench, Waveform
 from modallab.core.arrays import Real
 from modallab.core.block import fact_of_other_shakers
@@ -120,7 +120,7 @@ class BroadbandTest:
         stream.poll()
         wave = _Wave(level, number, _start_of_waves(context.bench, waves), layout, waves)
         self.believed.begin(waves, wave.start, rest, noise, layout.block_s)
-        held: list[HeldBlock] = []
+        held: list[BufferedBlock] = []
         try:
             while len(held) < fitting:
                 held.append(self._take(wave, len(held), rest_n))
@@ -134,7 +134,7 @@ class BroadbandTest:
         self._require_patience(held)
         self._obey()
 
-    def _end_early(self, held: list[HeldBlock], error: BaseException, note: BlockNote) -> None:
+    def _end_early(self, held: list[BufferedBlock], error: BaseException, note: BlockNote) -> None:
         """End the drive, then keep what was recorded; what may hold the fault does not count."""
         context, stream = self.context, self.context.stream
         try:
@@ -153,7 +153,7 @@ class BroadbandTest:
                 replace(note, name=name, first_sample=first, accepted=False, reason=error.what, overload=overload),
             )
 
-    def _keep(self, held: list[HeldBlock]) -> None:
+    def _keep(self, held: list[BufferedBlock]) -> None:
         """Write the blocks of a wave that is over: a disk that is slow must not hold up the watch."""
         for block in held:
             note = block.note
@@ -185,20 +185,20 @@ class BroadbandTest:
             },
         )
 
-    def _take(self, wave: _Wave, place: int, rest_n: Real) -> HeldBlock:
+    def _take(self, wave: _Wave, place: int, rest_n: Real) -> BufferedBlock:
         """Read one block, and hold it until its wave is over."""
         context, stream, note = self.context, self.context.stream, self._note(wave, place)
         stream.advance_to(context.end_of(note.first_sample), self.watch, context.driving_chunk)
         block = stream.cut(note.first_sample, context.block)
         self.forces.require(block, rest_n, self.plan.levels_v[wave.level])
         first_s = (note.first_sample - wave.start) / stream.rate_hz
-        self.forces.require_own(block, wave.waves, first_s, stream.rate_hz)
+        self.forces.require_own_drive(block, wave.waves, first_s, stream.rate_hz)
         overload = stream.overload(note.first_sample, context.block)
         reason = f"overload: {', '.join(overload)} beyond the range" if overload else ""
         held = replace(note, overload=overload, accepted=not overload, reason=reason)
         return context.held(note.first_sample, held)
 
-    def _require_patience(self, held: list[HeldBlock]) -> None:
+    def _require_patience(self, held: list[BufferedBlock]) -> None:
         reasons = [block.note.reason for block in held if not block.note.accepted]
         if reasons and self.rejected > self.plan.max_rejections:
             raise PlanError(
@@ -217,13 +217,13 @@ class BroadbandTest:
 def _start_of_waves(bench: Bench, waves: Sequence[Waveform]) -> int:
     """The sample at which the waves begin, one on each output."""
     if len(waves) > 1:
-        assert isinstance(bench, ShakersPlayingTogether)
+        assert isinstance(bench, DrivesSeveralShakers)
         return bench.play_waves(waves)
-    assert isinstance(bench, WavePlaying)
+    assert isinstance(bench, PlaysWaves)
     return bench.play_wave(waves[0])
 
 
-def _with_doubt(block: HeldBlock, reason: str) -> HeldBlock:
+def _with_doubt(block: BufferedBlock, reason: str) -> BufferedBlock:
     return replace(block, note=replace(block.note, accepted=False, reason=reason))
 
 

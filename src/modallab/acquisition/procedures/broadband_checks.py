@@ -12,7 +12,7 @@ from modallab.acquisition.procedures.broadband_wave import (
     slew_v_per_s,
     waves_of,
 )
-from modallab.bench.abilities import ShakersPlayingTogether, WavePlaying
+from modallab.bench.abilities import DrivesSeveralShakers, PlaysWaves
 from modallab.bench.protocol import Waveform
 from modallab.core.errors import UnsupportedError
 from modallab.core.plan import BroadbandPlan
@@ -103,14 +103,14 @@ def require_waves(plan: BroadbandPlan, bench: object, rig: Rig) -> None:
         UnsupportedError: it cannot.
     """
     generator = rig.excitation is not None and rig.excitation.kind == "generator"
-    if generator or not isinstance(bench, WavePlaying):
+    if generator or not isinstance(bench, PlaysWaves):
         raise UnsupportedError(
             f"{'a sine generator' if generator else 'this bench'} plays no {plan.signal} drive",
             where="broadband plan",
             remedy="drive by an analog output of the device, or run a sine test",
         )
     shakers = len(driven_points(plan, rig))
-    if shakers > 1 and not isinstance(bench, ShakersPlayingTogether):
+    if shakers > 1 and not isinstance(bench, DrivesSeveralShakers):
         raise UnsupportedError(
             f"this bench drives one shaker, and the plan drives {shakers} at once",
             where="broadband plan",

@@ -55,7 +55,7 @@ class DrivenForces:
                     remedy="check the force sensor, the amplifier and the stinger, or drive harder",
                 )
 
-    def require_own(self, samples: Samples, waves: Sequence[Waveform], first_s: float, rate_hz: float) -> None:
+    def require_own_drive(self, samples: Samples, waves: Sequence[Waveform], first_s: float, rate_hz: float) -> None:
         """Reject a block in which forces follow each other's drives.
 
         A weak shaker may feel the others more than its own drive; but where each follows one of its own, and not its

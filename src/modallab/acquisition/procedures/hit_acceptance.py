@@ -14,7 +14,7 @@ from modallab.acquisition.monitor.settled import (
     WindowLevels,
     amplitude_of_motion,
     largest_ratio,
-    own_motion,
+    mean_sensor_motion,
     ringing_lines,
 )
 from modallab.acquisition.procedures.target import Target
@@ -223,6 +223,8 @@ class MotionBeforeHit:
         if self.lines.size == 0:
             return Ringing(0.0, 0.0)
         beside = np.concatenate([self.lines - 1, self.lines, self.lines + 1])
-        own = own_motion(amplitude_of_motion(context.motion(first, context.block), context.window, beside, floor))
+        own = mean_sensor_motion(
+            amplitude_of_motion(context.motion(first, context.block), context.window, beside, floor)
+        )
         ratio, line = largest_ratio(self.moves, self.lines, own.reshape(3, -1))
         return Ringing(ratio, line * context.line_hz)

@@ -8,7 +8,7 @@ from modallab.acquisition.monitor.settled import Floor
 from modallab.acquisition.procedures.hit_acceptance import Hit, HitQueue, MotionBeforeHit, hit_of, rejections
 from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, RestState, RestWait
 from modallab.acquisition.procedures.struck_point.check import HitLocation, StruckPointCheck
-from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, answer_of
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, response_of_hit
 from modallab.acquisition.procedures.target import Target
 from modallab.acquisition.procedures.trigger import Trigger, wait_for_record
 from modallab.core.errors import BenchError, BenchTimeoutError, SamplesLostError
@@ -216,7 +216,7 @@ class ImpactTest:
         if not self.plan.acceptance.check_point:
             return HitLocation()
         samples = context.stream.view(first, context.block)
-        answer = answer_of(
+        answer = response_of_hit(
             samples,
             context.conversion,
             context.stream.rate_hz,

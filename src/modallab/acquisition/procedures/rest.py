@@ -15,7 +15,7 @@ from modallab.acquisition.monitor.settled import (
     Window,
     check_settled,
     largest_ratio,
-    own_motion,
+    mean_sensor_motion,
     ringing_lines,
     sensor_motion,
 )
@@ -105,7 +105,7 @@ class HitMotion:
         """A hit was good; its (m,) force and (channels, m) block in counts, `n` samples of a window."""
         sensors = sensor_motion(block, n, floor)
         self.forces[name] = np.abs(spectrum(force_n - np.median(force_n), n))[: sensors.shape[1]]
-        self.per_newton[name] = own_motion(sensors) / np.maximum(self.forces[name], 1e-300)
+        self.per_newton[name] = mean_sensor_motion(sensors) / np.maximum(self.forces[name], 1e-300)
         self.sensors[name] = sensors
         self.point_of[name] = point
         for old in list(self.sensors)[:-KEPT]:

@@ -15,7 +15,7 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.abilities import FeedsSensors, SelfDescribing, SelfNaming
+from modallab.bench.abilities import ReadsSensitivities, ReadsSerialNumbers, SuppliesSensors
 from modallab.bench.protocol import Bench
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test, si_factor
@@ -37,7 +37,7 @@ PATIENCE_S = 60.0
 
 
 @dataclass(frozen=True, slots=True)
-class Remark:
+class SensorRemark:
     """One thing that was compared with another.
 
     Attributes:
@@ -51,7 +51,7 @@ class Remark:
     contradiction: bool
 
 
-def remarks_on(rig: Rig, test: Test, today: date, bench: Bench | None = None) -> list[Remark]:
+def sensor_remarks(rig: Rig, test: Test, today: date, bench: Bench | None = None) -> list[SensorRemark]:
     """Everything that is expired or contradicts itself, channel by channel.
 
     Args:
@@ -60,18 +60,18 @@ def remarks_on(rig: Rig, test: Test, today: date, bench: Bench | None = None) ->
         today: a certificate is valid to the end of its last day.
         bench: open, not running, to ask the sensors themselves; None: they are not asked.
     """
-    serials = bench.sensed_serials() if isinstance(bench, SelfNaming) else {}
-    sensed = bench.sensed_sensitivities() if isinstance(bench, SelfDescribing) else {}
-    found: list[Remark] = []
+    serials = bench.read_serials() if isinstance(bench, ReadsSerialNumbers) else {}
+    sensed = bench.read_sensitivities() if isinstance(bench, ReadsSensitivities) else {}
+    found: list[SensorRemark] = []
     for channel in rig.channels:
         name = channel.name
-        found += [Remark(name, what, contradiction=False) for what in _expiry_remark(channel, today)]
+        found += [SensorRemark(name, what, contradiction=False) for what in _expiry_remark(channel, today)]
         wrong = [
             *_other_serial(channel, serials),
             *_other_sensitivity(channel, rig, test),
             *_other_sensed(channel, test, sensed),
         ]
-        found += [Remark(name, what, contradiction=True) for what in wrong]
+        found += [SensorRemark(name, what, contradiction=True) for what in wrong]
     return found
 
 
@@ -145,9 +145,9 @@ class SupplyWait:
     unsettled: tuple[str, ...]
 
 
-def fed_channels(bench: Bench, rig: Rig) -> dict[int, str]:
+def supplied_channels(bench: Bench, rig: Rig) -> dict[int, str]:
     """Channels, by their place in the rig, whose sensors this bench feeds."""
-    fed = set(bench.fed_channels()) if isinstance(bench, FeedsSensors) else set[str]()
+    fed = set(bench.supplied_channels()) if isinstance(bench, SuppliesSensors) else set[str]()
     return {channel.index: channel.name for channel in rig.channels if channel.name in fed}
 
 

@@ -9,7 +9,7 @@ from modallab.acquisition.monitor.context import RunContext, measure_floor
 from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import BurstCheck, Drive, Setting, burst_of, check_burst
 from modallab.acquisition.procedures.target import Step, repeated_steps, steps_of
-from modallab.bench.abilities import SelfReporting, SensorSupplyCheck
+from modallab.bench.abilities import ReportsOutput, SensorSupplyCheck
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.events import Notice
@@ -123,7 +123,7 @@ class SineTest:
             self._keep_tripped(note, error)
             raise
         self.watch.end()
-        if isinstance(context.bench, SelfReporting):
+        if isinstance(context.bench, ReportsOutput):
             note = replace(note, facts=note.facts | context.bench.output_facts())
         context.record(first, self._judged(note, seen, step, setting, rejected=following is not None))
         if following is None:
@@ -213,7 +213,7 @@ def run_sine(context: RunContext, plan: SinePlan) -> None:
 
 
 def _say_what_is_unseen(context: RunContext) -> None:
-    unseen = context.bench.open_sensors_unseen() if isinstance(context.bench, SensorSupplyCheck) else ()
+    unseen = context.bench.channels_without_open_detection() if isinstance(context.bench, SensorSupplyCheck) else ()
     if unseen:
         what = (
             f"the device cannot detect whether a sensor is connected to {', '.join(unseen)}: an unplugged sensor is "

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.context import RunContext
-from modallab.bench.abilities import HardwareTriggered, ReferenceTrigger
+from modallab.bench.abilities import ReferenceTrigger, TriggersInHardware
 from modallab.bench.protocol import Bench
 from modallab.core.errors import BenchTimeoutError, PlanError
 from modallab.core.plan import ImpactPlan, Plan
@@ -50,7 +50,7 @@ def require_trigger(plan: Plan, bench: Bench) -> None:
     Raises:
         PlanError: names the field.
     """
-    if isinstance(plan, ImpactPlan) and plan.trigger == "hardware" and not isinstance(bench, HardwareTriggered):
+    if isinstance(plan, ImpactPlan) and plan.trigger == "hardware" and not isinstance(bench, TriggersInHardware):
         raise PlanError(
             "trigger: hardware, but this bench has no trigger of its own; allowed: software",
             where="impact plan",
@@ -78,7 +78,7 @@ def wait_for_record(
         BenchTimeoutError: no hit came in time.
     """
     bench, stream = context.bench, context.stream
-    assert isinstance(bench, HardwareTriggered)
+    assert isinstance(bench, TriggersInHardware)
     before = context.window + stream.samples_of(plan.pre_trigger_s)
     bench.stop()
     bench.arm(_reference_trigger(context, plan, before))

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from modallab.acquisition.monitor.live import IDLE, LiveRing, clear_left_over
+from modallab.acquisition.monitor.live import IDLE, LiveRingBuffer, remove_stale_ring_buffers
 from modallab.acquisition.monitor.run_states import Excitation
-from modallab.acquisition.process.host import take_priority, without_sleep
-from modallab.acquisition.process.idle_scope import IdleScope, idle_ring_name
-from modallab.acquisition.process.link import BenchOpened, Ended, Link, RunPlan
+from modallab.acquisition.process.host import keep_awake, raise_priority
+from modallab.acquisition.process.idle_scope import IdleScope, idle_ring_buffer_name
+from modallab.acquisition.process.link import BenchOpened, Link, RunEnded, RunPlan
 from modallab.acquisition.process.output_supervisor import HeartbeatPipe
 from modallab.acquisition.process.ready import Order
 from modallab.acquisition.process.run import make_safe, run_plan
@@ -46,14 +46,14 @@ def serve(
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     link = Link(connection)
     try:
-        _serve(link, url, rig, folder, Guard(HeartbeatPipe(life_line), TripLatch(folder, url), supervision))
+        _serve(link, url, rig, folder, OutputGuard(HeartbeatPipe(life_line), TripLatch(folder, url), supervision))
     except Exception as error:
-        link.send(Ended(_expected(error)))
+        link.send(RunEnded(_expected(error)))
     link.flush()
 
 
 @dataclass(frozen=True, slots=True)
-class Guard:
+class OutputGuard:
     """What answers for the output besides this process.
 
     Attributes:
@@ -67,15 +67,15 @@ class Guard:
     supervision: str
 
 
-def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
+def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: OutputGuard) -> None:
     bench = open_bench(url, rig)
     try:
         bench.zero()
-        if bench.info.real_time and (ordinary := take_priority()):
+        if bench.info.real_time and (ordinary := raise_priority()):
             guard = replace(guard, supervision="; ".join(filter(None, (guard.supervision, ordinary))))
         with Store(folder) as store:
             store.recover()
-            clear_left_over(folder, lambda name: _is_over(store, name, url))
+            remove_stale_ring_buffers(folder, lambda name: _is_over(store, name, url))
             link.send(BenchOpened(bench.info))
             scope = IdleScope(bench, rig, folder)
             while (command := _next_plan(link, scope)) is not None:
@@ -89,7 +89,7 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
 
 def _is_over(store: Store, name: str, url: str) -> bool:
     if name.startswith(IDLE):
-        return name == idle_ring_name(url)
+        return name == idle_ring_buffer_name(url)
     return store.catalogue.run(name).state in ENDED
 
 
@@ -100,11 +100,11 @@ def _next_plan(link: Link, scope: IdleScope) -> RunPlan | None:
     return link.next_plan()
 
 
-def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard: Guard) -> None:
+def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard: OutputGuard) -> None:
     error: ModallabError | None = None
     unusable = False
     excitation = Excitation()
-    sleep_lock = nullcontext("") if isinstance(order.plan, ImpactPlan) or not bench.info.real_time else without_sleep()
+    sleep_lock = nullcontext("") if isinstance(order.plan, ImpactPlan) or not bench.info.real_time else keep_awake()
 
     def control() -> Order | None:
         guard.life.working(driving=excitation.on)
@@ -113,7 +113,7 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard
     try:
         with (
             store.begin(order.plan, rig, bench.info) as recorder,
-            LiveRing(store.folder) as live,
+            LiveRingBuffer(store.folder) as live,
             sleep_lock as held,
         ):
             try:
@@ -127,7 +127,7 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard
                 unusable = recorder.unusable
     except Exception as raised:
         error = _expected(raised)
-    link.send(Ended(error))
+    link.send(RunEnded(error))
     if unusable:
         # HDF5 brings the process down when it ends with a file it could not write; so it ends without HDF5.
         with suppress(BenchError):

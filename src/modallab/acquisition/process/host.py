@@ -36,7 +36,7 @@ _HIGH_PRIORITY_CLASS = 0x80
 
 
 @contextmanager
-def without_sleep() -> Generator[str]:
+def keep_awake() -> Generator[str]:
     """While the context is open the machine does not fall asleep, where that can be had; yields what came of it.
 
     Enter and leave it in the same thread.
@@ -102,7 +102,7 @@ def _let_go(holder: "subprocess.Popen[bytes]") -> None:
     holder.stdout.close()
 
 
-def take_priority() -> str:
+def raise_priority() -> str:
     """Raise all threads of this process; says in words what came of it, empty if all is well."""
     try:
         if sys.platform == "win32":

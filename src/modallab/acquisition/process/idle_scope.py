@@ -6,7 +6,7 @@ from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 
-from modallab.acquisition.monitor.live import FOLDER, IDLE, LiveRing
+from modallab.acquisition.monitor.live import FOLDER, IDLE, LiveRingBuffer
 from modallab.bench.protocol import Bench, Request
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
@@ -20,7 +20,7 @@ AGAIN_S = 2.0
 """Between two tries where the device does not deliver."""
 
 
-def idle_ring_name(url: str) -> str:
+def idle_ring_buffer_name(url: str) -> str:
     """Under which the signals of the bench at an address are shown while no run is on."""
     return f"{IDLE}{sha256(url.encode()).hexdigest()[:16]}"
 
@@ -38,7 +38,7 @@ class IdleScope:
 
     def __init__(self, bench: Bench, rig: Rig, data_folder: Path) -> None:
         self._bench, self._rig, self._folder = bench, rig, data_folder
-        self._name = idle_ring_name(bench.info.url)
+        self._name = idle_ring_buffer_name(bench.info.url)
         # What one who is gone has left there says nothing.
         self._request = self._look()
         self._request_s = float("-inf")
@@ -64,7 +64,7 @@ class IdleScope:
         bench = self._bench
         delivery = bench.configure(Request("impact", RATE_HZ))
         chunk = max(1, round(CHUNK_S * delivery.rate_hz))
-        with LiveRing(self._folder) as live:
+        with LiveRingBuffer(self._folder) as live:
             tap = live.open(self._name, self._rig, delivery)
             bench.start()
             try:

@@ -42,7 +42,7 @@ class EmergencyStop:
 
 
 @dataclass(frozen=True, slots=True)
-class Close:
+class CloseOrder:
     """End the run if there is one, release the bench, and leave."""
 
 
@@ -52,7 +52,17 @@ class OwnerHeartbeat:
 
 
 Message = (
-    RunPlan | Pause | Resume | Repeat | DropBlock | AcceptBlock | Stop | Abort | EmergencyStop | Close | OwnerHeartbeat
+    RunPlan
+    | Pause
+    | Resume
+    | Repeat
+    | DropBlock
+    | AcceptBlock
+    | Stop
+    | Abort
+    | EmergencyStop
+    | CloseOrder
+    | OwnerHeartbeat
 )
 """What the owner sends: an operator's commands as they are in the API, and what only the owner may ask for."""
 
@@ -65,13 +75,13 @@ class BenchOpened:
 
 
 @dataclass(frozen=True, slots=True)
-class Ended:
+class RunEnded:
     """No run is active any more; `error` says why, if it is for an error."""
 
     error: ModallabError | None
 
 
-Report = Event | BenchOpened | Ended
+Report = Event | BenchOpened | RunEnded
 
 
 class Link:
@@ -145,7 +155,7 @@ class Link:
             EmergencyStop: lambda: self._request("emergency"),
             Pause: self.requests.pause,
             Resume: self.requests.resume,
-            Close: self._leave,
+            CloseOrder: self._leave,
         }
         if isinstance(command, RunPlan):
             # A stop that came too late for the run before is no stop of this one.

@@ -10,8 +10,8 @@ from threading import Lock
 
 from modallab.acquisition.process.output_watch import BEAT_S, Sign
 from modallab.bench.loader import has_output, open_output
+from modallab.core.child_process import start_child_process
 from modallab.core.errors import BenchError, ModallabError
-from modallab.core.owned import start_owned
 from modallab.core.rig import Rig
 
 SUPERVISE = "modallab.acquisition.process.output_watch:supervise"
@@ -71,7 +71,7 @@ class Supervisor:
         watched, self.life_line = context.Pipe(duplex=False)
         self._connection, theirs = context.Pipe()
         self._sending = Lock()
-        self.process, self._life = start_owned(
+        self.process, self._life = start_child_process(
             f"supervisor of {rig.name}",
             SUPERVISE,
             (watched, theirs),

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.burst_watch import load_filters
 from modallab.acquisition.monitor.context import RunContext
-from modallab.acquisition.monitor.live import LiveRing, LiveTap
+from modallab.acquisition.monitor.live import LiveRingBuffer, LiveTap
 from modallab.acquisition.monitor.run_states import Emit, Excitation, Lifecycle, Requests
 from modallab.acquisition.monitor.stream import Stream
 from modallab.acquisition.procedures.broadband_checks import longest_wave_s
 from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
-from modallab.acquisition.procedures.sensors import PATIENCE_S, fed_channels, remarks_on, wait_until_settled
+from modallab.acquisition.procedures.sensors import PATIENCE_S, sensor_remarks, supplied_channels, wait_until_settled
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request
-from modallab.bench.recut import RecutRule
+from modallab.bench.resampling import ResamplingRule
 from modallab.core.errors import PlanError, RigError
 from modallab.core.events import Notice
 from modallab.core.plan import BroadbandPlan, Plan, SinePlan, records_of
@@ -37,7 +37,7 @@ MEMORY_BLOCKS = 6
 """Blocks the stream remembers: the window before a hit, the hit, and some."""
 
 
-class OrderedEndError(Exception):
+class OrderedStopError(Exception):
     """The run was asked to end; not an error of the run."""
 
     def __init__(self, order: Order) -> None:
@@ -61,7 +61,7 @@ class Setup:
     latch: TripLatch | None = None
     supervision: str = ""
     excitation: Excitation = field(default_factory=Excitation)
-    live: LiveRing | None = None
+    live: LiveRingBuffer | None = None
     expected: ExpectedModes | None = None
 
     def tap(self, delivery: Delivery) -> LiveTap | None:
@@ -72,20 +72,20 @@ class Setup:
         """Look, before every read, whether the run shall go on.
 
         Raises:
-            OrderedEndError: it was asked to end.
+            OrderedStopError: it was asked to end.
             TrippedError: somebody else has brought the output to 0 V.
         """
         order = self.control()
         if order is not None:
-            raise OrderedEndError(order)
+            raise OrderedStopError(order)
         trip = self.latch.read() if self.latch is not None and self.latch.tripped else None
         if trip is not None and trip.cause == "emergency stop":
-            raise OrderedEndError("emergency")
+            raise OrderedStopError("emergency")
         if trip is not None and self.latch is not None:
             self.latch.require_reset()
 
 
-def end_of_output_in_words(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
+def output_stop_in_words(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
     """What brings the output to 0 V should a process or this machine fail, in words."""
     longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig)
     notice = f"longest burst {longest:.4g} s: "
@@ -145,7 +145,7 @@ def require_sensors_known(setup: Setup) -> None:
     Raises:
         RigError: they contradict the rig file.
     """
-    remarks = remarks_on(setup.rig, records_of(setup.plan), datetime.now(UTC).date(), setup.bench)
+    remarks = sensor_remarks(setup.rig, records_of(setup.plan), datetime.now(UTC).date(), setup.bench)
     for remark in remarks:
         setup.emit(Notice(run=setup.recorder.run, what=f"{remark.channel}: {remark.what}"))
     wrong = [f"{remark.channel}: {remark.what}" for remark in remarks if remark.contradiction]
@@ -155,7 +155,7 @@ def require_sensors_known(setup: Setup) -> None:
 
 def wait_for_supplies(setup: Setup, context: RunContext) -> None:
     """Wait until the bias of fed sensors has settled, and report those whose bias has not."""
-    fed, stream = fed_channels(setup.bench, setup.rig), context.stream
+    fed, stream = supplied_channels(setup.bench, setup.rig), context.stream
     if not fed:
         return
     run = setup.recorder.run
@@ -173,7 +173,7 @@ def wait_for_supplies(setup: Setup, context: RunContext) -> None:
         setup.emit(Notice(run=run, what=what))
 
 
-def _recut_of_plan(plan: Plan, delivery: Delivery) -> RecutRule | None:
+def _recut_of_plan(plan: Plan, delivery: Delivery) -> ResamplingRule | None:
     if plan.delivered_hz is None or plan.delivered_hz == delivery.rate_hz:
         return None
     if plan.delivered_hz > delivery.rate_hz:
@@ -182,4 +182,4 @@ def _recut_of_plan(plan: Plan, delivery: Delivery) -> RecutRule | None:
             where=f"{plan.kind} plan",
             remedy="ask for a lower delivered rate, or a higher rate_hz",
         )
-    return RecutRule.of(delivery.rate_hz, plan.delivered_hz, plan.block_s)
+    return ResamplingRule.of(delivery.rate_hz, plan.delivered_hz, plan.block_s)

@@ -16,21 +16,21 @@ from modallab.acquisition.process.controls import RunControls
 from modallab.acquisition.process.link import (
     HEARTBEAT_S,
     BenchOpened,
-    Close,
+    CloseOrder,
     EmergencyStop,
-    Ended,
     Message,
     OwnerHeartbeat,
     Report,
+    RunEnded,
     RunPlan,
 )
 from modallab.acquisition.process.output_supervisor import start_supervisor, zero_output_of_dead_process
 from modallab.acquisition.process.trip import Trip, TripLatch
 from modallab.bench.protocol import BenchInfo
+from modallab.core.child_process import start_child_process
 from modallab.core.documents.runs import Abort, Stop
 from modallab.core.errors import BenchError, ModallabError
 from modallab.core.events import Event
-from modallab.core.owned import start_owned
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
 from modallab.storage import Store
@@ -61,7 +61,7 @@ class RigProcess(RunControls):
         life_line = None if self.supervisor is None else self.supervisor.life_line
         self._connection, theirs = multiprocessing.get_context("spawn").Pipe()
         known = pickle.dumps((url, rig, data_folder, self.supervision))
-        self.process, self._life = start_owned(
+        self.process, self._life = start_child_process(
             f"rig {rig.name}", SERVE, (theirs, life_line), known, grace_s=OWNERLESS_S
         )
         # Only the child may hold the other ends, or its death would not be heard.
@@ -89,7 +89,7 @@ class RigProcess(RunControls):
             report = self._receive()
             if isinstance(report, BenchOpened):
                 self._info = report.info
-            elif isinstance(report, Ended) and report.error is not None:
+            elif isinstance(report, RunEnded) and report.error is not None:
                 raise report.error
         return self._info
 
@@ -142,17 +142,17 @@ class RigProcess(RunControls):
         """What has tripped the rig: an emergency stop, its process' death or time-out while it drove; None if not."""
         return self.latch.read()
 
-    def ask_to_leave(self) -> None:
+    def request_exit(self) -> None:
         """Have the process end the active run as interrupted, bring the output to zero, and leave. Waits for nothing:
         whoever follows the run reads its end, then calls `close`."""
         with suppress(BenchError):
-            self._send(Close())
+            self._send(CloseOrder())
 
     def close(self) -> None:
         """End the active run as interrupted, bring the output to zero, release the bench, end the process."""
         if self._closed.is_set():
             return
-        self.ask_to_leave()
+        self.request_exit()
         self._closed.set()
         # What is still in the pipe must be taken out, or the process could not leave for want of room in it.
         with suppress(BenchError):
@@ -178,7 +178,7 @@ class RigProcess(RunControls):
         try:
             while True:
                 report = self._receive()
-                if isinstance(report, Ended):
+                if isinstance(report, RunEnded):
                     finished = True
                     if report.error is not None:
                         raise report.error
@@ -196,7 +196,7 @@ class RigProcess(RunControls):
     def _drain(self) -> None:
         with suppress(BenchError):
             self.stop()
-            while not isinstance(self._receive(), Ended):
+            while not isinstance(self._receive(), RunEnded):
                 pass
 
     def _receive(self, patience_s: float = float("inf")) -> Report:

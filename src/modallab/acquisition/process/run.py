@@ -1,6 +1,6 @@
 """One run, from its check to its end: however it ends, the output is at 0 V and what was acknowledged is kept."""
 
-from modallab.acquisition.monitor.live import LiveRing
+from modallab.acquisition.monitor.live import LiveRingBuffer
 from modallab.acquisition.monitor.run_states import DropBlock, Emit, Excitation, Lifecycle, Requests
 from modallab.acquisition.procedures.broadband import run_broadband
 from modallab.acquisition.procedures.broadband_checks import require_waves
@@ -12,9 +12,9 @@ from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.ready import (
     Control,
     Order,
-    OrderedEndError,
+    OrderedStopError,
     Setup,
-    end_of_output_in_words,
+    output_stop_in_words,
     prepare,
     require_sensors_known,
     wait_for_supplies,
@@ -46,7 +46,7 @@ def run_plan(
     latch: TripLatch | None = None,
     supervision: str = "",
     excitation: Excitation | None = None,
-    live: LiveRing | None = None,
+    live: LiveRingBuffer | None = None,
     expected: ExpectedModes | None = None,
 ) -> None:
     """Run a plan on an open bench, in this process.
@@ -79,7 +79,7 @@ def run_plan(
     try:
         try:
             _work_unless_ended(setup)
-        except OrderedEndError as end:
+        except OrderedStopError as end:
             _make_safe(setup)
             _drop_left(setup)
             _end(setup, end.order)
@@ -132,7 +132,7 @@ def _work(setup: Setup) -> None:
     if isinstance(setup.plan, BroadbandPlan):
         require_waves(setup.plan, setup.bench, setup.rig)
     if isinstance(setup.plan, SinePlan | BroadbandPlan):
-        setup.emit(Notice(run=setup.recorder.run, what=end_of_output_in_words(setup.plan, setup)))
+        setup.emit(Notice(run=setup.recorder.run, what=output_stop_in_words(setup.plan, setup)))
     require_sensors_known(setup)
     context = prepare(setup)
     wait_for_supplies(setup, context)

@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 
 from modallab.core.arrays import Real
 from modallab.core.frf import DERIVATIVES, Frf
-from modallab.core.frozen import Frozen, is_unstated
+from modallab.core.frozen import Frozen, is_not_stated
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.modification.freedoms import freedoms_of
@@ -101,7 +101,7 @@ class MeasuredRequest(Frozen):
     trials: Annotated[int, Field(ge=0, le=10_000)] = 20
     none: Annotated[int, Field(ge=0, le=10_000)] = 5
     seed: Annotated[int, Field(ge=0, lt=2**32)] = 0
-    band_hz: tuple[float, float] | None = Field(default=None, exclude_if=is_unstated)
+    band_hz: tuple[float, float] | None = Field(default=None, exclude_if=is_not_stated)
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -26,7 +26,7 @@ from modallab.modification.freedoms import with_points
 ANSWERS = "answers"
 
 
-def blind_on(frf: Frf, rig: Rig, folder: Path, request: MeasuredRequest, named: str = "") -> MeasuredOutcome:
+def run_trials_on(frf: Frf, rig: Rig, folder: Path, request: MeasuredRequest, named: str = "") -> MeasuredOutcome:
     """Put effects into measured FRFs, seal what was done, diagnose all, open the seals, and sum up.
 
     Each trial is the measured structure with one effect, or none, and with noise drawn anew; it is held against the

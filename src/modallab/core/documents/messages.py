@@ -127,7 +127,7 @@ class QueueChanged(Frozen):
         return {"kind": self.kind} | self.model_dump(exclude_unset=True)
 
 
-class SetAsideChanged(Frozen):
+class ArchiveChanged(Frozen):
     """A campaign or a run was archived, deleted or restored.
 
     Attributes:
@@ -145,7 +145,7 @@ class SetAsideChanged(Frozen):
 
 
 AnyEvent = Annotated[
-    Event | RigChanged | Tripped | Reset | JobChanged | BlockJudged | QueueChanged | SetAsideChanged,
+    Event | RigChanged | Tripped | Reset | JobChanged | BlockJudged | QueueChanged | ArchiveChanged,
     Field(discriminator="kind"),
 ]
 """The content of an event."""

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PositiveInt
 
-from modallab.core.documents.model_use import AskedOfModel, OfModel
+from modallab.core.documents.model_use import ModelRequest, ModelResult
 from modallab.core.frozen import ComplexArray, Frozen, RealArray
 
 Added = Annotated[float, Field(ge=-1e12, le=1e12, allow_inf_nan=False)]
@@ -12,7 +12,7 @@ Mass = Annotated[float, Field(ge=1e-9, le=1e9)]
 Frequency = Annotated[float, Field(ge=1e-3, le=1e6)]
 
 
-class ElementNew(Frozen):
+class ElementRequest(Frozen):
     """A mass, spring or damper at a point to ground, or between two points.
 
     Attributes:
@@ -31,7 +31,7 @@ class ElementNew(Frozen):
     damper_n_s_per_m: Added = 0.0
 
 
-class AbsorberNew(Frozen):
+class AbsorberRequest(Frozen):
     """A tuned absorber at a point.
 
     Attributes:
@@ -48,7 +48,7 @@ class AbsorberNew(Frozen):
     damping_ratio: Annotated[float, Field(ge=0, lt=1)]
 
 
-class LinkNew(Frozen):
+class LinkRequest(Frozen):
     """A rigid link of a point to ground, or to another point.
 
     Attributes:
@@ -61,7 +61,7 @@ class LinkNew(Frozen):
     to: PositiveInt | None = None
 
 
-class CouplingNew(Frozen):
+class CouplingRequest(Frozen):
     """Another structure coupled to this one, given by the newest model of its campaign.
 
     Attributes:
@@ -78,10 +78,10 @@ class CouplingNew(Frozen):
     remove: bool = False
 
 
-ChangeNew = Annotated[ElementNew | AbsorberNew | LinkNew | CouplingNew, Field(discriminator="kind")]
+ChangeNew = Annotated[ElementRequest | AbsorberRequest | LinkRequest | CouplingRequest, Field(discriminator="kind")]
 
 
-class PairNew(Frozen):
+class FrfRequest(Frozen):
     """Request for an FRF.
 
     Attributes:
@@ -95,7 +95,7 @@ class PairNew(Frozen):
     lines: Annotated[int, Field(ge=2, le=4000)] = 500
 
 
-class ModificationNew(AskedOfModel):
+class ModificationRequest(ModelRequest):
     """Simultaneous changes of a structure.
 
     Attributes:
@@ -105,7 +105,7 @@ class ModificationNew(AskedOfModel):
     """
 
     changes: Annotated[tuple[ChangeNew, ...], Field(min_length=1, max_length=20)]
-    frf: PairNew | None = None
+    frf: FrfRequest | None = None
     check: str | None = None
 
 
@@ -143,7 +143,7 @@ class CheckedMode(Frozen):
     words: str
 
 
-class ModifiedView(OfModel):
+class ModifiedView(ModelResult):
     """The modes of a structure after changes.
 
     Attributes:

@@ -18,7 +18,7 @@ Direction = Literal["x", "y", "z", "rx", "ry", "rz"]
 Name = Annotated[str, Field(min_length=1, max_length=100)]
 
 
-class PriorNew(Frozen):
+class PriorRequest(Frozen):
     """Prior of a parameter.
 
     Attributes:
@@ -32,7 +32,7 @@ class PriorNew(Frozen):
     relative: Truth = False
 
 
-class MatrixParameterNew(PriorNew):
+class MatrixParameterRequest(PriorRequest):
     """A parameter of matrices: the change of the matrices for one unit of it.
 
     Attributes:
@@ -50,7 +50,7 @@ class MatrixParameterNew(PriorNew):
         return self
 
 
-class MatricesNew(Frozen):
+class MatricesRequest(Frozen):
     """A finite-element model as matrices in SI units, at most 300 rows.
 
     Attributes:
@@ -67,10 +67,10 @@ class MatricesNew(Frozen):
     freedoms: Annotated[tuple[tuple[PositiveInt, Direction], ...], Field(min_length=1, max_length=ROWS)]
     places: dict[PositiveInt, tuple[Finite, Finite, Finite]] = Field(default_factory=dict)
     points: dict[PositiveInt, PositiveInt] = Field(default_factory=dict)
-    parameters: Annotated[dict[Name, MatrixParameterNew], Field(max_length=30)] = Field(default_factory=dict)
+    parameters: Annotated[dict[Name, MatrixParameterRequest], Field(max_length=30)] = Field(default_factory=dict)
 
 
-class UpdateNew(Frozen):
+class UpdateRequest(Frozen):
     """Request to correct the parameters of a model by the test.
 
     Attributes:
@@ -81,8 +81,8 @@ class UpdateNew(Frozen):
     """
 
     test: Test | None = None
-    matrices: MatricesNew | None = None
-    priors: Annotated[dict[Name, PriorNew], Field(max_length=30)] = Field(default_factory=dict)
+    matrices: MatricesRequest | None = None
+    priors: Annotated[dict[Name, PriorRequest], Field(max_length=30)] = Field(default_factory=dict)
     held_out: Annotated[tuple[PositiveInt, ...], Field(max_length=100)] = ()
 
 

@@ -13,7 +13,7 @@ Force = Annotated[float, Field(ge=-1e9, le=1e9, allow_inf_nan=False)]
 Step = Annotated[float, Field(ge=1e-9, le=1e3)]
 
 
-class OfModel(Frozen):
+class ModelResult(Frozen):
     """What a modal model says.
 
     Attributes:
@@ -23,7 +23,7 @@ class OfModel(Frozen):
     test: Test | None
 
 
-class AskedOfModel(Frozen):
+class ModelRequest(Frozen):
     """What is asked of a modal model.
 
     Attributes:
@@ -33,7 +33,7 @@ class AskedOfModel(Frozen):
     test: Test | None = None
 
 
-class PredictedFrf(OfModel):
+class PredictedFrf(ModelResult):
     """FRFs of a model between points, measured pairs or not.
 
     Attributes:
@@ -53,7 +53,7 @@ class PredictedFrf(OfModel):
     sigma: RealArray
 
 
-class StartNew(Frozen):
+class InitialMotionRequest(Frozen):
     """Motion of a point at the first sample.
 
     Attributes:
@@ -67,7 +67,7 @@ class StartNew(Frozen):
     velocity_m_s: Force | None = None
 
 
-class ResponseNew(AskedOfModel):
+class ResponseRequest(ModelRequest):
     """Forces whose response is requested.
 
     Attributes:
@@ -91,11 +91,11 @@ class ResponseNew(AskedOfModel):
     of: Annotated[tuple[PositiveInt, ...], Field(min_length=1, max_length=1000)] | None = None
     quantity: Literal["displacement", "velocity", "acceleration"] = "acceleration"
     between: Literal["band-limited", "linear"] = "band-limited"
-    start: Annotated[tuple[StartNew, ...], Field(max_length=1000)] | None = None
+    start: Annotated[tuple[InitialMotionRequest, ...], Field(max_length=1000)] | None = None
     samples: bool = True
 
 
-class ResponseView(OfModel):
+class ResponseView(ModelResult):
     """The motion under forces.
 
     Attributes:
@@ -159,5 +159,5 @@ class StateSpaceMatrices(Frozen):
     damping_sigma: RealArray
 
 
-class StateSpaceView(OfModel, StateSpaceMatrices):
+class StateSpaceView(ModelResult, StateSpaceMatrices):
     """The state space of a campaign's newest model."""

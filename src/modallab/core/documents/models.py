@@ -26,7 +26,7 @@ class VerdictView(Frozen):
     words: str
 
 
-class Unjudged(Frozen):
+class UnjudgedAssumption(Frozen):
     """An assumption that could not be tested.
 
     Attributes:
@@ -51,7 +51,7 @@ class AssessmentView(Frozen):
     """
 
     verdicts: tuple[VerdictView, ...]
-    unjudged: tuple[Unjudged, ...]
+    unjudged: tuple[UnjudgedAssumption, ...]
     confidence: RealArray
     mpc: RealArray
     mpd_rad: RealArray
@@ -80,7 +80,7 @@ class TestModel(Frozen):
     assessment: AssessmentView | None
 
 
-class Missing(Frozen):
+class TestWithoutModel(Frozen):
     """A test without a model.
 
     Attributes:
@@ -109,7 +109,7 @@ class ModelsView(Frozen):
     current: bool
     code_version: str
     models: tuple[TestModel, ...]
-    without_model: tuple[Missing, ...]
+    without_model: tuple[TestWithoutModel, ...]
 
 
 class DiagnosisView(Frozen):

@@ -87,7 +87,7 @@ class AuditEntry(Frozen):
     detail: dict[str, Any]
 
 
-class Trouble(Frozen):
+class ServiceFault(Frozen):
     """A part of the service that cannot be used.
 
     Attributes:
@@ -119,5 +119,5 @@ class Health(Frozen):
     version: str
     rigs: dict[str, str]
     free_bytes: int
-    troubles: tuple[Trouble, ...] = ()
+    troubles: tuple[ServiceFault, ...] = ()
     emergency_stop: str = ""

@@ -11,7 +11,7 @@ QueueState = Literal["waiting", "running", "done", "failed", "skipped"]
 """Of an item; the last three are for good."""
 
 
-class QueueItemNew(Frozen):
+class QueueItemRequest(Frozen):
     """Request to queue a run.
 
     Attributes:
@@ -57,7 +57,7 @@ class QueueItem(Frozen):
     estimated_s: float
 
 
-class ConsentNew(Frozen):
+class ConsentRequest(Frozen):
     """Permission of the lease's holder to start queued runs automatically.
 
     The permission ends with the lease, an emergency stop, a failed or stopped run, or a run started by hand.

@@ -47,7 +47,7 @@ class JobView(Frozen):
     stage: str = ""
 
 
-class JobNew(Frozen):
+class JobRequest(Frozen):
     """Order of a job on runs of a campaign (default: all valid runs).
 
     Attributes:

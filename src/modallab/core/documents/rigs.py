@@ -87,7 +87,7 @@ class RigRevision(Frozen):
     utc: str
 
 
-class RigRevisionNew(Frozen):
+class RigRevisionRequest(Frozen):
     """Request for another description of the bench.
 
     Attributes:
@@ -99,7 +99,7 @@ class RigRevisionNew(Frozen):
     reason: Annotated[str, Field(max_length=400)] = ""
 
 
-class LeaseNew(Frozen):
+class LeaseRequest(Frozen):
     """Request for the right to command a rig; renew it within `ttl_s`.
 
     `take_over` takes the lease from its holder while no run is active, for instance if the holder's program has ended.
@@ -147,7 +147,7 @@ class StopReason(Frozen):
     reason: Annotated[str, Field(max_length=400)] = ""
 
 
-class StopAsked(Frozen):
+class StopRequest(Frozen):
     """An emergency stop, sent as JSON over the WebSocket of live samples or their envelope.
 
     Attributes:

@@ -13,7 +13,7 @@ Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f
 Note = Annotated[str, Field(max_length=4000)]
 
 
-class CampaignNew(Frozen):
+class CampaignRequest(Frozen):
     """A new campaign on a rig of this service.
 
     Attributes:
@@ -72,7 +72,7 @@ class CampaignView(Frozen):
 Action = Literal["pause", "resume", "repeat", "drop", "accept", "stop", "abort"]
 
 
-class RunNew(Frozen):
+class RunRequest(Frozen):
     """Request to start a run; with `continues` it takes over the good blocks of an ended run of the same campaign.
 
     Without a plan, it completes the plan of the continued run.

@@ -16,7 +16,7 @@ RigIds = Annotated[tuple[Annotated[str, Field(min_length=1, max_length=64)], ...
 TtlDays = Annotated[float, Field(gt=0, le=3660)]
 
 
-class UserNew(Frozen):
+class UserRequest(Frozen):
     """A new user.
 
     Attributes:
@@ -54,7 +54,7 @@ class UserView(Frozen):
     revoked_utc: str = ""
 
 
-class TokenNew(Frozen):
+class TokenRequest(Frozen):
     """Request for a new token of a user.
 
     Attributes:
@@ -94,7 +94,7 @@ class TokenView(Frozen):
     revoked_utc: str = ""
 
 
-class TokenMade(Frozen):
+class NewToken(Frozen):
     """A new token.
 
     Attributes:

@@ -18,9 +18,9 @@ from modallab.gap.conditioning.ambient import (
     without_ringing,
 )
 from modallab.gap.conditioning.clipped import ClippedChannel, find_clipped
-from modallab.gap.conditioning.driven import SettledRecords, settle_drives
+from modallab.gap.conditioning.driven_records import SettledRecords, settle_drives
 from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, hum_below_removal, without_hum
-from modallab.gap.conditioning.lost import rows_losing_samples
+from modallab.gap.conditioning.lost_samples import channels_losing_samples
 from modallab.gap.conditioning.noise import (
     lines_of_noise_estimate,
     measured_noise,
@@ -105,7 +105,7 @@ def prepare_campaign(campaign: Campaign) -> PreparedCampaign:
     masked = at_full_scale | {(name, c.row) for c in clipped for name in c.records}
     noisy = _standing_out(measured, lines_of_noise_estimate(blocks), NOISY_AS_BUILT if as_built else NOISY)
     # Samples that are lost are noise to a spectrum, and would hide themselves.
-    repeated = rows_losing_samples(blocks, np.fmin(noise, measured), force)
+    repeated = channels_losing_samples(blocks, np.fmin(noise, measured), force)
     cleaned, poles = _cleaned_of_hum(campaign, blocks, hum, noise, masked, noisy)
     driven = settle_drives(cleaned, campaign.rig)
     cleaned, poles = driven.blocks, poles if len(poles) else driven.poles

@@ -15,7 +15,7 @@ from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.design.planned import records_of_plans
-from modallab.gap.model.candidates import beam_candidates, channel_candidates, testable
+from modallab.gap.model.candidates import beam_candidates, channel_candidates, has_needed_tests
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
@@ -124,7 +124,7 @@ def _signatures_of_effects(rig: Rig, data: Reduced) -> list[tuple[CandidateEffec
     found: list[tuple[CandidateEffect, Real]] = []
     for c in beam_candidates(rig) + channel_candidates(rig, middle):
         # What has no size, as a turned sensor, has no signature of a small one.
-        if not c.slots or not testable(c, data):
+        if not c.slots or not has_needed_tests(c, data):
             continue
         places = PLACES if any(s.name == "x" for s in c.slots) else (None,)
         for x in places:

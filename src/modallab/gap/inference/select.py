@@ -17,7 +17,7 @@ from modallab.gap.inference.score_test import ScoreTest
 from modallab.gap.inference.screen import Screen, ScreenedStart
 from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
-from modallab.gap.model.candidates import beam_candidates, channel_candidates, pair_candidates, testable
+from modallab.gap.model.candidates import beam_candidates, channel_candidates, has_needed_tests, pair_candidates
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.search.clock import clock_error_visible
 from modallab.gap.search.fitting import Bench, converged, within_tolerances, without_effect
@@ -215,7 +215,7 @@ def candidates(bench: Bench, present: Iterable[CandidateEffect] = ()) -> list[Ca
         c
         for c in listed
         if bench.allowed(c.effect)
-        and testable(c, bench.data)
+        and has_needed_tests(c, bench.data)
         and (c.effect, c.place) not in keys
         and c.effect not in once
     ]

@@ -39,7 +39,7 @@ def pair_candidates(rig: Rig, channels: tuple[int, ...]) -> list[CandidateEffect
     return [c for m in _searched("pair") for pair in combinations(channels, 2) for c in m.candidates(rig, pair)]
 
 
-def testable(candidate: CandidateEffect, data: Reduced) -> bool:
+def has_needed_tests(candidate: CandidateEffect, data: Reduced) -> bool:
     """Whether the data hold the test that the effect needs."""
     needs = search_of(candidate.effect).needs
     struck = any(not d.piece.by_shaker for d in data.impacts)

@@ -5,7 +5,7 @@ from math import log
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.core.diagnosis import Calibrated, CandidateSet
+from modallab.core.diagnosis import CandidateSet, TwinParameters
 from modallab.core.effects import Effect, kind_of
 from modallab.core.errors import DataError
 from modallab.core.places import AlongBeam, TwoChannels, rows_of
@@ -21,7 +21,7 @@ EDGE = 1e-6
 """How near to its bounds a share may be."""
 
 
-def coordinates_of(twin: Calibrated, free: Nuisances) -> Real:
+def coordinates_of(twin: TwinParameters, free: Nuisances) -> Real:
     """(size,) the nuisances at which a fit left the twin: what `calibrated` wrote down, the other way round.
 
     Args:

@@ -20,8 +20,8 @@ from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.own_numbers import with_own_hits
 from modallab.gap.model.share import weighed_by_record
+from modallab.gap.report.fitted_numbers import fitted_numbers
 from modallab.gap.report.measure import labels_of_entries
-from modallab.gap.report.moved import moved_numbers
 from modallab.twin.effects import model_of
 
 NODES = 8
@@ -129,7 +129,7 @@ def _rows_of_numbers(problem: Problem, u: Real, explained: Real, split: _SharesO
     # What the rule misses between its points is spread in proportion.
     joint, found = split.shares(explained)[0], np.sum(shares[:, 0])
     scale = joint / found if abs(found) > 0.2 * abs(joint) else 1.0
-    numbers, shares = moved_numbers(problem, u), shares * scale
+    numbers, shares = fitted_numbers(problem, u), shares * scale
     return [
         split.row(
             "tolerance",
@@ -181,7 +181,7 @@ def _calibrate_first(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
         listed_by_name = [r for r in listed if r.share > NAMED][:MOST]
         return [_is_within_tolerance(r) for r in listed_by_name]
     narrows = narrowing_by_nuisance(fit)
-    quantities = [m.quantity for m in moved_numbers(fit.problem, fit.u[: fit.problem.free.size])]
+    quantities = [m.quantity for m in fitted_numbers(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]
     alike: dict[str, list[str]] = {}
     for k in best:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.core.diagnosis import Calibrated, Departure, Diagnosis
+from modallab.core.diagnosis import Diagnosis, ToleranceDeviation, TwinParameters
 from modallab.core.effect import Effect
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
@@ -19,7 +19,7 @@ from modallab.twin.effects import apply_effect, with_revision_effects
 from modallab.twin.structure import MODES, TwinStructure
 
 
-def calibrated_twin(fit: Fit, data: Reduced) -> Calibrated:
+def calibrated_twin(fit: Fit, data: Reduced) -> TwinParameters:
     """The twin's own numbers after a fit, without its effects; those of hits as all records show them."""
     free, u = fit.problem.free, with_own_hits(fit, data)
     first = free.first_deviation
@@ -27,12 +27,12 @@ def calibrated_twin(fit: Fit, data: Reduced) -> Calibrated:
     twin = bare.bare(np.delete(u[: free.size], np.arange(first, first + len(free.deviations))))
     replaced = fit.problem.replaced
     kept = [
-        Departure(tolerance=d.tolerance, at=d.at, sigma=d.sigma, sign=d.sign, u=float(v))
+        ToleranceDeviation(tolerance=d.tolerance, at=d.at, sigma=d.sigma, sign=d.sign, u=float(v))
         for d, v in zip(free.deviations, u[first : first + len(free.deviations)], strict=True)
         if not {(d.tolerance, None), (d.tolerance, d.at)} & replaced
     ]
     s = twin.structure
-    return Calibrated(
+    return TwinParameters(
         youngs_modulus_pa=s.youngs_modulus_pa,
         thickness_m=s.thickness_m,
         density_kg_m3=s.density_kg_m3,
@@ -98,6 +98,8 @@ def twin_of_rig_file(rig: Rig) -> Twin:
     return free.build(np.zeros(free.size))
 
 
-def _listed_departures(listed: Collection[Departure], left_out: Collection[str]) -> list[tuple[Deviation, float]]:
+def _listed_departures(
+    listed: Collection[ToleranceDeviation], left_out: Collection[str]
+) -> list[tuple[Deviation, float]]:
     own = [(Deviation(d.tolerance, d.at, d.sigma, d.sign), d.u) for d in listed if d.tolerance not in left_out]
     return [(deviation, deviation.value(u)) for deviation, u in own]

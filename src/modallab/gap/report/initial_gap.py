@@ -19,7 +19,7 @@ from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.nuisances import Nuisances, nuisances
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.tolerances import with_tolerances
-from modallab.gap.report.inspected import inspect_effects, is_in_revisions
+from modallab.gap.report.effect_inspection import inspect_effects, is_in_revisions
 from modallab.gap.report.measure import SquaredResiduals, squared_residuals
 from modallab.gap.search.fitting import FLOOR_MARGIN, Bench
 from modallab.twin.bench import Twin

@@ -40,7 +40,7 @@ POLE_SHIFT = 6e-4
 
 
 @dataclass(frozen=True, slots=True)
-class GapLocation:
+class ResidualTestsResult:
     """Where, and why there."""
 
     stage: Stage
@@ -50,7 +50,7 @@ class GapLocation:
     nonlinear: bool = False
 
 
-def locate_gap(bench: Bench, prepared: PreparedCampaign, base: Fit) -> GapLocation:
+def locate_gap(bench: Bench, prepared: PreparedCampaign, base: Fit) -> ResidualTestsResult:
     """Stage, channels and tests of the gap a baseline fit leaves."""
     tests = _tests_of_data(bench.data)
     alone, cured = _channel_alone(bench, base)
@@ -58,21 +58,23 @@ def locate_gap(bench: Bench, prepared: PreparedCampaign, base: Fit) -> GapLocati
         held = [c for c in alone if c in prepared.repeated]
         names = ", ".join(bench.data.rig.channels[c].name for c in alone)
         if held:
-            return GapLocation(
+            return ResidualTestsResult(
                 "acquisition", alone, tests, (f"{names} repeats samples exactly, which no motion does.",)
             )
-        return GapLocation("sensor", alone, tests, (f"Without {names} {part_of(1 - cured)} of the gap disappears.",))
+        return ResidualTestsResult(
+            "sensor", alone, tests, (f"Without {names} {part_of(1 - cured)} of the gap disappears.",)
+        )
     harmonic, driven = harmonic_shares(prepared)
     if driven > OFTEN:
-        return GapLocation("excitation", (), ("sine",), ("The force itself contains overtones of the drive.",))
+        return ResidualTestsResult("excitation", (), ("sine",), ("The force itself contains overtones of the drive.",))
     if harmonic > OFTEN:
         why = f"{percent_text(harmonic)} of the sine responses contain overtones that the force lacks."
         sentences = (why, "The response does not grow in proportion to the force: the nonlinearity lies in the beam.")
-        return GapLocation("structure", (), tests, sentences, nonlinear=True)
+        return ResidualTestsResult("structure", (), tests, sentences, nonlinear=True)
     return _locate_in_beam_or_test(bench, base, tests)
 
 
-def _locate_in_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> GapLocation:
+def _locate_in_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> ResidualTestsResult:
     """The beam if its poles or its levels say so, a test if only that one disagrees, else the chain of all channels."""
     shift = pole_spread(bench, base)
     by_test = {t: excess(_gap_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
@@ -87,20 +89,22 @@ def _locate_in_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> 
     if by_test and shift < POLE_SHIFT:
         bad = tuple(t for t in tests if np.sqrt(1 + by_test[t]) > ALONE * bench.flat + 1e-3 * base.gap)
         if not bad:
-            return GapLocation(
+            return ResidualTestsResult(
                 "excitation", (), ("sine",), (*why, "Each test agrees with a beam, but the two beams differ.")
             )
         if len(bad) == 1 and not (levels and bad == ("sine",)):
-            return GapLocation("excitation", (), bad, (*why, f"Only the {bad[0]} test disagrees, but its poles agree."))
+            return ResidualTestsResult(
+                "excitation", (), bad, (*why, f"Only the {bad[0]} test disagrees, but its poles agree.")
+            )
     if levels:
         sentences = (*why, "The two levels of the sine test disagree with each other.")
-        return GapLocation("structure", (), tests, sentences, nonlinear=True)
+        return ResidualTestsResult("structure", (), tests, sentences, nonlinear=True)
     if shift >= POLE_SHIFT:
-        return GapLocation("structure", (), tests, (*why, "No beam within its tolerances has such poles."))
+        return ResidualTestsResult("structure", (), tests, (*why, "No beam within its tolerances has such poles."))
     return _locate_in_chain(bench, base, tests, why)
 
 
-def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -> GapLocation:
+def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -> ResidualTestsResult:
     """The chain of all channels, if they are off alike: its clock and its delays, or what is sensed."""
     common, flat = shares_alike(base)
     everywhere = bench.data.channels
@@ -109,29 +113,29 @@ def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[
             f"The poles are a beam's, but on a line the channels are not off alike: {percent_text(common)} of the "
             "gap stays."
         )
-        return GapLocation("structure", (), tests, (*why, reason))
+        return ResidualTestsResult("structure", (), tests, (*why, reason))
     sines = bench.data.sines
     if sines is not None and abs(sines.ratio - 1) > CLOCK:
         reason = (
             f"The generator's lines stand {relative_change(sines.ratio - 1)} off where it was set: a clock is wrong."
         )
-        return GapLocation("acquisition", everywhere, tests, (*why, reason))
+        return ResidualTestsResult("acquisition", everywhere, tests, (*why, reason))
     if flat < ALIKE:
         force = bench.data.rig.force_channel.index
         reason = (
             f"One real factor on all channels and lines removes {part_of(1 - flat)} of the gap: the gain of the force."
         )
-        return GapLocation("sensor", (force,), tests, (*why, reason))
+        return ResidualTestsResult("sensor", (force,), tests, (*why, reason))
     late = delay_share(base)
     if late > LATE:
         reason = (
             f"All channels are off alike, and {percent_text(late)} of their phase error grows with frequency: a delay."
         )
-        return GapLocation("acquisition", everywhere, tests, (*why, reason))
+        return ResidualTestsResult("acquisition", everywhere, tests, (*why, reason))
     reason = (
         "The poles are those of a beam, all channels are off alike, but not by a delay: their common input is wrong."
     )
-    return GapLocation("sensor", everywhere, tests, (*why, reason))
+    return ResidualTestsResult("sensor", everywhere, tests, (*why, reason))
 
 
 def delay_share(base: Fit) -> float:

@@ -6,7 +6,7 @@ the Bootstrap, 1993, ch. 13.
 
 import numpy as np
 
-from modallab.core.diagnosis import Shrink
+from modallab.core.diagnosis import Shrinkage
 from modallab.gap.report.measure import SquaredResiduals
 
 DRAWS = 400
@@ -25,7 +25,7 @@ def shrinkage_with_interval(
     after: SquaredResiduals,
     rivals: dict[str, float],
     rng: np.random.Generator,
-) -> Shrink:
+) -> Shrinkage:
     """The shrinkage with its 95 % interval, by bootstrap over channels of records.
 
     Args:
@@ -36,7 +36,9 @@ def shrinkage_with_interval(
         rng: draws the entries with replacement.
     """
     if before.gap**2 - 1 < BARE:
-        return Shrink(held_out=held_out, before=before.gap, after=after.gap, closed=None, interval=None, rival=rivals)
+        return Shrinkage(
+            held_out=held_out, before=before.gap, after=after.gap, closed=None, interval=None, rival=rivals
+        )
     draws = rng.integers(0, len(before.total), size=(DRAWS, len(before.total)))
     count = np.sum(before.count[draws], axis=1)
     g0, g1 = (np.sum(s.total[draws], axis=1) / count for s in (before, after))
@@ -45,7 +47,7 @@ def shrinkage_with_interval(
     values = 1 - (g1[ok] - 1) / (g0[ok] - 1)
     low, high = np.quantile(values, [0.025, 0.975]) if len(values) > 20 else (-np.inf, 1.0)
     share = closed_share(before.gap, after.gap)
-    return Shrink(
+    return Shrinkage(
         held_out=held_out,
         before=before.gap,
         after=after.gap,

@@ -5,7 +5,7 @@ from typing import cast
 
 import numpy as np
 
-from modallab.core.diagnosis import Described, Shrink
+from modallab.core.diagnosis import GapDescription, Shrinkage
 from modallab.core.effect import Alternative
 from modallab.core.effects import Stage
 from modallab.core.places import x_m_of
@@ -15,7 +15,7 @@ from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.report.calibrated import calibrated_twin
-from modallab.gap.report.locate import GapLocation
+from modallab.gap.report.locate import ResidualTestsResult
 from modallab.gap.report.measure import squared_residuals
 from modallab.gap.report.shrinkage import shrinkage_with_interval
 from modallab.gap.search.channel_share import channel_share
@@ -43,12 +43,12 @@ def describe(
     bench: Bench,
     prepared: PreparedCampaign,
     choice: Choice,
-    location: GapLocation | None,
+    location: ResidualTestsResult | None,
     everything: Reduced,
     unseen: Reduced,
     held: Sequence[str],
     behaves: Sequence[Description] = (),
-) -> Described | None:
+) -> GapDescription | None:
     """What the gap behaves like; None where it is explained, or where nothing closes it on records held out.
 
     Args:
@@ -77,7 +77,7 @@ def _candidates(
     bench: Bench,
     prepared: PreparedCampaign,
     choice: Choice,
-    location: GapLocation,
+    location: ResidualTestsResult,
     unseen: Reduced,
     held: Sequence[str],
 ) -> Iterator[Description]:
@@ -106,21 +106,21 @@ def _candidates(
         yield description_of(fit, unseen, rows_of(fit))
 
 
-def _shrink(choice: Choice, best: Description, held: Sequence[str]) -> Shrink:
+def _shrink(choice: Choice, best: Description, held: Sequence[str]) -> Shrinkage:
     before = squared_residuals(twin_of(choice.base, best.raw), best.raw)
     after = squared_residuals(twin_of(best.fit, best.unseen), best.unseen)
     return shrinkage_with_interval(list(held), before, after, {}, np.random.default_rng(SEED))
 
 
 def _document_of(
-    best: Description, closes: Shrink, others: Sequence[Description], rig: Rig, everything: Reduced
-) -> Described:
+    best: Description, closes: Shrinkage, others: Sequence[Description], rig: Rig, everything: Reduced
+) -> GapDescription:
     first = best.learned[0]
     x = x_m_of(first.place)
     share = first.interval.get("x")
     length = rig.beam.length_m if rig.beam is not None else 1.0
     near = [o for o in others if excess(o.fit) < ABOUT * excess(best.fit)]
-    return Described(
+    return GapDescription(
         says=learned_in_words(best.learned, rig),
         stage=cast("Stage", stage_of(best)),
         elements=list(best.learned),

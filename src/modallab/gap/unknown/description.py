@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.effect import Learned
+from modallab.core.effect import LearnedElement
 from modallab.core.places import OneChannel, place_in_metres
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, cost_with_price
@@ -27,17 +27,17 @@ class Description:
     fit: Fit
     unseen: Reduced
     raw: Reduced
-    learned: tuple[Learned, ...]
+    learned: tuple[LearnedElement, ...]
     rows: tuple[int, ...] = ()
 
 
 def description_of(fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> Description:
     """The description that a fit of elements is."""
     length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
-    found: list[Learned] = []
+    found: list[LearnedElement] = []
     for effect, believed in zip(fit.effects, intervals(fit), strict=True):
         found.append(
-            Learned(
+            LearnedElement(
                 element=effect.effect,
                 parameters=effect.parameters,
                 interval=believed.within,

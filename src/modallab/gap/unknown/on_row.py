@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.block import Block
-from modallab.core.effect import Learned
+from modallab.core.effect import LearnedElement
 from modallab.core.places import OneChannel
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.reduce import reduce_blocks
@@ -60,7 +60,7 @@ def sample_operators(
     lost = hold_of(channel, float(prepared.noise_v[row]))
     if lost is not None:
         spread = 1.96 * lost.spread
-        learned = Learned(
+        learned = LearnedElement(
             element="row_hold",
             parameters={"share": lost.share, "kept": lost.kept},
             interval={"share": (max(lost.share - spread, 0.0), lost.share + spread)},
@@ -68,7 +68,9 @@ def sample_operators(
         )
         yield _with_channel(bench, prepared, alone, channel, lost.made, learned, unseen)
     curve, interval = _curve(prepared, alone, channel, fitted)
-    learned = Learned(element="row_curve", parameters=curve.law, interval=dict(interval), place=OneChannel(channel=row))
+    learned = LearnedElement(
+        element="row_curve", parameters=curve.law, interval=dict(interval), place=OneChannel(channel=row)
+    )
     yield _with_channel(bench, prepared, alone, channel, curve.made(channel), learned, unseen)
 
 
@@ -114,7 +116,7 @@ def _with_channel(
     alone: Fit,
     channel: Channel,
     made: Mapping[str, Real],
-    learned: Learned,
+    learned: LearnedElement,
     held: set[str],
 ) -> Description:
     """The twin with the channel once more, its records freed of what the operator does."""

@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from modallab.core.diagnosis import Described
+from modallab.core.diagnosis import GapDescription
 from modallab.core.digits import percent_text, with_interval
-from modallab.core.effect import Learned
+from modallab.core.effect import LearnedElement
 from modallab.core.effects import Parameter
 from modallab.core.places import AllChannels, OneChannel, x_m_of
 from modallab.core.rig import Rig
@@ -25,12 +25,12 @@ class _Phrase:
     negative: str = ""
 
 
-def learned_in_words(learned: Sequence[Learned], rig: Rig) -> str:
+def learned_in_words(learned: Sequence[LearnedElement], rig: Rig) -> str:
     """What they behave like, as the end of a sentence: "a spring of 120 N/m to ground at 0.379 m"."""
     return " and ".join(f"{_PHRASES[one.element](one.parameters)}{_learned_place(one, rig)}" for one in learned)
 
 
-def numbers_of_description(described: Described) -> tuple[tuple[str, str, str], ...]:
+def numbers_of_description(described: GapDescription) -> tuple[tuple[str, str, str], ...]:
     """A row for each number: its name with the SI unit, its value, its 95 % interval or why there is none."""
     rows = [_row(model_of(e.element).kind.parameter(name), e) for e in described.elements for name in e.parameters]
     if described.x_m is not None:
@@ -38,7 +38,7 @@ def numbers_of_description(described: Described) -> tuple[tuple[str, str, str], 
     return tuple(rows)
 
 
-def _row(parameter: Parameter, element: Learned) -> tuple[str, str, str]:
+def _row(parameter: Parameter, element: LearnedElement) -> tuple[str, str, str]:
     name = parameter.name
     value, between = with_interval(element.parameters[name], element.interval.get(name))
     why = element.not_known.get(name)
@@ -46,7 +46,7 @@ def _row(parameter: Parameter, element: Learned) -> tuple[str, str, str]:
     return f"{parameter.in_words}{unit}", value, f"not known: {why}" if why else between
 
 
-def _learned_place(one: Learned, rig: Rig) -> str:
+def _learned_place(one: LearnedElement, rig: Rig) -> str:
     x_m = x_m_of(one.place)
     if x_m is not None:
         return f" at {x_m:.3f} m"

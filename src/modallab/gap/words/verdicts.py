@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from modallab.core.diagnosis import Diagnosis, Found, Gap, Percent
+from modallab.core.diagnosis import Diagnosis, Found, Gap, ResponseShare
 from modallab.core.digits import list_in_words, part_of, percent_text, probability_text, three_digits
 from modallab.core.effects import kind_of
 from modallab.core.modal_diagnosis import ModalDiagnosis
@@ -70,7 +70,7 @@ def gap_in_percent(gap: Gap) -> str:
     return " ".join(s for s in (whole, unexplained_sentence(gap)) if s)
 
 
-def _resonant_and_other(share: Percent) -> str:
+def _resonant_and_other(share: ResponseShare) -> str:
     return list_in_words([share_of_response(v) for v in (share.at_resonance, share.away) if v is not None])
 
 

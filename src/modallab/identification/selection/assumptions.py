@@ -16,7 +16,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.frf.distortions import Distortions
 from modallab.frf.estimate import convert_frf
-from modallab.frf.left_out import UndrivenDistortions
+from modallab.frf.undriven_lines import UndrivenDistortions
 from modallab.identification.selection.criteria import mpd
 
 Assumption = Literal["linearity", "time invariance", "reciprocity", "proportional damping", "driving point"]

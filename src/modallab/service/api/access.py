@@ -174,7 +174,7 @@ def declared_role(methods: set[str], extra: dict[str, Any]) -> dict[str, Any]:
 
 
 def require_role(request: Request, extra: dict[str, Any]) -> bool:
-    """Reject who may not ask this, as far as is known without the database; whether `require_own` is to look further.
+    """Reject who may not ask this, as far as is known without the database; whether `require_own_rig` is needed too.
 
     Raises:
         RoleNeededError: the caller's role is too low.
@@ -191,7 +191,7 @@ def require_role(request: Request, extra: dict[str, Any]) -> bool:
     return role != "observer" and bool(caller.rigs or caller.name)
 
 
-def require_own(request: Request, extra: dict[str, Any]) -> None:
+def require_own_rig(request: Request, extra: dict[str, Any]) -> None:
     """Reject who works at another rig than the token is for, or with the lease of another.
 
     Raises:

@@ -8,7 +8,7 @@ from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
 
 from modallab.core.documents.pages import Page
-from modallab.core.documents.runs import CampaignChange, CampaignNew, CampaignView
+from modallab.core.documents.runs import CampaignChange, CampaignRequest, CampaignView
 from modallab.service.api.access import require_rig
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import (
@@ -35,7 +35,7 @@ ChangedCampaign = Annotated[
     CampaignChange, Body(openapi_examples={"rename": Example(value={"name": "second session"})})
 ]
 NewCampaign = Annotated[
-    CampaignNew,
+    CampaignRequest,
     Body(openapi_examples={"session": Example(value={"name": "first session", "rig": "link", "note": "new clamp"})}),
 ]
 

@@ -8,7 +8,7 @@ from fastapi.responses import PlainTextResponse
 from sqlalchemy import func, select
 
 from modallab import __version__
-from modallab.core.documents.pages import Health, Trouble
+from modallab.core.documents.pages import Health, ServiceFault
 from modallab.core.settings import Settings
 from modallab.service.api.events import EventFeed
 from modallab.service.api.problems import documented_responses
@@ -75,11 +75,13 @@ def get_health(service: ServiceOf, request: Request, response: Response) -> Heal
     )
 
 
-def _rig_trouble(state: ControllerState) -> Trouble:
+def _rig_trouble(state: ControllerState) -> ServiceFault:
     if state.state == "starting":
-        return Trouble(part=f"rig {state.id}", what="its bench is being opened", since_utc=state.since, remedy="wait")
+        return ServiceFault(
+            part=f"rig {state.id}", what="its bench is being opened", since_utc=state.since, remedy="wait"
+        )
     # Where the device or the server stands is for those with the token.
-    return Trouble(
+    return ServiceFault(
         part=f"rig {state.id}",
         what="its bench cannot be opened",
         since_utc=state.since,
@@ -87,8 +89,8 @@ def _rig_trouble(state: ControllerState) -> Trouble:
     )
 
 
-def _database_trouble(since: str) -> Trouble:
-    return Trouble(
+def _database_trouble(since: str) -> ServiceFault:
+    return ServiceFault(
         part="database",
         what="the database does not answer",
         since_utc=since,

@@ -12,7 +12,7 @@ from fastapi import Depends, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from pydantic import Field, StringConstraints
 
-from modallab.core.documents.runs import CampaignNew, CampaignView, Name, Note
+from modallab.core.documents.runs import CampaignRequest, CampaignView, Name, Note
 from modallab.core.errors import DataError
 from modallab.core.events import StateChanged
 from modallab.core.rig import Rig
@@ -98,7 +98,7 @@ async def import_file(
     try:
         file = folder / f"import{reader.endings[0]}"
         digest = await _receive(request, file)
-        new = CampaignNew(name=name, rig=rig, note=note)
+        new = CampaignRequest(name=name, rig=rig, note=note)
 
         async def answer() -> Response:
             made = await run_in_threadpool(_import_campaign, service, file, new, controller.rig, said, operator)
@@ -147,7 +147,7 @@ def _find_reader(name: str) -> Format:
 
 
 def _import_campaign(
-    service: Service, file: Path, new: CampaignNew, rig: Rig, said: Mapping[str, Any], operator: str
+    service: Service, file: Path, new: CampaignRequest, rig: Rig, said: Mapping[str, Any], operator: str
 ) -> CampaignView:
     """Keep the recordings of a file as runs of a new campaign.
 

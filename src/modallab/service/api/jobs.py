@@ -7,7 +7,7 @@ from fastapi.openapi.models import Example
 from fastapi.responses import HTMLResponse
 
 from modallab.core.documents.pages import Page
-from modallab.core.documents.results import JobKind, JobNew, JobState, JobView
+from modallab.core.documents.results import JobKind, JobRequest, JobState, JobView
 from modallab.jobs import Job
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Cursor, Limit, Operator, ServiceOf
@@ -24,7 +24,7 @@ from modallab.service.jobs.campaign_jobs import (
 
 router = make_router("jobs")
 NewJob = Annotated[
-    JobNew | None,
+    JobRequest | None,
     Body(
         openapi_examples={"with its settings": Example(value={"parameters": {"title": "Report of the first session"}})}
     ),
@@ -78,7 +78,7 @@ def report(campaign: str, service: ServiceOf, operator: Operator, response: Resp
 @router.post("/blind-trials", status_code=202, dependencies=ONCE, responses=_ORDER)
 def blind_trials(service: ServiceOf, operator: Operator, response: Response, new: NewJob = None) -> JobView:
     """Order blind trials of the diagnosis on simulated benches. They belong to no campaign: leave out `runs`."""
-    job = order_blind(service, new or JobNew(), operator)
+    job = order_blind(service, new or JobRequest(), operator)
     response.headers["Location"] = f"{PREFIX}/jobs/{job.id}"
     return _job_view(job)
 
@@ -98,9 +98,9 @@ def estimate(run: str, service: ServiceOf, operator: Operator, response: Respons
 
 
 def _order_job(
-    service: Service, campaign: str, kind: JobKind, new: JobNew | None, operator: str, response: Response
+    service: Service, campaign: str, kind: JobKind, new: JobRequest | None, operator: str, response: Response
 ) -> JobView:
-    job = order_job(service, campaign, kind, new or JobNew(), operator)
+    job = order_job(service, campaign, kind, new or JobRequest(), operator)
     response.headers["Location"] = f"{PREFIX}/jobs/{job.id}"
     return _job_view(job)
 

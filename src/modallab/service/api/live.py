@@ -10,8 +10,8 @@ from typing import Annotated, TypeVar
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 from pydantic import ValidationError
 
-from modallab.acquisition.process.idle_scope import idle_ring_name
-from modallab.core.documents.rigs import StopAsked
+from modallab.acquisition.process.idle_scope import idle_ring_buffer_name
+from modallab.core.documents.rigs import StopRequest
 from modallab.core.documents.users import CallerView
 from modallab.core.errors import ModallabError
 from modallab.service.api.events import EventFeed
@@ -30,7 +30,7 @@ REASON = 100
 """Bytes a reason may have."""
 CHANGES = frozenset({"block", "dropped", "verdict"})
 LOG = logging.getLogger(__name__)
-Stop = Callable[[StopAsked], Awaitable[None]]
+Stop = Callable[[StopRequest], Awaitable[None]]
 Rig = Annotated[str, Query(max_length=64, description="Only this rig.")]
 Run = Annotated[str, Query(max_length=64, description="Only this run.")]
 Idle = Annotated[bool, Query(description="Whether to send samples also between runs; `run` is empty then.")]
@@ -93,7 +93,7 @@ async def _show_samples(socket: WebSocket, chosen: ViewSelection, idle: bool) ->
     rigs: dict[str, str] = {}
     if idle:
         states = await asyncio.to_thread(service.control.states)
-        rigs = {idle_ring_name(state.bench): state.id for state in states if chosen.rig in ("", state.id)}
+        rigs = {idle_ring_buffer_name(state.bench): state.id for state in states if chosen.rig in ("", state.id)}
         chosen = replace(chosen, idle=tuple(rigs))
 
     def rig_of(run: str) -> str:
@@ -102,7 +102,7 @@ async def _show_samples(socket: WebSocket, chosen: ViewSelection, idle: bool) ->
 
     view = LiveView(service.folder, rig_of, chosen)
 
-    async def stop(asked: StopAsked) -> None:
+    async def stop(asked: StopRequest) -> None:
         caller: CallerView = socket.scope[CALLER]
         reason = asked.reason or "requested by the operator"
         operator = caller.name or asked.operator
@@ -143,10 +143,10 @@ async def _until_gone(socket: WebSocket, stop: Stop | None) -> None:
             text = await socket.receive_text()
             if stop is not None:
                 with contextlib.suppress(ValidationError):
-                    await _stop_pressed(stop, StopAsked.model_validate_json(text))
+                    await _stop_pressed(stop, StopRequest.model_validate_json(text))
 
 
-async def _stop_pressed(stop: Stop, asked: StopAsked) -> None:
+async def _stop_pressed(stop: Stop, asked: StopRequest) -> None:
     try:
         await stop(asked)
     except ModallabError as error:

@@ -5,10 +5,10 @@ from typing import Annotated
 import numpy as np
 from fastapi import Query
 
-from modallab.core.documents.model_understood import (
-    CrossingView,
+from modallab.core.documents.model_behaviour import (
     DeflectionView,
     NodesView,
+    NodeView,
     ParticipationView,
     ShapesView,
 )
@@ -85,7 +85,7 @@ def _both_or_neither(where: str, low: float | None, high: float | None) -> tuple
 def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesView:
     """Antinode and nodes of each mode: where to hit, where to mount."""
     from modallab.modification.nodes import places_of_modes
-    from modallab.reporting.understood_table import advice_of
+    from modallab.reporting.behaviour_table import advice_of
 
     known = known_of_campaign(service, campaign, test)
     found = places_of_modes(known.structure, known.samples, known.model, known.rig)
@@ -98,9 +98,7 @@ def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesVi
         motion_sigma=found.motion_sigma,
         antinode=tuple(point for point, _ in found.antinode),
         near_node=tuple(tuple(point for point, _ in near) for near in found.nodes),
-        crossings=tuple(
-            CrossingView(mode=c.mode + 1, place_m=c.place_m, place_sigma_m=c.sigma_m) for c in found.crossings
-        ),
+        crossings=tuple(NodeView(mode=c.mode + 1, place_m=c.place_m, place_sigma_m=c.sigma_m) for c in found.crossings),
         advice=tuple(advice_of(found)),
     )
 

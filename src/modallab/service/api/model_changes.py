@@ -6,21 +6,21 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import Body
 
 from modallab.core.documents.model_change import (
-    AbsorberNew,
+    AbsorberRequest,
     ChangeNew,
-    CouplingNew,
-    ElementNew,
+    CouplingRequest,
+    ElementRequest,
+    FrfRequest,
     MobilityView,
-    ModificationNew,
+    ModificationRequest,
     ModifiedView,
-    PairNew,
 )
-from modallab.core.documents.model_other import (
-    BestAbsorberNew,
+from modallab.core.documents.model_targets import (
+    BestAbsorberRequest,
     BestAbsorberView,
-    ChangeForFreeBandNew,
+    ChangeForFreeBandRequest,
     ChangeForFreeBandView,
-    ChangeForFrequencyNew,
+    ChangeForFrequencyRequest,
     ChangeForFrequencyView,
     ChangesForFreeBandView,
     ChangesForFrequencyView,
@@ -44,10 +44,10 @@ router = make_router("model-use")
     responses=documented_responses(404),
     openapi_extra=role_needed("observer"),
 )
-def modify_model(campaign: str, new: Annotated[ModificationNew, Body()], service: ServiceOf) -> ModifiedView:
+def modify_model(campaign: str, new: Annotated[ModificationRequest, Body()], service: ServiceOf) -> ModifiedView:
     """Predict the modes after changes of the structure; nothing is stored."""
     from modallab.modification.mesh import motion_of
-    from modallab.reporting.modified_table import check_predictions, notes_of
+    from modallab.reporting.modification_table import check_predictions, notes_of
 
     known = known_of_campaign(service, campaign, new.test)
     changes = [_addition(service, change) for change in new.changes]
@@ -73,7 +73,7 @@ def modify_model(campaign: str, new: Annotated[ModificationNew, Body()], service
     )
 
 
-def _mobility(known: "KnownStructure", changed: "KnownStructure", pair: PairNew) -> MobilityView:
+def _mobility(known: "KnownStructure", changed: "KnownStructure", pair: FrfRequest) -> MobilityView:
     from modallab.modification.frfs import lines_with_peaks
 
     f = lines_with_peaks(known.model.band_hz, pair.lines, known.structure.poles, changed.poles)
@@ -85,11 +85,11 @@ def _addition(service: Service, new: ChangeNew) -> "AttachedPart":
     from modallab.modification.attachments import Element, RigidLink, TunedAbsorber
     from modallab.modification.coupled import CouplingToStructure
 
-    if isinstance(new, ElementNew):
+    if isinstance(new, ElementRequest):
         return Element(new.at, new.to, new.mass_kg, new.spring_n_per_m, new.damper_n_s_per_m)
-    if isinstance(new, AbsorberNew):
+    if isinstance(new, AbsorberRequest):
         return TunedAbsorber(new.at, new.mass_kg, new.frequency_hz, new.damping_ratio)
-    if isinstance(new, CouplingNew):
+    if isinstance(new, CouplingRequest):
         other = known_of_campaign(service, new.campaign, None)
         sign = -1 if new.remove else 1
         return CouplingToStructure(other.structure, new.pairs, new.joint_n_per_m, sign, samples=other.samples)
@@ -100,7 +100,7 @@ def _addition(service: Service, new: ChangeNew) -> "AttachedPart":
     "/campaigns/{campaign}/model/tunings", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
 def tune_model(
-    campaign: str, new: Annotated[ChangeForFrequencyNew, Body()], service: ServiceOf
+    campaign: str, new: Annotated[ChangeForFrequencyRequest, Body()], service: ServiceOf
 ) -> ChangesForFrequencyView:
     """Find the mass or spring that moves a mode to a frequency, at each point; nothing is stored."""
     from modallab.modification.inverse import changes_for_frequency
@@ -127,7 +127,7 @@ def tune_model(
     "/campaigns/{campaign}/model/free-bands", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
 def free_band(
-    campaign: str, new: Annotated[ChangeForFreeBandNew, Body()], service: ServiceOf
+    campaign: str, new: Annotated[ChangeForFreeBandRequest, Body()], service: ServiceOf
 ) -> ChangesForFreeBandView:
     """Find the mass or spring that leaves no mode in a band, at each point; nothing is stored."""
     from modallab.modification.inverse import changes_for_free_band
@@ -150,7 +150,7 @@ def free_band(
 @router.post(
     "/campaigns/{campaign}/model/absorbers", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
-def find_absorber(campaign: str, new: Annotated[BestAbsorberNew, Body()], service: ServiceOf) -> BestAbsorberView:
+def find_absorber(campaign: str, new: Annotated[BestAbsorberRequest, Body()], service: ServiceOf) -> BestAbsorberView:
     """Find the absorber of a mass that makes the peak of a mode smallest; nothing is stored."""
     from modallab.modification.inverse import best_absorber
 

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Body, Query
 
-from modallab.core.documents.model_other import (
+from modallab.core.documents.model_targets import (
     CorrelationView,
-    PairView,
+    ModePairView,
 )
-from modallab.core.documents.model_update import MatricesNew, PriorNew, UpdatedModelView, UpdateNew
+from modallab.core.documents.model_update import MatricesRequest, PriorRequest, UpdatedModelView, UpdateRequest
 from modallab.core.units import Test
 from modallab.service.api.access import role_needed
 from modallab.service.api.problems import documented_responses
@@ -37,7 +37,7 @@ def get_correlation(
     one, two = known_of_campaign(service, campaign, test), known_of_campaign(service, other, other_test)
     found = correlate_models(one, two)
     pairs = (
-        PairView(
+        ModePairView(
             mode=i + 1,
             other=j + 1,
             mac=float(found.mac[i, j]),
@@ -61,10 +61,12 @@ def get_correlation(
 @router.post(
     "/campaigns/{campaign}/model/updates", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
-def update_finite_elements(campaign: str, new: Annotated[UpdateNew, Body()], service: ServiceOf) -> UpdatedModelView:
+def update_finite_elements(
+    campaign: str, new: Annotated[UpdateRequest, Body()], service: ServiceOf
+) -> UpdatedModelView:
     """Estimate the parameters of a finite-element model, or of the rig file's beam; nothing is stored."""
     from modallab.pipelines.model_update import update_model
-    from modallab.reporting.modified_table import updated_document
+    from modallab.reporting.modification_table import updated_document
 
     known = known_of_campaign(service, campaign, new.test)
     own = {} if new.matrices is None else new.matrices.parameters
@@ -73,13 +75,13 @@ def update_finite_elements(campaign: str, new: Annotated[UpdateNew, Body()], ser
     return updated_document(update_model(known, of, priors, new.held_out))
 
 
-def _prior(new: PriorNew) -> "Prior":
+def _prior(new: PriorRequest) -> "Prior":
     from modallab.updating.prior import Prior
 
     return Prior(new.value, new.sigma, new.relative)
 
 
-def _matrices(new: MatricesNew) -> "MatrixModel":
+def _matrices(new: MatricesRequest) -> "MatrixModel":
     from modallab.formats.fem.matrix_model import MatrixModel
 
     by = {

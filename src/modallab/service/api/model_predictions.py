@@ -8,10 +8,10 @@ from fastapi import Body, Depends, Query, Response
 from fastapi.responses import FileResponse
 
 from modallab.core.documents.model_use import (
+    InitialMotionRequest,
     PredictedFrf,
-    ResponseNew,
+    ResponseRequest,
     ResponseView,
-    StartNew,
     StateSpaceView,
 )
 from modallab.core.errors import DataError
@@ -37,7 +37,7 @@ MOST_SAMPLES = 100_000
 
 
 @dataclass(frozen=True, slots=True)
-class FrfsAsked:
+class FrfQuery:
     """FRFs between points, measured pairs or not, as a query names them.
 
     Attributes:
@@ -67,7 +67,7 @@ class FrfsAsked:
     residual_terms: Annotated[bool, Query(description="Whether to include residual terms.")] = True
 
 
-FrfsOfQuery = Annotated[FrfsAsked, Depends()]
+FrfsOfQuery = Annotated[FrfQuery, Depends()]
 
 
 @router.get("/campaigns/{campaign}/model/frf", responses=documented_responses(404))
@@ -86,7 +86,7 @@ def get_model_frf(service: ServiceOf, asked: FrfsOfQuery) -> PredictedFrf:
     )
 
 
-def _predicted_frf(service: Service, asked: FrfsAsked) -> tuple[Test | None, Frf]:
+def _predicted_frf(service: Service, asked: FrfQuery) -> tuple[Test | None, Frf]:
     from modallab.modification.frfs import lines_with_peaks
 
     known = known_of_campaign(service, asked.campaign, asked.test)
@@ -116,7 +116,7 @@ def export_model_frf(
 @router.post(
     "/campaigns/{campaign}/model/responses", responses=documented_responses(404), openapi_extra=role_needed("observer")
 )
-def predict_response(campaign: str, new: Annotated[ResponseNew, Body()], service: ServiceOf) -> ResponseView:
+def predict_response(campaign: str, new: Annotated[ResponseRequest, Body()], service: ServiceOf) -> ResponseView:
     """Predict the motion under forces, with its deviation; nothing is stored."""
     from modallab.modification.motion import MotionOverTime
 
@@ -142,7 +142,7 @@ def predict_response(campaign: str, new: Annotated[ResponseNew, Body()], service
     )
 
 
-def _forces(new: ResponseNew) -> "NDArray[np.float64]":
+def _forces(new: ResponseRequest) -> "NDArray[np.float64]":
     """(forces, samples) N."""
     from modallab.modification.motion import force_samples
 
@@ -158,7 +158,7 @@ def _forces(new: ResponseNew) -> "NDArray[np.float64]":
     return np.array([force_samples(force, new.step_s, count) for force in new.forces or ()])
 
 
-def _start_of_motion(given: tuple[StartNew, ...]) -> "dict[Quantity, dict[At, float]] | None":
+def _start_of_motion(given: tuple[InitialMotionRequest, ...]) -> "dict[Quantity, dict[At, float]] | None":
     whole: dict[Quantity, dict[At, float]] = {
         "displacement": {one.at: one.displacement_m for one in given if one.displacement_m is not None},
         "velocity": {one.at: one.velocity_m_s for one in given if one.velocity_m_s is not None},

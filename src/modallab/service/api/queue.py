@@ -5,7 +5,14 @@ from typing import Annotated
 from fastapi import Body, Query
 from fastapi.openapi.models import Example
 
-from modallab.core.documents.queue import ConsentNew, QueueItem, QueueItemNew, QueueOrder, QueueReason, QueueView
+from modallab.core.documents.queue import (
+    ConsentRequest,
+    QueueItem,
+    QueueItemRequest,
+    QueueOrder,
+    QueueReason,
+    QueueView,
+)
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import LeaseId, Operator, ServiceOf
 from modallab.service.api.rigs import state_of
@@ -14,7 +21,7 @@ from modallab.service.campaigns import queueing
 
 router = make_router("queue")
 NewItem = Annotated[
-    QueueItemNew,
+    QueueItemRequest,
     Body(
         openapi_examples={
             "impact test": Example(
@@ -25,7 +32,7 @@ NewItem = Annotated[
 ]
 NewOrder = Annotated[QueueOrder, Body(openapi_examples={"two": Example(value={"items": ["q2", "q1"]})})]
 NewConsent = Annotated[
-    ConsentNew,
+    ConsentRequest,
     Body(
         openapi_examples={
             "the shaker may start": Example(value={"drive": True}),

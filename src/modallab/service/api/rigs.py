@@ -12,9 +12,9 @@ from modallab.core.documents.pages import Page
 from modallab.core.documents.rigs import (
     Lease,
     LeaseHolder,
-    LeaseNew,
+    LeaseRequest,
     RigRevision,
-    RigRevisionNew,
+    RigRevisionRequest,
     RigView,
     StopReason,
     Trip,
@@ -40,7 +40,7 @@ from modallab.storage.durable import planned_blocks
 
 router = make_router("rigs")
 NewLease = Annotated[
-    LeaseNew, Body(openapi_examples={"for ten minutes": Example(value={"operator": "Ada", "ttl_s": 600})})
+    LeaseRequest, Body(openapi_examples={"for ten minutes": Example(value={"operator": "Ada", "ttl_s": 600})})
 ]
 Reason = Annotated[StopReason | None, Body(openapi_examples={"why": Example(value={"reason": "loose cable"})})]
 REASON = 400
@@ -192,7 +192,7 @@ def get_rig_revision(rig: str, number: Number, service: ServiceOf) -> Rig:
 
 
 @router.post("/rigs/{rig}/revisions", status_code=201, dependencies=ONCE, responses=documented_responses(404, 409, 507))
-def revise_rig(rig: str, new: RigRevisionNew, service: ServiceOf, lease: LeaseId = None) -> RigView:
+def revise_rig(rig: str, new: RigRevisionRequest, service: ServiceOf, lease: LeaseId = None) -> RigView:
     """Replace the description of the bench, which is reopened; needs the rig's lease."""
     service.control.revise(state_of(service, rig).id, new.description, new.reason, lease)
     return rig_view(service, state_of(service, rig))

@@ -15,7 +15,7 @@ from sqlalchemy import Engine, delete, insert, select, update
 
 from modallab.core.documents.users import CallerView
 from modallab.core.errors import DataError, ModallabError
-from modallab.service.api.access import declared_role, require_own, require_role
+from modallab.service.api.access import declared_role, require_own_rig, require_role
 from modallab.service.api.problems import documented_responses, response_of_error
 from modallab.service.api.request_context import CALLER, OPERATOR
 from modallab.service.errors import ConflictError, MediaTypeError
@@ -134,7 +134,7 @@ class RoleRoute(APIRoute):
 
         async def asked(request: Request) -> Response:
             if require_role(request, extra):
-                await run_in_threadpool(require_own, request, extra)
+                await run_in_threadpool(require_own_rig, request, extra)
             _require_address(request)
             _require_unpacked(request)
             _require_known(request, known)

@@ -7,7 +7,7 @@ from fastapi.openapi.models import Example
 
 from modallab.core.documents.pages import Page
 from modallab.core.documents.results import FrfView
-from modallab.core.documents.runs import Command, RunNew, RunView
+from modallab.core.documents.runs import Command, RunRequest, RunView
 from modallab.core.frf import UNIT
 from modallab.core.units import FrfEstimator
 from modallab.service.api.campaigns import Archived, Deleted
@@ -30,7 +30,7 @@ from modallab.service.errors import ConflictError
 
 router = make_router("runs")
 NewRun = Annotated[
-    RunNew,
+    RunRequest,
     Body(
         openapi_examples={
             "impact test": Example(value={"plan": {"kind": "impact", "points": [10, 6, 3], "hits": 5}}),

@@ -6,7 +6,7 @@ from fastapi import Body, Request, Response
 from fastapi.openapi.models import Example
 
 from modallab.core.documents.pages import Page
-from modallab.core.documents.users import TokenMade, TokenNew, TokenView, UserChange, UserNew, UserView
+from modallab.core.documents.users import NewToken, TokenRequest, TokenView, UserChange, UserRequest, UserView
 from modallab.service.api.access import role_needed
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Operator, ServiceOf
@@ -17,11 +17,11 @@ from modallab.service.records.users import Callers, Users
 router = make_router("users")
 ADMIN = role_needed("admin")
 NewUser = Annotated[
-    UserNew, Body(openapi_examples={"operator": Example(value={"name": "Ada Lovelace", "role": "operator"})})
+    UserRequest, Body(openapi_examples={"operator": Example(value={"name": "Ada Lovelace", "role": "operator"})})
 ]
 ChangedUser = Annotated[UserChange, Body(openapi_examples={"observer": Example(value={"role": "observer"})})]
-NewToken = Annotated[
-    TokenNew, Body(openapi_examples={"for a script": Example(value={"label": "nightly script", "ttl_days": 90})})
+TokenRequestBody = Annotated[
+    TokenRequest, Body(openapi_examples={"for a script": Example(value={"label": "nightly script", "ttl_days": 90})})
 ]
 
 
@@ -72,8 +72,8 @@ def list_tokens(user: str, service: ServiceOf) -> Page[TokenView]:
     "/users/{user}/tokens", status_code=201, responses=documented_responses(404, 409, 507), openapi_extra=ADMIN
 )
 def make_token(
-    user: str, new: NewToken, service: ServiceOf, operator: Operator, request: Request, response: Response
-) -> TokenMade:
+    user: str, new: TokenRequestBody, service: ServiceOf, operator: Operator, request: Request, response: Response
+) -> NewToken:
     """Make a token. It is shown only once; a repeated request makes another one."""
     made = _users(service).make_token(user, new, operator)
     _refresh(request)

@@ -6,13 +6,13 @@ from math import isfinite
 from pathlib import Path
 
 from modallab.acquisition.procedures.plan_checks import require_possible
-from modallab.core.documents.runs import RunNew
+from modallab.core.documents.runs import RunRequest
 from modallab.core.errors import PlanError
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
-from modallab.service.records.archived import Archive
+from modallab.service.records.archive import Archive
 from modallab.service.records.repository import RunKey
 from modallab.service.rigs.control import ControllerState, StartRun, transition_error
 from modallab.storage.durable import planned_blocks, require_room, require_space
@@ -27,7 +27,7 @@ MAX_BLOCKS = 100_000
 _BYTES_A_SAMPLE = 8
 
 
-def begin_run(service: Service, campaign: str, new: RunNew, lease: str | None, key: str | None = None) -> str:
+def begin_run(service: Service, campaign: str, new: RunRequest, lease: str | None, key: str | None = None) -> str:
     """Begin a run; returns its name. Under one key it is begun once: asked again, it is the name of that run.
 
     Raises:
@@ -53,11 +53,11 @@ def begin_run(service: Service, campaign: str, new: RunNew, lease: str | None, k
     return service.control.start(StartRun(entry.rig, campaign, plan, lease, new.continues, asked))
 
 
-def _digest_of_request(campaign: str, new: RunNew) -> str:
+def _digest_of_request(campaign: str, new: RunRequest) -> str:
     return hashlib.sha256(f"{campaign} {new.model_dump_json()}".encode()).hexdigest()
 
 
-def _complete_plan(service: Service, campaign: str, new: RunNew) -> Plan:
+def _complete_plan(service: Service, campaign: str, new: RunRequest) -> Plan:
     if new.continues is None:
         if new.plan is None:
             raise ConflictError("a run needs a plan, or a run to continue", where="plan", remedy="send a plan")

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.live import FOLDER, IDLE, LiveInfo, live_info
-from modallab.acquisition.monitor.ring import CELL, Ring
+from modallab.acquisition.monitor.ring_buffer import CELL, RingBuffer
 from modallab.acquisition.process.idle_scope import request_idle_view
 
 WANT_S = 1.0
@@ -71,7 +71,7 @@ class LiveSource:
 
     rig: str
     info: LiveInfo
-    ring: Ring
+    ring: RingBuffer
     rows: list[int]
     next: int
     ended: bool = False

@@ -10,10 +10,10 @@ from queue import Empty, SimpleQueue
 from typing import Self
 
 from modallab.core.block import Campaign
+from modallab.core.child_process import FileLock
 from modallab.core.documents.pages import EventView
-from modallab.core.documents.runs import CampaignNew, Command, RunNew
+from modallab.core.documents.runs import CampaignRequest, Command, RunRequest
 from modallab.core.errors import PlanError
-from modallab.core.owned import Lease
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.core.setups import SensorMove, require_setups, rig_of, sensor_moves, split_setups
@@ -54,7 +54,7 @@ def record_campaign(
         PlanError: a plan has set-ups: see `record_setups`.
         ModallabError: what ended a run early; the output is at zero and all acknowledged blocks are in the folder.
     """
-    with LocalCampaign(rig, url, folder, rig.name, operator_here()) as session:
+    with LocalCampaign(rig, url, folder, rig.name, local_user()) as session:
         return session.recorded(session.run_all(plans, notify))
 
 
@@ -67,11 +67,11 @@ def record_setups(
         url, rig, plans, folder, notify: as `record_campaign`.
         moved: has sensors moved, and returns once they stand where they belong.
     """
-    with LocalCampaign(rig, url, folder, rig.name, operator_here()) as session:
+    with LocalCampaign(rig, url, folder, rig.name, local_user()) as session:
         return session.recorded_by_rig(session.run_all(plans, notify, moved=moved))
 
 
-def operator_here() -> str:
+def local_user() -> str:
     """Who is logged in on this computer."""
     return getpass.getuser()
 
@@ -88,7 +88,7 @@ class LocalCampaign:
         """
         boot = secrets.token_hex(8)
         self._store = Store(folder)
-        self._lock = Lease(folder / LOCK)
+        self._lock = FileLock(folder / LOCK)
         if not self._lock.acquire():
             self._store.close()
             raise ServiceError(
@@ -104,7 +104,7 @@ class LocalCampaign:
         self._controllers = RigControllers([self._controller], leases)
         self._service = open_service(folder, self._controllers, boot)
         self._lease = self._service.leases.take(self._rig, operator, LEASE_S)
-        self.campaign = self._service.repository.create(CampaignNew(name=name, rig=self._rig), operator)
+        self.campaign = self._service.repository.create(CampaignRequest(name=name, rig=self._rig), operator)
 
     @property
     def rig(self) -> Rig:
@@ -163,7 +163,7 @@ class LocalCampaign:
         self._wait_until_open()
         self._service.leases.renew(self._rig, self._lease.id)
         seen = self._service.log.last()
-        run = begin_run(self._service, self.campaign.id, RunNew(plan=plan), self._lease.id)
+        run = begin_run(self._service, self.campaign.id, RunRequest(plan=plan), self._lease.id)
         ended, remedy = False, ""
         while True:
             events = self._service.log.after(seen, 1000)

@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 
 from modallab.core.errors import ModallabError, UnknownJobError
 from modallab.jobs import Jobs
-from modallab.service.records.archived import Archive, Kind
+from modallab.service.records.archive import Archive, Kind
 from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
 from modallab.storage.records import ENDED

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from modallab.acquisition.procedures.burst import longest_burst_s
 from modallab.acquisition.process.trip import TripLatch
 from modallab.core.documents.messages import QueueChanged
-from modallab.core.documents.queue import ConsentNew, QueueItem, QueueItemNew, QueueView
+from modallab.core.documents.queue import ConsentRequest, QueueItem, QueueItemRequest, QueueView
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.service.campaigns.begin import require_plan
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError
-from modallab.service.records.archived import Archive
+from modallab.service.records.archive import Archive
 from modallab.service.records.event_log import EventTopic
 from modallab.service.records.run_queue import RunQueue
 from modallab.service.rigs.control import ControllerState
@@ -22,7 +22,7 @@ HIT_S = 15.0
 ENDED = 50
 
 
-def queue_run(service: Service, rig: ControllerState, new: QueueItemNew, operator: str) -> QueueItem:
+def queue_run(service: Service, rig: ControllerState, new: QueueItemRequest, operator: str) -> QueueItem:
     """Queue a run.
 
     Raises:
@@ -90,7 +90,7 @@ def resume_queue(service: Service, rig: str, lease: str | None) -> None:
     _notify_queue(service, rig, state="resumed", operator=operator)
 
 
-def give_consent(service: Service, rig: str, new: ConsentNew, lease: str | None) -> None:
+def give_consent(service: Service, rig: str, new: ConsentRequest, lease: str | None) -> None:
     """Let items that wait begin by themselves.
 
     Raises:

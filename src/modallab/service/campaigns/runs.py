@@ -9,7 +9,7 @@ from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.jobs.background import AfterRun
 from modallab.service.records import audit
-from modallab.service.records.archived import Archive, set_aside_view
+from modallab.service.records.archive import Archive, archive_state
 from modallab.service.records.event_log import EventTopic
 from modallab.service.rigs.control import legal_next_states
 from modallab.storage.engine import read_transaction
@@ -62,7 +62,7 @@ def run_view(service: Service, run: str) -> RunView:
         accepted=sum(block.note.accepted for block in blocks),
         rate_hz=None if record.rates is None else record.rates.delivered_hz,
         rig_hash=record.rig_hash,
-        **set_aside_view(aside),
+        **archive_state(aside),
     )
 
 

@@ -1,17 +1,17 @@
 """Work on a campaign: ordered once, remembered with the campaign, and the files it leaves."""
 
-from modallab.core.documents.results import JobKind, JobNew
+from modallab.core.documents.results import JobKind, JobRequest
 from modallab.core.errors import JobError, StorageError, split_remedy
 from modallab.jobs import Job
 from modallab.pipelines.parameters import parse_parameters
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.archived import Archive
+from modallab.service.records.archive import Archive
 from modallab.storage.records import ENDED
 
 
-def order_job(service: Service, campaign: str, kind: JobKind, new: JobNew, operator: str) -> Job:
+def order_job(service: Service, campaign: str, kind: JobKind, new: JobRequest, operator: str) -> Job:
     """Order a job on runs of a campaign.
 
     Raises:
@@ -45,7 +45,7 @@ def order_estimate(service: Service, run: str, operator: str) -> Job:
     return job
 
 
-def order_blind(service: Service, new: JobNew, operator: str) -> Job:
+def order_blind(service: Service, new: JobRequest, operator: str) -> Job:
     """Order blind trials, and keep who did.
 
     Raises:

@@ -12,9 +12,9 @@ from modallab.core.documents.models import (
     ComparisonView,
     CurvesView,
     DiagnosisView,
-    Missing,
     ModelsView,
     TestModel,
+    TestWithoutModel,
 )
 from modallab.core.errors import DataError, StorageError
 from modallab.core.model import ModalModel
@@ -198,7 +198,7 @@ def _tests_of_job(job: Job) -> list[_NewestResult]:
 
 def _models(service: Service, found: Sequence[_NewestResult]) -> ModelsView:
     models = tuple(_model(service, one.job, one.place) for one in found if one.place is not None)
-    without = tuple(Missing(test=str(one.test), error=one.error) for one in found if one.place is None)
+    without = tuple(TestWithoutModel(test=str(one.test), error=one.error) for one in found if one.place is None)
     newest = max((one.job for one in found), key=lambda job: job.created_utc)
     abouts = [_about_job(service, one.job) for one in found]
     return ModelsView(

@@ -14,7 +14,7 @@ from threading import Lock
 
 import psutil
 
-from modallab.core.owned import start_owned
+from modallab.core.child_process import start_child_process
 
 LOG = logging.getLogger(__name__)
 NAME = "service.processes"
@@ -172,7 +172,7 @@ class Child:
         if now >= self._next_s:
             self._start()
 
-    def ask_to_leave(self) -> None:
+    def request_exit(self) -> None:
         """Ask it, and wait for nothing but a start that is under way."""
         with self._lock:
             self._leaving = True
@@ -194,7 +194,9 @@ class Child:
         ours, theirs = multiprocessing.get_context("spawn").Pipe()
         handles = (theirs, *self._handles)
         # Held as long as this process lives, and closed with it.
-        self.process, self._life = start_owned(self.name, self._target, handles, self._arguments, grace_s=self._grace_s)
+        self.process, self._life = start_child_process(
+            self.name, self._target, handles, self._arguments, grace_s=self._grace_s
+        )
         theirs.close()
         self._connection, self._began_s = ours, time.monotonic()
         self._started(self._connection)

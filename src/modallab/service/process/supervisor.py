@@ -13,8 +13,8 @@ from threading import Thread
 from typing import Self
 from urllib.parse import urlsplit
 
+from modallab.core.child_process import FileLock
 from modallab.core.errors import ModallabError
-from modallab.core.owned import Lease
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.jobs import Jobs
@@ -124,18 +124,18 @@ class ServiceSupervisor:
         """
         return make_link(self.store.catalogue.engine, "", self._token)[0]
 
-    def ask_to_close(self) -> None:
+    def request_close(self) -> None:
         """Have `wait` return."""
         self._closing.set()
 
     def close(self) -> None:
         """Leave every rig at rest, and end the processes."""
         self._closing.set()
-        self._queued_runs.ask_to_close()
+        self._queued_runs.request_close()
         # The outputs first; then nobody is waited for who was not asked to leave yet.
-        self.controllers.ask_to_close()
+        self.controllers.request_close()
         for child in (self._api, self._jobs):
-            child.ask_to_leave()
+            child.request_exit()
         self.controllers.close()
         self._stop.close()
         for child in (self._api, self._jobs):
@@ -246,8 +246,8 @@ class ServiceSupervisor:
             LOG.warning("%s; stopped: %s", trouble, ", ".join(stopped) or "nothing was driven")
 
 
-def _locked_store(folder: Path) -> tuple[Store, Lease]:
-    store, lock = Store(folder), Lease(folder / LOCK)
+def _locked_store(folder: Path) -> tuple[Store, FileLock]:
+    store, lock = Store(folder), FileLock(folder / LOCK)
     if not lock.acquire():
         store.close()
         raise ServiceError(

@@ -11,7 +11,7 @@ from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import AUDIT
 
 
-def note_action(connection: Connection, operator: str, action: str, target: str, detail: Mapping[str, Any]) -> None:
+def add_audit_note(connection: Connection, operator: str, action: str, target: str, detail: Mapping[str, Any]) -> None:
     """Enter an action in the transaction that does it, so that neither is kept without the other."""
     row = {"utc": utc_now(), "operator": operator, "action": action, "target": target, "detail": dict(detail)}
     connection.execute(insert(AUDIT).values(row))
@@ -24,7 +24,7 @@ def enter_action(engine: Engine, operator: str, action: str, target: str, detail
         StorageError: it could not be kept.
     """
     with write_transaction(engine) as connection:
-        note_action(connection, operator, action, target, detail)
+        add_audit_note(connection, operator, action, target, detail)
 
 
 def audit_entries(engine: Engine, before: int | None, limit: int) -> list[AuditEntry]:

@@ -44,7 +44,9 @@ class RigLeases:
             values = lease.model_dump() | {"boot": self._boot, "expires_s": time.monotonic() + ttl_s}
             connection.execute(insert(LEASES).values(values))
             taken_from = {} if holder is None else {"taken_from": holder}
-            audit.note_action(connection, operator, "take-lease", rig, {"fence": fence, "ttl_s": ttl_s, **taken_from})
+            audit.add_audit_note(
+                connection, operator, "take-lease", rig, {"fence": fence, "ttl_s": ttl_s, **taken_from}
+            )
         return lease
 
     def renew(self, rig: str, lease: str) -> Lease:
@@ -69,7 +71,7 @@ class RigLeases:
             row = self._held(_lease_row(connection, rig), rig, lease)
             # The row stays, for its number must grow.
             connection.execute(update(LEASES).where(LEASES.c.rig == rig).values(expires_s=0.0))
-            audit.note_action(connection, row["operator"], "release-lease", rig, {"fence": row["fence"]})
+            audit.add_audit_note(connection, row["operator"], "release-lease", rig, {"fence": row["fence"]})
 
     def require(self, rig: str, lease: str | None) -> Lease:
         """The lease, if `lease` names the one that is held now.

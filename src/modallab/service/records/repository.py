@@ -8,11 +8,11 @@ from typing import Any
 
 from sqlalchemy import Connection, Engine, delete, insert, or_, select, update
 
-from modallab.core.documents.runs import CampaignChange, CampaignNew, CampaignView
+from modallab.core.documents.runs import CampaignChange, CampaignRequest, CampaignView
 from modallab.jobs import Job
 from modallab.service.errors import ChangedError, IdempotencyError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.archived import bring_back, left_out, set_aside_notes, set_aside_view
+from modallab.service.records.archive import archive_notes, archive_state, left_out, restore_campaign_of_run
 from modallab.storage.engine import next_number, read_transaction, write_transaction
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS, RUN_KEYS
@@ -56,7 +56,7 @@ class CampaignRepository:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
 
-    def create(self, new: CampaignNew, operator: str) -> CampaignView:
+    def create(self, new: CampaignRequest, operator: str) -> CampaignView:
         """Enter a campaign, under an id made here.
 
         Raises:
@@ -74,7 +74,7 @@ class CampaignRepository:
         }
         with write_transaction(self._engine) as connection:
             connection.execute(insert(CAMPAIGNS).values(row | {"seq": next_number(connection, CAMPAIGNS)}))
-            audit.note_action(connection, operator, "create-campaign", row["id"], {"name": new.name, "rig": new.rig})
+            audit.add_audit_note(connection, operator, "create-campaign", row["id"], {"name": new.name, "rig": new.rig})
         return CampaignView(**row)
 
     def campaign(self, campaign: str) -> CampaignView:
@@ -141,7 +141,7 @@ class CampaignRepository:
                 )
             query = update(CAMPAIGNS).where(CAMPAIGNS.c.id == campaign)
             connection.execute(query.values(**values, revision=revision + 1))
-            audit.note_action(connection, operator, "change-campaign", campaign, values)
+            audit.add_audit_note(connection, operator, "change-campaign", campaign, values)
             return _campaign(connection, campaign)
 
     def add_run(self, entry: RunEntry, plan: dict[str, Any], key: RunKey | None = None) -> None:
@@ -155,8 +155,8 @@ class CampaignRepository:
             connection.execute(insert(CAMPAIGN_RUNS).values(row))
             more = update(CAMPAIGNS).where(CAMPAIGNS.c.id == entry.campaign)
             connection.execute(more.values(revision=CAMPAIGNS.c.revision + 1))
-            bring_back(connection, entry.campaign)
-            audit.note_action(
+            restore_campaign_of_run(connection, entry.campaign)
+            audit.add_audit_note(
                 connection, entry.operator, "start-run", entry.run, {"campaign": entry.campaign, "plan": plan}
             )
             if key is not None:
@@ -211,7 +211,7 @@ class CampaignRepository:
             if connection.scalar(newest) == job.id:
                 return
             connection.execute(insert(CAMPAIGN_JOBS).values(campaign=campaign, job=job.id, kind=job.kind))
-            audit.note_action(
+            audit.add_audit_note(
                 connection, operator, f"order-{job.kind}", campaign, {"job": job.id, "runs": list(job.inputs)}
             )
 
@@ -254,7 +254,7 @@ def _campaigns(connection: Connection, names: Sequence[str]) -> list[CampaignVie
     """Those of these names that there are, in this order; asked for all at once, since a list is long."""
     query = select(CAMPAIGNS).where(CAMPAIGNS.c.id.in_(names))
     rows = {row["id"]: row for row in connection.execute(query).mappings()}
-    asides = set_aside_notes(connection, "campaign", names)
+    asides = archive_notes(connection, "campaign", names)
     recorded = (
         select(CAMPAIGN_RUNS.c.campaign, CAMPAIGN_RUNS.c.run)
         .where(CAMPAIGN_RUNS.c.campaign.in_(names))
@@ -269,7 +269,7 @@ def _campaigns(connection: Connection, names: Sequence[str]) -> list[CampaignVie
             {
                 **{str(column): value for column, value in rows[name].items() if column != "seq"},
                 "runs": tuple(runs[name]),
-                **set_aside_view(asides.get(name)),
+                **archive_state(asides.get(name)),
             }
         )
         for name in names

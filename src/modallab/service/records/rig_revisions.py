@@ -70,7 +70,7 @@ class RigRevisions:
         with write_transaction(self._engine) as connection:
             connection.execute(insert(RIG_REVISIONS).values(row))
             if not from_file:
-                audit.note_action(
+                audit.add_audit_note(
                     connection, operator, "revise-rig", rig, {"reason": reason, "rig_hash": row["rig_hash"]}
                 )
 

@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import TypeAdapter
 from sqlalchemy import Connection, Engine, delete, func, insert, select, update
 
-from modallab.core.documents.queue import QueueItem, QueueItemNew, QueueState
+from modallab.core.documents.queue import QueueItem, QueueItemRequest, QueueState
 from modallab.core.plan import Plan
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records import audit
@@ -28,7 +28,7 @@ class RunQueue:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
 
-    def add(self, rig: str, new: QueueItemNew, estimated_s: float, operator: str) -> QueueItem:
+    def add(self, rig: str, new: QueueItemRequest, estimated_s: float, operator: str) -> QueueItem:
         """Queue a run behind all others of its rig.
 
         Raises:
@@ -51,7 +51,7 @@ class RunQueue:
                 raise ConflictError(f"{MOST} runs wait at {rig}", where=rig, remedy="skip some, or wait")
             last = connection.scalar(select(func.max(QUEUE.c.place)).where(QUEUE.c.rig == rig)) or 0
             connection.execute(insert(QUEUE).values(row | {"place": last + 1}))
-            audit.note_action(connection, operator, "queue-run", row["id"], {"campaign": new.campaign, "rig": rig})
+            audit.add_audit_note(connection, operator, "queue-run", row["id"], {"campaign": new.campaign, "rig": rig})
             return _item_row(connection, row["id"])
 
     def item(self, item: str) -> QueueItem:
@@ -92,7 +92,7 @@ class RunQueue:
                 )
             for item, place in zip(items, sorted(waiting.values()), strict=True):
                 connection.execute(update(QUEUE).where(QUEUE.c.id == item).values(place=place))
-            audit.note_action(connection, operator, "reorder-queue", rig, {"items": list(items)})
+            audit.add_audit_note(connection, operator, "reorder-queue", rig, {"items": list(items)})
 
     def take_out(self, rig: str, item: str, reason: str, operator: str) -> QueueItem:
         """Remove a waiting item.
@@ -110,7 +110,7 @@ class RunQueue:
                     f"the item is {found.state}", where=item, remedy="an active run can only be stopped"
                 )
             _set_state(connection, item, state="skipped", reason=reason)
-            audit.note_action(connection, operator, "skip-queued", item, {"reason": reason})
+            audit.add_audit_note(connection, operator, "skip-queued", item, {"reason": reason})
             return _item_row(connection, item)
 
     def set(self, item: str, state: QueueState, *, run: str = "", reason: str = "") -> QueueItem:
@@ -140,13 +140,13 @@ class RunQueue:
         with write_transaction(self._engine) as connection:
             if connection.scalar(select(PAUSED_QUEUES.c.rig).where(PAUSED_QUEUES.c.rig == rig)) is None:
                 connection.execute(insert(PAUSED_QUEUES).values(row))
-                audit.note_action(connection, operator, "pause-queue", rig, {"reason": reason})
+                audit.add_audit_note(connection, operator, "pause-queue", rig, {"reason": reason})
 
     def resume(self, rig: str, operator: str) -> None:
         """Let it go on."""
         with write_transaction(self._engine) as connection:
             if connection.execute(delete(PAUSED_QUEUES).where(PAUSED_QUEUES.c.rig == rig)).rowcount:
-                audit.note_action(connection, operator, "resume-queue", rig, {})
+                audit.add_audit_note(connection, operator, "resume-queue", rig, {})
 
 
 def _set_state(connection: Connection, item: str, **values: str) -> None:

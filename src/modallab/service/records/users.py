@@ -10,7 +10,16 @@ from typing import Any
 
 from sqlalchemy import Connection, Engine, insert, select, update
 
-from modallab.core.documents.users import RANK, CallerView, Role, TokenMade, TokenNew, TokenView, UserNew, UserView
+from modallab.core.documents.users import (
+    RANK,
+    CallerView,
+    NewToken,
+    Role,
+    TokenRequest,
+    TokenView,
+    UserRequest,
+    UserView,
+)
 from modallab.core.errors import StorageError
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records import audit
@@ -25,7 +34,7 @@ class Users:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
 
-    def add(self, new: UserNew, by: str) -> UserView:
+    def add(self, new: UserRequest, by: str) -> UserView:
         """Add a user.
 
         Raises:
@@ -37,7 +46,7 @@ class Users:
             if _user_row(connection, new.name) is not None:
                 raise ConflictError(f"there is a user {new.name!r} already", where="name", remedy="choose another name")
             connection.execute(insert(USERS).values(user.model_dump()))
-            audit.note_action(connection, by, "add-user", new.name, {"role": new.role})
+            audit.add_audit_note(connection, by, "add-user", new.name, {"role": new.role})
         return user
 
     def all(self) -> list[UserView]:
@@ -65,7 +74,7 @@ class Users:
         with write_transaction(self._engine) as connection:
             _require_active(_user(connection, name))
             connection.execute(update(USERS).where(USERS.c.name == name).values(role=role))
-            audit.note_action(connection, by, "change-user", name, {"role": role})
+            audit.add_audit_note(connection, by, "change-user", name, {"role": role})
             return _user(connection, name)
 
     def revoke(self, name: str, by: str) -> UserView:
@@ -77,10 +86,10 @@ class Users:
         with write_transaction(self._engine) as connection:
             if not _user(connection, name).revoked_utc:
                 connection.execute(update(USERS).where(USERS.c.name == name).values(revoked_utc=utc_now()))
-                audit.note_action(connection, by, "revoke-user", name, {})
+                audit.add_audit_note(connection, by, "revoke-user", name, {})
             return _user(connection, name)
 
-    def make_token(self, name: str, new: TokenNew, by: str) -> TokenMade:
+    def make_token(self, name: str, new: TokenRequest, by: str) -> NewToken:
         """Make a token for a user; only a hash of it is kept.
 
         Raises:
@@ -98,10 +107,10 @@ class Users:
             if new.role is not None and RANK[new.role] > RANK[user.role]:
                 raise ConflictError(f"{name} is {user.role}, not {new.role}", where="role", remedy="ask for less")
             connection.execute(insert(TOKENS).values(row))
-            audit.note_action(
+            audit.add_audit_note(
                 connection, by, "make-token", name, {"token": ident, "label": new.label, "expires": until}
             )
-            return TokenMade(token=token, about=_token(connection, name, ident))
+            return NewToken(token=token, about=_token(connection, name, ident))
 
     def tokens(self, name: str) -> list[TokenView]:
         """The tokens of a user, the oldest first, including revoked and expired ones.
@@ -123,7 +132,7 @@ class Users:
         with write_transaction(self._engine) as connection:
             if not _token(connection, name, ident).revoked_utc:
                 connection.execute(update(TOKENS).where(TOKENS.c.id == ident).values(revoked_utc=utc_now()))
-                audit.note_action(connection, by, "revoke-token", name, {"token": ident})
+                audit.add_audit_note(connection, by, "revoke-token", name, {"token": ident})
             return _token(connection, name, ident)
 
     def digests(self) -> dict[str, tuple[str, TokenView]]:

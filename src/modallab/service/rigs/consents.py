@@ -4,7 +4,7 @@ import time
 from dataclasses import dataclass
 from threading import Lock
 
-from modallab.core.documents.queue import ConsentNew, ConsentView
+from modallab.core.documents.queue import ConsentRequest, ConsentView
 from modallab.core.documents.rigs import Lease
 
 
@@ -56,7 +56,7 @@ class Consents:
         self._given: dict[str, Consent] = {}
         self._stopped: set[str] = set()
 
-    def give(self, rig: str, new: ConsentNew, items: frozenset[str], lease: Lease, process: int | None) -> Consent:
+    def give(self, rig: str, new: ConsentRequest, items: frozenset[str], lease: Lease, process: int | None) -> Consent:
         """Keep one; it takes the place of an earlier one."""
         until_s = time.monotonic() + new.for_s
         consent = Consent(lease.id, lease.operator, new.drive, new.at_bench, items, process, until_s)

@@ -5,7 +5,7 @@ from typing import Protocol
 
 from modallab.acquisition.monitor.run_states import TRANSITIONS, IllegalTransitionError
 from modallab.bench.protocol import BenchInfo
-from modallab.core.documents.queue import ConsentNew, ConsentView
+from modallab.core.documents.queue import ConsentRequest, ConsentView
 from modallab.core.documents.rigs import RigState
 from modallab.core.documents.runs import Action, Command
 from modallab.core.events import RunState
@@ -113,7 +113,7 @@ class Control(Protocol):
         """
         ...
 
-    def give_consent(self, rig: str, new: ConsentNew, items: tuple[str, ...], lease: str | None) -> ConsentView:
+    def give_consent(self, rig: str, new: ConsentRequest, items: tuple[str, ...], lease: str | None) -> ConsentView:
         """Let these items of a rig's queue begin by themselves.
 
         Raises:

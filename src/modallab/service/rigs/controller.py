@@ -199,19 +199,19 @@ class RigController:
             self._is("starting")
             process = self._process
         if process is not None:
-            process.ask_to_leave()
+            process.request_exit()
 
-    def ask_to_close(self) -> None:
+    def request_close(self) -> None:
         """End what is active as interrupted, bring the output to zero, release the bench; waits for nothing."""
         self._closing.set()
         process = self._process
         if process is not None:
-            process.ask_to_leave()
+            process.request_exit()
 
     def close(self) -> None:
-        """As `ask_to_close`, and wait until it has happened."""
+        """As `request_close`, and wait until it has happened."""
         # The thread that follows the run also reads its end: two readers of one pipe take each other's reports.
-        self.ask_to_close()
+        self.request_close()
         self._thread.join(BEGIN_S)
 
     def _work(self) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from modallab.acquisition.process.trip import Trip
-from modallab.core.documents.queue import ConsentNew, ConsentView
+from modallab.core.documents.queue import ConsentRequest, ConsentView
 from modallab.core.documents.runs import Command
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
@@ -45,7 +45,7 @@ class RigControllers:
         """Why a rig may not be driven; None if it may."""
         return self._controller(rig).latch.read()
 
-    def give_consent(self, rig: str, new: ConsentNew, items: tuple[str, ...], lease: str | None) -> ConsentView:
+    def give_consent(self, rig: str, new: ConsentRequest, items: tuple[str, ...], lease: str | None) -> ConsentView:
         """Let queued runs begin by themselves. Raises as `Control`."""
         controller = self._controller(rig)
         held = self._leases.require(rig, lease)
@@ -124,14 +124,14 @@ class RigControllers:
         """Put a controller in the place of a closed one of the same rig, whose sensors were moved."""
         self._controllers[controller.bench.id] = controller
 
-    def ask_to_close(self) -> None:
+    def request_close(self) -> None:
         """Have every rig left at rest; waits for nothing."""
         for controller in self._controllers.values():
-            controller.ask_to_close()
+            controller.request_close()
 
     def close(self) -> None:
         """Leave every rig at rest; none waits for another."""
-        self.ask_to_close()
+        self.request_close()
         for controller in self._controllers.values():
             controller.close()
 

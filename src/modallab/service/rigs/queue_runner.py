@@ -72,12 +72,12 @@ class QueueRunner:
         self._thread = Thread(target=self._work, name="queue", daemon=True)
         self._thread.start()
 
-    def ask_to_close(self) -> None:
+    def request_close(self) -> None:
         """Begin nothing more; waits for nothing."""
         self._closing.set()
 
     def close(self) -> None:
-        """As `ask_to_close`, and wait until it has happened."""
+        """As `request_close`, and wait until it has happened."""
         self._closing.set()
         self._thread.join()
 

@@ -61,7 +61,7 @@ class RunEnds:
             self._reported.add(run)
             return new
 
-    def left_alone(self, run: str) -> bool:
+    def has_no_followers(self, run: str) -> bool:
         """Whether nobody follows the run, nor one that might yet turn out to be it."""
         with self._lock:
             return all(active.run not in ("", run) for active in self._followed)
@@ -151,7 +151,7 @@ class RunRecovery:
         self._unreported |= set(self._run_log.store.recover())
         for run in sorted(self._unreported):
             # Who follows a run hears of its recorder's death at the same moment, and reports it.
-            if self._run_log.ends.left_alone(run):
+            if self._run_log.ends.has_no_followers(run):
                 self._notify(run)
 
     def _notify(self, run: str) -> None:

@@ -172,7 +172,7 @@ def _largest_beside(values: Real) -> Real:
     return np.lib.stride_tricks.sliding_window_view(padded, 2 * BESIDE + 1).max(axis=1)
 
 
-def copies(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real) -> tuple[Fault, ...]:
+def repeated_in_all_channels(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real) -> tuple[Fault, ...]:
     """Whether all channels (channels, n) repeat samples of theirs, to the last digit; `steps` as of `steps_of`."""
     key = int(np.count_nonzero(np.diff(rows), axis=1).argmax())
     lag = _lag(rows[key])

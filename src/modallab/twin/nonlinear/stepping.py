@@ -191,7 +191,7 @@ def step_one(
 
 
 @machine_code
-def motion_felt(felt: Real, real: Real, imag: Real) -> float:
+def element_motion(felt: Real, real: Real, imag: Real) -> float:
     """What an element feels of the modes by one of its motions."""
     felt_r, felt_i = felt[0], felt[1]
     total = 0.0
@@ -203,10 +203,10 @@ def motion_felt(felt: Real, real: Real, imag: Real) -> float:
 @machine_code
 def opened_by(opened: Real, felt: Real, real: Real, imag: Real, now: Real, f: float, found: Real, g: Real) -> bool:
     """Whether a crack is open, which it is where the first motion is positive; its forces into `g`, zero if closed."""
-    open_now = motion_felt(felt[0], real, imag) + now[0] * f > 0
+    open_now = element_motion(felt[0], real, imag) + now[0] * f > 0
     if open_now:
         for j in range(len(g)):
-            found[j] = motion_felt(felt[1 + j], real, imag) + now[1 + j] * f
+            found[j] = element_motion(felt[1 + j], real, imag) + now[1 + j] * f
     for j in range(len(g)):
         g[j] = 0.0
         if open_now:
@@ -221,7 +221,7 @@ def drag_forces(
 ) -> None:
     """Forces of a drag, which change so little in a step that it feels those before, into `g`."""
     for j in range(len(found)):
-        found[j] = motion_felt(felt[1 + j], real, imag) + now[1 + j] * f
+        found[j] = element_motion(felt[1 + j], real, imag) + now[1 + j] * f
         for other in range(len(found)):
             found[j] += stays[1 + j, other] * g[other]
     for j in range(len(found)):

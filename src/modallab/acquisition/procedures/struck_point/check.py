@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.procedures.struck_point.participation import Answer, ExpectedModes, participation
+from modallab.acquisition.procedures.struck_point.participation import ExpectedModes, HitResponse, participation
 from modallab.core.arrays import Complex128, Real
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
@@ -180,7 +180,7 @@ class StruckPointCheck:
         """Places in the rig of the channels that are looked at."""
         return tuple(sorted({*self.channels, *(self.expected.channels if self.expected is not None else ())}))
 
-    def look(self, name: str, point: int, answer: Answer) -> HitLocation:
+    def look(self, name: str, point: int, answer: HitResponse) -> HitLocation:
         """Hold a hit against all that is known; `name` is that of its record should it be rejected."""
         look = self._measure(answer)
         self.looks[name] = look
@@ -208,7 +208,7 @@ class StruckPointCheck:
         self.frfs.forget(name)
         self.shapes.pop(name, None)
 
-    def _measure(self, answer: Answer) -> _Look:
+    def _measure(self, answer: HitResponse) -> _Look:
         frf = answer.frf(self.channels, self.up_to_hz)
         if self.expected is None:
             return _Look(frf, np.zeros(0, dtype=np.int64), np.zeros(0))

@@ -27,7 +27,7 @@ USABLE = 0.4
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Answer:
+class HitResponse:
     """One hit.
 
     Attributes:
@@ -58,9 +58,9 @@ class Answer:
         return self.of(channels)[:, 1:count] / force
 
 
-def answer_of(
+def response_of_hit(
     samples: Samples, conversion: Conversion, rate_hz: float, before: int, channels: Iterable[int], up_to_hz: float
-) -> Answer | None:
+) -> HitResponse | None:
     """The answer in a block.
 
     Args:
@@ -90,7 +90,7 @@ def answer_of(
         moves = (row - row[: max(1, before - 1)].mean(dtype=np.float64)).astype(np.float32)
         # Single precision is half the time, and right to a part in a million of the largest line.
         motion[channel] = spectrum(moves)[:count].astype(np.complex128) * conversion.si_per_count[channel]
-    return Answer(force_n, force[:count], motion, rate_hz, band_hz)
+    return HitResponse(force_n, force[:count], motion, rate_hz, band_hz)
 
 
 def _band_hz(spectrum: Real, line_hz: float, rate_hz: float) -> float:
@@ -147,7 +147,7 @@ class Participation:
     shape: Real
 
 
-def participation(answer: Answer, expected: ExpectedModes) -> Participation:
+def participation(answer: HitResponse, expected: ExpectedModes) -> Participation:
     """Fit the expected modes, as far as a hit has excited them, to its block."""
     force, rate_hz = answer.force, answer.rate_hz
     motion = answer.of(expected.channels)

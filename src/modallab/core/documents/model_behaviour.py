@@ -1,11 +1,11 @@
 """How a structure behaves, as its modal model says it: what makes a response, where modes move, and how."""
 
-from modallab.core.documents.model_use import OfModel
+from modallab.core.documents.model_use import ModelResult
 from modallab.core.frozen import ComplexArray, Frozen, RealArray
 from modallab.core.units import Quantity, Test
 
 
-class ParticipationView(OfModel):
+class ParticipationView(ModelResult):
     """Shares of the modes in a response; with `outside` they add up to 1.
 
     Attributes:
@@ -33,7 +33,7 @@ class ParticipationView(OfModel):
     outside: float
 
 
-class CrossingView(Frozen):
+class NodeView(Frozen):
     """A node between points that lie along a line.
 
     Attributes:
@@ -47,7 +47,7 @@ class CrossingView(Frozen):
     place_sigma_m: float
 
 
-class NodesView(OfModel):
+class NodesView(ModelResult):
     """Antinode and nodes of each mode.
 
     Attributes:
@@ -69,11 +69,11 @@ class NodesView(OfModel):
     motion_sigma: RealArray
     antinode: tuple[int, ...]
     near_node: tuple[tuple[int, ...], ...]
-    crossings: tuple[CrossingView, ...]
+    crossings: tuple[NodeView, ...]
     advice: tuple[str, ...]
 
 
-class ShapesView(OfModel):
+class ShapesView(ModelResult):
     """A structure as points and lines, and its motion in each mode.
 
     Attributes:

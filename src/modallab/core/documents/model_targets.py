@@ -5,12 +5,12 @@ from typing import Annotated, Literal
 from pydantic import Field, PositiveInt
 
 from modallab.core.documents.model_change import Frequency, Mass
-from modallab.core.documents.model_use import AskedOfModel, OfModel
+from modallab.core.documents.model_use import ModelRequest, ModelResult
 from modallab.core.frozen import Frozen, RealArray
 from modallab.core.units import Test
 
 
-class PairView(Frozen):
+class ModePairView(Frozen):
     """A pair of corresponding modes, numbered from 1 in each model.
 
     Attributes:
@@ -47,12 +47,12 @@ class CorrelationView(Frozen):
     other_test: Test | None
     points: tuple[int, ...]
     axes: tuple[str, ...]
-    pairs: tuple[PairView, ...]
+    pairs: tuple[ModePairView, ...]
     mac: RealArray
     comac: RealArray
 
 
-class ChangeForFrequencyNew(AskedOfModel):
+class ChangeForFrequencyRequest(ModelRequest):
     """A frequency to which a mode is moved.
 
     Attributes:
@@ -88,7 +88,7 @@ class ChangeForFrequencyView(Frozen):
     highest_hz: float
 
 
-class ChangesForFrequencyView(OfModel):
+class ChangesForFrequencyView(ModelResult):
     """The same at several points, the smallest first.
 
     Attributes:
@@ -98,7 +98,7 @@ class ChangesForFrequencyView(OfModel):
     tunings: tuple[ChangeForFrequencyView, ...]
 
 
-class ChangeForFreeBandNew(AskedOfModel):
+class ChangeForFreeBandRequest(ModelRequest):
     """A band to keep free of modes.
 
     Attributes:
@@ -134,7 +134,7 @@ class ChangeForFreeBandView(Frozen):
     stays_hz: float | None
 
 
-class ChangesForFreeBandView(OfModel):
+class ChangesForFreeBandView(ModelResult):
     """The changes at several points, the smallest first.
 
     Attributes:
@@ -144,7 +144,7 @@ class ChangesForFreeBandView(OfModel):
     answers: tuple[ChangeForFreeBandView, ...]
 
 
-class BestAbsorberNew(AskedOfModel):
+class BestAbsorberRequest(ModelRequest):
     """The absorber of a given mass that makes the peak of a mode at a point smallest.
 
     Attributes:
@@ -158,7 +158,7 @@ class BestAbsorberNew(AskedOfModel):
     mass_kg: Mass
 
 
-class BestAbsorberView(OfModel):
+class BestAbsorberView(ModelResult):
     """The best absorber.
 
     Attributes:

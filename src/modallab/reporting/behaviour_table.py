@@ -10,7 +10,7 @@ from modallab.modification.motion import MotionOverTime
 from modallab.modification.nodes import ModePlaces
 from modallab.modification.participation import ModalParticipation
 from modallab.modification.structure import At
-from modallab.reporting.modified_table import TableRows
+from modallab.reporting.modification_table import TableRows
 from modallab.updating.correlation import ModelCorrelation
 
 MOST = 0.995

@@ -15,7 +15,7 @@ SPOKEN = {"youngs_modulus": "Young's modulus", "thickness": "thickness", "densit
 
 
 @dataclass(frozen=True, slots=True)
-class MovedNumber:
+class FittedNumber:
     """A free number.
 
     Attributes:
@@ -36,18 +36,18 @@ class MovedNumber:
         return f"{self.quantity} {self.value}".rstrip()
 
 
-def moved_numbers(problem: Problem, u: Real) -> list[MovedNumber]:
+def fitted_numbers(problem: Problem, u: Real) -> list[FittedNumber]:
     """One for each free number at u, in their order."""
     free, rig = problem.free, problem.data.rig
     t = rig.tolerance
     beam = (("youngs_modulus", t.youngs_modulus), ("thickness", t.thickness), ("density", t.density))
     found = [
-        MovedNumber(name, "", SPOKEN[name], relative_change(float(held(u[k])) * sigma))
+        FittedNumber(name, "", SPOKEN[name], relative_change(float(held(u[k])) * sigma))
         for k, (name, sigma) in enumerate(beam)
     ]
     ratios = problem.free.build(u[: free.size]).structure.zeta
     found += [
-        MovedNumber(
+        FittedNumber(
             "damping_ratio", f"mode {k + 1}", f"damping ratio of mode {k + 1}", f"= {percent_text(ratios[k], 4)}"
         )
         for k in range(free.modes)
@@ -55,16 +55,16 @@ def moved_numbers(problem: Problem, u: Real) -> list[MovedNumber]:
     first = 3 + free.modes
     for k, channel in enumerate(free.gains):
         name, off = rig.channels[channel].name, float(held(u[first + k])) * free.tolerance
-        found.append(MovedNumber("sensitivity", name, f"sensitivity of {name}", relative_change(off)))
+        found.append(FittedNumber("sensitivity", name, f"sensitivity of {name}", relative_change(off)))
     own = u[free.first_deviation :]
     found += [_deviation_of_number(d, float(v), rig) for d, v in zip(free.deviations, own, strict=False)]
     if free.root:
         softer = np.expm1(float(held(u[free.size - 2])) * ROOT)
-        found.append(MovedNumber("clamp", "", "compliance of the clamp", relative_change(softer)))
-    return [*found, MovedNumber("residual_terms", "", "modes above those of the simulation")]
+        found.append(FittedNumber("clamp", "", "compliance of the clamp", relative_change(softer)))
+    return [*found, FittedNumber("residual_terms", "", "modes above those of the simulation")]
 
 
-def _deviation_of_number(d: Deviation, u: float, rig: Rig) -> MovedNumber:
+def _deviation_of_number(d: Deviation, u: float, rig: Rig) -> FittedNumber:
     value, text = d.value(u), relative_change(d.value(u))
     if d.tolerance in ("position_m", "sensor_mass_kg", "sensitivity"):
         name = rig.channels[int(d.at)].name
@@ -73,22 +73,22 @@ def _deviation_of_number(d: Deviation, u: float, rig: Rig) -> MovedNumber:
             "sensor_mass_kg": (f"mass of {name} and its cable", f"{1e3 * value:+.2f} g"),
             "sensitivity": (f"sensitivity of {name}", text),
         }[d.tolerance]
-        return MovedNumber(d.tolerance, name, quantity, text)
+        return FittedNumber(d.tolerance, name, quantity, text)
     if d.tolerance in ("hit_position_m", "hit_gain"):
         place = f"hits at {d.at:.3f} m"
         if d.tolerance == "hit_position_m":
-            return MovedNumber(d.tolerance, place, f"mean position of the {place}", f"{1e3 * value:+.2f} mm")
-        return MovedNumber(d.tolerance, place, f"force of the {place}", text)
+            return FittedNumber(d.tolerance, place, f"mean position of the {place}", f"{1e3 * value:+.2f} mm")
+        return FittedNumber(d.tolerance, place, f"force of the {place}", text)
     if d.tolerance in ("stiffness_field", "mass_field"):
         quantity = "bending stiffness" if d.tolerance == "stiffness_field" else "mass per length"
         wave = f"cos {int(d.at) + 1} pi x / L"
-        return MovedNumber(d.tolerance, wave, f"{quantity}, as {wave} along the beam,", text)
+        return FittedNumber(d.tolerance, wave, f"{quantity}, as {wave} along the beam,", text)
     if d.tolerance == "damper_n_s_per_m":
-        return MovedNumber(d.tolerance, f"{d.at:.3f} m", f"damping to ground at {d.at:.3f} m", f"{value:+.2g} N s/m")
+        return FittedNumber(d.tolerance, f"{d.at:.3f} m", f"damping to ground at {d.at:.3f} m", f"{value:+.2g} N s/m")
     quantity, text = {
         "clamp_compliance": ("rotational compliance of the clamp", f"= {value:.2g} L/EI"),
         "shaker_mass_kg": ("mass at the shaker", f"{1e3 * value:+.2f} g"),
         "stinger_rotation": ("rotational stiffness of the stinger", f"{value:+.2g} EI/L"),
         "stiffness_drift": ("drift of bending stiffness", text),
     }[d.tolerance]
-    return MovedNumber(d.tolerance, "", quantity, text)
+    return FittedNumber(d.tolerance, "", quantity, text)

@@ -23,7 +23,7 @@ from modallab.core.blas_threads import limit_to_one_thread
 _PR_SET_PDEATHSIG = 1
 
 
-def start_owned(
+def start_child_process(
     name: str,
     target: str,
     handles: tuple[object, ...],
@@ -49,7 +49,7 @@ def start_owned(
     context = multiprocessing.get_context("spawn")
     watched, life = context.Pipe(duplex=False)
     process = context.Process(
-        target=run_owned,
+        target=run_child_process,
         args=(watched, os.getpid(), grace_s, target, arguments, *handles),
         name=name,
         daemon=daemon,
@@ -59,7 +59,9 @@ def start_owned(
     return process, life
 
 
-def run_owned(life: Connection, owner: int, grace_s: float, target: str, arguments: bytes, *handles: object) -> None:
+def run_child_process(
+    life: Connection, owner: int, grace_s: float, target: str, arguments: bytes, *handles: object
+) -> None:
     """Run a function until it returns or the owner is gone.
 
     Args:
@@ -116,7 +118,7 @@ else:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-class Lease:
+class FileLock:
     """An exclusive lock on a small file; the operating system lets go of it when the holder dies, however it dies."""
 
     def __init__(self, path: Path) -> None:
@@ -124,7 +126,7 @@ class Lease:
         self._descriptor: int | None = None
 
     def acquire(self) -> bool:
-        """Take the lease; False if another process, or another `Lease` of this one, holds it."""
+        """Take the lease; False if another process, or another `FileLock` of this one, holds it."""
         while True:
             descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o644)
             try:

@@ -12,8 +12,8 @@ from modallab.modification.nodes import ModePlaces, places_of_modes
 from modallab.modification.participation import ModalParticipation, modal_participation
 from modallab.modification.structure import At
 from modallab.notebook.arguments import path_for
-from modallab.notebook.shown import DisplayedResult
-from modallab.reporting.understood_table import deflection_rows, node_rows, participation_rows
+from modallab.notebook.display import DisplayedResult
+from modallab.reporting.behaviour_table import deflection_rows, node_rows, participation_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,7 +8,7 @@ from modallab.core.effects import Stage, kind_of
 from modallab.core.places import rows_of, x_m_of
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.report.locate import GapLocation
+from modallab.gap.report.locate import ResidualTestsResult
 from modallab.gap.report.measure import band_of, share_within, shares_by_frequency
 from modallab.gap.report.shrinkage import closed_share
 from modallab.gap.search.choose import Choice
@@ -21,7 +21,7 @@ def gap_location(
     verdict: Verdict,
     found: Sequence[Found],
     withheld: Sequence[str],
-    location: GapLocation | None,
+    location: ResidualTestsResult | None,
     choice: Choice,
     data: Reduced,
     prepared: PreparedCampaign,
@@ -60,7 +60,7 @@ def _stage_and_rows(
     verdict: Verdict,
     found: Sequence[Found],
     withheld: Sequence[str],
-    location: GapLocation | None,
+    location: ResidualTestsResult | None,
     choice: Choice,
     data: Reduced,
     prepared: PreparedCampaign,
@@ -79,7 +79,7 @@ def _stage_and_rows(
     return kind.stage, rows, kind.tests, ["The records show the effect without any model."]
 
 
-def _reasons_of_place(lead: Found, location: GapLocation | None, choice: Choice) -> list[str]:
+def _reasons_of_place(lead: Found, location: ResidualTestsResult | None, choice: Choice) -> list[str]:
     if location is None:
         return ["The records show the effect without any model."]
     if location.stage == lead.stage or not choice.fit.problem.candidates:

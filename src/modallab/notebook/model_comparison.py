@@ -8,12 +8,12 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.fem.matrix_model import MatrixModel
 from modallab.modification.known import KnownStructure
-from modallab.notebook.put_to_use import ModelUses
-from modallab.notebook.shown import DisplayedResult, DisplayedTable
+from modallab.notebook.display import DisplayedResult, DisplayedTable
+from modallab.notebook.model_predictions import ModelPredictions
 from modallab.pipelines.model_update import update_model
 from modallab.pipelines.structure_gap import read_reference
-from modallab.reporting.modified_table import parameter_rows, updated_mode_rows
-from modallab.reporting.understood_table import correlation_rows
+from modallab.reporting.behaviour_table import correlation_rows
+from modallab.reporting.modification_table import parameter_rows, updated_mode_rows
 from modallab.updating.correlation import ModelCorrelation, correlate_models
 from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters
@@ -58,7 +58,7 @@ class CorrelatedModes(DisplayedResult[ModelCorrelation]):
         return paired_shapes(self.numbers, self._rig)
 
 
-class Correlated:
+class ModelComparison:
     """What a measured model says of another model of its structure."""
 
     __slots__ = ()
@@ -68,7 +68,7 @@ class Correlated:
         """The structure that the model describes."""
         raise NotImplementedError
 
-    def correlation(self, other: ModelUses | str | Path) -> CorrelatedModes:
+    def correlation(self, other: ModelPredictions | str | Path) -> CorrelatedModes:
         """Beside another model of the structure: pairs by MAC, their frequencies and damping, COMAC.
 
         Args:
@@ -78,7 +78,7 @@ class Correlated:
             DataError: fewer than two common points, no driving point, or no two modes that are alike.
             FormatError: the file can be read as neither.
         """
-        if isinstance(other, ModelUses):
+        if isinstance(other, ModelPredictions):
             known = other.known
         else:
             rig = self.known.stated_rig

@@ -61,7 +61,7 @@ def _weights(offset: NDArray[np.float64], half: int, cutoff: float) -> NDArray[n
 
 
 @dataclass(frozen=True, slots=True)
-class RecutRule:
+class ResamplingRule:
     """How a block is recut.
 
     Attributes:
@@ -85,7 +85,7 @@ class RecutRule:
         return cls(from_hz, to_hz, half, 2 * half + ceil(count * from_hz / to_hz) + 1, count)
 
     @classmethod
-    def read(cls, facts: Mapping[str, float | str]) -> "RecutRule | None":
+    def read(cls, facts: Mapping[str, float | str]) -> "ResamplingRule | None":
         """From what is written beside a block; None if it was not to be recut."""
         if "recut_to_hz" not in facts:
             return None

@@ -202,7 +202,7 @@ class BurstWindows:
             self._first += drop
         return True
 
-    def ends_ready(self) -> NDArray[np.int64]:
+    def ends_of_complete_windows(self) -> NDArray[np.int64]:
         """Where the looks end for which all samples have come, (looks,)."""
         most = int((self._kept.shape[1] * self._dt) / HOP_S) + 2
         ends = [self._at((self.hop + n) * HOP_S) for n in range(1, most)]

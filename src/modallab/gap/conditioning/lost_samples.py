@@ -19,7 +19,7 @@ RECORDS = 3
 """Lively records that must show it."""
 
 
-def rows_losing_samples(blocks: Sequence[Block], noise_v: Real, force: int) -> tuple[int, ...]:
+def channels_losing_samples(blocks: Sequence[Block], noise_v: Real, force: int) -> tuple[int, ...]:
     """Rows that lose samples, as most of their lively records show.
 
     Args:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.block import Block
-from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, Percent, Shrink, Verdict
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, ResponseShare, Shrinkage, Verdict
 from modallab.core.digits import percent_text
 from modallab.core.effects import kind_of
 from modallab.core.places import place_in_metres
@@ -23,13 +23,13 @@ from modallab.gap.model.share import discrepancies, relative_residuals
 from modallab.gap.report.budget import budget_of_gap
 from modallab.gap.report.calibrated import calibrated_twin
 from modallab.gap.report.contradictions import contradiction_sentences
+from modallab.gap.report.effect_inspection import is_in_revisions, noise_share_of_response
+from modallab.gap.report.gap_location import gap_location
 from modallab.gap.report.initial_gap import squares_as_recorded
-from modallab.gap.report.inspected import is_in_revisions, noise_share_of_response
-from modallab.gap.report.locate import GapLocation
+from modallab.gap.report.locate import ResidualTestsResult
 from modallab.gap.report.measure import band_of, nearest_mode, shares_by_frequency, squared_residuals
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed_share, shrinkage_with_interval
-from modallab.gap.report.where import gap_location
 from modallab.gap.search.choose import Choice, probabilities
 from modallab.gap.search.fitting import Bench, within_tolerances
 from modallab.gap.search.intervals import intervals
@@ -75,7 +75,7 @@ class SearchInput:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class ShownEffects:
+class EffectsInRecords:
     """Effects that the records themselves show.
 
     Attributes:
@@ -90,7 +90,7 @@ class ShownEffects:
 
 
 def document_diagnosis(
-    ready: SearchInput, choice: Choice, location: GapLocation | None, effects: ShownEffects
+    ready: SearchInput, choice: Choice, location: ResidualTestsResult | None, effects: EffectsInRecords
 ) -> Diagnosis:
     """What was found, as a document."""
     prepared, everything = ready.prepared, ready.everything
@@ -222,9 +222,9 @@ def _resonances_hz(prepared: PreparedCampaign) -> list[float]:
     return [float(f) for f in np.abs(prepared.poles) / (2 * np.pi)]
 
 
-def _gap_in_percent(twin: Twin, data: Reduced, resonances_hz: list[float]) -> Percent:
+def _gap_in_percent(twin: Twin, data: Reduced, resonances_hz: list[float]) -> ResponseShare:
     at, away = relative_residuals(data, forward(twin, data), np.array(resonances_hz))
-    return Percent(at_resonance=at, away=away)
+    return ResponseShare(at_resonance=at, away=away)
 
 
 def _model_discrepancy(twin: Twin, data: Reduced) -> Discrepancy | None:
@@ -250,7 +250,7 @@ def _held_out_as_recorded(ready: SearchInput, seen: list[Found]) -> Reduced:
     )
 
 
-def _shrinkage_document(choice: Choice, raw: Reduced, clean: Reduced, held: list[str]) -> Shrink:
+def _shrinkage_document(choice: Choice, raw: Reduced, clean: Reduced, held: list[str]) -> Shrinkage:
     before = squared_residuals(twin_of(choice.base, clean), raw)
     # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.
     after = squared_residuals(twin_of(choice.accepted_fit, clean), clean)

@@ -13,7 +13,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, UNIT, Frf, FrfQuantity
 from modallab.core.rig import Rig
 from modallab.formats.frf_file import rig_of, rig_without_places, write_frf
-from modallab.notebook.shown import DisplayedTable
+from modallab.notebook.display import DisplayedTable
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)

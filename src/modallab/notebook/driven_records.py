@@ -15,7 +15,7 @@ from modallab.frf.broadband import segment_spectra
 from modallab.frf.local_polynomial import local_polynomial_frf
 from modallab.frf.references import estimate_frf
 from modallab.frf.sums import Estimator
-from modallab.notebook.measured import MeasuredFrf, frf
+from modallab.notebook.measured_frf import MeasuredFrf, frf
 
 ForceEstimator = Literal["local-polynomial", "H1", "H2", "Hv"]
 ESTIMATORS: tuple[ForceEstimator, ...] = ("local-polynomial", "H1", "H2", "Hv")

@@ -21,7 +21,7 @@ _LOST = ("purging", "purged")
 
 
 @dataclass(frozen=True, slots=True)
-class SetAsideEntry:
+class ArchiveEntry:
     """How something was set aside.
 
     Attributes:
@@ -37,7 +37,7 @@ class SetAsideEntry:
     purge_utc: str
 
 
-class SetAsideView(TypedDict, total=False):
+class ArchiveState(TypedDict, total=False):
     """What a view says of it."""
 
     archived_utc: str
@@ -45,7 +45,7 @@ class SetAsideView(TypedDict, total=False):
     purge_utc: str
 
 
-def set_aside_view(aside: SetAsideEntry | None) -> SetAsideView:
+def archive_state(aside: ArchiveEntry | None) -> ArchiveState:
     """For a view."""
     if aside is None:
         return {}
@@ -88,7 +88,7 @@ class Archive:
         """
         with write_transaction(self._engine) as connection:
             campaign = _campaign_of(connection, kind, name)
-            found = set_aside_entry(connection, kind, name)
+            found = archive_entry(connection, kind, name)
             if found is None:
                 return
             if found.state in _LOST:
@@ -97,17 +97,17 @@ class Archive:
                 )
             connection.execute(delete(SET_ASIDE).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.id == name))
             _mark_changed(connection, campaign)
-            audit.note_action(connection, operator, f"restore-{kind}", name, {})
+            audit.add_audit_note(connection, operator, f"restore-{kind}", name, {})
 
-    def run(self, run: str, campaign: str) -> SetAsideEntry | None:
+    def run(self, run: str, campaign: str) -> ArchiveEntry | None:
         """How a run was set aside, by itself or with its campaign; None if it was not."""
         with read_transaction(self._engine) as connection:
-            return set_aside_entry(connection, "run", run) or set_aside_entry(connection, "campaign", campaign)
+            return archive_entry(connection, "run", run) or archive_entry(connection, "campaign", campaign)
 
-    def campaign(self, campaign: str) -> SetAsideEntry | None:
+    def campaign(self, campaign: str) -> ArchiveEntry | None:
         """How a campaign was set aside; None if it was not."""
         with read_transaction(self._engine) as connection:
-            return set_aside_entry(connection, "campaign", campaign)
+            return archive_entry(connection, "campaign", campaign)
 
     def require_present(self, campaign: str) -> None:
         """Reject what would add to a campaign that is set aside.
@@ -142,7 +142,7 @@ class Archive:
         row = {"kind": kind, "id": name, "state": _WORD[action], "operator": operator, "utc": utc_now()}
         with write_transaction(self._engine) as connection:
             campaign = _campaign_of(connection, kind, name)
-            found = set_aside_entry(connection, kind, name)
+            found = archive_entry(connection, kind, name)
             if found is not None and found.state != "archived" and action == "archive":
                 raise ConflictError(f"it is {found.state}", where=name, remedy="restore it first")
             if found is not None and (found.state == _WORD[action] or found.state in _LOST):
@@ -153,19 +153,21 @@ class Archive:
             connection.execute(delete(SET_ASIDE).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.id == name))
             connection.execute(insert(SET_ASIDE).values(row | {"purge_utc": purge_utc}))
             _mark_changed(connection, campaign)
-            audit.note_action(connection, operator, f"{action}-{kind}", name, {"until": purge_utc} if purge_utc else {})
+            audit.add_audit_note(
+                connection, operator, f"{action}-{kind}", name, {"until": purge_utc} if purge_utc else {}
+            )
 
 
-def set_aside_entry(connection: Connection, kind: Kind, name: str) -> SetAsideEntry | None:
+def archive_entry(connection: Connection, kind: Kind, name: str) -> ArchiveEntry | None:
     """How a campaign or a run was set aside by itself; None if it was not."""
-    return set_aside_notes(connection, kind, [name]).get(name)
+    return archive_notes(connection, kind, [name]).get(name)
 
 
-def set_aside_notes(connection: Connection, kind: Kind, names: Sequence[str]) -> dict[str, SetAsideEntry]:
+def archive_notes(connection: Connection, kind: Kind, names: Sequence[str]) -> dict[str, ArchiveEntry]:
     """How those of these campaigns or runs were set aside that were, by name."""
     query = select(SET_ASIDE).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.id.in_(names))
     rows = connection.execute(query).mappings()
-    return {row["id"]: SetAsideEntry(row["state"], row["operator"], row["utc"], row["purge_utc"]) for row in rows}
+    return {row["id"]: ArchiveEntry(row["state"], row["operator"], row["utc"], row["purge_utc"]) for row in rows}
 
 
 def left_out(kind: Kind, *, archived: bool, deleted: bool) -> Select[tuple[str]]:
@@ -174,7 +176,7 @@ def left_out(kind: Kind, *, archived: bool, deleted: bool) -> Select[tuple[str]]
     return select(SET_ASIDE.c.id).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.state.in_(states))
 
 
-def bring_back(connection: Connection, campaign: str) -> None:
+def restore_campaign_of_run(connection: Connection, campaign: str) -> None:
     """Take a campaign back from the archive, since a run has begun in it: what is recorded now must not be deleted."""
     mine = SET_ASIDE.c.kind == "campaign", SET_ASIDE.c.id == campaign, SET_ASIDE.c.state.not_in(_LOST)
     connection.execute(delete(SET_ASIDE).where(*mine))

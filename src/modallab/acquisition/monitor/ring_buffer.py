@@ -25,7 +25,7 @@ _MEMORY = Path("/dev/shm")
 
 
 @dataclass(frozen=True, slots=True)
-class RingShape:
+class RingBufferLayout:
     """How a ring is laid out.
 
     Attributes:
@@ -56,10 +56,10 @@ class RingShape:
         return _HEADER + self.sample_bytes + self.channels * (self.capacity // CELL)
 
 
-class Ring:
+class RingBuffer:
     """The mapped memory, from either side."""
 
-    def __init__(self, path: Path, shape: RingShape, *, write: bool = False) -> None:
+    def __init__(self, path: Path, shape: RingBufferLayout, *, write: bool = False) -> None:
         """Map a file of the right size.
 
         Raises:
@@ -141,7 +141,7 @@ class Ring:
             return
 
 
-def make_ring(shape: RingShape) -> Ring:
+def make_ring_buffer(shape: RingBufferLayout) -> RingBuffer:
     """A new one, in memory where the system has a folder for that.
 
     Raises:
@@ -154,7 +154,7 @@ def make_ring(shape: RingShape) -> Ring:
             # Written, not only sized: memory that turns out to be missing later would end the process.
             for begin in range(0, shape.file_bytes, _PIECE):
                 file.write(bytes(min(_PIECE, shape.file_bytes - begin)))
-        return Ring(Path(name), shape, write=True)
+        return RingBuffer(Path(name), shape, write=True)
     except OSError:
         Path(name).unlink(missing_ok=True)
         raise

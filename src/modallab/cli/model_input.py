@@ -14,7 +14,7 @@ from modallab.modification.freedoms import with_points
 from modallab.modification.known import KnownStructure
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import read_models
-from modallab.reporting.waiting import waiting_line
+from modallab.reporting.waiting_line import waiting_line
 
 
 def prepare_model(

@@ -77,7 +77,7 @@ class _Waves:
     periods: int
 
 
-def leaves_lines_out(signals: Sequence[Signals], band_hz: tuple[float, float]) -> bool:
+def has_undriven_lines(signals: Sequence[Signals], band_hz: tuple[float, float]) -> bool:
     """Whether a periodic drive holds odd lines alone.
 
     Args:

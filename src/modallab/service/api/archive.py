@@ -4,7 +4,7 @@ from datetime import timedelta
 
 from fastapi import Request
 
-from modallab.core.documents.messages import SetAsideChanged
+from modallab.core.documents.messages import ArchiveChanged
 from modallab.core.documents.runs import CampaignView, RunView
 from modallab.core.settings import Settings
 from modallab.service.api.problems import documented_responses
@@ -12,7 +12,7 @@ from modallab.service.api.request_context import Operator, ServiceOf
 from modallab.service.api.router import ONCE, make_router
 from modallab.service.campaigns.runs import record_of, run_view
 from modallab.service.context import Service
-from modallab.service.records.archived import Archive
+from modallab.service.records.archive import Archive
 from modallab.service.records.event_log import EventTopic
 
 router = make_router("archive")
@@ -71,13 +71,13 @@ def _grace_of_request(request: Request) -> timedelta:
 
 def _set_campaign_aside(service: Service, campaign: str, state: str, operator: str) -> CampaignView:
     view = service.repository.campaign(campaign)
-    event = SetAsideChanged(campaign=campaign, state=state, operator=operator)
+    event = ArchiveChanged(campaign=campaign, state=state, operator=operator)
     service.log.append(event.kind, EventTopic(view.rig, campaign), event.model_dump())
     return view
 
 
 def _set_run_aside(service: Service, run: str, state: str, operator: str) -> RunView:
     view = run_view(service, run)
-    event = SetAsideChanged(run=run, state=state, operator=operator)
+    event = ArchiveChanged(run=run, state=state, operator=operator)
     service.log.append(event.kind, EventTopic(view.rig or "", view.campaign or "", run), event.model_dump())
     return view

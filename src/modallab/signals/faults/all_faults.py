@@ -8,7 +8,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.signals.faults.drop_outs import drop_outs
 from modallab.signals.faults.flat_tops import flat_tops
-from modallab.signals.faults.repeats import Fault, copies, repeated_values, steps_of
+from modallab.signals.faults.repeats import Fault, repeated_in_all_channels, repeated_values, steps_of
 from modallab.signals.faults.spikes import find_spikes
 from modallab.signals.faults.whole_channels import constant, dead, drift, overloads
 
@@ -37,7 +37,7 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
         found += _faults_of_row(row, name, step, block.rate_hz, quantities.get(name))
     return (
         *found,
-        *copies(rows, block.rate_hz, block.channels, steps),
+        *repeated_in_all_channels(rows, block.rate_hz, block.channels, steps),
         *find_spikes(rows, block.rate_hz, block.channels, steps),
     )
 

@@ -22,10 +22,10 @@ from modallab.modification.motion import force_samples
 from modallab.modification.response import Between
 from modallab.modification.state_space import StateSpaceModel
 from modallab.modification.structure import At
-from modallab.notebook.measured import MeasuredFrf
+from modallab.notebook.display import DisplayedTable
+from modallab.notebook.measured_frf import MeasuredFrf
 from modallab.notebook.predicted_motion import PredictedMotion
-from modallab.notebook.shown import DisplayedTable
-from modallab.reporting.modified_table import check_predictions, free_rows, modified_rows, tuned_rows, write_rows
+from modallab.reporting.modification_table import check_predictions, free_rows, modified_rows, tuned_rows, write_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,7 +35,7 @@ LINES = 1000
 """Of a figure over the band."""
 
 
-class ModelUses:
+class ModelPredictions:
     """What a model and a changed model have in common; `known` is the structure."""
 
     __slots__ = ()
@@ -147,7 +147,7 @@ class ModelUses:
 
     def couple(
         self,
-        other: "ModelUses",
+        other: "ModelPredictions",
         at: Sequence[tuple[At, At]],
         *,
         joint_spring: float | None = None,
@@ -225,7 +225,7 @@ def _list_of_places(given: At | Sequence[At]) -> list[At]:
     return cast("list[At]", [given] if alone else list(cast("Sequence[At]", given)))
 
 
-class ChangedModel(ModelUses):
+class ChangedModel(ModelPredictions):
     """A structure with changes, as predicted from the model of it without them."""
 
     __slots__ = ("_known",)
@@ -268,7 +268,7 @@ class ChangedModel(ModelUses):
         words = list(self._known.words)
         return DisplayedTable(*modified_rows(self._known, words))
 
-    def check(self, measured: ModelUses) -> DisplayedTable:
+    def check(self, measured: ModelPredictions) -> DisplayedTable:
         """Each predicted mode beside that of a model that was measured with the changes.
 
         Args:
