@@ -32,7 +32,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
-from modallab_simulators.cantilever.shaker import Emission
+from modallab_simulators.cantilever.shaker import BurstOutput
 
 FREQUENCIES_HZ = (5.0, 20.0, 110.0, 450.0)
 LEVELS_V = (0.1, 1.0, 5.0)
@@ -100,7 +100,7 @@ def by_death(server: NiServer, rig: Rig, burst: Burst, after_s: float) -> Stop:
 def by_cantilever(server: NiServer, rig: Rig, burst: Burst, after_s: float) -> Stop:
     times = np.arange(0.0, after_s + 0.2, 1 / RATE_HZ)
     # It falls at once, where a device holds for a moment: the hold is put in for the same look at it.
-    volts = Emission(burst, 0.0, 0.0).cut(after_s).volts(times)
+    volts = BurstOutput(burst, 0.0, 0.0).cut(after_s).volts(times)
     stop = int(np.searchsorted(times, after_s))
     return seen(np.insert(volts, stop, np.full(2 * HOLD, volts[stop])), burst.frequency_hz, burst.amplitude_v)
 

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from modallab.blind.answer import ANSWERS, TrialAnswer, read_answers
 from modallab.blind.outcome import true_name
 from modallab.blind.run import diagnose_later_campaign
 from modallab.blind.score import Trial
 from modallab.blind.seal import SEALED
+from modallab.blind.trial_answers import ANSWERS, TrialAnswer, read_answers
 
 
 def answered(folder: Path) -> list[tuple[TrialAnswer, Trial]]:

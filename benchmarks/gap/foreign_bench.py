@@ -19,10 +19,10 @@ from modallab.core.units import Test
 from modallab.gap.conditioning.records import records_in_volts, usable_records
 from modallab.gap.simulations.simulated_records import simulated_records
 from modallab_simulators.cantilever.address import SessionConditions, Settings
-from modallab_simulators.cantilever.altered import ChainChanges
+from modallab_simulators.cantilever.altered_bench import ChainChanges
 from modallab_simulators.cantilever.chain import Chain
 from modallab_simulators.cantilever.loads import BLOCK, Drive
-from modallab_simulators.cantilever.stream import Site
+from modallab_simulators.cantilever.stream import BenchAtOneRate
 from modallab_simulators.cantilever.trial import RATES_HZ
 from modallab_simulators.cantilever.truth import Truth, draw_truth
 
@@ -52,11 +52,11 @@ class Simulator:
         for test in tests:
             names = [b.name for b in usable_records(records_in_volts(campaign)) if b.test == test]
             if names:
-                site = Site(truth, self.rig, test, RATES_HZ[test])
+                site = BenchAtOneRate(truth, self.rig, test, RATES_HZ[test])
                 found |= simulated_records(partial(self._sensed, truth, site, test), campaign, names, site.oversample)
         return found
 
-    def _sensed(self, truth: Truth, site: Site, test: Test, force: Array, _: float) -> Array:
+    def _sensed(self, truth: Truth, site: BenchAtOneRate, test: Test, force: Array, _: float) -> Array:
         """(channels, n) in SI units along the drive; between delivered samples nothing is asked for, and it is 0."""
         at = int(np.argmax(np.max(np.abs(force), axis=1)))
         changes = truth.effects.altered
@@ -73,7 +73,7 @@ class Simulator:
         return answer
 
 
-def _played(site: Site, x_m: float, force: Array, count: int) -> Array:
+def _played(site: BenchAtOneRate, x_m: float, force: Array, count: int) -> Array:
     """(rows, count) in SI units of a force on internal samples; beyond its end it goes on as it did a block before.
 
     What filters look ahead to is there: a sine goes on, and after a hit there is none.

@@ -18,14 +18,14 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from modallab.blind.answer import ANSWERS, read_answers
-from modallab.blind.answer import answer_trial as diagnosed
 from modallab.blind.draw import TrialDraw, draw_trials, make_trial
 from modallab.blind.outcome import named_cause, summarise_trials, true_name
 from modallab.blind.request import BlindRequest
 from modallab.blind.score import Trial
 from modallab.blind.seal import SEALED, hash_of, seal_truth, sealed_hash
-from modallab.core.diagnosis import Found
+from modallab.blind.trial_answers import ANSWERS, read_answers
+from modallab.blind.trial_answers import answer_trial as diagnosed
+from modallab.core.diagnosis import FoundEffect
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 
 WHOLE = {"swap", "polarity"}
@@ -95,7 +95,7 @@ def held(trial: Trial) -> list[tuple[str, bool]]:
     return listed
 
 
-def _inside(found: Found, name: str, numbers: dict[str, Any]) -> bool | None:
+def _inside(found: FoundEffect, name: str, numbers: dict[str, Any]) -> bool | None:
     interval = found.interval.get(name)
     if interval is None or not isinstance(numbers[name], int | float):
         return None

@@ -24,7 +24,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.rig import Tolerance
 from modallab.gap.diagnosis import diagnose
 
-COLUMNS = ("kind", "seed", "verdict", "names", "probabilities", "gap_before", "gap_after", "stage", "seconds")
+COLUMNS = ("kind", "seed", "verdict", "names", "probabilities", "gap_without_effects", "gap_after", "stage", "seconds")
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,7 +239,7 @@ def answered(kind: str, seed: int) -> dict[str, object]:
         "verdict": said.verdict,
         "names": "+".join(f.effect for f in said.effects),
         "probabilities": " ".join(f"{f.probability:.3f}" for f in said.effects),
-        "gap_before": round(said.shrink.before, 3),
+        "gap_without_effects": round(said.shrink.before, 3),
         "gap_after": round(said.shrink.after, 3),
         "stage": said.where.stage,
         "seconds": round(time.process_time() - began, 1),

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from modallab.blind.score import Trial, parameter_errors, reliability, score_trials
+from modallab.blind.score import Trial, parameter_errors, probability_calibration, score_trials
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import catalogue
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
@@ -117,7 +117,7 @@ def main() -> None:
         print("\n".join(by_effect(listed)))
         for figure in score_trials(listed):
             print(f"{figure.name:42s} {figure.value:8.4f} of {figure.count:3d}  {' '.join(figure.misses)}")
-        error, bins = reliability(listed)
+        error, bins = probability_calibration(listed)
         print(f"{'calibration error of the probabilities':42s} {error:8.4f}")
         for figure in bins:
             print(f"    {figure.name}: right {figure.value:.3f} of {figure.count}")

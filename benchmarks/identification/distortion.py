@@ -23,7 +23,7 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.frf.distortions import waves_of
 from modallab.frf.undriven_lines import UndrivenDistortions
 from modallab.identification.options import IdentificationOptions
-from modallab.pipelines.averaged import distortions_of
+from modallab.pipelines.averaged_frfs import distortions_of
 from modallab.pipelines.identify import identify_campaign, usable_blocks
 from modallab.signals.signals import Signals
 

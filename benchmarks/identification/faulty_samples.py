@@ -26,7 +26,7 @@ from modallab.formats.importer import draft_rig, import_sources
 from modallab.formats.options import ImportOptions
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.response_only import identify_chosen
-from modallab.pipelines.sound import undamaged_records
+from modallab.pipelines.undamaged_records import undamaged_records
 
 Real = NDArray[np.float64]
 SAME, SIGMAS, NEAR = 0.005, 3.0, 0.02

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Bench, BenchInfo, Chunk, Delivery, Found, Request
+from modallab.bench.protocol import Bench, BenchInfo, Chunk, Delivery, FoundDevice, Request
 from modallab.core.discovery import how_to_install
 from modallab.core.errors import (
     BenchTimeoutError,
@@ -21,7 +21,7 @@ from modallab.core.errors import (
     SamplesLostError,
 )
 from modallab.core.rig import Channel, Rig
-from modallab_drivers.output import WithoutOutput, require_count
+from modallab_drivers.output import NoOutput, require_count
 
 MOST_RATE_HZ = 200_000.0
 POLL_S = 0.002
@@ -47,17 +47,17 @@ def open_bench(url: str, rig: Rig) -> Bench:
     return OpenDaqBench(url, rig, opendaq)
 
 
-def find_devices(address: str) -> list[Found]:
+def find_devices(address: str) -> list[FoundDevice]:
     """Devices openDAQ sees."""
     try:
         import opendaq
     except ImportError:
         return []
     instance: Any = opendaq.Instance()
-    return [Found(str(d.connection_string), f"openDAQ: {d.name}") for d in instance.available_devices]
+    return [FoundDevice(str(d.connection_string), f"openDAQ: {d.name}") for d in instance.available_devices]
 
 
-class OpenDaqBench(WithoutOutput):
+class OpenDaqBench(NoOutput):
     """Inputs of one openDAQ device: for each channel of the rig the one it names, or else the next in order."""
 
     def __init__(self, url: str, rig: Rig, opendaq: Any) -> None:

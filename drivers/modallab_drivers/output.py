@@ -171,7 +171,7 @@ def wave_samples(wave: Waveform, rate_hz: float) -> NDArray[np.float64]:
     return samples
 
 
-class WithoutOutput:
+class NoOutput:
     """What a bench answers that has no output."""
 
     _state: str

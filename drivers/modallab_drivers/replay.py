@@ -24,7 +24,7 @@ from modallab.core.errors import (
 )
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab_drivers.output import WithoutOutput, require_count
+from modallab_drivers.output import NoOutput, require_count
 
 _RATE_ROUNDING = 1e-9
 
@@ -58,7 +58,7 @@ def open_bench(url: str, rig: Rig) -> Bench:
     return ReplayBench(url, rig, campaign, speed)
 
 
-class ReplayBench(WithoutOutput):
+class ReplayBench(NoOutput):
     """The blocks of one campaign, one test at a time."""
 
     _no_output = "a replay has no output", "use a bench with an output, or read the recorded sine test"

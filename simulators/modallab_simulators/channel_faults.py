@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.abilities import DrivesSeveralShakers, PlaysWaves
+from modallab.bench.capabilities import DrivesSeveralShakers, PlaysWaves
 from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 
 Kind = Literal["dead", "frozen", "unplugged", "clipped", "swapped"]

@@ -3,12 +3,20 @@
 import multiprocessing
 import time
 
-from modallab.acquisition.process.link import Abort, CloseOrder, Link, OwnerHeartbeat, RunEnded, RunPlan, Stop
-from modallab.acquisition.process.ready import Order
+from modallab.acquisition.process.owner_link import (
+    Abort,
+    CloseOrder,
+    OwnerHeartbeat,
+    OwnerLink,
+    RunEnded,
+    RunPlan,
+    Stop,
+)
+from modallab.acquisition.process.prepare_run import Order
 from modallab.core.plan import ImpactPlan
 
 
-def waited_for(link: Link, order: Order, within_s: float = 5.0) -> bool:
+def waited_for(link: OwnerLink, order: Order, within_s: float = 5.0) -> bool:
     end = time.monotonic() + within_s
     while link.order() != order and time.monotonic() < end:
         time.sleep(0.01)
@@ -17,7 +25,7 @@ def waited_for(link: Link, order: Order, within_s: float = 5.0) -> bool:
 
 def test_orders_come_through_and_a_new_run_forgets_the_last_ones() -> None:
     mine, theirs = multiprocessing.Pipe()
-    link = Link(theirs)
+    link = OwnerLink(theirs)
     mine.send(Abort())
     assert waited_for(link, "abort")
     mine.send(RunPlan(ImpactPlan(points=(1,))))
@@ -32,7 +40,7 @@ def test_orders_come_through_and_a_new_run_forgets_the_last_ones() -> None:
 
 def test_a_broken_pipe_is_a_lost_owner() -> None:
     mine, theirs = multiprocessing.Pipe()
-    link = Link(theirs)
+    link = OwnerLink(theirs)
     mine.close()
     assert waited_for(link, "lost")
     assert link.next_plan() is None
@@ -40,7 +48,7 @@ def test_a_broken_pipe_is_a_lost_owner() -> None:
 
 def test_a_time_out_is_a_lost_owner_and_a_heartbeat_prevents_it() -> None:
     mine, theirs = multiprocessing.Pipe()
-    link = Link(theirs, timeout_s=0.5)
+    link = OwnerLink(theirs, timeout_s=0.5)
     for _ in range(8):
         mine.send(OwnerHeartbeat())
         time.sleep(0.1)
@@ -51,7 +59,7 @@ def test_a_time_out_is_a_lost_owner_and_a_heartbeat_prevents_it() -> None:
 
 def test_reports_never_wait_for_an_owner_that_does_not_listen() -> None:
     mine, theirs = multiprocessing.Pipe()
-    link = Link(theirs)
+    link = OwnerLink(theirs)
     begin, began = time.monotonic(), time.thread_time()
     for _ in range(20000):
         link.send(RunEnded(None))

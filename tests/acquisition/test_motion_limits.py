@@ -24,7 +24,7 @@ def watch(integrations: int, limit: float, lowest_hz: float = 5.0) -> MotionWatc
 def highest(found: MotionWatch, values: np.ndarray, chunk: int = 50) -> float:
     for first in range(0, values.size, chunk):
         found(Chunk(first, values[None, first : first + chunk], np.zeros(1, dtype=bool)))
-    return found.used
+    return found.share_of_limit
 
 
 def burst(hz: float) -> np.ndarray:
@@ -64,7 +64,7 @@ def test_in_the_rise_it_is_foreseen_what_the_full_drive_will_do() -> None:
     values = burst(5.0)
     with pytest.raises(SafetyError, match="on the way beyond the abort limit"):
         highest(found, values)
-    assert found.used < 0.6
+    assert found.share_of_limit < 0.6
 
 
 def test_only_what_a_channel_does_not_measure_itself_is_integrated_and_the_stroke_only_at_the_shaker() -> None:

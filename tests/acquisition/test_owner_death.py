@@ -9,7 +9,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from modallab.acquisition.process.link import TIMEOUT_S
+from modallab.acquisition.process.owner_link import TIMEOUT_S
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.core.errors import BenchError
 from modallab.core.plan import SinePlan

@@ -87,7 +87,7 @@ def test_a_reader_beside_a_writer_that_overtakes_it_never_takes_torn_samples(rin
     ("channels", "rate_hz", "seconds"), [(11, 2000.0, 10.0), (64, 51200.0, 10.0), (512, 1e6, 10.0)]
 )
 def test_a_ring_lasts_as_long_as_asked_or_as_memory_allows(channels: int, rate_hz: float, seconds: float) -> None:
-    shape = RingBufferLayout.lasting(channels, rate_hz, np.dtype(np.float32), seconds)
+    shape = RingBufferLayout.of_duration(channels, rate_hz, np.dtype(np.float32), seconds)
     assert shape.sample_bytes <= 2**28
     assert shape.capacity <= seconds * rate_hz
     assert shape.capacity > seconds * rate_hz - CELL or shape.sample_bytes > 0.9 * 2**28

@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scripted_bench import ScriptedBench, Strike, scripted_rig
 
-from modallab.acquisition.process.ready import Order
+from modallab.acquisition.process.prepare_run import Order
 from modallab.acquisition.process.run import record, run_plan
 from modallab.bench.loader import open_bench
 from modallab.core.errors import BenchError, BenchTimeoutError, DeviceGoneError, SamplesLostError

@@ -5,7 +5,7 @@ import pytest
 from scripted_bench import SCALE, ScriptedBench, Strike, burst_volts, scripted_rig
 
 from modallab.acquisition.procedures.burst import burst_of
-from modallab.acquisition.process.ready import Order
+from modallab.acquisition.process.prepare_run import Order
 from modallab.acquisition.process.run import record
 from modallab.bench.protocol import Burst
 from modallab.core.errors import DeviceGoneError, SafetyError

@@ -12,7 +12,7 @@ from modallab.acquisition.procedures.broadband_wave import blocks_of_wave, layou
 from modallab.acquisition.procedures.driven_forces import drive_followed_by_each_force
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.process.run import record
-from modallab.bench.abilities import DrivesSeveralShakers
+from modallab.bench.capabilities import DrivesSeveralShakers
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import BenchInfo
 from modallab.core.errors import PlanError, SafetyError, UnsupportedError

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modallab.acquisition.monitor.run_states import AcceptBlock, Requests
-from modallab.acquisition.procedures.struck_point.check import FrfsSoFar
+from modallab.acquisition.procedures.struck_point.check import AccumulatedFrfs
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench
@@ -115,7 +115,7 @@ def test_by_reciprocity_a_point_that_has_a_sensor_is_known_before_it_is_struck()
     rng = np.random.default_rng(3)
     half = rng.standard_normal((4, 4, 50)) + 1j * rng.standard_normal((4, 4, 50))
     frf = half + half.transpose(1, 0, 2)
-    known = FrfsSoFar(sensed_at=(1, 2, 3, 4), alike=(0, 0, 0, 1))
+    known = AccumulatedFrfs(sensed_at=(1, 2, 3, 4), alike=(0, 0, 0, 1))
     known.keep("a", 1, frf[:, 0])
     known.keep("b", 2, frf[:, 1])
     away = known.distances(frf[:, 2])

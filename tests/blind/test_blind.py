@@ -9,7 +9,6 @@ import pytest
 import yaml
 from made_diagnosis import made_diagnosis
 
-from modallab.blind.answer import answer_trials, read_answers
 from modallab.blind.draw import NONE, PAIR, draw_trials
 from modallab.blind.outcome import BlindOutcome, summarise_trials
 from modallab.blind.page import render
@@ -17,6 +16,7 @@ from modallab.blind.request import BlindRequest
 from modallab.blind.run import blind_folder, run_blind_trials
 from modallab.blind.score import Trial
 from modallab.blind.seal import hash_of, open_truth, publish_hashes, seal_truth
+from modallab.blind.trial_answers import answer_trials, read_answers
 from modallab.cli import main
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect, catalogue

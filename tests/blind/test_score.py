@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from modallab.blind.score import Figure, Trial, reliability, score_trials
+from modallab.blind.score import Figure, Trial, probability_calibration, score_trials
 from modallab.core.diagnosis import Diagnosis
 
 MASS = {"effect": "added_mass", "family": "structure", "parameters": {"mass": 0.1}, "place": {"x": 0.5}}
@@ -93,6 +93,6 @@ def test_what_is_withheld_must_be_called_unknown() -> None:
 def test_probabilities_are_held_against_what_came_true() -> None:
     right = Trial("right", [MASS], said("known", found(MASS, 0.9), stage="structure"), 1.0)
     wrong = Trial("wrong", [GAIN], said("known", found(MASS, 0.9), stage="structure"), 1.0)
-    error, bins = reliability([right, wrong])
+    error, bins = probability_calibration([right, wrong])
     assert error == pytest.approx(0.4)
     assert [(b.value, b.count) for b in bins] == [(0.5, 2)]

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from modallab.cli.bench_mode.keys import KeyMap
-from modallab.cli.bench_mode.screen import LOOKS, big_letters, status_sentence
-from modallab.cli.bench_mode.session_state import SessionState
-from modallab.cli.bench_mode.tones import RATE_HZ, TONES, write_tone
+from modallab.cli.terminal_mode.keys import KeyMap
+from modallab.cli.terminal_mode.screen import LOOKS, big_letters, status_sentence
+from modallab.cli.terminal_mode.session_state import SessionState
+from modallab.cli.terminal_mode.tones import RATE_HZ, TONES, write_tone
 from modallab.core.documents.pages import EventView
 from modallab.core.errors import ConfigurationError
 from modallab.core.events import (

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from modallab.cli import main
-from modallab.service.records.users import Callers
+from modallab.service.records.users import ValidTokens
 from modallab.storage import Store
 
 
@@ -16,9 +16,9 @@ def data(tmp_path: Path) -> str:
     return str(tmp_path / "data")
 
 
-def callers(data: str) -> Callers:
+def callers(data: str) -> ValidTokens:
     with Store(Path(data)) as store:
-        return Callers(store.catalogue.engine, "the service's own")
+        return ValidTokens(store.catalogue.engine, "the service's own")
 
 
 def test_a_user_is_added_listed_and_revoked(data: str, capsys: pytest.CaptureFixture[str]) -> None:

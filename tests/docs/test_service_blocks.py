@@ -16,7 +16,7 @@ from modallab.core.documents.runs import RunRequest, Stop
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.formats import write_export
-from modallab.service.campaigns.begin import begin_run
+from modallab.service.campaigns.run_start import begin_run
 
 TUTORIAL = "docs/tutorial/rest-service.md"
 ADDRESS = "http://127.0.0.1:8000"

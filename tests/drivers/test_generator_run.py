@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.process.ready import Order
+from modallab.acquisition.process.prepare_run import Order
 from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
 from modallab.core.errors import OutputLostError

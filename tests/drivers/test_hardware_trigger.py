@@ -8,7 +8,7 @@ from ni_server import NiServer
 
 from modallab.acquisition.monitor.run_states import Requests
 from modallab.acquisition.process.run import record, run_plan
-from modallab.bench.abilities import ReferenceTrigger, TriggersInHardware
+from modallab.bench.capabilities import ReferenceTrigger, TriggersInHardware
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, Request
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, DeviceGoneError, PlanError

@@ -11,7 +11,7 @@ import pytest
 from ni_server import NiServer
 from stop_trace import RATE_HZ, Stop, seen
 
-from modallab.bench.abilities import PlaysWaves
+from modallab.bench.capabilities import PlaysWaves
 from modallab.bench.loader import open_bench, open_output
 from modallab.bench.protocol import Bench, Burst, Request, Waveform
 from modallab.bench.ramp_down import FALL_S, ramp_down_s, ramp_down_samples

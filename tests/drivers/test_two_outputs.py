@@ -11,7 +11,7 @@ from two_shakers import TIP, two_shakers
 
 from modallab.acquisition.procedures.broadband_wave import layout_of, waves_of
 from modallab.acquisition.process.run import record
-from modallab.bench.abilities import DrivesSeveralShakers
+from modallab.bench.capabilities import DrivesSeveralShakers
 from modallab.bench.loader import open_bench, open_output
 from modallab.bench.protocol import Bench, Burst, Request, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, SafetyError

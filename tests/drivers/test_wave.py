@@ -8,7 +8,7 @@ from ni_server import NiServer
 
 from modallab.acquisition.procedures.broadband_wave import layout_of, wave_of
 from modallab.acquisition.process.run import record
-from modallab.bench.abilities import PlaysWaves
+from modallab.bench.capabilities import PlaysWaves
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Request, Waveform
 from modallab.core.errors import ConfigurationError, UnsupportedError

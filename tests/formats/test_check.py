@@ -15,7 +15,7 @@ from modallab.core.array_checks import (
     identical_channels,
 )
 from modallab.core.errors import DataError
-from modallab.signals.faults.whole_channels import constant
+from modallab.signals.faults.whole_channels import constant_channels
 
 NAMES = ("force", "a01", "a02", "a03")
 PLACE = "hit.npy"
@@ -58,7 +58,7 @@ def test_a_dead_response_is_a_fault_with_its_value_and_no_reason_to_reject_the_r
 ) -> None:
     samples[2] = 0.25
     check_signals(samples, NAMES, PLACE, force="force")
-    assert [str(f) for f in constant(samples, NAMES, ())] == [
+    assert [str(f) for f in constant_channels(samples, NAMES, ())] == [
         "channel a02: dead, all values are 0.25, 256 samples from 0 s on"
     ]
 
@@ -72,10 +72,10 @@ def test_a_light_sensor_below_one_count_in_a_record_of_little_motion_is_not_dead
     counts = np.random.default_rng(2).integers(-1, 2, size=(4, 256)).astype(np.int16)
     counts[0] = 500 * np.sin(np.arange(256))
     counts[1] = 0
-    assert constant(counts.astype(np.float64), NAMES, ()) == ()
+    assert constant_channels(counts.astype(np.float64), NAMES, ()) == ()
     counts[2:] *= 20
     counts[2:] += np.random.default_rng(3).integers(-9, 9, size=(2, 256)).astype(np.int16)
-    assert [f.channel for f in constant(counts.astype(np.float64), NAMES, ())] == ["a01"]
+    assert [f.channel for f in constant_channels(counts.astype(np.float64), NAMES, ())] == ["a01"]
 
 
 def test_a_dead_force_is_an_error_in_any_record() -> None:

@@ -11,7 +11,7 @@ from modallab.core.rig import Channel, Point, Rig
 from modallab.frf.periodic_drive import without_decays
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.parts import with_repeatability_sigmas
-from modallab.pipelines.averaged import frf_of_drive, identify_drive
+from modallab.pipelines.averaged_frfs import frf_of_drive, identify_drive
 from modallab.signals.signals import Signals
 
 RATE_HZ, N, BLOCKS = 256.0, 256, 12

@@ -10,7 +10,7 @@ from modallab.core.effects import Effect
 from modallab.gap.conditioning.overtones import harmonics_in_record
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.model.fit import Problem, evaluated
-from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.force_place import place, placed_by_overtones
 from modallab.twin.effect_model import Acts
@@ -27,7 +27,7 @@ FRICTION = Effect(
 
 def bench(make: Callable[..., Campaign], *effects: Effect) -> Bench:
     prepared = prepare_campaign(make(*effects, tests=("sine",)))
-    return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
+    return problem_of_records(prepared, prepared.blocks, nuisances_of_campaign(prepared.campaign), lambda _: True)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from modallab.gap.conditioning.rows import ImpactData, Reduced
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import jacobian
-from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.along_beam import best_along_beam
 from modallab.twin.bench import Twin
 from modallab.twin.effects import model_of
@@ -26,7 +26,7 @@ def elsewhere() -> Fit:
     """The twin with a cubic spring at another place, as strong on the slowest mode, on hits of one where it is."""
     rig = link().model_copy(update={"tolerance": Tolerance.usual()})
     prepared = prepare_campaign(built(rig, tests=("impact",)))
-    bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
+    bench = problem_of_records(prepared, prepared.blocks, nuisances_of_campaign(prepared.campaign), lambda _: True)
     (candidate,) = model_of("cubic_spring").candidates(rig)
     problem = Problem(bench.data, bench.free, (candidate,))
     k3, x = candidate.slots

@@ -14,7 +14,7 @@ from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.fit import Fit, Problem, evaluated
-from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.revisions.apply import with_diagnosis
 from modallab.gap.search.beside_known import knows_element, linear_beside_known
 from modallab.gap.search.beside_stepped import linear_part
@@ -30,7 +30,9 @@ GAIN = Effect(effect="gain_error", parameters={"gain": 1.3}, place={"channel": 4
 def bench(make: Callable[..., Campaign], rig: Rig) -> Bench:
     revised = with_diagnosis(rig, made_diagnosis(rig, DRAG), date(2026, 5, 4))
     prepared = prepare_campaign(replace(make(DRAG, GAIN, tests=("sine",)), rig=revised))
-    return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda name: name == "gain_error")
+    return problem_of_records(
+        prepared, prepared.blocks, nuisances_of_campaign(prepared.campaign), lambda name: name == "gain_error"
+    )
 
 
 @pytest.fixture(scope="module")

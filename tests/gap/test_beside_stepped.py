@@ -12,7 +12,7 @@ from modallab.gap.conditioning.prepare import PreparedCampaign, prepare_campaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
-from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.beside_stepped import linear_beside_stepped, linear_fit, without_element
 from modallab.gap.search.fitting import Bench
 from modallab.twin.effects import model_of
@@ -31,7 +31,9 @@ def prepared(make: Callable[..., Campaign]) -> PreparedCampaign:
 
 
 def bench_with(prepared: PreparedCampaign, *allowed: str) -> Bench:
-    return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda name: name in allowed)
+    return problem_of_records(
+        prepared, prepared.blocks, nuisances_of_campaign(prepared.campaign), lambda name: name in allowed
+    )
 
 
 def fit_of(bench: Bench, effect: Effect) -> Fit:

@@ -116,7 +116,7 @@ def test_the_two_cheapest_campaigns_are_scored_and_not_scored_again(tmp_path: Pa
     scored(out, *cheapest, "--processes", "2")
     rows = read(out)
     assert {r["id"]: (r["verdict"], r["right"]) for r in rows} == dict.fromkeys(cheapest[1:], ("no_gap", "1"))
-    assert all(0 < float(r["seconds"]) < 60 and r["gap_before"] and r["commit"] and r["date"] for r in rows)
+    assert all(0 < float(r["seconds"]) < 60 and r["gap_without_effects"] and r["commit"] and r["date"] for r in rows)
     assert "2 rows, 0 campaigns left" in scored(out, *cheapest)
     assert read(out) == rows
 

@@ -12,7 +12,7 @@ from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.model.candidates import channel_candidates
 from modallab.gap.model.fit import Problem, evaluated
-from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.fitting import finish, short_fit
 from modallab.gap.unknown.fitted import element
 
@@ -25,7 +25,7 @@ def test_a_mount_with_too_much_damping_becomes_a_resonance_again(
 ) -> None:
     mount = Effect(effect="loose_mount", parameters={"hz": 382.0, "zeta": 0.075}, place={"channel": 6})
     prepared = prepare_campaign(make(mount, tests=("impact",)))
-    bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
+    bench = problem_of_records(prepared, prepared.blocks, nuisances_of_campaign(prepared.campaign), lambda _: True)
     (candidate,) = (c for c in channel_candidates(rig, 6) if c.effect == "loose_mount")
     own = [slot.coordinate(value) for slot, value in zip(candidate.slots, (hz, 0.399), strict=True)]
     begun = short_fit(bench, (candidate,), np.array([*np.zeros(bench.free.size), *own]), 0.1)
@@ -38,7 +38,7 @@ def test_a_beam_pressed_beyond_its_buckling_load_is_a_bad_fit_and_no_failure(
     rig: Rig, make: Callable[..., Campaign]
 ) -> None:
     prepared = prepare_campaign(make())
-    bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
+    bench = problem_of_records(prepared, prepared.blocks, nuisances_of_campaign(prepared.campaign), lambda _: True)
     law = element(bench, "beam_law", ("tension",), AllAlongBeam(), 1.0)
     problem, beam = Problem(bench.thin, bench.free, (law,)), rig.beam
     assert beam is not None

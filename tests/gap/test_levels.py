@@ -7,7 +7,7 @@ from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.model.fit import Problem, evaluated
 from modallab.gap.model.nuisances import nuisances
-from modallab.gap.report.initial_gap import TOP_HZ, bench_of
+from modallab.gap.report.initial_gap import TOP_HZ, problem_of_records
 from modallab.gap.report.levels import levels_differ
 
 CUBIC = Effect(effect="cubic_spring", parameters={"k3": 3e9}, place={"x": 0.6})
@@ -18,7 +18,7 @@ MASS = Effect(effect="added_mass", parameters={"mass": 0.02}, place={"x": 0.7})
 def as_the_rig_says(rig, make, *effects):
     prepared = prepare_campaign(make(*effects, tests=("sine",)))
     free = nuisances(rig, TOP_HZ)
-    bench = bench_of(prepared, prepared.blocks, free, lambda _: True)
+    bench = problem_of_records(prepared, prepared.blocks, free, lambda _: True)
     return evaluated(Problem(bench.data, free, ()), np.zeros(free.size))
 
 
@@ -31,5 +31,5 @@ def test_levels_disagree_where_a_spring_hardens_and_not_where_a_mass_is_added(ri
 def test_without_sines_no_level_can_disagree(rig, make):
     prepared = prepare_campaign(make(CUBIC, tests=("impact",)))
     free = nuisances(rig, TOP_HZ)
-    bench = bench_of(prepared, prepared.blocks, free, lambda _: True)
+    bench = problem_of_records(prepared, prepared.blocks, free, lambda _: True)
     assert not levels_differ(evaluated(Problem(bench.data, free, ()), np.zeros(free.size)))

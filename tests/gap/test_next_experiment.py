@@ -66,9 +66,9 @@ def test_what_is_expected_is_what_the_records_then_say(struck_off: Campaign, at_
     planning = ExperimentPlanner.of(at_its_point, unsure)
     there = ExperimentPlanner.of(of_sensors(struck_off, (6,), hits=(6, 3)), unsure)
     off, sensor = (r.fit.cost for r in there.rivals.listed)
-    planned = next(p for p in planning.prospects() if p.option.name == "hits at 3")
+    planned = next(p for p in planning.ranked_by_slopes() if p.option.name == "hits at 3")
     # Two hits were made, and four of five that are planned are fitted.
-    expected = planning.looked_at(planned).outlook.ratio[0, 1] / 2
+    expected = planning.ranked_by_full_fits(planned).outlook.ratio[0, 1] / 2
     assert (sensor - off) / 2 == pytest.approx(expected, rel=0.5)
     assert expected > 100
 

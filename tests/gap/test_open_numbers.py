@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from made_diagnosis import made_diagnosis
 
-from modallab.core.diagnosis import Found
+from modallab.core.diagnosis import FoundEffect
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.search.intervals import NO_ORDER, NO_PLACE, NO_SHARE, NOT_FELT, UNFELT, interval, not_known
@@ -46,7 +46,7 @@ def test_a_share_stays_a_share() -> None:
     assert 0 <= low < high <= 1
 
 
-def opened(rig: Rig) -> Found:
+def opened(rig: Rig) -> FoundEffect:
     spring = Effect(effect="cubic_spring", parameters={"k3": 6.6e7}, place={"x": 0.8, "x_m": 0.6})
     (found,) = made_diagnosis(rig, spring).effects
     return found.model_copy(update={"interval": {"k3": None, "x": None}, "not_known": {"k3": NO_ORDER, "x": NO_PLACE}})
@@ -68,4 +68,4 @@ def test_the_document_says_null_and_why(rig: Rig) -> None:
     document = opened(rig).model_dump(mode="json")
     assert document["interval"] == {"k3": None, "x": None}
     assert document["not_known"] == {"k3": NO_ORDER, "x": NO_PLACE}
-    assert Found.model_validate(document) == opened(rig)
+    assert FoundEffect.model_validate(document) == opened(rig)

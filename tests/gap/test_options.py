@@ -65,8 +65,8 @@ def test_sines_move_no_sensor_beyond_the_limit_of_acceleration(make: Callable[..
     seen = of_sensors(make(STRUCK_OFF, tests=("impact",)), (6,), hits=(6,))
     rig = rig_of_sensors(limited, (6,))
     planning = ExperimentPlanner.of(Campaign(rig, seen.blocks), remaining_explanations(rig, STRUCK_OFF, SENSOR_OFF))
-    sines = next(p for p in planning.prospects() if p.option.name == "sines")
-    data = sines.layout.answered(planning.rivals.listed[0].fit.problem.twin(planning.rivals.listed[0].fit.u)).sines
+    sines = next(p for p in planning.ranked_by_slopes() if p.option.name == "sines")
+    data = sines.layout.predicted_by(planning.rivals.listed[0].fit.problem.twin(planning.rivals.listed[0].fit.u)).sines
     assert data is not None
     largest = np.max(np.abs(data.rows.y.reshape(1, *data.source.lines.shape)) * np.abs(data.source.force)[:, None])
     assert 0.1 * LIMITS.acceleration_m_s2 < largest <= 1.001 * MOST_OF_LIMIT * LIMITS.acceleration_m_s2

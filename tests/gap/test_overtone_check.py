@@ -11,7 +11,7 @@ from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.reduce import reduce_blocks
 from modallab.gap.model.fit import Fit, Problem
-from modallab.gap.report.initial_gap import free_of, weights_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, weights_of
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.twin.effects import model_of
 
@@ -23,7 +23,10 @@ def test_a_drag_makes_the_overtones_that_were_measured_and_one_of_another_size_d
     make: Callable[..., Campaign], c2_total: float, closed: tuple[float, float]
 ) -> None:
     prepared = prepare_campaign(make(DRAG, tests=("sine",)))
-    data, free = reduce_blocks(prepared.campaign, prepared.blocks, weights_of(prepared)), free_of(prepared.campaign)
+    data, free = (
+        reduce_blocks(prepared.campaign, prepared.blocks, weights_of(prepared)),
+        nuisances_of_campaign(prepared.campaign),
+    )
     assert data.sines is not None
     data = replace(data, sines=replace(data.sines, pieces=data.sines.pieces[-4:]))
     candidate = model_of("air_drag").candidates(data.rig)[0]

@@ -13,9 +13,9 @@ from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
-from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import unexplained
-from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.model.residual_shares import unexplained
+from modallab.gap.model.twin_of_fit import twin_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.choose import choose, effect_names
 from modallab.gap.search.few_blocks import compared_sines
 from modallab.gap.search.fitting import Bench, within_tolerances
@@ -36,7 +36,9 @@ CRACK = Effect(effect="breathing_crack", parameters={"EI_loss_open": LOSS}, plac
 def cracked(make: Callable[..., Campaign]) -> tuple[Bench, PreparedCampaign]:
     campaign = make(CRACK, tests=("sine",))
     prepared = prepare_campaign(replace(campaign, blocks=campaign.blocks[::4]))
-    return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True), prepared
+    return problem_of_records(
+        prepared, prepared.blocks, nuisances_of_campaign(prepared.campaign), lambda _: True
+    ), prepared
 
 
 def fitted(on: Bench, loss: float, width: float = WIDTH) -> Fit:

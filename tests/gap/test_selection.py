@@ -10,7 +10,7 @@ from modallab.core.rig import Tolerance
 from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.inference.select import StepwiseSelection
-from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.choose import choose
 from modallab.gap.search.clock import clock_error_visible, fit_with_clock
 from modallab.gap.search.consequence import without_inconsequential
@@ -24,7 +24,9 @@ def assembled(rig, make, *effects, allowed=None, **more) -> Bench:
     """A bench whose rig file states a lab's usual tolerances; its first look at the data is all of the data."""
     names = {e.effect for e in effects} if allowed is None else allowed
     prepared = prepare_campaign(replace(make(*effects, **more), rig=rig.model_copy(update={"tolerance": USUAL})))
-    whole = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda name: name in names)
+    whole = problem_of_records(
+        prepared, prepared.blocks, nuisances_of_campaign(prepared.campaign), lambda name: name in names
+    )
     return replace(whole, data=whole.thin)
 
 

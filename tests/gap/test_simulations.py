@@ -19,12 +19,12 @@ from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.prediction import read_prediction, write_prediction
 from modallab.formats.rig.rig_file import write_rig
 from modallab.gap.design.prediction import predict_records, with_records
-from modallab.gap.exported.chain import chain_of_structure
-from modallab.gap.exported.forms import FORMS, FormError, measure_form, write_form
-from modallab.gap.exported.mjcf import write_mjcf
-from modallab.gap.exported.mujoco_run import mujoco_simulation
-from modallab.gap.exported.state_space import state_space
-from modallab.gap.exported.state_space_file import read_state_space
+from modallab.gap.export.chain import chain_of_structure
+from modallab.gap.export.forms import FORMS, FormError, measure_form, write_form
+from modallab.gap.export.mjcf import write_mjcf
+from modallab.gap.export.mujoco_run import mujoco_simulation
+from modallab.gap.export.state_space import state_space
+from modallab.gap.export.state_space_file import read_state_space
 from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.simulations.compare import (
     SimulationComparison,

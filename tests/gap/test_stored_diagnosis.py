@@ -1,6 +1,6 @@
 """A diagnosis that an earlier version wrote is read."""
 
-from modallab.core.diagnosis import CandidateSet, Diagnosis, Gap, Shrinkage, TwinParameters, Where
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Gap, GapLocation, Shrinkage, TwinParameters
 
 
 def test_a_diagnosis_of_version_1_is_read() -> None:
@@ -12,7 +12,7 @@ def test_a_diagnosis_of_version_1_is_read() -> None:
         rig="link",
         verdict="no_gap",
         gap=gap,
-        where=Where(stage=None, channels=[], x_m=None, tests=[], bands=[], share=0.0, why=[]),
+        where=GapLocation(stage=None, channels=[], x_m=None, tests=[], bands=[], share=0.0, why=[]),
         effects=[],
         candidates=[CandidateSet(effects=["polarity"], probability=0.1, gap=2.0)],
         shrink=Shrinkage(held_out=[], before=2.0, after=1.0, closed=None, interval=None, rival={}),

@@ -15,8 +15,8 @@ from modallab.jobs.job import Kind
 from modallab.jobs.leases import Leases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
 from modallab.service.api.rigs import state_of
-from modallab.service.campaigns.begin import begin_run
 from modallab.service.campaigns.queueing import queue_run
+from modallab.service.campaigns.run_start import begin_run
 from modallab.service.jobs.campaign_jobs import order_job
 from modallab.service.records.users import Users
 from modallab.storage.engine import name_database

@@ -19,7 +19,7 @@ from modallab.core.settings import Settings
 from modallab.jobs import Jobs
 from modallab.service.api.app import create_app
 from modallab.service.context import Service, open_service
-from modallab.service.jobs.background import AfterRun
+from modallab.service.jobs.background import IdentificationAfterRun
 from modallab.service.process.connections import bound_socket
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import RigLeases
@@ -41,7 +41,7 @@ class Lab:
         self.store = Store(folder)
         engine = self.store.catalogue.engine
         run_log = self.run_log = RunLog(self.store, EventLog(engine, self._new_events))
-        after = AfterRun(self.store, Jobs(engine))
+        after = IdentificationAfterRun(self.store, Jobs(engine))
         # On a busy machine the rig's process takes minutes to open its bench.
         self.controller = RigController(ServedRig(RIG, rig, url, folder), run_log, after, begin_s=240.0)
         self.controllers = RigControllers([self.controller], RigLeases(engine, boot))

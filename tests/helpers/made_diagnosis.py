@@ -1,6 +1,6 @@
 """A diagnosis as a document, without a search."""
 
-from modallab.core.diagnosis import Diagnosis, Found, Gap, Shrinkage, TwinParameters, Verdict, Where
+from modallab.core.diagnosis import Diagnosis, FoundEffect, Gap, GapLocation, Shrinkage, TwinParameters, Verdict
 from modallab.core.effects import Effect, kind_of
 from modallab.core.places import AlongBeam
 from modallab.core.rig import Rig
@@ -15,7 +15,7 @@ def made_diagnosis(rig: Rig, *effects: Effect, verdict: Verdict = "known", proba
         after_by_channel={}, by_band={}, by_mode={}, by_order={}, poles_hz=[],
     )  # fmt: skip
     found = [
-        Found(
+        FoundEffect(
             effect=e.effect,
             stage=kind_of(e.effect).stage,
             probability=probability,
@@ -31,7 +31,7 @@ def made_diagnosis(rig: Rig, *effects: Effect, verdict: Verdict = "known", proba
         rig=rig.name,
         verdict=verdict,
         gap=gap,
-        where=Where(stage=stage, channels=[], x_m=x, tests=["impact"], bands=[], share=1.0, why=[]),
+        where=GapLocation(stage=stage, channels=[], x_m=x, tests=["impact"], bands=[], share=1.0, why=[]),
         effects=found,
         candidates=[],
         shrink=Shrinkage(

@@ -9,7 +9,7 @@ from scipy.signal import chirp
 
 from modallab.core.block import Campaign
 from modallab.identification.options import IdentificationOptions
-from modallab.pipelines.averaged import TOO_FEW
+from modallab.pipelines.averaged_frfs import TOO_FEW
 from modallab.pipelines.identify import identify_campaign
 
 RATE, SWEEP_S, FINER = 1000.0, 16.0, 4

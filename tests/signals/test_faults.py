@@ -15,7 +15,7 @@ from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.identification.options import IdentificationOptions
 from modallab.pipelines.identify import identify_campaign
-from modallab.pipelines.sound import undamaged_records
+from modallab.pipelines.undamaged_records import undamaged_records
 from modallab.signals.faults.all_faults import faults_of
 from modallab.signals.faults.repeats import Fault
 from modallab.signals.faults.whole_channels import LOWEST_LINE

@@ -15,7 +15,7 @@ from modallab.gap.model.candidates import beam_candidates
 from modallab.twin.effects import model_of
 from modallab_simulators.cantilever.blind_trials import draw_effect
 from modallab_simulators.cantilever.effects import kinds
-from modallab_simulators.cantilever.injected import read_effect
+from modallab_simulators.cantilever.injected_effects import read_effect
 from modallab_simulators.cantilever.trial import make_trial
 
 RIVALS = (NAME, "ground_spring", "added_mass", "stiffness_loss", "clamp_rotation")

@@ -7,9 +7,9 @@ from modallab.cli.demo import demo_rig
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab_simulators.cantilever.address import Settings, parse
-from modallab_simulators.cantilever.altered import DRIFT_S, AlteredBench
+from modallab_simulators.cantilever.altered_bench import DRIFT_S, AlteredBench
 from modallab_simulators.cantilever.loads import Drive
-from modallab_simulators.cantilever.stream import Site
+from modallab_simulators.cantilever.stream import BenchAtOneRate
 from modallab_simulators.cantilever.truth import MOST, NOISE, as_built, draw_truth
 
 
@@ -59,7 +59,7 @@ def test_the_beam_goes_on_moving_as_it_did_while_its_stiffness_drifts(rig: Rig, 
     tolerance = Tolerance.usual().model_copy(update={"stiffness_drift": 0.01, "damper_n_s_per_m": damper})
     stated = rig.model_copy(update={"tolerance": tolerance})
     settings = parse("sim://cantilever?seed=1&tolerances=stated&effect=added_mass,mass=0.05,x=0.8")
-    site = Site(draw_truth(settings, stated), stated, "sine", 1000.0)
+    site = BenchAtOneRate(draw_truth(settings, stated), stated, "sine", 1000.0)
     force = Drive(0.31, np.sin(0.2 * np.arange(site.structure.times(0)[1])))
     _, state = site.structure.advance(site.structure.at_rest, [force])
     for share in np.linspace(0.1, 1.0, 10):

@@ -13,7 +13,7 @@ from modallab.core.errors import ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever import open_bench
 from modallab_simulators.cantilever.recursion import DELAY
-from modallab_simulators.cantilever.shaker import Emission
+from modallab_simulators.cantilever.shaker import BurstOutput
 
 Running = Callable[..., Bench]
 
@@ -23,7 +23,7 @@ NOISE_N = 0.0003 / 0.5
 
 
 def test_a_burst_is_a_tapered_sine_and_exactly_zero_outside():
-    emission = Emission(BURST, 1.0, 0.0)
+    emission = BurstOutput(BURST, 1.0, 0.0)
     times = np.arange(0.9, 2.6, 1e-4)
     volts = emission.volts(times)
     assert not volts[(times <= 1.0) | (times >= 2.4)].any()
@@ -34,11 +34,11 @@ def test_a_burst_is_a_tapered_sine_and_exactly_zero_outside():
 
 
 def test_a_cut_burst_is_gone_within_the_amplifiers_fall():
-    emission = Emission(BURST, 1.0, 0.0).cut(1.5)
+    emission = BurstOutput(BURST, 1.0, 0.0).cut(1.5)
     times = np.arange(0.9, 2.6, 1e-4)
     volts = emission.volts(times)
     assert not volts[times >= 1.5 + 0.032].any()
-    np.testing.assert_array_equal(volts[times <= 1.5], Emission(BURST, 1.0, 0.0).volts(times)[times <= 1.5])
+    np.testing.assert_array_equal(volts[times <= 1.5], BurstOutput(BURST, 1.0, 0.0).volts(times)[times <= 1.5])
     assert emission.cut(1.6) == emission
 
 

@@ -9,14 +9,14 @@ from scipy.optimize import brentq
 from modallab.bench.protocol import Burst
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import ChainChanges
+from modallab_simulators.cantilever.altered_bench import ChainChanges
 from modallab_simulators.cantilever.assembled import RotaryModes
 from modallab_simulators.cantilever.attached import SUMMED, AttachedModes, Attachment
-from modallab_simulators.cantilever.basis import FewModes, ModalBasis
+from modallab_simulators.cantilever.basis import ModalBasis, TruncatedBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.chain import Chain
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.shaker import Emission
+from modallab_simulators.cantilever.shaker import BurstOutput
 
 BEAM = CantileverBeam(0.8, 60.0, 1.6, np.inf)
 
@@ -90,7 +90,7 @@ def test_a_mass_on_a_beam_with_rotary_inertia_lowers_what_rayleighs_quotient_say
 
 
 def test_a_beam_of_few_modes_answers_with_these_only():
-    basis = FewModes(ModalBasis(BEAM, BEAM.omega(6), np.full(6, 0.005)), 9)
+    basis = TruncatedBasis(ModalBasis(BEAM, BEAM.omega(6), np.full(6, 0.005)), 9)
     x = np.array([0.1, 0.45, 0.8])
     phi, load, omega = BEAM.shapes(x, 9), BEAM.shapes(np.array([0.3]), 9)[0], BEAM.omega(9)
     expected = phi[:, 6:] @ (load[6:] / omega[6:] ** 2)
@@ -102,7 +102,7 @@ def test_a_beam_of_few_modes_answers_with_these_only():
 def test_a_straight_ramp_rises_and_falls_evenly():
     times = np.linspace(0, 4, 4001)
     burst = Burst(10.0, 2.0, 1.0, 2.0)
-    volts = Emission(burst, 0.0, 0.0, straight=True).volts(times)
+    volts = BurstOutput(burst, 0.0, 0.0, straight=True).volts(times)
     envelope = np.minimum(1.0, np.minimum(times, 4.0 - times))
     np.testing.assert_allclose(volts, 2.0 * envelope * np.sin(20 * np.pi * times), atol=1e-9)
 

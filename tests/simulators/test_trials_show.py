@@ -12,9 +12,9 @@ from modallab.gap.conditioning.prepare import prepare_campaign
 from modallab.gap.conditioning.reduce import reduce_blocks, thin_lines
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.nuisances import nuisances
-from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.report.effect_inspection import inspect_effects
-from modallab.gap.report.initial_gap import free_of, weights_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, weights_of
 from modallab.gap.report.measure import squared_residuals
 from modallab.gap.search.fitting import Bench
 from modallab_simulators.cantilever.trial import HITS, LAST_ORDER, LEVELS_N, make_trial
@@ -94,7 +94,9 @@ def test_what_a_shaking_floor_adds_is_as_large_as_stated_in_both_tests(link: Rig
     # Below the resonances it rises as it falls: it is no noise of the converter that rises to low frequencies.
     assert prepared.rising_v2 < 1e-6
     data = reduce_blocks(prepared.campaign, prepared.blocks, weights_of(prepared))
-    bench = Bench(data, thin_lines(data, prepared.poles), free_of(prepared.campaign), prepared.poles, lambda _: True)
+    bench = Bench(
+        data, thin_lines(data, prepared.poles), nuisances_of_campaign(prepared.campaign), prepared.poles, lambda _: True
+    )
     left = squared_residuals(twin_of(baseline(bench), data), data)
     by_test = left.by(left.tests)
     assert 0.9 < by_test["sine"] < 1.15

@@ -13,7 +13,7 @@ COLUMNS = (
     *("id", "set", "kind", "seen", "engine", "date", "commit", "seconds", "verdict", "true", "said", "right"),
     *("in_three", "stage_right", "channel_right", "place_right", "claims_right", "number_error", "held"),
     *("probabilities", "numbers", "intervals", "places", "stage", "x_m", "channels", "candidates"),
-    *("gap_before", "gap_after", "held_out_before", "held_out_after", "closed", "error"),
+    *("gap_without_effects", "gap_after", "held_out_before", "held_out_after", "closed", "error"),
 )
 Row = dict[str, Any]
 

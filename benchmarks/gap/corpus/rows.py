@@ -11,7 +11,7 @@ from corpus.campaigns import Entry, kind_of_truth
 from corpus.made import Made
 from corpus.results import Row
 from modallab.blind.score import SURE, Trial, parameter_errors, score_trials
-from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.diagnosis import Diagnosis, FoundEffect
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 
 FIGURES = {
@@ -39,11 +39,11 @@ def row_of(entry: Entry, made: Made, said: Diagnosis | ModalDiagnosis, seconds: 
     return row | (_of_beam(entry, made, said, seconds) if beam else _of_structure(entry, made, said, seconds))
 
 
-def _joined(effects: list[Found] | list[FoundChange]) -> str:
+def _joined(effects: list[FoundEffect] | list[FoundChange]) -> str:
     return "+".join(sorted(f.effect for f in effects))
 
 
-def _effects(effects: list[Found] | list[FoundChange]) -> Row:
+def _effects(effects: list[FoundEffect] | list[FoundChange]) -> Row:
     columns = {"probabilities": "probability", "numbers": "parameters", "intervals": "interval", "places": "place"}
     return {
         name: json.dumps({f.effect: f.model_dump(mode="json")[of] for f in effects}) for name, of in columns.items()
@@ -62,7 +62,7 @@ def _of_beam(entry: Entry, made: Made, said: Diagnosis, seconds: float) -> Row:
         "stage": said.where.stage or "",
         "x_m": "" if said.where.x_m is None else said.where.x_m,
         "channels": "+".join(said.where.channels),
-        "gap_before": said.gap.before,
+        "gap_without_effects": said.gap.before,
         "gap_after": said.gap.after,
         "held_out_before": said.shrink.before,
         "held_out_after": said.shrink.after,
@@ -76,7 +76,7 @@ def _of_structure(entry: Entry, made: Made, said: ModalDiagnosis, seconds: float
     bench = entry.how.partition(" ")[0]
     mark = judged({"bench": bench, "truth": truth, "said": said.model_dump(mode="json"), "seconds": seconds})
     claims = [f.effect == truth["effect"] for f in said.effects if f.probability > SURE]
-    row: Row = {"right": int(mark["right"]), "gap_before": said.before, "gap_after": said.after}
+    row: Row = {"right": int(mark["right"]), "gap_without_effects": said.before, "gap_after": said.after}
     if made.effects and claims:
         row["claims_right"] = int(all(claims))
     if "error" in mark:

@@ -47,7 +47,7 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
-class Language:
+class CommandLanguage:
     """One dialect.
 
     Attributes:
@@ -122,19 +122,19 @@ def _constants(source: str) -> dict[Name, str]:
     }  # fmt: skip
 
 
-LANGUAGES: dict[str, Language] = {
-    "keysight-33500": Language(
+LANGUAGES: dict[str, CommandLanguage] = {
+    "keysight-33500": CommandLanguage(
         ("Agilent", "Keysight"), ("335", "336"), _plain("SOUR1:", "OUTP1", "TRIG1:SOUR"), _constants("BUS"),
     ),
-    "keysight-33210": Language(
+    "keysight-33210": CommandLanguage(
         ("Agilent", "Keysight"), ("33210", "33220", "33250"), _plain("", "OUTP", "TRIG:SOUR"), _constants("BUS"),
         lowest_vpp=0.02,
     ),
-    "rigol-dg1000": Language(
+    "rigol-dg1000": CommandLanguage(
         ("Rigol",), ("DG10", "DG8", "DG9"), _plain(":SOUR1:", ":OUTP1", ":SOUR1:BURS:TRIG:SOUR"), _constants("MAN"),
         trigger=":SOUR1:BURS:TRIG",
     ),
-    "siglent-sdg": Language(
+    "siglent-sdg": CommandLanguage(
         ("Siglent",), ("SDG",), _siglent(),
         {"load": "HZ", "burst": "ON", "function": "SINE", "mode": "NCYC", "source": "MAN", "phase": "0", "offset": "0"},
         trigger="C1:BTWV MTRIG", lowest_vpp=0.004, errors="",

@@ -11,7 +11,7 @@ from modallab.core.hardware import Excitation
 from modallab.core.rig import Rig
 from modallab_drivers.function_generator.dialects import LANGUAGES, Name
 from modallab_drivers.function_generator.instrument import AMPLIFIER_OFF, Instrument
-from modallab_drivers.function_generator.line import Line, number
+from modallab_drivers.function_generator.line import InstrumentLine, number
 
 STEP_S = 0.03
 """Between two steps of the amplitude while it rises or falls."""
@@ -47,7 +47,7 @@ def open_generator(rig: Rig) -> "Generator":
             where=f"rig {rig.name}",
             remedy="correct this field of the rig file",
         )
-    return Generator(Line(excitation.output, excitation.baud), excitation.dialect)
+    return Generator(InstrumentLine(excitation.output, excitation.baud), excitation.dialect)
 
 
 def emergency_off(excitation: Excitation) -> None:
@@ -65,7 +65,7 @@ def emergency_off(excitation: Excitation) -> None:
 
 
 def _bring_down(address: str, baud: int, dialect: str) -> None:
-    line = Line(address, baud)
+    line = InstrumentLine(address, baud)
     try:
         for tries_left in reversed(range(EMERGENCY_TRIES)):
             try:
@@ -87,7 +87,7 @@ class Generator:
     changes at the front panel ends the burst. At its end the output is switched off.
     """
 
-    def __init__(self, line: Line, dialect: str) -> None:
+    def __init__(self, line: InstrumentLine, dialect: str) -> None:
         """Check who answers, switch the output off, and set what never changes."""
         self._line, self._instrument = line, Instrument(line, dialect)
         self._language = self._instrument.language

@@ -6,7 +6,7 @@ from contextlib import suppress
 
 from modallab.core.errors import ConfigurationError, DeviceGoneError
 from modallab_drivers.function_generator.dialects import DANGEROUS, LANGUAGES, Name
-from modallab_drivers.function_generator.line import Line, agrees, number
+from modallab_drivers.function_generator.line import InstrumentLine, number, value_matches
 
 AMPLIFIER_OFF = "switch the shaker's amplifier off by hand now: nothing else can end the output"
 
@@ -33,7 +33,7 @@ class Instrument:
         taken: what was read back, as the instrument wrote it, by name.
     """
 
-    def __init__(self, line: Line, dialect: str) -> None:
+    def __init__(self, line: InstrumentLine, dialect: str) -> None:
         self.line, self.language = line, LANGUAGES[dialect]
         self.taken: dict[Name, str] = {}
         self._wanted: dict[Name, float | str] = {}
@@ -159,7 +159,7 @@ class Instrument:
     def _is_off(self) -> bool:
         # An answer is awaited: a line that is closed, or an error that is raised, must not overtake what was sent.
         try:
-            return agrees("output", "OFF", self.language.settings["output"].read(self._ask("output")))
+            return value_matches("output", "OFF", self.language.settings["output"].read(self._ask("output")))
         except (ValueError, ConfigurationError):
             return False
 
@@ -196,7 +196,7 @@ class Instrument:
             known[setting.ask] = self._ask(name)
         try:
             found = self.taken[name] = setting.read(known[setting.ask])
-            return found, agrees(name, self._wanted[name], found)
+            return found, value_matches(name, self._wanted[name], found)
         except ValueError as error:
             return str(error), False
 

@@ -57,7 +57,7 @@ def number(text: str) -> float:
     return inf if value >= INFINITE_OHM else value
 
 
-def agrees(name: str, wanted: float | str, found: str) -> bool:
+def value_matches(name: str, wanted: float | str, found: str) -> bool:
     """Whether what is read back is what was set, within the stated tolerance of a number.
 
     Raises:
@@ -79,7 +79,7 @@ SPENT_S = 0.02
 _REMEDY = "check cable, address or port, baud rate and the instrument's remote setting"
 
 
-class Line:
+class InstrumentLine:
     """One open way to an instrument.
 
     An instrument answers in order. So after an answer that did not come in time it is asked who it is, which nothing

@@ -4,7 +4,7 @@
 such an address is opened.
 """
 
-from modallab.bench.protocol import Bench, Found, OutputHandle
+from modallab.bench.protocol import Bench, FoundDevice, OutputHandle
 from modallab.core.errors import BenchError
 from modallab.core.rig import Rig
 
@@ -33,7 +33,7 @@ def open_output(url: str, rig: Rig) -> OutputHandle:
     return SecondHandle(url, rig)
 
 
-def find_devices(address: str) -> list[Found]:
+def find_devices(address: str) -> list[FoundDevice]:
     """NI devices of this machine, or of the server at an address.
 
     Raises:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.abilities import ReferenceTrigger, SyncState
+from modallab.bench.capabilities import ReferenceTrigger, SyncState
 from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.core.rig import Rig
@@ -123,7 +123,7 @@ class NiBench:
                 piece = self._shaker.up_to_event(self._position, left)
                 pieces.append(self._inputs.read(piece, timeout_s))
                 self._position += pieces[-1].shape[1]
-                self._shaker.look_after(self._position)
+                self._shaker.check_output(self._position)
             samples = pieces[0] if len(pieces) == 1 else np.concatenate(pieces, axis=1)
             self._inputs.require_sensors()
             return Chunk(first, samples, self._at_full_scale(samples) | self._inputs.overloaded())

@@ -11,7 +11,7 @@ from nidaqmx.constants import AcquisitionType, Slope, TaskMode
 from nidaqmx.stream_readers import AnalogMultiChannelReader
 from numpy.typing import NDArray
 
-from modallab.bench.abilities import ReferenceTrigger
+from modallab.bench.capabilities import ReferenceTrigger
 from modallab.core.errors import BenchError
 from modallab.core.units import Test
 from modallab_drivers.ni_daqmx.channels import add_channel

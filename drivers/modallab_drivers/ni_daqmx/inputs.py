@@ -9,7 +9,7 @@ import nidaqmx.errors
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.abilities import ReferenceTrigger, SyncState
+from modallab.bench.capabilities import ReferenceTrigger, SyncState
 from modallab.core.errors import BenchError, BenchTimeoutError, ConfigurationError
 from modallab.core.hardware import Synchronisation
 from modallab.core.units import Test

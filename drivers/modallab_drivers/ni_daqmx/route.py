@@ -13,7 +13,7 @@ import nidaqmx
 import nidaqmx.errors
 from nidaqmx.system import Device, PhysicalChannel, System
 
-from modallab.bench.protocol import Found
+from modallab.bench.protocol import FoundDevice
 from modallab.core.errors import ConfigurationError, DeviceBusyError
 from modallab_drivers.ni_daqmx.errors import typed_errors
 
@@ -238,7 +238,7 @@ def retry_while_reserved(call: Callable[[], T], wait_s: float | None = None) -> 
     return call()
 
 
-def found_devices(url: str) -> list[Found]:
+def found_devices(url: str) -> list[FoundDevice]:
     """Every device of a system, with its address.
 
     Raises:
@@ -255,7 +255,7 @@ def found_devices(url: str) -> list[Found]:
             found = [(name, route.describe(name)) for name in names]
     finally:
         route.close()
-    return [Found(f"{base}{name}{query}", _said(device)) for name, device in found]
+    return [FoundDevice(f"{base}{name}{query}", _said(device)) for name, device in found]
 
 
 def _supplies(device: Any) -> tuple[float, ...]:

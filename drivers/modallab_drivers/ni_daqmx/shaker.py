@@ -144,7 +144,7 @@ class Shaker:
         event = self._output.next_event() if self._output is not None else None
         return count if event is None else max(1, min(count, event - now))
 
-    def look_after(self, now: int) -> None:
+    def check_output(self, now: int) -> None:
         """Between pieces of what is read."""
         self._guards.beat()
         if self._output is not None:

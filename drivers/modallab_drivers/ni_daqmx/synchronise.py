@@ -16,7 +16,7 @@ from typing import Any
 import nidaqmx.errors
 from nidaqmx.constants import TaskMode
 
-from modallab.bench.abilities import ReferenceTrigger
+from modallab.bench.capabilities import ReferenceTrigger
 from modallab.core.errors import BenchError, ConfigurationError
 from modallab.core.hardware import Synchronisation
 from modallab.core.units import Test

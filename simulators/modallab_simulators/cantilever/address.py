@@ -9,7 +9,7 @@ from urllib.parse import parse_qsl, urlsplit
 from modallab.core.effects import Effect
 from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever.hammer import PEAK_N, REACTION_S
-from modallab_simulators.cantilever.injected import read_effect
+from modallab_simulators.cantilever.injected_effects import read_effect
 
 MAX_ZETA = 0.2
 TOLERANCES = ("none", "usual", "stated")

@@ -13,7 +13,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.quadrature import gauss_legendre
 from modallab.core.units import Test
-from modallab_simulators.cantilever.altered import Element, StructureChanges
+from modallab_simulators.cantilever.altered_bench import Element, StructureChanges
 from modallab_simulators.cantilever.attached import SUMMED, AttachedModes
 from modallab_simulators.cantilever.basis import Basis, JoinedBasis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam

@@ -155,7 +155,7 @@ def _beside(main: Real | Complex128, side: Real) -> Complex128:
     return np.concatenate([main.astype(np.complex128), side.astype(np.complex128)], axis=-1)
 
 
-class FewModes:
+class TruncatedBasis:
     """A basis of a structure that has `count` modes in all; those not integrated in time answer statically.
 
     The undamped modes behind it stay complete: nonlinear elements need what holds them.

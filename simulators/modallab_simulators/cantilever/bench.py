@@ -17,9 +17,9 @@ from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
 from modallab_simulators.cantilever.hammer import Hit, PlannedHit, draw_swing
 from modallab_simulators.cantilever.loads import BLOCK, MovingStructure
-from modallab_simulators.cantilever.operator_line import OperatorLine, Strike
-from modallab_simulators.cantilever.shaker import Emission, WaveEmission, require_burst, require_wave
-from modallab_simulators.cantilever.stream import SampleStream, Site
+from modallab_simulators.cantilever.operator_line import OperatorLine, ScriptedHit
+from modallab_simulators.cantilever.shaker import BurstOutput, WaveOutput, require_burst, require_wave
+from modallab_simulators.cantilever.stream import BenchAtOneRate, SampleStream
 from modallab_simulators.cantilever.truth import Truth, draw_truth
 
 RATES_HZ = (100.0, 10_000.0)
@@ -95,7 +95,7 @@ class CantileverBench:
                 f"rate {request.rate_hz:g} Hz", where=self._info.url, remedy="ask for 100 Hz to 10 kHz"
             )
         self._rate = float(request.rate_hz)
-        self._site = Site(self._truth, self._rig, request.test, self._rate)
+        self._site = BenchAtOneRate(self._truth, self._rig, request.test, self._rate)
         self._state = "configured"
         chain = self._site.chain
         units = ("V",) * self._rows
@@ -142,7 +142,7 @@ class CantileverBench:
         self._require_ready()
         require_burst(burst, self._rate)
         straight = self._circumstances.straight_ramp
-        return self._emit(lambda start_s: Emission(burst, start_s + later_s, self._clock, straight=straight))
+        return self._emit(lambda start_s: BurstOutput(burst, start_s + later_s, self._clock, straight=straight))
 
     def play_wave(self, wave: Waveform) -> int:
         """Start a wave on the first shaker a few samples from now."""
@@ -159,7 +159,7 @@ class CantileverBench:
             )
         for wave in waves:
             require_wave(wave, self._info.url)
-        return self._emit(*(partial(WaveEmission, wave, clock=self._clock) for wave in waves))
+        return self._emit(*(partial(WaveOutput, wave, clock=self._clock) for wave in waves))
 
     def _require_ready(self) -> None:
         self._require("running", to="play")
@@ -168,7 +168,7 @@ class CantileverBench:
         if self._excitation.running(self._now_s):
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for it, or call zero()")
 
-    def _emit(self, *made: Callable[[float], Emission | WaveEmission]) -> int:
+    def _emit(self, *made: Callable[[float], BurstOutput | WaveOutput]) -> int:
         start = self._stream.position + ceil(LATENCY_S * self._rate)
         self._excitation.emit(*(one(start / self._site.rate_hz) for one in made))
         self._stream.changed()
@@ -182,11 +182,11 @@ class CantileverBench:
         x_m = self._rig.x_of(point)
         self._swings += 1
         swing = self._drawn_swing()
-        bearable_n = self._site.bearable_n(swing.width_s, self._on_beam(x_m + swing.place_m))
+        overload_force_n = self._site.overload_force_n(swing.width_s, self._on_beam(x_m + swing.place_m))
         changes = self._truth.effects.altered.excitation
         own_m, own_gain = generator(self._settings.seed, Stream.SCATTER, self._swings).standard_normal(2)
         x_m = self._on_beam(x_m + swing.place_m + changes.hit_shift_m + own_m * changes.scatter_m)
-        hits = self._with_knock(swing.hit(self._now_s, x_m, bearable_n))
+        hits = self._with_knock(swing.hit(self._now_s, x_m, overload_force_n))
         if changes.gain_scatter:
             # What does not fall square gives the beam more or less than the transducer feels.
             hits.append(hits[0].knock(own_gain * changes.gain_scatter))
@@ -215,13 +215,13 @@ class CantileverBench:
         if self._operator is not None:
             self._operator.close()
 
-    def _structure_at(self, site: Site, began_s: float, at_s: float) -> MovingStructure:
+    def _structure_at(self, site: BenchAtOneRate, began_s: float, at_s: float) -> MovingStructure:
         return site.held if at_s < self._held_to_s else site.age(began_s + at_s)
 
     def _act(self, operator: OperatorLine) -> None:
         """Do what the operator has asked for; without a new act nothing changes."""
         for act in operator.acts():
-            if isinstance(act, Strike):
+            if isinstance(act, ScriptedHit):
                 self._swings += 1
                 rng = generator(self._settings.seed, Stream.HITS, self._swings)
                 beside_m = act.beside_m + self._settings.place_m * rng.standard_normal()

@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.block import Block
 from modallab.core.effects import Effect, EffectKind, kind_of
 from modallab.core.rig import Beam, Rig
-from modallab_simulators.cantilever.altered import AlteredBench
+from modallab_simulators.cantilever.altered_bench import AlteredBench
 
 Change = Callable[[AlteredBench, Effect, Rig], AlteredBench]
 Ties = dict[str, tuple[float, float]]

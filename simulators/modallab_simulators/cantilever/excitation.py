@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab_simulators.cantilever.hammer import Hit
 from modallab_simulators.cantilever.loads import Drive
-from modallab_simulators.cantilever.shaker import Emission, WaveEmission
+from modallab_simulators.cantilever.shaker import BurstOutput, WaveOutput
 
 PERIOD_S = 65.536
 BAND_HZ = (2.0, 200.0)
@@ -53,7 +53,7 @@ class _On(NamedTuple):
     """What plays, and on which shaker, from 0."""
 
     shaker: int
-    emission: Emission | WaveEmission
+    emission: BurstOutput | WaveOutput
 
 
 class Excitation:
@@ -77,7 +77,7 @@ class Excitation:
         """Schedule hits."""
         self._hits += hits
 
-    def emit(self, *emissions: Emission | WaveEmission) -> None:
+    def emit(self, *emissions: BurstOutput | WaveOutput) -> None:
         """Put a burst or a wave on each shaker, the first one's first."""
         self._emissions += [_On(shaker, emission) for shaker, emission in enumerate(emissions)]
 

@@ -14,7 +14,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Converter, Rig
 from modallab_simulators.cantilever.effects import part_of
-from modallab_simulators.cantilever.injected import inject
+from modallab_simulators.cantilever.injected_effects import inject_effects
 from modallab_simulators.cantilever.trial import make_trial, sound_trial
 
 NODE = 0.03
@@ -45,7 +45,7 @@ class GapMeter:
     def gap(self, effects: Sequence[Effect]) -> float:
         """In noise units."""
         recorded, _ = make_trial(self._rig, self._seed, effects)
-        chain = inject(effects, self._rig).altered.chain
+        chain = inject_effects(effects, self._rig).altered.chain
         squares = _mean_square(recorded, self._sound_for(effects), chain.force_gain) / self._floor_v**2
         share = (self._noise_v / self._floor_v) ** 2 / len(self._rig.responses)
         for factor in chain.noise.values():
@@ -58,7 +58,7 @@ class GapMeter:
         Rms over the records of a test; a channel at a node is measured by what the others of its record answer.
         """
         recorded, _ = make_trial(self._rig, self._seed, effects)
-        chain = inject(effects, self._rig).altered.chain
+        chain = inject_effects(effects, self._rig).altered.chain
         rows = [c.index for c in recorded.rig.responses]
         noise = {row: (factor**2 - 1) * self._noise_v**2 for row, factor in chain.noise.items()}
         shares: dict[str, list[Real]] = {}
@@ -67,7 +67,7 @@ class GapMeter:
         return sqrt(max(float(np.max(np.mean(listed, axis=0))) for listed in shares.values()))
 
     def _sound_for(self, effects: Sequence[Effect]) -> Campaign:
-        clock = inject(effects, self._rig).altered.chain.clock
+        clock = inject_effects(effects, self._rig).altered.chain.clock
         if clock or any(part_of(e.effect).seen_by_force for e in effects):
             return sound_trial(self._rig, self._seed, effects)
         if self._sound is None:

@@ -92,10 +92,10 @@ class PlannedHit:
             rebound_s=self.rebound_s * contact,
         )
 
-    def hit(self, prompted_s: float, x_m: float, bearable_n: float) -> Hit:
-        """The hit at `x_m`, no harder than `bearable_n`."""
+    def hit(self, prompted_s: float, x_m: float, overload_force_n: float) -> Hit:
+        """The hit at `x_m`, no harder than `overload_force_n`."""
         start = prompted_s + self.reaction_s
-        peak = self.weak_n if self.weak_n else min(self.peak_n, bearable_n)
+        peak = self.weak_n if self.weak_n else min(self.peak_n, overload_force_n)
         contacts = [ContactPulse(start, self.width_s, peak)]
         if self.rebound_s:
             contacts.append(ContactPulse(start + self.rebound_s, self.width_s, peak * self.rebound_share))

@@ -16,7 +16,7 @@ Load = Literal["force", "moment", "base", "spread"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Spread:
+class DistributedLoad:
     """A load spread along the beam.
 
     Attributes:
@@ -68,7 +68,7 @@ class Drive:
     volts_per_n: float = 0.0
     load: Load = "force"
     seen: bool = True
-    spread: Spread | None = None
+    spread: DistributedLoad | None = None
     shaker: int = 0
 
 
@@ -102,6 +102,6 @@ class MovingStructure(Protocol):
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
         ...
 
-    def pass_over(self, state: Any, drives: Sequence[Drive]) -> Any:
+    def skip(self, state: Any, drives: Sequence[Drive]) -> Any:
         """The state after a stretch of which nobody wants the outputs."""
         ...

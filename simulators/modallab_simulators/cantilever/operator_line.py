@@ -17,7 +17,7 @@ LARGEST = 4096
 
 
 @dataclass(frozen=True, slots=True)
-class Strike:
+class ScriptedHit:
     """A hit as the script means it.
 
     Attributes:
@@ -51,13 +51,13 @@ class Strike:
 
 
 @dataclass(frozen=True, slots=True)
-class Hold:
+class HandHold:
     """A hand that is laid on the beam and damps all its modes."""
 
     seconds: float
 
 
-Act = Strike | Hold
+Act = ScriptedHit | HandHold
 
 
 class OperatorLine:
@@ -99,7 +99,7 @@ class OperatorLine:
 def _read(text: bytes) -> Act:
     try:
         fields: dict[str, Any] = json.loads(text)
-        kinds: dict[str, type[Act]] = {"strike": Strike, "hold": Hold}
+        kinds: dict[str, type[Act]] = {"strike": ScriptedHit, "hold": HandHold}
         return kinds[fields.pop("act")](**fields)
     except (ValueError, KeyError, TypeError) as error:
         raise ConfigurationError(f"{text!r} is no act of an operator", remedy="send strike or hold as JSON") from error

@@ -12,7 +12,7 @@ from modallab_simulators.cantilever.sensor import Sensor
 _MAX_LOG = 300.0
 
 
-class Scan:
+class LinearRecursion:
     """Runs `length` steps from a start value.
 
     With powers of lambda taken out, the recursion is a running sum. Its rounding is that of the largest state on the

@@ -12,7 +12,7 @@ from modallab.core.errors import ConfigurationError
 
 
 @dataclass(frozen=True, slots=True)
-class Emission:
+class BurstOutput:
     """A burst on the output.
 
     Attributes:
@@ -37,7 +37,7 @@ class Emission:
             return whole
         return self.cut_s + ramp_down_s(self._at(self.cut_s), self.burst.amplitude_v)
 
-    def cut(self, at_s: float) -> "Emission":
+    def cut(self, at_s: float) -> "BurstOutput":
         """The same, brought to zero at `at_s` unless it was before."""
         return self if self.cut_s is not None else replace(self, cut_s=at_s)
 
@@ -70,7 +70,7 @@ MOST_PER_S = 50.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class WaveEmission:
+class WaveOutput:
     """A wave on the output.
 
     Attributes:
@@ -91,7 +91,7 @@ class WaveEmission:
         whole = self.start_s + self.wave.duration_s / (1 + self.clock)
         return whole if self.cut_s is None or self.cut_s >= whole else self.cut_s + self._fall(self.cut_s)[1]
 
-    def cut(self, at_s: float) -> "WaveEmission":
+    def cut(self, at_s: float) -> "WaveOutput":
         """The same, falling to zero from `at_s` on, unless it did before."""
         return self if self.cut_s is not None else replace(self, cut_s=at_s)
 

@@ -14,10 +14,10 @@ from modallab_simulators.cantilever.assembled import elements_of
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.chain import Chain, Hum, RandomErrors, outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
-from modallab_simulators.cantilever.drifting import Drifting
+from modallab_simulators.cantilever.drifting_structure import DriftingStructure
 from modallab_simulators.cantilever.excitation import Excitation, Floor
 from modallab_simulators.cantilever.hammer import PEAK_N, WIDTH_S, ContactPulse
-from modallab_simulators.cantilever.injected import Injected
+from modallab_simulators.cantilever.injected_effects import InjectedEffects
 from modallab_simulators.cantilever.loads import BLOCK, Drive, MovingStructure
 from modallab_simulators.cantilever.structure import Structure
 from modallab_simulators.cantilever.truth import Truth, oversampling
@@ -28,7 +28,7 @@ HELD_ZETA = 0.15
 _HEADROOM = 0.8
 
 
-class Site:
+class BenchAtOneRate:
     """The bench as it stands for one test at one delivered rate."""
 
     def __init__(self, truth: Truth, rig: Rig, test: Test, rate_hz: float) -> None:
@@ -37,7 +37,7 @@ class Site:
         self.rate_hz = rate_hz * (1 + truth.effects.altered.chain.clock)
         self.oversample = oversampling(rate_hz)
         self._progress = 0.0
-        self._drifting = Drifting(lambda progress: self._basis(truth, progress))
+        self._drifting = DriftingStructure(lambda progress: self._basis(truth, progress))
         self.structure = self._built(truth, self._progress)
         self.chain = self._clipped(Chain.of(rig, test, truth.effects.altered.chain))
 
@@ -77,7 +77,7 @@ class Site:
         rms = self._truth.effects.altered.excitation.floor_rms
         return Floor(rms, self.step_s, generator(self._truth.seed, Stream.FLOOR)) if rms else None
 
-    def bearable_n(self, width_s: float, x_m: float) -> float:
+    def overload_force_n(self, width_s: float, x_m: float) -> float:
         """Peak of a hit at which the most driven channel of a sound bench is at 0.8 of its full scale."""
         peaks = self._peaks(self._sound, self._sound_chain, width_s, x_m)
         full_scales = self._sound_chain.volts_per_count * self._sound_chain.high
@@ -94,11 +94,11 @@ class Site:
     def _sound(self) -> MovingStructure:
         if not self._truth.effects.effects:
             return self.structure
-        return self._built(replace(self._truth, effects=Injected()), 0.0)
+        return self._built(replace(self._truth, effects=InjectedEffects()), 0.0)
 
     @cached_property
     def _sound_chain(self) -> Chain:
-        return Chain.of(self._rig, self._test, Injected().altered.chain)
+        return Chain.of(self._rig, self._test, InjectedEffects().altered.chain)
 
     def _built(self, truth: Truth, progress: float) -> MovingStructure:
         changes = truth.effects.altered.structure
@@ -127,7 +127,7 @@ class Site:
         width = sum(WIDTH_S) / 2
         reached: list[float] = []
         for point in self._rig.points:
-            peak = min(PEAK_N[1], self.bearable_n(width, point.x_m))
+            peak = min(PEAK_N[1], self.overload_force_n(width, point.x_m))
             reached.append(peak * self._peaks(self.structure, chain, width, point.x_m)[row].item())
         return max(reached)
 
@@ -181,7 +181,7 @@ class SampleStream:
             if passed != self._block:
                 self._step_to(passed)
             if self._counts is None:
-                self._after = self._structure.pass_over(self._before, self._drives())
+                self._after = self._structure.skip(self._before, self._drives())
                 # What follows starts from this stretch's end; it need not be computed again.
                 self._counts = self._passed
         self.position = max(self.position, position)

@@ -17,12 +17,12 @@ import numpy as np
 
 from modallab.core.arrays import Complex128, Real
 from modallab_simulators.cantilever.basis import Basis
-from modallab_simulators.cantilever.drifting import same_way
-from modallab_simulators.cantilever.loads import BLOCK, Drive, Load, Output, Spread
+from modallab_simulators.cantilever.drifting_structure import relative_sign
+from modallab_simulators.cantilever.loads import BLOCK, DistributedLoad, Drive, Load, Output
 from modallab_simulators.cantilever.recursion import (
     DELAY,
     REACH,
-    Scan,
+    LinearRecursion,
     difference_taps,
     lowpass,
     modal_taps,
@@ -61,7 +61,7 @@ class Structure:
         self._fft = _fast_length(BLOCK + self._columns + 1)
         owned = [pole for o in outputs for pole in o.sensor.poles]
         self._poles = np.concatenate([basis.poles, np.array(owned, dtype=np.complex128)])
-        self._scan = Scan(self._poles, oversample * self._step_s, BLOCK)
+        self._scan = LinearRecursion(self._poles, oversample * self._step_s, BLOCK)
         self._filters = self._filters_of()
         self._gains = self._output_gains()
         tails = np.stack([self._filters[o.later_s].tail for o in outputs])
@@ -69,7 +69,9 @@ class Structure:
         seen = self._gains * tails
         self._seen = np.stack([seen.imag, seen.real], axis=2).reshape(len(outputs), -1)
         self._drive_taps = state_taps(self._poles, self._step_s, oversample)
-        self._inputs: dict[tuple[float, float, Load, bool, Spread | None, int], tuple[Complex128, Complex128]] = {}
+        self._inputs: dict[
+            tuple[float, float, Load, bool, DistributedLoad | None, int], tuple[Complex128, Complex128]
+        ] = {}
 
     @property
     def oversample(self) -> int:
@@ -109,7 +111,7 @@ class Structure:
     def _same_way(self, other: "Structure") -> Real:
         """-1 for each mode whose shape stands upside down to the other structure's, else 1, (modes,)."""
         at = np.linspace(0.0, self._basis.modes.length_m, _ALONG)
-        return same_way(self._basis.shapes(at), other._basis.shapes(at))
+        return relative_sign(self._basis.shapes(at), other._basis.shapes(at))
 
     def times(self, block: int) -> tuple[int, int]:
         """First internal sample and number of those whose force the stretch `block` needs."""
@@ -134,7 +136,7 @@ class Structure:
         seen += self._seen @ states.view(np.float64).T
         return seen, _flushed(after)
 
-    def pass_over(self, state: Complex128, drives: Sequence[Drive]) -> Complex128:
+    def skip(self, state: Complex128, drives: Sequence[Drive]) -> Complex128:
         """The state after a stretch of which nobody wants the outputs."""
         if not drives:
             return _flushed(self._scan.free(state)[1]) if state.any() else state

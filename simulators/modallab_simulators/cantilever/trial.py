@@ -23,7 +23,7 @@ from modallab_simulators.cantilever.address import SessionConditions, Settings
 from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.effects import part_of
-from modallab_simulators.cantilever.injected import effect_in_truth, inject
+from modallab_simulators.cantilever.injected_effects import effect_in_truth, inject_effects
 from modallab_simulators.cantilever.truth import Truth
 
 HITS = {6: (24.0, 90.0), 10: (10.0, 35.0), 3: (24.0, 90.0)}
@@ -85,7 +85,7 @@ def sound_trial(rig: Rig, seed: int, effects: Sequence[Effect]) -> Campaign:
     """
     forces = [e for e in effects if part_of(e.effect).seen_by_force]
     rig = rigidly_clamped(rig)
-    operator = Operator(rig, seed, forces, 1 + inject(effects, rig).altered.chain.clock)
+    operator = Operator(rig, seed, forces, 1 + inject_effects(effects, rig).altered.chain.clock)
     return Campaign(rig, tuple(operator.blocks()), source=f"simulated trial, seed {seed}, nothing wrong")
 
 
@@ -127,7 +127,7 @@ class Operator:
     ) -> None:
         self._first_start = session * _STARTS
         self._rig, self._session = rig, replace(_CIRCUMSTANCES, stretch=stretch)
-        self._effects = inject(effects, rig).effects
+        self._effects = inject_effects(effects, rig).effects
         played = tuple(_timed(e) for e in effects if part_of(e.effect).on_campaign is None)
         self._settings = Settings(
             seed,
@@ -228,7 +228,7 @@ class Operator:
 def _truth(truth: Truth, effects: Sequence[Effect]) -> dict[str, object]:
     return {
         "seed": truth.seed,
-        "effects": [effect_in_truth(e) for e in inject(effects, truth.rig).effects],
+        "effects": [effect_in_truth(e) for e in inject_effects(effects, truth.rig).effects],
         "true_E": truth.true.youngs_modulus_pa,
         "true_thickness": truth.true.thickness_m,
         "true_rho": truth.true.density_kg_m3,

@@ -14,13 +14,13 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.core.units import Test
 from modallab_simulators.cantilever.address import EVERYDAY, SessionConditions, Settings
-from modallab_simulators.cantilever.altered import SIDE_ZETA, AlteredBench, ChainChanges, StructureChanges
+from modallab_simulators.cantilever.altered_bench import SIDE_ZETA, AlteredBench, ChainChanges, StructureChanges
 from modallab_simulators.cantilever.assembled import beside, modes_of
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes, Attachment
-from modallab_simulators.cantilever.basis import Basis, FewModes, ModalBasis
+from modallab_simulators.cantilever.basis import Basis, ModalBasis, TruncatedBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.draw import Stream, TrueBeam, draw_beam, draw_clock, draw_damping, generator
-from modallab_simulators.cantilever.injected import Injected, inject
+from modallab_simulators.cantilever.injected_effects import InjectedEffects, inject_effects
 from modallab_simulators.cantilever.modes import DampedBasis, Damper, Modes
 
 TERMS = 3
@@ -147,7 +147,7 @@ class Truth:
     zeta: tuple[float, ...]
     seed: int
     rig: Rig
-    effects: Injected
+    effects: InjectedEffects
     few: int | None = None
 
     def modes(self, test: Test, progress: float = 0.0) -> Modes:
@@ -172,7 +172,7 @@ class Truth:
             basis: Basis = DampedBasis(modes, self._damping(modes, self.few or KEPT), changes.dampers, reach)
         else:
             basis = ModalBasis(modes, modes.omega(count), self._damping(modes, count))
-        basis = FewModes(basis, self.few) if self.few else basis
+        basis = TruncatedBasis(basis, self.few) if self.few else basis
         assert self.rig.beam is not None
         return beside(basis, self.true, changes, self.rig.beam.width_m, reach)
 
@@ -264,7 +264,7 @@ def draw_truth(settings: Settings, rig: Rig, circumstances: SessionConditions = 
         )
     clock = 0.0 if circumstances.one_clock else draw_clock(settings.seed)
     # What an address names is all there is; else the simulation carries what the rig file's revisions know.
-    effects = inject(rig.known_effects if settings.effects is None else settings.effects, rig)
+    effects = inject_effects(rig.known_effects if settings.effects is None else settings.effects, rig)
     if settings.tolerances != "none":
         stated = Tolerance.usual() if settings.tolerances == "usual" else rig.tolerance
         built = as_built(effects.altered, rig, stated, settings.seed, circumstances.drift_s)

@@ -15,7 +15,7 @@ import yaml
 from modallab.core.rig import Rig
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.lines import OutputLine
-from modallab_simulators.ni_daqmx_server.max_config import Saved, read
+from modallab_simulators.ni_daqmx_server.max_config import SavedConfiguration, read
 from modallab_simulators.ni_daqmx_server.operator_actions import arm, levels, trace
 from modallab_simulators.ni_daqmx_server.plant import CablePlant, CantileverPlant, Plant
 from modallab_simulators.ni_daqmx_server.rpc import serve
@@ -49,7 +49,7 @@ def main() -> int:
 def build(arguments: argparse.Namespace) -> SimulatedSystem:
     """The system that the command line asks for."""
     rig = Rig.model_validate(yaml.safe_load(arguments.rig.read_text(encoding="utf-8")))
-    layout, saved = read(arguments.devices) if arguments.devices else (SYSTEMS[arguments.system], Saved())
+    layout, saved = read(arguments.devices) if arguments.devices else (SYSTEMS[arguments.system], SavedConfiguration())
     inputs = [m for m in layout.modules if m.inputs]
     range_v, bits = min(m.input_range_v for m in inputs), max(m.bits for m in inputs)
     plant: Plant

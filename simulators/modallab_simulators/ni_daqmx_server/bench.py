@@ -11,15 +11,15 @@ from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.digital_task import LineTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.lines import Hold, OutputLine
-from modallab_simulators.ni_daqmx_server.max_config import Saved
+from modallab_simulators.ni_daqmx_server.max_config import SavedConfiguration
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask, WatchdogTask
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S, Plant, SharedPlant
 from modallab_simulators.ni_daqmx_server.signals import TIMEBASES, BenchClock, Pulses
 from modallab_simulators.ni_daqmx_server.sources import channel_sources
-from modallab_simulators.ni_daqmx_server.starting import NETWORKED, Clocks, pulses_of, start
 from modallab_simulators.ni_daqmx_server.status import StatusError
-from modallab_simulators.ni_daqmx_server.systems import Layout, domain
+from modallab_simulators.ni_daqmx_server.systems import Layout, clock_domain
+from modallab_simulators.ni_daqmx_server.task_start import NETWORKED, Clocks, pulses_of, start
 from modallab_simulators.ni_daqmx_server.tasks import Reservations, Task
 
 T = TypeVar("T", bound=Task)
@@ -50,17 +50,19 @@ class SimulatedSystem:
         expired: chassis whose watchdog has expired: nothing goes on them until they are reset.
     """
 
-    def __init__(self, clock: BenchClock, layout: Layout, plant: Plant, rig: Rig, saved: Saved | None = None) -> None:
+    def __init__(
+        self, clock: BenchClock, layout: Layout, plant: Plant, rig: Rig, saved: SavedConfiguration | None = None
+    ) -> None:
         self.lock = threading.RLock()
         self.clock = clock
         self.chassis = {chassis.name: chassis for chassis in layout.chassis}
         self.modules = {module.name: module for module in layout.modules}
-        several = len({domain(m) for m in layout.modules if m.inputs and not m.simulated}) > 1
+        several = len({clock_domain(m) for m in layout.modules if m.inputs and not m.simulated}) > 1
         networked = frozenset(c.name for c in layout.chassis if c.product in NETWORKED)
         self.clocks = Clocks(several, networked)
         self.plant: Plant = SharedPlant(plant) if several else plant
         self.rig = rig
-        self.saved = saved or Saved()
+        self.saved = saved or SavedConfiguration()
         self.connected: dict[str, Pulses] = {}
         self.sheets: dict[str, bytes] = {}
         self.notes: dict[str, str] = {}

@@ -46,7 +46,7 @@ def scaling(saved: dict[str, Section], name: str) -> Callable[[Floats], Floats]:
 
 
 @dataclass(frozen=True, slots=True)
-class Saved:
+class SavedConfiguration:
     """What else a configuration holds, each by its name."""
 
     scales: dict[str, Section] = field(default_factory=dict[str, Section])
@@ -55,7 +55,7 @@ class Saved:
     accessories: dict[str, str] = field(default_factory=dict[str, str])
 
 
-def read(files: list[Path]) -> tuple[Layout, Saved]:
+def read(files: list[Path]) -> tuple[Layout, SavedConfiguration]:
     """Everything that these files describe together.
 
     Raises:
@@ -63,7 +63,7 @@ def read(files: list[Path]) -> tuple[Layout, Saved]:
     """
     chassis: dict[str, Chassis] = {}
     modules: dict[str, Module] = {}
-    saved = Saved()
+    saved = SavedConfiguration()
     for file in files:
         parser = ConfigParser(interpolation=None, strict=False)
         parser.optionxform = str  # pyrefly: ignore[method-assign, bad-assignment]  # names keep their case
@@ -99,7 +99,7 @@ def _module(name: str, section: Section) -> Module:
     )
 
 
-def _keep(saved: Saved, kind: str, name: str, section: Section) -> None:
+def _keep(saved: SavedConfiguration, kind: str, name: str, section: Section) -> None:
     if kind == "DAQmxScale":
         saved.scales[name] = section
     elif kind == "DAQmxChannel":

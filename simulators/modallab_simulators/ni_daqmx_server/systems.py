@@ -127,7 +127,7 @@ class Layout:
     modules: tuple[Module, ...]
 
 
-def own_ppm(serial: int) -> float:
+def clock_error_ppm(serial: int) -> float:
     """What a device's own clock is off by: within 25 ppm, and always the same for a device."""
     return (serial * 7919 % 5001 - 2500) / 100
 
@@ -138,7 +138,7 @@ def module(product: str, name: str, serial: int, chassis: str = "", slot: int = 
     Raises:
         KeyError: the product cannot be simulated.
     """
-    return replace(PRODUCTS[product], name=name, serial=serial, chassis=chassis, slot=slot, ppm=own_ppm(serial))
+    return replace(PRODUCTS[product], name=name, serial=serial, chassis=chassis, slot=slot, ppm=clock_error_ppm(serial))
 
 
 def _compact(name: str, *products: str, serial: int = 0x1A00) -> tuple[Module, ...]:
@@ -174,7 +174,7 @@ SYSTEMS: dict[str, Layout] = {
 """Systems by what they are named on the command line."""
 
 
-def domain(device: Module) -> str:
+def clock_domain(device: Module) -> str:
     """What shares one clock with a device: all of a chassis, or the device alone."""
     return device.chassis or device.name
 

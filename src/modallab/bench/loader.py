@@ -5,7 +5,7 @@ from math import sqrt
 from typing import cast
 from urllib.parse import quote
 
-from modallab.bench.protocol import Bench, BenchOpener, DeviceFinder, Found, OutputHandle, OutputOpener
+from modallab.bench.protocol import Bench, BenchOpener, DeviceFinder, FoundDevice, OutputHandle, OutputOpener
 from modallab.core.discovery import installed_entry_points
 from modallab.core.effects import EffectKind, catalogue
 from modallab.core.errors import ConfigurationError
@@ -100,7 +100,7 @@ def open_output(url: str, rig: Rig) -> OutputHandle | None:
     return cast("OutputOpener", known[scheme].load())(url, rig)
 
 
-def find_devices(address: str = "") -> list[Found]:
+def find_devices(address: str = "") -> list[FoundDevice]:
     """What is there: every installed driver is asked. With an address, only what is behind it.
 
     Raises:

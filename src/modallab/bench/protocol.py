@@ -190,7 +190,7 @@ class OutputOpener(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundDevice:
     """A device that was found.
 
     Attributes:
@@ -205,6 +205,6 @@ class Found:
 class DeviceFinder(Protocol):
     """What an entry point of the group `modallab.devices` names."""
 
-    def __call__(self, address: str) -> list[Found]:
+    def __call__(self, address: str) -> list[FoundDevice]:
         """Devices of this family: here if `address` is empty, else behind it. Nothing found is no error."""
         ...

@@ -17,7 +17,7 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect, catalogue
 from modallab.core.rig import Beam, Channel, Converter, Limits, Point, Rig, Tolerance
 from modallab.core.units import STANDARD_GRAVITY
-from modallab.gap.report.initial_gap import gap_before
+from modallab.gap.report.initial_gap import gap_without_effects
 from modallab.twin.effects import effect_models
 
 NONE = "none"
@@ -104,7 +104,7 @@ def _effect_on_ideal_bench(bench: TrialBench, rig: Rig, draw: TrialDraw) -> tupl
     met: list[tuple[float, float, Effect]] = []
     for _ in range(TRIES):
         drawn = bench.draw_effect(rig, draw.seed, draw.effect, aim)
-        gap = gap_before(bench.make_trial(rig, draw.seed, (drawn.effect,))[0])
+        gap = gap_without_effects(bench.make_trial(rig, draw.seed, (drawn.effect,))[0])
         short = log(sqrt((requested**2 - 1) / max(gap**2 - 1, 0.01)))
         met.append((abs(short), gap, drawn.effect))
         # Some effects have no size, or none that is large or small enough.

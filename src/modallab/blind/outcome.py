@@ -6,7 +6,7 @@ from math import isfinite
 
 import numpy as np
 
-from modallab.blind.score import Figure, Trial, parameter_errors, reliability, score_trials
+from modallab.blind.score import Figure, Trial, parameter_errors, probability_calibration, score_trials
 from modallab.core.frozen import Frozen
 
 
@@ -85,7 +85,7 @@ class BlindOutcome(Frozen):
 
 def summarise_trials(trials: Sequence[Trial], sealed: str | None, answers: str) -> BlindOutcome:
     """Sum up trials whose truth has been read."""
-    error, bins = reliability(trials)
+    error, bins = probability_calibration(trials)
     groups: dict[str, list[Trial]] = defaultdict(list)
     for trial in trials:
         groups[true_name(trial)].append(trial)

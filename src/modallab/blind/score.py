@@ -131,7 +131,7 @@ def parameter_errors(trial: Trial) -> list[float]:
     return errors
 
 
-def reliability(trials: Sequence[Trial]) -> tuple[float, list[Figure]]:
+def probability_calibration(trials: Sequence[Trial]) -> tuple[float, list[Figure]]:
     """Calibration error of the probabilities of named effects, and the share right in each bin."""
     return calibration_of_claims([(f.probability, f.effect in t.names) for t in trials for f in t.diagnosis.effects])
 

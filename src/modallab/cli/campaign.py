@@ -9,9 +9,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from modallab.cli.bench_mode.keys import KeyMap, listen_to_keys
-from modallab.cli.bench_mode.operator import Operator
 from modallab.cli.identify import print_remarks, result_table, show_joined
+from modallab.cli.terminal_mode.keys import KeyMap, listen_to_keys
+from modallab.cli.terminal_mode.operator import Operator
 from modallab.core.block import Campaign
 from modallab.core.errors import RigError
 from modallab.core.plan import Plan

@@ -32,7 +32,7 @@ from modallab.gap.words.verdicts import gap_in_percent, sentence_by_model, sente
 from modallab.reporting.gap_report import write_gap_report
 from modallab.reporting.simulation_report import write_simulation_report
 from modallab.reporting.waiting_line import waiting_line
-from modallab.service.campaigns.begin import require_reasonable
+from modallab.service.campaigns.run_start import require_reasonable
 
 _ANY_BENCH = BenchInfo(url="", devices=(), can_drive=True, real_time=False, facts={})
 """No bench is asked: what the rig itself forbids is all that can be said."""

@@ -11,7 +11,7 @@ from modallab.core.progress import report_progress_to
 from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.gap.exported.forms import FORMS, FormError, measure_form, tests_of, write_form
+from modallab.gap.export.forms import FORMS, FormError, measure_form, tests_of, write_form
 
 STEPPED = ("npz", "mat")
 """Forms that can hold the system in steps of time."""

@@ -13,9 +13,9 @@ from modallab.core.field_errors import error_sentences
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.formats.rig.rig_file import read_rig
-from modallab.service.process.start_up import require_scheduler, require_token, settle_database, token_path
+from modallab.service.process.start_up import configure_database, require_scheduler, require_token, token_path
 from modallab.service.process.supervisor import ServiceSupervisor
-from modallab.service.process.tls import certificate_fingerprint, settle_tls
+from modallab.service.process.tls import certificate_fingerprint, configure_tls
 from modallab.service.process.workers import set_up
 
 OPTIONS = (
@@ -31,8 +31,8 @@ def run(arguments: argparse.Namespace) -> int:
     set_up(settings.log_level)
     rigs = [_with_bench(read_rig(path), arguments.bench) for path in arguments.rig or ()] or [_demo(arguments.bench)]
     token = require_token(settings)
-    settings = settle_tls(settings)
-    settle_database(settings)
+    settings = configure_tls(settings)
+    configure_database(settings)
     require_scheduler(settings)
     with ServiceSupervisor(settings, rigs, token) as supervisor:
         signal.signal(signal.SIGTERM, lambda _number, _frame: supervisor.request_close())

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.procedures.sensors import sensor_remarks, supplied_channels, wait_until_settled
 from modallab.acquisition.procedures.trigger import Trigger
-from modallab.bench.abilities import ReadsSensitivities
+from modallab.bench.capabilities import ReadsSensitivities
 from modallab.bench.protocol import Bench, Burst, Delivery, Request
 from modallab.core.errors import BenchError
 from modallab.core.rig import Channel, Rig

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.abilities import SynchronisedBench
+from modallab.bench.capabilities import SynchronisedBench
 from modallab.bench.protocol import Bench, Burst, Request
 from modallab.commissioning.rig_check import Finding, Verdict, take
 from modallab.core.errors import PlanError

@@ -81,7 +81,7 @@ class Gap(Frozen):
     discrepancy: Discrepancy | None = None
 
 
-class Where(Frozen):
+class GapLocation(Frozen):
     """Location of the gap.
 
     Attributes:
@@ -107,7 +107,7 @@ class Where(Frozen):
     why: list[str]
 
 
-class Found(Frozen):
+class FoundEffect(Frozen):
     """An effect that was judged present.
 
     Attributes:
@@ -267,8 +267,8 @@ class Diagnosis(Frozen):
     rig: str
     verdict: Verdict
     gap: Gap
-    where: Where
-    effects: list[Found]
+    where: GapLocation
+    effects: list[FoundEffect]
     candidates: list[CandidateSet]
     shrink: Shrinkage
     next_experiment: str

@@ -14,11 +14,11 @@ from modallab.gap.conditioning.split import split_held_out
 from modallab.gap.diagnosis_document import EffectsInRecords, SearchInput, document_diagnosis, is_harmless
 from modallab.gap.explanation_search import search_explanation
 from modallab.gap.model.nuisances import beam_of
-from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.restored import first_fit_of
 from modallab.gap.model.tolerances import with_tolerances
+from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.report.effect_inspection import effects_on_records, inspect_effects, is_in_revisions
-from modallab.gap.report.initial_gap import bench_of, free_of, weights_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records, weights_of
 from modallab.gap.report.locate import locate_gap
 from modallab.gap.search.choose import Choice
 from modallab.gap.unknown.describe import describe
@@ -68,10 +68,10 @@ def _made_ready(
     campaign: Campaign, hold_out: HoldOut, allowed: Callable[[str], bool], known: Sequence[CandidateSet]
 ) -> SearchInput:
     prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
-    free = free_of(prepared.campaign)
+    free = nuisances_of_campaign(prepared.campaign)
     fitted, held = split_held_out(prepared.blocks, hold_out)
     weights = weights_of(prepared)
-    bench = bench_of(prepared, fitted, free, allowed)
+    bench = problem_of_records(prepared, fitted, free, allowed)
     bench = replace(bench, known=tuple(first_fit_of(c, bench.data, free) for c in known if c.twin is not None))
     unseen = held or fitted
     return SearchInput(

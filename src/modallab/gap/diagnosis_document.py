@@ -6,7 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.block import Block
-from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, ResponseShare, Shrinkage, Verdict
+from modallab.core.diagnosis import (
+    CandidateSet,
+    Diagnosis,
+    Discrepancy,
+    FoundEffect,
+    Gap,
+    ResponseShare,
+    Shrinkage,
+    Verdict,
+)
 from modallab.core.digits import percent_text
 from modallab.core.effects import kind_of
 from modallab.core.places import place_in_metres
@@ -18,8 +27,8 @@ from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.conditioning.weights import Weights
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
-from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import discrepancies, relative_residuals
+from modallab.gap.model.residual_shares import discrepancies, relative_residuals
+from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.report.budget import budget_of_gap
 from modallab.gap.report.calibrated import calibrated_twin
 from modallab.gap.report.contradictions import contradiction_sentences
@@ -84,8 +93,8 @@ class EffectsInRecords:
         withheld: names that must not be used.
     """
 
-    named: list[Found]
-    seen: list[Found]
+    named: list[FoundEffect]
+    seen: list[FoundEffect]
     withheld: list[str]
 
 
@@ -114,7 +123,7 @@ def document_diagnosis(
     )
 
 
-def _diagnosis_notes(ready: SearchInput, choice: Choice, shows: list[Found], nonlinear: bool) -> list[str]:
+def _diagnosis_notes(ready: SearchInput, choice: Choice, shows: list[FoundEffect], nonlinear: bool) -> list[str]:
     prepared = ready.prepared
     return [
         *([] if ready.stated else [USUAL]),
@@ -138,28 +147,28 @@ def _diagnosis_notes(ready: SearchInput, choice: Choice, shows: list[Found], non
     ]
 
 
-def is_harmless(prepared: PreparedCampaign, found: Found) -> bool:
+def is_harmless(prepared: PreparedCampaign, found: FoundEffect) -> bool:
     """Whether an effect that the records show is too small to matter on this rig."""
     tolerance = prepared.campaign.rig.tolerance
     return tolerance.of_assembly and noise_share_of_response(prepared, found) < tolerance.response
 
 
-def _diagnosis_verdict(choice: Choice, seen: list[Found], withheld: list[str]) -> Verdict:
+def _diagnosis_verdict(choice: Choice, seen: list[FoundEffect], withheld: list[str]) -> Verdict:
     if withheld or not choice.explained:
         return "unknown"
     return "no_gap" if choice.flat and not seen else "known"
 
 
-def _found_effects(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
+def _found_effects(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[FoundEffect]:
     fit = choice.fit
     if not fit.problem.candidates or not choice.explained:
         return []
     length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
-    found: list[Found] = []
+    found: list[FoundEffect] = []
     for effect, believed in zip(fit.effects, intervals(fit), strict=True):
         share = sum(p for f, p in ranked if any(c.effect == effect.effect for c in f.problem.candidates))
         found.append(
-            Found(
+            FoundEffect(
                 effect=effect.effect,
                 stage=kind_of(effect.effect).stage,
                 probability=float(min(share, 0.995)),
@@ -173,7 +182,7 @@ def _found_effects(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Foun
 
 
 def _candidates_document(
-    ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choice, data: Reduced
+    ranked: list[tuple[Fit, float]], seen: list[FoundEffect], choice: Choice, data: Reduced
 ) -> list[CandidateSet]:
     more = [f.effect for f in seen]
     return [
@@ -235,7 +244,7 @@ def _model_discrepancy(twin: Twin, data: Reduced) -> Discrepancy | None:
     return Discrepancy(median=float(np.median(list(found.values()))), worst=found[worst], record=worst)
 
 
-def _held_out_as_recorded(ready: SearchInput, seen: list[Found]) -> Reduced:
+def _held_out_as_recorded(ready: SearchInput, seen: list[FoundEffect]) -> Reduced:
     """Records held out, before an explanation: as they came, where that is of the records themselves.
 
     Noise that the rig file does not promise is no gap that an effect of the twin could close.

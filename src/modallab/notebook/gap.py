@@ -7,7 +7,7 @@ from pathlib import Path
 from modallab.cli.gap import read_diagnosis
 from modallab.core.blas_threads import one_thread
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.diagnosis import Diagnosis, FoundEffect
 from modallab.core.digits import probability_text
 from modallab.core.effects import kind_of
 from modallab.core.errors import DataError, FormatError
@@ -56,7 +56,7 @@ class GapDiagnosis:
         return verdict_sentence(self.diagnosis, [c.name for c in self.campaign.rig.channels])
 
     @property
-    def effects(self) -> list[Found] | list[FoundChange]:
+    def effects(self) -> list[FoundEffect] | list[FoundChange]:
         """The effects judged present, the most probable first."""
         return self.diagnosis.effects
 

@@ -33,7 +33,7 @@ from modallab.identification.selection.assumptions import (
 )
 from modallab.identification.selection.pre_trigger_noise import model_error, pre_trigger_noise
 from modallab.identification.selection.prune import confidence_of_strength, least_strength, strength_of_modes
-from modallab.pipelines.averaged import distortions_of
+from modallab.pipelines.averaged_frfs import distortions_of
 from modallab.pipelines.levels import FORCE_RATIO, Groups, group_by_level, group_by_strength
 from modallab.signals.signals import Signals
 from modallab.verification.assessment import ModelAssessment, assess_model

@@ -26,7 +26,7 @@ from modallab.identification.odd_hits import agreeing_hits
 from modallab.identification.options import IdentificationOptions
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
-from modallab.pipelines.averaged import frf_of_drive, identify_averaged_hits, identify_drive
+from modallab.pipelines.averaged_frfs import frf_of_drive, identify_averaged_hits, identify_drive
 from modallab.pipelines.levels import (
     IdentifiedTest,
     Source,
@@ -36,7 +36,7 @@ from modallab.pipelines.levels import (
     model_of_weakest_level,
     softest_hits,
 )
-from modallab.pipelines.sound import undamaged_records
+from modallab.pipelines.undamaged_records import undamaged_records
 from modallab.signals.drive_kind import check_kind
 from modallab.signals.signals import Signals, to_signals_of
 from modallab.verification.assessment import ModelAssessment, doubts_about_modes, mismatch_warning

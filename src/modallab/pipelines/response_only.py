@@ -17,7 +17,7 @@ from modallab.identification.response_only.looks import PLSCF, SSI_COV, PoleMeth
 from modallab.identification.response_only.modes import ResponseModes, response_modes
 from modallab.identification.response_only.periodic import lines_in_words
 from modallab.pipelines.identify import CampaignResult, IdentifiedTest, identify_campaign
-from modallab.pipelines.sound import undamaged_records
+from modallab.pipelines.undamaged_records import undamaged_records
 from modallab.signals.signals import to_signals_of
 from modallab.verification.assessment import assess_model
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from modallab.core.block import Campaign
 from modallab.core.budget import Budget, BudgetRow
-from modallab.core.diagnosis import Diagnosis, Found, ResponseShare
+from modallab.core.diagnosis import Diagnosis, FoundEffect, ResponseShare
 from modallab.core.digits import part_of, probability_text, three_digits
 from modallab.core.effects import kind_of
 from modallab.core.places import x_m_of
@@ -121,7 +121,7 @@ def _effects_section(diagnosis: Diagnosis, rig: Rig) -> Markup | None:
     return page_section("What causes it", html_element("div", *tables, class_="pair" if len(tables) > 1 else ""))
 
 
-def _effect_table(found: Found, rig: Rig) -> Markup:
+def _effect_table(found: FoundEffect, rig: Rig) -> Markup:
     """A table of one effect: its place and its numbers, each with its interval."""
     place, interval = place_of(found, _channel_names(rig))
     tail = FROM_CLAMP

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modallab.core.diagnosis import Found
+from modallab.core.diagnosis import FoundEffect
 from modallab.core.digits import probability_text
 from modallab.core.effects import kind_of
 from modallab.formats.atomic import write_text
@@ -42,7 +42,7 @@ def _effects_table(found: SimulationComparison) -> Markup | None:
     return page_section("What parts them", html_table("Effects", head, rows, numeric=(4,)))
 
 
-def _effect_row(whose: str, found: Found) -> list[str]:
+def _effect_row(whose: str, found: FoundEffect) -> list[str]:
     numbers = ", ".join(f"{p.name} = {parameter_in_words(found, p)[0]}" for p in kind_of(found.effect).parameters)
     return [whose, model_of(found.effect).spoken, numbers, place_of(found)[0], probability_text(found.probability)]
 

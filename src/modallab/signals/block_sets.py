@@ -10,7 +10,7 @@ from modallab.core.array_checks import check_signals
 from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.signals.faults.whole_channels import constant
+from modallab.signals.faults.whole_channels import constant_channels
 from modallab.signals.signals import Signals
 
 
@@ -46,7 +46,7 @@ def check_test(signals: Sequence[Signals]) -> None:
         rows = np.vstack([s.forces, s.responses])
         for force in (names := _named_forces(s)):
             check_signals(rows, (*names, *s.outputs), where, force=force)
-        if dead := constant(rows, (*names, *s.outputs), names):
+        if dead := constant_channels(rows, (*names, *s.outputs), names):
             raise DataError(
                 "; ".join(map(str, dead)), where=where, remedy="leave the channel out of rig file and record"
             )

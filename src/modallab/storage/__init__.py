@@ -7,17 +7,17 @@ from modallab.core.lazy import lazy_getattr
 if TYPE_CHECKING:
     from modallab.storage.campaigns import campaign_of
     from modallab.storage.recorder import Recorder
-    from modallab.storage.records import BlockNote, BlockRecord, Rates, RunRecord
+    from modallab.storage.records import BlockNote, BlockRecord, RunRecord, SamplingRates
     from modallab.storage.store import Store, rig_hash
 
-__all__ = ["BlockNote", "BlockRecord", "Rates", "Recorder", "RunRecord", "Store", "campaign_of", "rig_hash"]
+__all__ = ["BlockNote", "BlockRecord", "Recorder", "RunRecord", "SamplingRates", "Store", "campaign_of", "rig_hash"]
 
 __getattr__ = lazy_getattr(
     __name__,
     {
         "campaigns": ("campaign_of",),
         "recorder": ("Recorder",),
-        "records": ("BlockNote", "BlockRecord", "Rates", "RunRecord"),
+        "records": ("BlockNote", "BlockRecord", "SamplingRates", "RunRecord"),
         "store": ("Store", "rig_hash"),
     },
 )

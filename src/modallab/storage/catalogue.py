@@ -13,7 +13,7 @@ from modallab.core.plan import Plan
 from modallab.core.rig import Rig
 from modallab.core.versions import STORE as NEWEST
 from modallab.storage.engine import database_address, next_number, open_engine, read_transaction, write_transaction
-from modallab.storage.records import ENDED, BlockNote, BlockRecord, Rates, RunRecord
+from modallab.storage.records import ENDED, BlockNote, BlockRecord, RunRecord, SamplingRates
 from modallab.storage.service_tables import VERDICTS
 from modallab.storage.tables import BLOCKS, DROPPED, METADATA, REMOVED, RUNS, STORE
 
@@ -202,7 +202,7 @@ def _run_row(run: RunRecord) -> dict[str, Any]:
 def _run_of_row(row: Any) -> RunRecord:
     rates = None
     if row["rate_hz"] is not None:
-        rates = Rates(row["requested_rate_hz"], row["actual_rate_hz"], row["rate_hz"])
+        rates = SamplingRates(row["requested_rate_hz"], row["actual_rate_hz"], row["rate_hz"])
     return RunRecord(
         id=row["id"],
         test=row["test"],

@@ -33,7 +33,7 @@ def checksum(samples: Samples) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class PlacedSamples:
+class SamplesInFile:
     """Where samples are on the disk.
 
     Attributes:
@@ -47,9 +47,9 @@ class PlacedSamples:
     crc32: int
 
 
-def _place_samples(writer: SampleWriter, samples: Samples) -> PlacedSamples:
+def _place_samples(writer: SampleWriter, samples: Samples) -> SamplesInFile:
     crc32 = checksum(samples)
-    return PlacedSamples(writer.append(samples), int(samples.shape[1]), crc32)
+    return SamplesInFile(writer.append(samples), int(samples.shape[1]), crc32)
 
 
 class Recorder:
@@ -113,7 +113,7 @@ class Recorder:
         """
         return self.keep(self.place(samples), note)
 
-    def place(self, samples: Samples) -> Future[PlacedSamples]:
+    def place(self, samples: Samples) -> Future[SamplesInFile]:
         """Begin to write (channels, n) samples, which must not change; until `keep` they are no block.
 
         Raises:
@@ -123,7 +123,7 @@ class Recorder:
             raise StorageError("no file is open", where=self.run, remedy="call open with the delivery first")
         return self._hand.submit(_place_samples, self._writer, samples)
 
-    def keep(self, placed: Future[PlacedSamples], note: BlockNote) -> BlockAcknowledged:
+    def keep(self, placed: Future[SamplesInFile], note: BlockNote) -> BlockAcknowledged:
         """Wait until placed samples are on the disk, and keep them as a block; raises as `record`."""
         at = placed.result()
         assert self._writer is not None

@@ -12,7 +12,7 @@ ENDED: frozenset[RunState] = frozenset({"done", "failed", "aborted"})
 
 
 @dataclass(frozen=True, slots=True)
-class Rates:
+class SamplingRates:
     """The rate that was asked for, what the clock gave, and what stands in the file, in Hz."""
 
     requested_hz: float
@@ -57,7 +57,7 @@ class RunRecord:
     code_version: str
     created_utc: str
     ended_utc: str
-    rates: Rates | None
+    rates: SamplingRates | None
     dtype: str
     scale: tuple[float, ...]
     units: tuple[str, ...]

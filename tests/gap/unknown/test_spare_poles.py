@@ -11,7 +11,7 @@ from modallab.core.effects import Effect
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.exported.mjcf import mjcf_text
+from modallab.gap.export.mjcf import mjcf_text
 
 Make = Callable[..., Campaign]
 

@@ -17,7 +17,7 @@ from modallab.core.documents.runs import RunRequest, Stop
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.service.api.asyncapi import event_kinds
-from modallab.service.campaigns.begin import begin_run
+from modallab.service.campaigns.run_start import begin_run
 
 IN_REAL_TIME = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0&pace=1&reaction_s=0.1,0.2"
 Message = tuple[dict[str, Any], np.ndarray]
@@ -101,7 +101,7 @@ def test_every_sample_comes_and_blocks_hold_the_same(real_lab: Lab, followed: Fo
 
 def test_what_stands_before_the_arrays_is_as_documented(real_lab: Lab, followed: Followed) -> None:
     schemas = real_lab.app.state.asyncapi()["components"]["schemas"]
-    for name, messages in (("SamplesAbout", followed[1]), ("EnvelopeAbout", followed[2])):
+    for name, messages in (("SamplesHeader", followed[1]), ("EnvelopeHeader", followed[2])):
         judge = jsonschema_rs.validator_for(schemas[name] | {"components": {"schemas": schemas}})
         assert [error.message for about, _ in messages for error in judge.iter_errors(about)] == []
 

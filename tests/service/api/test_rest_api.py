@@ -10,7 +10,7 @@ from lab import RIG, TOKEN, Lab
 from modallab.client import Client
 from modallab.core.documents.runs import RunRequest
 from modallab.core.plan import ImpactPlan
-from modallab.service.campaigns.begin import begin_run
+from modallab.service.campaigns.run_start import begin_run
 
 API = "/api/v1"
 

@@ -6,7 +6,7 @@ from lab import RIG, TOKEN, Lab
 from modallab.client import Client, ServiceProblemError
 from modallab.core.documents.runs import RunRequest, Stop
 from modallab.core.plan import ImpactPlan
-from modallab.service.campaigns.begin import begin_run
+from modallab.service.campaigns.run_start import begin_run
 
 
 def test_a_run_and_its_campaign_go_and_come_back(lab: Lab) -> None:

@@ -11,7 +11,7 @@ from modallab.client import Client, ServiceProblemError
 from modallab.core.documents.runs import RunRequest
 from modallab.core.documents.users import Role, TokenRequest, UserRequest
 from modallab.core.plan import ImpactPlan
-from modallab.service.campaigns.begin import begin_run
+from modallab.service.campaigns.run_start import begin_run
 from modallab.service.records.users import Users
 from modallab.storage.engine import write_transaction
 from modallab.storage.service_tables import TOKENS

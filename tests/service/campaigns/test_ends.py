@@ -19,7 +19,7 @@ from modallab.core.errors import DeviceGoneError
 from modallab.core.events import RunState, StateChanged
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
-from modallab.service.campaigns.begin import begin_run
+from modallab.service.campaigns.run_start import begin_run
 from modallab.service.errors import RigUnavailableError
 from modallab.service.records.event_log import EventLog, EventTopic
 from modallab.service.records.repository import RunEntry

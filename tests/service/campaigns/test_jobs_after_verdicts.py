@@ -14,7 +14,7 @@ from modallab.jobs.leases import Leases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
 from modallab.service.campaigns.runs import judge_block
 from modallab.service.context import Service, open_service
-from modallab.service.jobs.background import AfterRun
+from modallab.service.jobs.background import IdentificationAfterRun
 from modallab.service.jobs.campaign_jobs import order_job
 from modallab.service.records.leases import RigLeases as RigLeases
 from modallab.service.records.repository import RunEntry
@@ -75,7 +75,7 @@ def test_who_asks_again_after_a_verdict_has_it_computed_anew(service: Service, c
 def test_a_run_that_continues_a_judged_one_is_identified_anew(service: Service, campaign: str) -> None:
     before = _record(service, campaign)
     run = _record(service, campaign, before)
-    after = AfterRun(service.store, service.jobs)
+    after = IdentificationAfterRun(service.store, service.jobs)
     first = after.identify(run)
     assert after.identify(run).id == first.id
     _judge(service, before, False, 5)
@@ -104,7 +104,7 @@ def _verdict(service: Service, run: str, accepted: bool, *numbers: int) -> None:
 
 def test_a_verdict_while_jobs_wait_has_them_done_with_what_counts_now(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
-    automatic = AfterRun(service.store, service.jobs).identify(run)
+    automatic = IdentificationAfterRun(service.store, service.jobs).identify(run)
     ordered = order_job(service, campaign, "report", JobRequest(), "Ada")
     _verdict(service, run, False, 0)
     for old, kind in ((automatic, "identify"), (ordered, "report")):
@@ -122,7 +122,7 @@ def test_a_verdict_while_jobs_wait_has_them_done_with_what_counts_now(service: S
 
 def test_what_a_person_waits_for_stays_before_what_is_done_by_itself(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
-    AfterRun(service.store, service.jobs).identify(run)
+    IdentificationAfterRun(service.store, service.jobs).identify(run)
     order_job(service, campaign, "report", JobRequest(), "Ada")
     _verdict(service, run, False, 0)
     (taken,) = Leases(service.engine, "a runner").take(["identify", "report"], 1)
@@ -131,7 +131,7 @@ def test_what_a_person_waits_for_stays_before_what_is_done_by_itself(service: Se
 
 def test_a_job_that_is_computed_while_a_block_is_judged_is_not_kept(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
-    job = AfterRun(service.store, service.jobs).identify(run)
+    job = IdentificationAfterRun(service.store, service.jobs).identify(run)
     leases = Leases(service.engine, "a runner")
     (taken,) = leases.take(["identify"], 1)
     _verdict(service, run, False, 0)
@@ -141,7 +141,7 @@ def test_a_job_that_is_computed_while_a_block_is_judged_is_not_kept(service: Ser
 
 def test_where_no_block_counts_nothing_waits_until_one_does_again(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
-    AfterRun(service.store, service.jobs).identify(run)
+    IdentificationAfterRun(service.store, service.jobs).identify(run)
     _verdict(service, run, False, *range(6))
     assert not service.jobs.list(state="queued").jobs
     _verdict(service, run, True, 2)
@@ -151,6 +151,6 @@ def test_where_no_block_counts_nothing_waits_until_one_does_again(service: Servi
 
 def test_a_verdict_after_the_model_orders_nothing_by_itself(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
-    _done(service, AfterRun(service.store, service.jobs).identify(run))
+    _done(service, IdentificationAfterRun(service.store, service.jobs).identify(run))
     _verdict(service, run, False, 0)
     assert not service.jobs.list(state="queued").jobs

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.formats.rig.rig_file import parse_rig
-from modallab.service.campaigns.begin import remaining_plan, require_reasonable
+from modallab.service.campaigns.run_start import remaining_plan, require_reasonable
 from modallab.service.errors import ConflictError
 from modallab.service.rigs.controllers import rig_ids
 from modallab.storage.records import BlockNote, BlockRecord

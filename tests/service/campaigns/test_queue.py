@@ -17,7 +17,7 @@ from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.service.api.rigs import state_of
 from modallab.service.campaigns import queueing
-from modallab.service.campaigns.begin import begin_run
+from modallab.service.campaigns.run_start import begin_run
 from modallab.service.errors import LeaseNeededError
 from modallab.service.records.run_queue import RunQueue
 from modallab.service.rigs.queue_runner import QueueRunner

@@ -12,7 +12,7 @@ from sqlalchemy import update
 
 from modallab.core.documents.runs import RunRequest
 from modallab.core.plan import ImpactPlan
-from modallab.service.campaigns.begin import begin_run
+from modallab.service.campaigns.run_start import begin_run
 from modallab.service.errors import IdempotencyError
 from modallab.storage.engine import write_transaction
 from modallab.storage.service_tables import RUN_KEYS

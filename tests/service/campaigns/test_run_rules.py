@@ -8,8 +8,8 @@ from modallab.acquisition.process.trip import TrippedError
 from modallab.core.documents.runs import Abort, Drop, Pause, Repeat, Resume, RunRequest, Stop, Verdict
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
-from modallab.service.campaigns.begin import begin_run
 from modallab.service.campaigns.live_frf import LiveFrfs
+from modallab.service.campaigns.run_start import begin_run
 from modallab.service.campaigns.runs import block_records, judge_block, run_view
 from modallab.service.errors import ConflictError, LeaseNeededError
 from modallab.service.rigs.control import REQUESTED, require_action

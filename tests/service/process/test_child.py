@@ -3,7 +3,7 @@
 import multiprocessing
 from threading import Thread
 
-from modallab.service.process.child import Child
+from modallab.service.process.child_processes import Child
 
 SLEEP = "sleeping_child:sleep"
 

@@ -13,7 +13,7 @@ import pytest
 from service_process import COMMAND, ServiceProcess
 
 from modallab.core.errors import ModallabError
-from modallab.service.process.child import ProcessList
+from modallab.service.process.child_processes import ProcessList
 from modallab.service.process.connections import bound_socket
 
 MOMENTS_S = (0.7, 1.2, 1.8, 2.5, 4.0)

@@ -8,7 +8,7 @@ from pydantic import SecretStr
 from modallab.core.errors import FormatError, JobError
 from modallab.core.settings import Settings
 from modallab.service.errors import ServiceError
-from modallab.service.process.start_up import require_scheduler, settle_database, tls_of
+from modallab.service.process.start_up import configure_database, require_scheduler, tls_of
 from modallab.storage import Store
 from modallab.storage.engine import database_of
 
@@ -20,16 +20,16 @@ def _settings(folder: Path, url: str = URL) -> Settings:
 
 
 def test_a_new_folder_takes_the_database_of_the_settings_and_keeps_it(tmp_path: Path) -> None:
-    settle_database(_settings(tmp_path))
-    settle_database(_settings(tmp_path))
-    settle_database(Settings(data=tmp_path))
+    configure_database(_settings(tmp_path))
+    configure_database(_settings(tmp_path))
+    configure_database(Settings(data=tmp_path))
     assert database_of(tmp_path) == URL
 
 
 def test_another_database_than_the_folders_is_rejected_without_a_password(tmp_path: Path) -> None:
-    settle_database(_settings(tmp_path))
+    configure_database(_settings(tmp_path))
     with pytest.raises(ServiceError, match=r"names postgresql.*\*\*\*@db\.example") as rejected:
-        settle_database(_settings(tmp_path, URL.replace("lab", "other").replace("s3cret", "hidden")))
+        configure_database(_settings(tmp_path, URL.replace("lab", "other").replace("s3cret", "hidden")))
     assert "s3cret" not in str(rejected.value)
     assert "hidden" not in str(rejected.value)
     assert database_of(tmp_path) == URL
@@ -38,7 +38,7 @@ def test_another_database_than_the_folders_is_rejected_without_a_password(tmp_pa
 def test_a_folder_with_its_own_catalogue_is_not_turned_away_from_it(tmp_path: Path) -> None:
     Store(tmp_path).close()
     with pytest.raises(FormatError, match="holds both"):
-        settle_database(_settings(tmp_path))
+        configure_database(_settings(tmp_path))
     assert database_of(tmp_path).startswith("sqlite:")
 
 
@@ -46,13 +46,13 @@ def test_no_password_is_shown_with_the_settings(tmp_path: Path) -> None:
     assert "s3cret" not in repr(_settings(tmp_path))
     assert "s3cret" not in _settings(tmp_path).model_dump_json()
     with pytest.raises(ServiceError, match="cannot be understood") as rejected:
-        settle_database(_settings(tmp_path / "new", "s3cret without a scheme"))
+        configure_database(_settings(tmp_path / "new", "s3cret without a scheme"))
     assert "s3cret" not in str(rejected.value)
 
 
 def test_the_database_comes_from_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MODALLAB_DATABASE", URL)
-    settle_database(Settings(data=tmp_path))
+    configure_database(Settings(data=tmp_path))
     assert database_of(tmp_path) == URL
 
 

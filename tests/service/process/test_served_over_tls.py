@@ -13,7 +13,7 @@ from service_process import ServiceProcess
 from modallab.core.settings import Settings
 from modallab.service.errors import ServiceError
 from modallab.service.process import tls
-from modallab.service.process.tls import self_signed, settle_tls
+from modallab.service.process.tls import configure_tls, self_signed
 
 
 def test_a_certificate_is_made_once_and_anew_for_another_name_or_when_it_ends(
@@ -36,12 +36,12 @@ def test_what_cannot_be_used_is_rejected_before_anything_starts(tmp_path: Path) 
     cert, key = self_signed(tmp_path / "one", ("localhost",))
     _, other = self_signed(tmp_path / "two", ("localhost",))
     with pytest.raises(ServiceError, match="needs a certificate and its key"):
-        settle_tls(Settings(data=tmp_path, tls_cert=cert))
+        configure_tls(Settings(data=tmp_path, tls_cert=cert))
     with pytest.raises(ServiceError, match="and one is to be made"):
-        settle_tls(Settings(data=tmp_path, tls_cert=cert, tls_key=key, tls_self_signed=True))
+        configure_tls(Settings(data=tmp_path, tls_cert=cert, tls_key=key, tls_self_signed=True))
     with pytest.raises(ServiceError, match="cannot be used"):
-        settle_tls(Settings(data=tmp_path, tls_cert=cert, tls_key=other))
-    assert settle_tls(Settings(data=tmp_path)).scheme == "http"
+        configure_tls(Settings(data=tmp_path, tls_cert=cert, tls_key=other))
+    assert configure_tls(Settings(data=tmp_path)).scheme == "http"
 
 
 @pytest.mark.thorough("starts one more service, with a certificate")

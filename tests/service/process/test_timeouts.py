@@ -6,8 +6,8 @@ from multiprocessing import Pipe
 
 import pytest
 
-from modallab.service.process.child import HeartbeatTimer
-from modallab.service.process.wire import CallServer, ProcessHeartbeat, RemoteControl
+from modallab.service.process.child_processes import HeartbeatTimer
+from modallab.service.process.process_messages import CallServer, ProcessHeartbeat, RemoteControl
 
 LOOK_S = 0.05
 

@@ -8,13 +8,13 @@ import numpy as np
 from modallab.core.block import Block
 from modallab.core.effects import Effect, row_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import AlteredBench, Clip
+from modallab_simulators.cantilever.altered_bench import AlteredBench, ClippedRow
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 
 
 def _change(altered: AlteredBench, effect: Effect, rig: Rig) -> AlteredBench:
     numbers = effect.parameters
-    clip = Clip(row_of(effect), numbers["fraction_of_peak"], numbers.get("peak_v"))
+    clip = ClippedRow(row_of(effect), numbers["fraction_of_peak"], numbers.get("peak_v"))
     c = altered.chain
     return replace(altered, chain=replace(c, clips=(*c.clips, clip)))
 

@@ -141,7 +141,7 @@ def channels_of(element: PointElement | CrackElement, basis: Basis) -> list[Chan
     return [Channel(basis.project(row), row) for row in element.rows(basis.modes)]
 
 
-def static(basis: Basis, one: Channel, other: Channel) -> float:
+def static_remainder(basis: Basis, one: Channel, other: Channel) -> float:
     """What the modes beyond those of the basis add statically between two channels."""
     kept = (one.psi * other.psi / (-basis.poles * basis.scale)).imag.sum()
     if one.point and other.point:

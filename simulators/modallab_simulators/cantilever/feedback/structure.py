@@ -15,10 +15,10 @@ from modallab_simulators.cantilever.feedback.elements import (
     Drag,
     PointElement,
     channels_of,
-    static,
+    static_remainder,
 )
-from modallab_simulators.cantilever.feedback.march import CRACK, CUBIC, FRICTION, PLAY, march
-from modallab_simulators.cantilever.loads import BLOCK, Drive, Spread
+from modallab_simulators.cantilever.feedback.time_stepping import CRACK, CUBIC, FRICTION, PLAY, step_in_time
+from modallab_simulators.cantilever.loads import BLOCK, DistributedLoad, Drive
 from modallab_simulators.cantilever.recursion import REACH, step_taps
 from modallab_simulators.cantilever.structure import Structure
 
@@ -103,10 +103,10 @@ class FeedbackStructure:
         seen, linear = self._linear.advance(state.linear, loads)
         return seen, replace(after, linear=linear)
 
-    def pass_over(self, state: FeedbackState, drives: Sequence[Drive]) -> FeedbackState:
+    def skip(self, state: FeedbackState, drives: Sequence[Drive]) -> FeedbackState:
         """The state after a stretch of which nobody wants the outputs."""
         loads, after = self._fed(state, drives)
-        return replace(after, linear=self._linear.pass_over(state.linear, loads))
+        return replace(after, linear=self._linear.skip(state.linear, loads))
 
     def _fed(self, state: FeedbackState, drives: Sequence[Drive]) -> tuple[list[Drive], FeedbackState]:
         """All loads of a stretch on the linear structure, and the state for the next but for that structure's own."""
@@ -130,7 +130,7 @@ class FeedbackStructure:
             into[row], direct[:, row] = self._known(drive)
         g, memory, fed = state.g.copy(), state.memory.copy(), np.zeros((len(self._loads), count))
         parts = _parts(state.z)
-        march(parts, g, memory, forces, _parts(into), *self._fixed[:6], direct, *self._fixed[6:], REACH, fed)
+        step_in_time(parts, g, memory, forces, _parts(into), *self._fixed[:6], direct, *self._fixed[6:], REACH, fed)
         return replace(state, z=parts[0] + 1j * parts[1], g=g, memory=memory), fed
 
     def _known(self, drive: Drive) -> tuple[Complex128, Real]:
@@ -143,7 +143,7 @@ class FeedbackStructure:
                 channel = Channel(basis.participation, row)
             else:
                 channel = Channel(basis.shapes(at)[0], basis.modes.shapes(at, KEPT)[0], (drive.x_m, 0))
-            direct = np.array([static(basis, local, channel) for local in self._local])
+            direct = np.array([static_remainder(basis, local, channel) for local in self._local])
             self._intos[key] = (channel.psi.astype(np.complex128), direct)
         return self._intos[key]
 
@@ -183,7 +183,7 @@ class FeedbackStructure:
         among = np.zeros((len(self._local), len(self._local)))
         for i, one in enumerate(self._local):
             for j, other in enumerate(self._local):
-                among[i, j] = static(self._basis, one, other)
+                among[i, j] = static_remainder(self._basis, one, other)
         for group, element in zip(self._groups, self._elements, strict=True):
             if isinstance(element, CrackElement):
                 own = [next(k for k, c in enumerate(self._local) if c is channel) for channel in group]
@@ -219,12 +219,12 @@ class FeedbackStructure:
         modes, places = self._basis.modes, self._linear.places_m
         whole = modes.shapes(places, KEPT) @ (channel.row / modes.omega(KEPT) ** 2)
         kept = (self._basis.shapes(places) * channel.psi / (-self._basis.poles * self._basis.scale)).imag.sum(axis=1)
-        return Drive(0.0, nothing, 0.0, "spread", False, Spread(channel.psi, whole - kept))
+        return Drive(0.0, nothing, 0.0, "spread", False, DistributedLoad(channel.psi, whole - kept))
 
     def _drag_loads(self) -> list[Drive]:
         still = np.zeros(len(self._linear.places_m))
         rows = self._drag_rows()[0]
-        return [Drive(0.0, np.zeros(0), 0.0, "spread", False, Spread(psi, still)) for psi in rows]
+        return [Drive(0.0, np.zeros(0), 0.0, "spread", False, DistributedLoad(psi, still)) for psi in rows]
 
 
 def _parts(numbers: Complex128) -> Real:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.places import AllChannels, OneChannel
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import AlteredBench
+from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
 from modallab_simulators.cantilever.sensor import Sensor, high_pass, low_pass, mount
 

@@ -7,7 +7,7 @@ from math import inf, pi
 
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import AlteredBench, SideFamily
+from modallab_simulators.cantilever.altered_bench import AlteredBench, SideFamily
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.effect_part import EffectPart

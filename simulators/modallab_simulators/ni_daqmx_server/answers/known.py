@@ -12,8 +12,8 @@ from modallab_simulators.ni_daqmx_server.counter_task import CounterInputTask, C
 from modallab_simulators.ni_daqmx_server.digital_task import DigitalInputTask, LineTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
-from modallab_simulators.ni_daqmx_server.starting import kind_of
 from modallab_simulators.ni_daqmx_server.status import StatusError
+from modallab_simulators.ni_daqmx_server.task_start import kind_of
 from modallab_simulators.ni_daqmx_server.tasks import Channel, Task
 
 ComputationResult = Callable[[SimulatedSystem, Any, Any], Any]

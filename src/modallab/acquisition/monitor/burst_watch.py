@@ -61,7 +61,7 @@ class LimitWatch:
             remedy="lower the drive level or avoid the resonance; earlier blocks are kept",
         )
 
-    def used(self, samples: Samples) -> float:
+    def share_of_limit(self, samples: Samples) -> float:
         """The largest part of a limit that any of the (channels, n) samples takes."""
         return float((largest_magnitudes(samples) / self.limit).max())
 
@@ -126,15 +126,15 @@ class BurstWatch:
         noise = RestNoise.of(rest, counts=counts)
         if self.own is None:
             self.own = noise
-        dead = self.own.fallen(noise) | self.own.ends_frozen(rest)
-        fallen = np.flatnonzero(dead & np.isfinite(self.limits.limit))
-        if fallen.size:
-            names = ", ".join(self.limits.names[channel] for channel in fallen)
+        dead = self.own.below_earlier_noise(noise) | self.own.ends_frozen(rest)
+        below_earlier_noise = np.flatnonzero(dead & np.isfinite(self.limits.limit))
+        if below_earlier_noise.size:
+            names = ", ".join(self.limits.names[channel] for channel in below_earlier_noise)
             raise SafetyError(
                 f"{names} reads less than its own noise: dead or frozen; nothing was driven",
                 remedy="check the channel's sensor, cable and input; earlier blocks are kept",
             )
-        return noise.no_longer_than(self.own)
+        return noise.with_shorter_runs_of(self.own)
 
     def begin(self, burst: Burst, start: int, rest: Samples, noise: RestNoise, unseen: int) -> None:
         """A burst begins at sample `start`, after `rest`; `unseen` is the next sample that comes."""
@@ -156,9 +156,9 @@ class BurstWatch:
         if self.motion is not None:
             self.motion.restart()
 
-    def used(self, samples: Samples) -> float:
+    def share_of_limit(self, samples: Samples) -> float:
         """The largest part of a limit that the (channels, n) samples of a burst take."""
-        return max(self.limits.used(samples), self.motion.used if self.motion is not None else 0.0)
+        return max(self.limits.share_of_limit(samples), self.motion.share_of_limit if self.motion is not None else 0.0)
 
 
 def load_filters(limits: Limits | None) -> None:

@@ -48,7 +48,7 @@ class ExchangedChannels:
         self._moments += moves @ moves.T
         self._count += moves.shape[1]
 
-    def kept_to(self, learned: Real, latest: Real) -> tuple[NDArray[np.bool_], Real]:
+    def consistent_with_shapes(self, learned: Real, latest: Real) -> tuple[NDArray[np.bool_], Real]:
         """Whether looks one after another keep to the shapes, (looks,), and the moments each adds to them.
 
         Args:
@@ -64,7 +64,7 @@ class ExchangedChannels:
         own = np.sum(np.linalg.inv(known + self._noise) * seconds, axis=(1, 2))
         return own < LEAVES * learned.shape[1], moments
 
-    def pass_over(self, moments: Real, count: int) -> None:
+    def add_moments(self, moments: Real, count: int) -> None:
         """Take in the (channels, channels) moments of `count` samples, and that the look kept to the shapes."""
         self._moments += moments
         self._count += count
@@ -220,7 +220,7 @@ class BurstWindows:
         """(looks, count, 3) what the drive lets every channel do there."""
         return np.array([self._drive[end - count - self._first : end - self._first] for end in ends.tolist()])
 
-    def foreseen(self, later_s: float, earlier_s: float = EARLIER_S) -> tuple[Real, PredictedWindow] | None:
+    def predicted(self, later_s: float, earlier_s: float = EARLIER_S) -> tuple[Real, PredictedWindow] | None:
         """The later window of this look, and what the earlier one says of it; None where it is not all of the burst."""
         end, count = self._at(self.hop * HOP_S), self.count(later_s)
         middle = end - count
@@ -235,7 +235,7 @@ class BurstWindows:
         foreseen = predict_later_window(self._cut(begin, stop), earlier, later)
         return self._cut(middle, end), foreseen
 
-    def changed_places(self) -> tuple[int, int] | None:
+    def exchanged_channels(self) -> tuple[int, int] | None:
         """Two channels that are exchanged, by the shapes in which the structure moves; once a look."""
         end = self._at(self.hop * HOP_S)
         middle = end - self.count(self.later_s)

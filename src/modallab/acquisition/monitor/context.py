@@ -23,7 +23,7 @@ from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.signals.transform import next_quick_length
 from modallab.storage import BlockNote, Recorder
-from modallab.storage.recorder import PlacedSamples
+from modallab.storage.recorder import SamplesInFile
 from modallab.storage.samples import Samples
 
 FLOOR_WINDOWS = 4
@@ -108,14 +108,14 @@ class RunContext:
             return stretch[rows[0] : rows[-1] + 1]
         return stretch[list(rows)]
 
-    def look_now(self, floor: Floor, watch: Watch | None = None) -> WindowLevels:
+    def look_at_last_window(self, floor: Floor, watch: Watch | None = None) -> WindowLevels:
         """At the last window; after a restart it must first be read."""
         self.stream.advance_to(self.window, watch)
         return WindowLevels.of(self.motion(self.stream.next - self.window, self.window), floor.rms)
 
     def check_settled_now(self, floor: Floor, watch: Watch | None = None) -> SettledCheck:
         """What the last window says."""
-        return check_settled(self.look_now(floor, watch), floor)
+        return check_settled(self.look_at_last_window(floor, watch), floor)
 
     def restart(self, after: SamplesLostError, restarts: int) -> None:
         """Bring the output to zero and start the bench again after a gap; what came before it is never spliced.
@@ -140,11 +140,11 @@ class RunContext:
         """The block from sample `first`, as it will be written."""
         return BufferedBlock(self._cut(first), self._noted(first, note))
 
-    def place(self, first: int) -> Future[PlacedSamples]:
+    def place(self, first: int) -> Future[SamplesInFile]:
         """Begin to write the samples of the block from sample `first`, while it is still looked at."""
         return self.recorder.place(self._cut(first))
 
-    def keep(self, first: int, placed: Future[PlacedSamples], note: BlockNote) -> BlockAcknowledged:
+    def keep(self, first: int, placed: Future[SamplesInFile], note: BlockNote) -> BlockAcknowledged:
         """Keep a placed block, with what is known of it by now, and report that it is kept."""
         kept = self.recorder.keep(placed, self._noted(first, note))
         self.emit(kept)

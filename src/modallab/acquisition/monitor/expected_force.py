@@ -72,7 +72,7 @@ class ExpectedForce:
                 )
         self.last = LastBurst(frequency_hz, found)
 
-    def believes(self, look: BurstWindows, foreseen: PredictedWindow) -> NDArray[np.bool_]:
+    def is_plausible_force(self, look: BurstWindows, foreseen: PredictedWindow) -> NDArray[np.bool_]:
         """(looks,) whether the force is seen, and within the bracket or no clean tone; of many looks at once."""
         force = self._channel
         level, misfit = foreseen.level[:, force], foreseen.misfit[:, force]

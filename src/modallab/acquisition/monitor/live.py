@@ -148,7 +148,7 @@ def remove_stale_ring_buffers(data_folder: Path, ended: Callable[[str], bool]) -
 def _ring_shape(channels: int, delivery: Delivery) -> RingBuffer | None:
     for seconds in SECONDS:
         with suppress(OSError):
-            return make_ring_buffer(RingBufferLayout.lasting(channels, delivery.rate_hz, delivery.dtype, seconds))
+            return make_ring_buffer(RingBufferLayout.of_duration(channels, delivery.rate_hz, delivery.dtype, seconds))
     return None
 
 

@@ -86,7 +86,7 @@ class MotionWatch:
         self._highest = np.zeros(len(self._rows))
 
     @property
-    def used(self) -> float:
+    def share_of_limit(self) -> float:
         """The largest part of a limit that was taken since the burst began."""
         return float((self._highest / self._limit).max())
 

@@ -61,7 +61,7 @@ class NormalRanges:
         place = look.hop - self.first
         if not self.normal[place]:
             return False
-        look.places.pass_over(self.moments[place], self.learned)
+        look.places.add_moments(self.moments[place], self.learned)
         look.tone = self.tone[place]
         look.gone = np.zeros_like(look.gone)
         return True
@@ -77,7 +77,7 @@ def normal_ranges_of_windows(look: BurstWindows, force: ExpectedForce) -> Normal
     before = ends - later - look.gap
     earlier, following = look.drives(before, look.earlier), look.drives(ends, later)
     foreseen = predict_later_window(look.windows(before, look.earlier), earlier, following)
-    kept, moments = look.places.kept_to(look.windows(before, learned), latest)
+    kept, moments = look.places.consistent_with_shapes(look.windows(before, learned), latest)
     size = np.sqrt(2) * foreseen.level / look.sigma_v
     suspect = (
         departs_from_prediction(latest, foreseen, look.noise_v)
@@ -85,7 +85,7 @@ def normal_ranges_of_windows(look: BurstWindows, force: ExpectedForce) -> Normal
         | is_noise_alone(look.windows(ends, weak), look.white_v)
         | ~(size > SEEN)
     )
-    normal = kept & ~suspect.any(axis=1) & force.believes(look, foreseen) & has_drive(earlier)
+    normal = kept & ~suspect.any(axis=1) & force.is_plausible_force(look, foreseen) & has_drive(earlier)
     return NormalRanges(look.hop + 1, normal, size * foreseen.phase, moments, learned)
 
 
@@ -185,11 +185,11 @@ class Plausibility:
                 self._require_all(look)
 
     def _require_all(self, look: BurstWindows) -> None:
-        places = look.changed_places()
+        places = look.exchanged_channels()
         if places is not None and self._watched[list(places)].any():
             one, other = (self._names[channel] for channel in places)
             raise implausible_channel_error(f"{one} and {other} are exchanged")
-        pair = look.foreseen(look.later_s)
+        pair = look.predicted(look.later_s)
         if pair is None:
             return
         for channel, reason in channel_faults(*pair, look.noise_v, look.white_v).items():
@@ -200,7 +200,7 @@ class Plausibility:
         gone[self._force_row] |= departs_from_drive(*pair, look.noise_v)[self._force_row]
         # What stands above its noise is not lost, and needs no fit.
         if is_noise_alone(look.latest(WEAK_LATER_S), look.white_v).any():
-            weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
+            weak = look.predicted(WEAK_LATER_S, WEAK_EARLIER_S)
             if weak is not None:
                 gone |= self._unless_beats(tone_is_lost(*weak, look.white_v) & ~self._at_a_node(look, weak[1]), *weak)
         gone |= self._missing(look, pair[1])

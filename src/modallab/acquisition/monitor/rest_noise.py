@@ -62,7 +62,7 @@ class RestNoise:
         longest = np.where(visible, np.maximum(np.maximum(likely, LEAST_RUN), resting), np.inf)
         return cls(rms, longest, visible, np.where(np.isfinite(step), step, 0.0))
 
-    def fallen(self, later: "RestNoise") -> NDArray[np.bool_]:
+    def below_earlier_noise(self, later: "RestNoise") -> NDArray[np.bool_]:
         """(channels,) whether the noise has fallen below the channel's own since."""
         return self.visible & (later.rms < FALLEN * self.rms)
 
@@ -72,7 +72,7 @@ class RestNoise:
         run = np.where(changed.any(axis=1), changed.argmax(axis=1), window.shape[1])
         return run >= self.longest_run
 
-    def no_longer_than(self, other: "RestNoise") -> "RestNoise":
+    def with_shorter_runs_of(self, other: "RestNoise") -> "RestNoise":
         """The same, frozen from what is so for another rest as well: a rest that was half frozen says nothing."""
         return replace(self, longest_run=np.minimum(self.longest_run, other.longest_run))
 

@@ -39,7 +39,7 @@ class RingBufferLayout:
     dtype: str
 
     @classmethod
-    def lasting(cls, channels: int, rate_hz: float, dtype: "np.dtype[Any]", seconds: float) -> Self:
+    def of_duration(cls, channels: int, rate_hz: float, dtype: "np.dtype[Any]", seconds: float) -> Self:
         """For so many seconds, or fewer where that would take too much memory."""
         most = MAX_BYTES // (channels * dtype.itemsize)
         cells = max(4, min(round(seconds * rate_hz), most) // CELL)

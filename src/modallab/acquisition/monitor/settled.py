@@ -230,7 +230,7 @@ def mean_sensor_motion(sensors: Single) -> Real:
 
 
 def largest_ratio(moves: Real, lines: NDArray[np.int64], own: Real) -> tuple[float, int]:
-    """The largest ratio of ringing to a hit's `mean_sensor_motion`, at its line or beside it, and the line; 0 if none rings.
+    """Largest ringing over a hit's `mean_sensor_motion`, at or beside its line, and the line; 0 if none rings.
 
     Args:
         moves: (peaks,) amplitudes of what rings.

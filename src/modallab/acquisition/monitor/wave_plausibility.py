@@ -71,7 +71,9 @@ class WavePlausibility:
         look.add(chunk)
         while look.next_hop():
             self._require(look.cut_off(), "is clipped: its highest samples are equal")
-            self._require(look.gone(self._forces), "no longer follows the drive: dead, frozen or unplugged")
+            self._require(
+                look.motionless_channels(self._forces), "no longer follows the drive: dead, frozen or unplugged"
+            )
 
     def _require(self, wrong: NDArray[np.bool_], what: str) -> None:
         found = np.flatnonzero(wrong & self._watched)

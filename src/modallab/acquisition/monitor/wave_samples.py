@@ -126,7 +126,7 @@ class WaveSamples:
         end = self._raw.shape[1] - (self._seen_to - self._taken)
         return flat_tops(self._raw[:, :end], self._noise)
 
-    def gone(self, forces: Sequence[int]) -> NDArray[np.bool_]:
+    def motionless_channels(self, forces: Sequence[int]) -> NDArray[np.bool_]:
         """(channels,) whether a channel has not moved for some looks, where it must; `forces`: by wave."""
         window = np.concatenate(list(self._hops)[-WINDOW_HOPS:], axis=1)
         level = rms_about_line(window[: self._channels])

@@ -18,7 +18,7 @@ from modallab.acquisition.procedures.broadband_wave import (
     waves_of,
 )
 from modallab.acquisition.procedures.driven_forces import DrivenForces
-from modallab.bench.abilities import DrivesSeveralShakers, PlaysWaves
+from modallab.bench.capabilities import DrivesSeveralShakers, PlaysWaves
 from modallab.bench.protocol import Bench, Waveform
 from modallab.core.arrays import Real
 from modallab.core.block import fact_of_other_shakers

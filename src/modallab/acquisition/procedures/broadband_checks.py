@@ -12,7 +12,7 @@ from modallab.acquisition.procedures.broadband_wave import (
     slew_v_per_s,
     waves_of,
 )
-from modallab.bench.abilities import DrivesSeveralShakers, PlaysWaves
+from modallab.bench.capabilities import DrivesSeveralShakers, PlaysWaves
 from modallab.bench.protocol import Waveform
 from modallab.core.errors import UnsupportedError
 from modallab.core.plan import BroadbandPlan

@@ -162,7 +162,7 @@ def check_burst(
     measured = MeasuredBurst(
         volts=setting.volts,
         force_n=amplitude_at(force_n, context.stream.rate_hz, note.frequency_hz),
-        used=float(watch.used(block)),
+        used=float(watch.share_of_limit(block)),
     )
     facts: dict[str, float | str] = {"force_n": measured.force_n, "limit_used": measured.used}
     settling = _settling(context, plan, note, setting) if plan.modes else None

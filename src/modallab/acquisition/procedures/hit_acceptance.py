@@ -218,7 +218,7 @@ class MotionBeforeHit:
         look = WindowLevels.of(context.motion(first - context.window, context.window), floor.rms)
         return cls(*ringing_lines(look, floor))
 
-    def beside(self, context: RunContext, first: int, floor: Floor) -> Ringing:
+    def relative_to_block(self, context: RunContext, first: int, floor: Floor) -> Ringing:
         """As part of what moves in the block from sample `first`."""
         if self.lines.size == 0:
             return Ringing(0.0, 0.0)

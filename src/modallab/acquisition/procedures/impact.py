@@ -153,7 +153,7 @@ class ImpactTest:
         context, limits = self.context, self.plan.acceptance
         placed = context.place(first)
         overload = context.stream.overload(first, context.block)
-        hit, ringing = self._measure(first), before.beside(context, first, self.rest.floor)
+        hit, ringing = self._measure(first), before.relative_to_block(context, first, self.rest.floor)
         overloaded = [f"overload: {', '.join(overload)} beyond the range"] if overload else []
         unclean = [*overloaded, *rejections(hit, limits)]
         # What is no clean hit says little about where it was.

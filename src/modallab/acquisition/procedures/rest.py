@@ -208,7 +208,7 @@ class RestWait:
     def _look(self, point: int) -> RestState:
         context, stream = self.context, self.context.stream
         began = time.thread_time()
-        look = context.look_now(self.floor, self.early)
+        look = context.look_at_last_window(self.floor, self.early)
         check = check_settled(look, self.floor)
         expected = self.motion.expected(point)
         ratio, line = None, check.line

@@ -15,7 +15,7 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.abilities import ReadsSensitivities, ReadsSerialNumbers, SuppliesSensors
+from modallab.bench.capabilities import ReadsSensitivities, ReadsSerialNumbers, SuppliesSensors
 from modallab.bench.protocol import Bench
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test, si_factor

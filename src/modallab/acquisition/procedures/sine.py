@@ -9,7 +9,7 @@ from modallab.acquisition.monitor.context import RunContext, measure_floor
 from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import BurstCheck, Drive, Setting, burst_of, check_burst
 from modallab.acquisition.procedures.target import Step, repeated_steps, steps_of
-from modallab.bench.abilities import ReportsOutput, SensorSupplyCheck
+from modallab.bench.capabilities import ReportsOutput, SensorSupplyCheck
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.events import Notice

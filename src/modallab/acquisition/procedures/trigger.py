@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.context import RunContext
-from modallab.bench.abilities import ReferenceTrigger, TriggersInHardware
+from modallab.bench.capabilities import ReferenceTrigger, TriggersInHardware
 from modallab.bench.protocol import Bench
 from modallab.core.errors import BenchTimeoutError, PlanError
 from modallab.core.plan import ImpactPlan, Plan

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from modallab.acquisition.monitor.live import IDLE, LiveRingBuffer, remove_stale_ring_buffers
 from modallab.acquisition.monitor.run_states import Excitation
-from modallab.acquisition.process.host import keep_awake, raise_priority
-from modallab.acquisition.process.idle_scope import IdleScope, idle_ring_buffer_name
-from modallab.acquisition.process.link import BenchOpened, Link, RunEnded, RunPlan
+from modallab.acquisition.process.idle_view import IdleView, idle_ring_buffer_name
+from modallab.acquisition.process.machine_settings import keep_awake, raise_priority
 from modallab.acquisition.process.output_supervisor import HeartbeatPipe
-from modallab.acquisition.process.ready import Order
+from modallab.acquisition.process.owner_link import BenchOpened, OwnerLink, RunEnded, RunPlan
+from modallab.acquisition.process.prepare_run import Order
 from modallab.acquisition.process.run import make_safe, run_plan
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
@@ -44,7 +44,7 @@ def serve(
     """
     # Ctrl-C reaches every process of a terminal; the owner decides what it means, and stops the run in good order.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    link = Link(connection)
+    link = OwnerLink(connection)
     try:
         _serve(link, url, rig, folder, OutputGuard(HeartbeatPipe(life_line), TripLatch(folder, url), supervision))
     except Exception as error:
@@ -67,7 +67,7 @@ class OutputGuard:
     supervision: str
 
 
-def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: OutputGuard) -> None:
+def _serve(link: OwnerLink, url: str, rig: Rig, folder: Path, guard: OutputGuard) -> None:
     bench = open_bench(url, rig)
     try:
         bench.zero()
@@ -77,7 +77,7 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: OutputGuard) -> 
             store.recover()
             remove_stale_ring_buffers(folder, lambda name: _is_over(store, name, url))
             link.send(BenchOpened(bench.info))
-            scope = IdleScope(bench, rig, folder)
+            scope = IdleView(bench, rig, folder)
             while (command := _next_plan(link, scope)) is not None:
                 _run(link, bench, rig, store, command, guard)
                 guard.life.idle()
@@ -93,14 +93,14 @@ def _is_over(store: Store, name: str, url: str) -> bool:
     return store.catalogue.run(name).state in ENDED
 
 
-def _next_plan(link: Link, scope: IdleScope) -> RunPlan | None:
+def _next_plan(link: OwnerLink, scope: IdleView) -> RunPlan | None:
     while not link.has_plan(LOOK_S):
         if scope.wanted:
             scope.show(lambda: link.has_plan(0.0))
     return link.next_plan()
 
 
-def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard: OutputGuard) -> None:
+def _run(link: OwnerLink, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard: OutputGuard) -> None:
     error: ModallabError | None = None
     unusable = False
     excitation = Excitation()

@@ -7,7 +7,7 @@ from typing import Self
 
 from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock, require_legal
 from modallab.acquisition.procedures.target import require_recorded, require_step
-from modallab.acquisition.process.link import Message
+from modallab.acquisition.process.owner_link import Message
 from modallab.core.block import Block
 from modallab.core.documents.runs import Pause, Repeat, Resume
 from modallab.core.errors import PlanError

@@ -113,7 +113,7 @@ class Supervisor:
             self.process.join()
         self._connection.close()
 
-    def handed_over(self) -> None:
+    def close_own_copy(self) -> None:
         """The rig's process has its end of the life line: this copy must go, or its death would not be heard."""
         self.life_line.close()
 

@@ -13,7 +13,8 @@ from typing import Self
 
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.process.controls import RunControls
-from modallab.acquisition.process.link import (
+from modallab.acquisition.process.output_supervisor import start_supervisor, zero_output_of_dead_process
+from modallab.acquisition.process.owner_link import (
     HEARTBEAT_S,
     BenchOpened,
     CloseOrder,
@@ -24,7 +25,6 @@ from modallab.acquisition.process.link import (
     RunEnded,
     RunPlan,
 )
-from modallab.acquisition.process.output_supervisor import start_supervisor, zero_output_of_dead_process
 from modallab.acquisition.process.trip import Trip, TripLatch
 from modallab.bench.protocol import BenchInfo
 from modallab.core.child_process import start_child_process
@@ -67,7 +67,7 @@ class RigProcess(RunControls):
         # Only the child may hold the other ends, or its death would not be heard.
         theirs.close()
         if self.supervisor is not None:
-            self.supervisor.handed_over()
+            self.supervisor.close_own_copy()
         self._sending = Lock()
         self._closed = Flag()
         Thread(target=self._beat, name="heartbeat", daemon=True).start()

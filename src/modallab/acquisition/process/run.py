@@ -9,11 +9,11 @@ from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.procedures.sine import run_sine
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
 from modallab.acquisition.procedures.trigger import require_trigger
-from modallab.acquisition.process.ready import (
+from modallab.acquisition.process.prepare_run import (
     Control,
     Order,
     OrderedStopError,
-    Setup,
+    RunSetup,
     output_stop_in_words,
     prepare,
     require_sensors_known,
@@ -72,7 +72,7 @@ def run_plan(
     """
     life = Lifecycle(recorder, emit)
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
-    setup = Setup(
+    setup = RunSetup(
         bench, rig, plan, recorder, emit, life, control, chunk_s,
         requests or Requests(), latch, supervision, excitation or Excitation(), live, expected,
     )  # fmt: skip
@@ -107,14 +107,14 @@ def make_safe(bench: Bench) -> list[BenchError]:
     return failed
 
 
-def _make_safe(setup: Setup) -> None:
+def _make_safe(setup: RunSetup) -> None:
     # Where the output could not be brought to 0 V, the operator must know what to do, whatever ended the run.
     for error in make_safe(setup.bench)[:1]:
         remedy = f": {error.remedy}" if error.remedy else ""
         setup.emit(Notice(run=setup.recorder.run, what=f"0 V could not be reached: {error.what}{remedy}"))
 
 
-def _work_unless_ended(setup: Setup) -> None:
+def _work_unless_ended(setup: RunSetup) -> None:
     try:
         _work(setup)
     except OutputLostError:
@@ -123,7 +123,7 @@ def _work_unless_ended(setup: Setup) -> None:
         raise
 
 
-def _work(setup: Setup) -> None:
+def _work(setup: RunSetup) -> None:
     setup.life.enter("arming")
     if setup.latch is not None:
         setup.latch.require_reset()
@@ -150,14 +150,14 @@ def _work(setup: Setup) -> None:
     setup.life.enter("done")
 
 
-def _drop_left(setup: Setup) -> None:
+def _drop_left(setup: RunSetup) -> None:
     # A request that came after the last look is still a request; there is no more time to ask for the hit again.
     for request in setup.requests.take():
         if isinstance(request, DropBlock) and setup.recorder.drop(request.block, request.reason):
             setup.emit(BlockDropped(run=setup.recorder.run, name=request.block, reason=request.reason))
 
 
-def _end(setup: Setup, order: Order) -> None:
+def _end(setup: RunSetup, order: Order) -> None:
     life = setup.life
     life.enter("stopping", _SAID[order])
     if order == "stop":

@@ -151,7 +151,7 @@ AnyEvent = Annotated[
 """The content of an event."""
 
 
-class LiveAbout(Frozen):
+class LiveHeader(Frozen):
     """What stands before every live array.
 
     Attributes:
@@ -181,7 +181,7 @@ class LiveAbout(Frozen):
     ended: bool
 
 
-class SamplesAbout(LiveAbout):
+class SamplesHeader(LiveHeader):
     """Header of (channels, n) samples in counts.
 
     Attributes:
@@ -193,7 +193,7 @@ class SamplesAbout(LiveAbout):
     overload: tuple[str, ...] = ()
 
 
-class EnvelopeAbout(LiveAbout):
+class EnvelopeHeader(LiveHeader):
     """Header of (channels, 2, columns) extremes in units.
 
     Attributes:
@@ -219,7 +219,7 @@ class Axis(Frozen):
     count: int
 
 
-class FrfAbout(Frozen):
+class LiveFrfHeader(Frozen):
     """Header of (1 or 2, outputs, lines) mobility, and coherence with averaged blocks.
 
     Attributes:

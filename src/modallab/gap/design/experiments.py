@@ -61,14 +61,14 @@ def next_experiments(campaign: Campaign, diagnosis: Diagnosis) -> list[Experimen
     report_progress(0.0, "the explanations")
     planning = ExperimentPlanner.of(campaign, diagnosis)
     report_progress(0.3, "experiments")
-    found = planning.prospects()
+    found = planning.ranked_by_slopes()
     for k in range(LOOKED):
         # A full fit may take from the best what slopes promised; then the next is the best.
         found.sort(key=_expected_value, reverse=True)
         if not found or found[0].looked:
             break
         report_progress(0.5 + 0.5 * k / LOOKED, f"full fits of {found[0].option.name}")
-        found[0] = planning.looked_at(found[0])
+        found[0] = planning.ranked_by_full_fits(found[0])
     found.sort(key=_expected_value, reverse=True)
     return [_experiment_of_prospect(p) for p in found]
 

@@ -40,7 +40,7 @@ class PlannedRecords:
     data: Reduced
     force_noise: tuple[Real, ...]
 
-    def answered(self, twin: Twin) -> Reduced:
+    def predicted_by(self, twin: Twin) -> Reduced:
         """The records as a twin answers them, without noise; a clock that is wrong shows in the sines."""
         answers = forward(twin, self.data)
         impacts = tuple(
@@ -71,7 +71,7 @@ def records_of_plans(rig: Rig, plans: Sequence[Plan]) -> Reduced:
         PlanError: there is no test in the plan, or a sine test and no shaker point.
     """
     free = nuisances(rig, 450.0)
-    return records_of_plan(rig, plans, nominal_weights(rig)).answered(free.build(np.zeros(free.size)))
+    return records_of_plan(rig, plans, nominal_weights(rig)).predicted_by(free.build(np.zeros(free.size)))
 
 
 def nominal_weights(rig: Rig) -> Weights:

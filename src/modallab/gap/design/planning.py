@@ -100,7 +100,7 @@ class ExperimentPlanner:
         rivals = fit_explanations(sets, there, [(rig.x_of(p), HITS) for p in struck])
         return cls(there, tuple(done), RivalExplanations.of(rivals), tuple(listed))
 
-    def prospects(self) -> list[RankedExperiment]:
+    def ranked_by_slopes(self) -> list[RankedExperiment]:
         """Every experiment by slopes, and the best of them two and two."""
         found = [self._prospect(o) for o in self.listed]
         chosen = self._chosen()
@@ -108,7 +108,7 @@ class ExperimentPlanner:
         best = sorted(found, key=lambda p: -p.outlook.right)[:BESIDE]
         return [*found, *(self._both(a, b) for a, b in combinations(best, 2))]
 
-    def looked_at(self, prospect: RankedExperiment) -> RankedExperiment:
+    def ranked_by_full_fits(self, prospect: RankedExperiment) -> RankedExperiment:
         """The same by full fits of every explanation to what every other one would answer."""
         listed = self.rivals.listed
         nonlinear = np.zeros((len(listed), len(listed)))
@@ -139,7 +139,7 @@ class ExperimentPlanner:
 
     def _answered(self, layout: PlannedRecords, rival: Explanation) -> Reduced:
         """What an explanation answers; of a test that was not made before nobody knows how exact the twin is in it."""
-        data, done = layout.answered(_twin_of_rival(rival)), self.there.data
+        data, done = layout.predicted_by(_twin_of_rival(rival)), self.there.data
         if not done.impacts:
             data = replace(
                 data, impacts=tuple(replace(d, rows=with_relative_noise(d.rows, UNPROVEN)) for d in data.impacts)
@@ -157,7 +157,7 @@ class ExperimentPlanner:
             or any(c.quantity != "acceleration" for c in rig.responses)
         ):
             return plan
-        sines = self._laid_out(plan).answered(_twin_of_rival(self.rivals.listed[0])).sines
+        sines = self._laid_out(plan).predicted_by(_twin_of_rival(self.rivals.listed[0])).sines
         assert sines is not None
         return limit_force(plan, MOST_OF_LIMIT * rig.limits.acceleration_m_s2 / float(np.max(np.abs(sines.rows.y))))
 

@@ -17,7 +17,7 @@ from modallab.gap.inference.posterior import Posterior
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.inference.view import View
 from modallab.gap.model.tolerances import with_tolerances
-from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_records
 from modallab.gap.search.fitting import Bench
 
 SENSOR = "Check sensitivity, direction, place, mount and cable there."
@@ -101,7 +101,7 @@ def agreement(campaign: Campaign) -> Agreement:
     """
     prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
     rig = prepared.campaign.rig
-    bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: False)
+    bench = problem_of_records(prepared, prepared.blocks, nuisances_of_campaign(prepared.campaign), lambda _: False)
     if not bench.points and bench.data.sines is None:
         raise DataError(
             "no natural frequency could be identified in these records",

@@ -16,7 +16,15 @@ from modallab.core.arrays import Real
 from modallab.core.errors import RigError
 from modallab.core.places import RowsOfPlace
 from modallab.core.rig import Beam, Rig
-from modallab.gap.model.tolerances import Departed, Deviation, Scales, applied, deviations, held, sensors_x_m
+from modallab.gap.model.tolerances import (
+    Departed,
+    Deviation,
+    Scales,
+    apply_tolerances,
+    deviations,
+    limit_smoothly,
+    sensors_x_m,
+)
 from modallab.twin.bench import MeasurementChain, Twin
 from modallab.twin.effects import with_revision_effects
 from modallab.twin.structure import MODES, ROOT, TwinStructure, root_of_rig_file
@@ -106,16 +114,16 @@ class Nuisances:
         nominal, chain, x_of, scales = _nominal(self)
         beams = self._beams(u, ("clamp_compliance", None) not in replaced)
         first = 3 + self.modes
-        gains = np.exp(held(u[:, first : first + len(self.gains)]) * self.tolerance).tolist()
+        gains = np.exp(limit_smoothly(u[:, first : first + len(self.gains)]) * self.tolerance).tolist()
         # Between none of the modes left out and all of them, with some room for what else is stiff and light.
-        shares = (0.5 + held(u[:, -1] - 0.5, 0.6, 1.0)).tolist()
+        shares = (0.5 + limit_smoothly(u[:, -1] - 0.5, 0.6, 1.0)).tolist()
         first = self.first_deviation
         values = scales.values(u[:, first : first + len(self.deviations)]).tolist()
         for beam, own_gains, share, numbers in zip(beams, gains, shares, values, strict=True):
             own = replace(chain, gain=dict(zip(self.gains, own_gains, strict=True))) if self.gains else chain
             twin = Twin(replace(nominal, **beam), own, residual_compliance=share)
             if self.deviations:
-                twin = applied(twin, self.rig, _without(scales.by_tolerance(numbers), replaced), x_of)
+                twin = apply_tolerances(twin, self.rig, _without(scales.by_tolerance(numbers), replaced), x_of)
             yield twin
 
     def _beams(self, u: Real, softer: bool) -> Iterator[dict[str, Any]]:
@@ -126,12 +134,14 @@ class Nuisances:
         believed = np.array([nominal.youngs_modulus_pa, nominal.thickness_m, nominal.density_kg_m3])
         # What lies far outside its tolerance is a gap, and must not hide in a nuisance.
         deviations = np.array([tolerance.youngs_modulus, tolerance.thickness, tolerance.density])
-        sizes = believed * np.exp(held(u[:, :3]) * deviations)
+        sizes = believed * np.exp(limit_smoothly(u[:, :3]) * deviations)
         zeta = np.tile(nominal.zeta, (len(u), 1))
         zeta[:, : self.modes] *= np.exp(np.clip(u[:, 3 : 3 + self.modes], -20, 8) * log(damping.factor))
         zeta = np.minimum(zeta, 0.95)
         # What is soft at the root is one number: an effect that stands for it leaves the spring as it is believed.
-        roots = nominal.root_rotation * (np.exp(held(u[:, -2]) * ROOT) if self.root and softer else np.ones(len(u)))
+        roots = nominal.root_rotation * (
+            np.exp(limit_smoothly(u[:, -2]) * ROOT) if self.root and softer else np.ones(len(u))
+        )
         for (youngs_modulus, thickness, density), own, root in zip(sizes.tolist(), zeta, roots.tolist(), strict=True):
             yield {
                 "youngs_modulus_pa": youngs_modulus,

@@ -92,7 +92,7 @@ class Scales:
 
     def values(self, u: Real) -> Real:
         """(..., deviations) the numbers at coordinates u, as `Deviation.value` has each."""
-        h = u if np.all(np.abs(u) < FREE) else held(u)
+        h = u if np.all(np.abs(u) < FREE) else limit_smoothly(u)
         values = _number(self.sigma, self.sign, h)
         for k in self.roots:
             values[..., k] = _root(self.sigma[k], h[..., k])
@@ -123,10 +123,10 @@ def _number(sigma: Any, sign: Any, deviations: Any) -> Real:
 
 def limited_number(u: float) -> float:
     """`held` of one number, which is next to always free."""
-    return u if abs(u) < FREE else float(held(u))
+    return u if abs(u) < FREE else float(limit_smoothly(u))
 
 
-def held(u: Any, free: float = FREE, most: float = MOST) -> Real:
+def limit_smoothly(u: Any, free: float = FREE, most: float = MOST) -> Real:
     """As it is up to `free` deviations, and ever slower towards `most`: a fit that strayed can find its way back."""
     room = most - free
     return np.where(np.abs(u) < free, u, np.sign(u) * (free + room * np.tanh((np.abs(u) - free) / room)))
@@ -178,7 +178,7 @@ def sensors_x_m(rig: Rig) -> dict[float, float]:
     return {float(c.index): rig.x_of(c.point) for c in rig.responses if c.point is not None}
 
 
-def applied(twin: Twin, rig: Rig, values: Departed, x_of: Mapping[float, float] | None = None) -> Twin:
+def apply_tolerances(twin: Twin, rig: Rig, values: Departed, x_of: Mapping[float, float] | None = None) -> Twin:
     """The twin with these numbers of its tolerances; `x_of` is `sensors_x_m` where that is known."""
     nothing: dict[float, float] = {}
 

@@ -18,8 +18,8 @@ from modallab.core.quadrature import gauss_legendre
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian
-from modallab.gap.model.own_numbers import with_own_hits
-from modallab.gap.model.share import weighed_by_record
+from modallab.gap.model.residual_shares import weighed_by_record
+from modallab.gap.model.twin_of_fit import with_own_hits
 from modallab.gap.report.fitted_numbers import fitted_numbers
 from modallab.gap.report.measure import labels_of_entries
 from modallab.twin.effects import model_of

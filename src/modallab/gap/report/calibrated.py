@@ -12,8 +12,8 @@ from modallab.core.rig import Rig
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.nuisances import nuisances
-from modallab.gap.model.own_numbers import OF_HITS, with_own_hits
-from modallab.gap.model.tolerances import Deviation, applied, by_tolerance, with_tolerances
+from modallab.gap.model.tolerances import Deviation, apply_tolerances, by_tolerance, with_tolerances
+from modallab.gap.model.twin_of_fit import OF_HITS, with_own_hits
 from modallab.twin.bench import MeasurementChain, Twin
 from modallab.twin.effects import apply_effect, with_revision_effects
 from modallab.twin.structure import MODES, TwinStructure
@@ -74,7 +74,9 @@ def diagnosed_twin(diagnosis: Diagnosis, rig: Rig, of_others: bool = True) -> Tw
     )
     twin = Twin(structure, MeasurementChain.of(rig), residual_compliance=numbers.residual_compliance)
     if numbers.departures:
-        twin = applied(twin, rig, by_tolerance(_listed_departures(numbers.departures, OF_HITS if of_others else ())))
+        twin = apply_tolerances(
+            twin, rig, by_tolerance(_listed_departures(numbers.departures, OF_HITS if of_others else ()))
+        )
     twin = replace(twin, chain=replace(twin.chain, gain=dict(numbers.gains)))
     twin = with_revision_effects(twin, rig)
     for effect in effects_for_twin(diagnosis):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import Real
-from modallab.core.diagnosis import Found
+from modallab.core.diagnosis import FoundEffect
 from modallab.core.effects import kind_of, row_of
 from modallab.core.places import AllChannels, FixedPlace, OneChannel, Place, rows_of
 from modallab.core.rig import Rig
@@ -43,7 +43,7 @@ class InspectedEffect:
     """
 
     shown: Callable[[PreparedCampaign], bool]
-    read: Callable[[PreparedCampaign, Twin], list[Found]]
+    read: Callable[[PreparedCampaign, Twin], list[FoundEffect]]
 
 
 def effects_on_records(prepared: PreparedCampaign) -> list[str]:
@@ -51,12 +51,12 @@ def effects_on_records(prepared: PreparedCampaign) -> list[str]:
     return [name for name, inspection in INSPECTIONS.items() if inspection.shown(prepared)]
 
 
-def inspect_effects(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
+def inspect_effects(prepared: PreparedCampaign, twin: Twin) -> list[FoundEffect]:
     """The effects seen on the records, with their numbers."""
     return [found for name in effects_on_records(prepared) for found in INSPECTIONS[name].read(prepared, twin)]
 
 
-def is_in_revisions(found: Found, rig: Rig) -> bool:
+def is_in_revisions(found: FoundEffect, rig: Rig) -> bool:
     """Whether the revisions of the rig hold an effect seen on the records, at its place and of about its size."""
     return any(
         known.effect == found.effect
@@ -66,7 +66,7 @@ def is_in_revisions(found: Found, rig: Rig) -> bool:
     )
 
 
-def noise_share_of_response(prepared: PreparedCampaign, found: Found) -> float:
+def noise_share_of_response(prepared: PreparedCampaign, found: FoundEffect) -> float:
     """Share of a row's response that noise or hum make up, median over records, on the row where it is most.
 
     Of what is neither it is infinite: it is no matter of size.
@@ -84,8 +84,8 @@ def noise_share_of_response(prepared: PreparedCampaign, found: Found) -> float:
 
 def _found_effect(
     effect: str, parameters: dict[str, float], interval: dict[str, tuple[float, float]], place: Place
-) -> Found:
-    return Found(
+) -> FoundEffect:
+    return FoundEffect(
         effect=effect,
         stage=kind_of(effect).stage,
         probability=SURE,
@@ -95,11 +95,11 @@ def _found_effect(
     )
 
 
-def _noisy_channels(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
+def _noisy_channels(prepared: PreparedCampaign, twin: Twin) -> list[FoundEffect]:
     return [_noisy_row(prepared, row) for row in prepared.noisy]
 
 
-def _noisy_row(prepared: PreparedCampaign, row: int) -> Found:
+def _noisy_row(prepared: PreparedCampaign, row: int) -> FoundEffect:
     others = np.delete(prepared.measured_v, row)
     ratios = others / np.delete(prepared.believed_v, row)
     # The quantile the measurement takes reads all rows a little low: the other rows say by how much, and how far from
@@ -124,7 +124,7 @@ def _has_hum(prepared: PreparedCampaign) -> bool:
     return float(np.median(prepared.hum.volts)) > ordinary
 
 
-def _hum_effects(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
+def _hum_effects(prepared: PreparedCampaign, twin: Twin) -> list[FoundEffect]:
     hum = prepared.hum
     assert hum is not None
     volts = float(np.mean(hum.volts))
@@ -133,8 +133,8 @@ def _hum_effects(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
     return [_found_effect("mains_hum", {"volts": volts, "hz": hum.hz}, interval, AllChannels())]
 
 
-def _clipping_effects(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
-    found: list[Found] = []
+def _clipping_effects(prepared: PreparedCampaign, twin: Twin) -> list[FoundEffect]:
+    found: list[FoundEffect] = []
     for clipped in prepared.clipped:
         share = clipped.volts / max(_predicted_peak(prepared, twin, clipped.row), clipped.volts)
         interval = {"fraction_of_peak": (share * 0.95, min(1.0, share * 1.05))}
@@ -143,14 +143,14 @@ def _clipping_effects(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
     return found
 
 
-def _ringing_effect(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
+def _ringing_effect(prepared: PreparedCampaign, twin: Twin) -> list[FoundEffect]:
     assert prepared.ringing is not None
     fraction = prepared.ringing.fraction
     interval = {"fraction": (0.85 * fraction, 1.15 * fraction)}
     return [_found_effect("residual_ringing", {"fraction": fraction}, interval, FixedPlace(where="impact"))]
 
 
-def _floor_vibration(prepared: PreparedCampaign, twin: Twin) -> list[Found]:
+def _floor_vibration(prepared: PreparedCampaign, twin: Twin) -> list[FoundEffect]:
     rms = _base_motion(prepared, twin)
     return [
         _found_effect(

@@ -8,7 +8,7 @@ from modallab.core.arrays import Real
 from modallab.core.digits import percent_text, relative_change
 from modallab.core.rig import Rig
 from modallab.gap.model.fit import Problem
-from modallab.gap.model.tolerances import Deviation, held
+from modallab.gap.model.tolerances import Deviation, limit_smoothly
 from modallab.twin.structure import ROOT
 
 SPOKEN = {"youngs_modulus": "Young's modulus", "thickness": "thickness", "density": "density"}
@@ -42,7 +42,7 @@ def fitted_numbers(problem: Problem, u: Real) -> list[FittedNumber]:
     t = rig.tolerance
     beam = (("youngs_modulus", t.youngs_modulus), ("thickness", t.thickness), ("density", t.density))
     found = [
-        FittedNumber(name, "", SPOKEN[name], relative_change(float(held(u[k])) * sigma))
+        FittedNumber(name, "", SPOKEN[name], relative_change(float(limit_smoothly(u[k])) * sigma))
         for k, (name, sigma) in enumerate(beam)
     ]
     ratios = problem.free.build(u[: free.size]).structure.zeta
@@ -54,12 +54,12 @@ def fitted_numbers(problem: Problem, u: Real) -> list[FittedNumber]:
     ]
     first = 3 + free.modes
     for k, channel in enumerate(free.gains):
-        name, off = rig.channels[channel].name, float(held(u[first + k])) * free.tolerance
+        name, off = rig.channels[channel].name, float(limit_smoothly(u[first + k])) * free.tolerance
         found.append(FittedNumber("sensitivity", name, f"sensitivity of {name}", relative_change(off)))
     own = u[free.first_deviation :]
     found += [_deviation_of_number(d, float(v), rig) for d, v in zip(free.deviations, own, strict=False)]
     if free.root:
-        softer = np.expm1(float(held(u[free.size - 2])) * ROOT)
+        softer = np.expm1(float(limit_smoothly(u[free.size - 2])) * ROOT)
         found.append(FittedNumber("clamp", "", "compliance of the clamp", relative_change(softer)))
     return [*found, FittedNumber("residual_terms", "", "modes above those of the simulation")]
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from modallab.core.diagnosis import Found, Verdict, Where
+from modallab.core.diagnosis import FoundEffect, GapLocation, Verdict
 from modallab.core.digits import part_of
 from modallab.core.effects import Stage, kind_of
 from modallab.core.places import rows_of, x_m_of
@@ -19,13 +19,13 @@ MOSTLY = 0.8
 
 def gap_location(
     verdict: Verdict,
-    found: Sequence[Found],
+    found: Sequence[FoundEffect],
     withheld: Sequence[str],
     location: ResidualTestsResult | None,
     choice: Choice,
     data: Reduced,
     prepared: PreparedCampaign,
-) -> Where:
+) -> GapLocation:
     """Where it lies.
 
     Args:
@@ -39,12 +39,12 @@ def gap_location(
     """
     if verdict == "no_gap":
         said = ["Only noise is left."]
-        return Where(stage=None, channels=[], x_m=None, tests=[], bands=[], share=0.0, why=said)
+        return GapLocation(stage=None, channels=[], x_m=None, tests=[], bands=[], share=0.0, why=said)
     stage, rows, tests, why = _stage_and_rows(verdict, found, withheld, location, choice, data, prepared)
     bands = _bands_of_gap(choice, data)
     rig = prepared.campaign.rig
     of_all = [r for r in rows if r in data.channels]
-    return Where(
+    return GapLocation(
         stage=stage,
         tested_stage=None if location is None else location.stage,
         channels=[rig.channels[r].name for r in rows],
@@ -58,7 +58,7 @@ def gap_location(
 
 def _stage_and_rows(
     verdict: Verdict,
-    found: Sequence[Found],
+    found: Sequence[FoundEffect],
     withheld: Sequence[str],
     location: ResidualTestsResult | None,
     choice: Choice,
@@ -79,7 +79,7 @@ def _stage_and_rows(
     return kind.stage, rows, kind.tests, ["The records show the effect without any model."]
 
 
-def _reasons_of_place(lead: Found, location: ResidualTestsResult | None, choice: Choice) -> list[str]:
+def _reasons_of_place(lead: FoundEffect, location: ResidualTestsResult | None, choice: Choice) -> list[str]:
     if location is None:
         return ["The records show the effect without any model."]
     if location.stage == lead.stage or not choice.fit.problem.candidates:
@@ -95,7 +95,7 @@ def _reasons_of_place(lead: Found, location: ResidualTestsResult | None, choice:
     ]
 
 
-def _rows_of(found: Found, force: int, channels: tuple[int, ...]) -> list[int]:
+def _rows_of(found: FoundEffect, force: int, channels: tuple[int, ...]) -> list[int]:
     rows = rows_of(found.place)
     if kind_of(found.effect).place == "force":
         return [force]

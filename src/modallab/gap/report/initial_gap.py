@@ -17,8 +17,8 @@ from modallab.gap.inference.baseline import baseline
 from modallab.gap.inference.identified import identified
 from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.nuisances import Nuisances, nuisances
-from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.tolerances import with_tolerances
+from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.report.effect_inspection import inspect_effects, is_in_revisions
 from modallab.gap.report.measure import SquaredResiduals, squared_residuals
 from modallab.gap.search.fitting import FLOOR_MARGIN, Bench
@@ -31,7 +31,7 @@ NOT_BETTER = 1.3
 """Rms residual that counts as the floor where the base shakes or the beam still rings."""
 
 
-def gap_before(campaign: Campaign) -> float:
+def gap_without_effects(campaign: Campaign) -> float:
     """The gap of a campaign in noise units before anything is explained; 1 is the floor.
 
     Raises:
@@ -42,11 +42,11 @@ def gap_before(campaign: Campaign) -> float:
     return squares_as_recorded(prepared, twin).gap
 
 
-def gap_known(campaign: Campaign) -> float:
+def gap_beyond_revisions(campaign: Campaign) -> float:
     """The same of a rig with revisions: what no force predicts, and they know of it, is no gap.
 
     Raises:
-        DataError, RigError: as `gap_before`.
+        DataError, RigError: as `gap_without_effects`.
     """
     prepared, twin, data = _fit_baseline(campaign)
     if any(is_in_revisions(found, prepared.campaign.rig) for found in inspect_effects(prepared, twin)):
@@ -54,31 +54,31 @@ def gap_known(campaign: Campaign) -> float:
     return squares_as_recorded(prepared, twin).gap
 
 
-def gap_unseen(campaign: Campaign, hold_out: HoldOut) -> float:
+def gap_on_held_out(campaign: Campaign, hold_out: HoldOut) -> float:
     """The same of the records that a rule keeps from the fit, weighed by the noise they have.
 
     A strained assembly follows the records that it is fitted to, not these. Noise above that of the rig file is no gap
     that an effect of the twin could close.
 
     Raises:
-        DataError, RigError: as `gap_before`.
+        DataError, RigError: as `gap_without_effects`.
         PlanError: the rule leaves nothing to fit.
     """
     prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
     fitted, held = split_held_out(prepared.blocks, hold_out)
-    base = baseline(bench_of(prepared, fitted, free_of(prepared.campaign), lambda _: False))
+    base = baseline(problem_of_records(prepared, fitted, nuisances_of_campaign(prepared.campaign), lambda _: False))
     unseen = reduce_blocks(prepared.campaign, held or fitted, weights_of(prepared))
     return squared_residuals(twin_of(base, unseen), unseen).gap
 
 
 def _fit_baseline(campaign: Campaign) -> tuple[PreparedCampaign, Twin, Reduced]:
     prepared = prepare_campaign(replace(campaign, rig=with_tolerances(campaign.rig)))
-    bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: False)
+    bench = problem_of_records(prepared, prepared.blocks, nuisances_of_campaign(prepared.campaign), lambda _: False)
     base = baseline(bench)
     return prepared, base.problem.twin(base.u), bench.data
 
 
-def free_of(campaign: Campaign) -> Nuisances:
+def nuisances_of_campaign(campaign: Campaign) -> Nuisances:
     """What is free in every fit of a campaign, whichever of its records are held out."""
     rig = campaign.rig
     counts = Counter(b.drive_point for b in campaign.blocks if b.test == "impact")
@@ -86,7 +86,7 @@ def free_of(campaign: Campaign) -> Nuisances:
     return nuisances(rig, TOP_HZ, hits)
 
 
-def bench_of(
+def problem_of_records(
     prepared: PreparedCampaign,
     fitted: Sequence[Block],
     free: Nuisances,

@@ -62,10 +62,10 @@ class SquaredResiduals:
 
 def residuals_of_twin(twin: Twin, data: Reduced) -> list[Complex]:
     """(channels, rows) of each part of the data, in noise units."""
-    return residuals_of_answers(forward(twin, data), data)
+    return residuals_of_predictions(forward(twin, data), data)
 
 
-def residuals_of_answers(answers: Sequence[Complex], data: Reduced) -> list[Complex]:
+def residuals_of_predictions(answers: Sequence[Complex], data: Reduced) -> list[Complex]:
     """The same of any answers, in the order of `forward`."""
     return [rows.whiten(rows.y - y) for rows, y in zip(all_rows(data), answers, strict=True)]
 
@@ -80,7 +80,7 @@ def squares_of(answers: Sequence[Complex], data: Reduced) -> SquaredResiduals:
     rows = [
         (float(np.sum(np.abs(r[used]) ** 2)), 2.0 * np.count_nonzero(used), name, test, level, channel, at)
         for r, used, (name, test, level, at), channel in _residuals_in_records(
-            residuals_of_answers(answers, data), data
+            residuals_of_predictions(answers, data), data
         )
     ]
     total, count, records, tests, levels, channels, order = zip(*rows, strict=True) if rows else ((),) * 7

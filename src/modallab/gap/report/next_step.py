@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import Found, Verdict
+from modallab.core.diagnosis import FoundEffect, Verdict
 from modallab.gap.model.fit import Fit
 from modallab.twin.effects import model_of
 
@@ -13,7 +13,7 @@ def next_experiment(
     ranked: list[tuple[Fit, float]],
     campaign: Campaign,
     nonlinear: bool = False,
-    seen: Sequence[Found] = (),
+    seen: Sequence[FoundEffect] = (),
 ) -> str:
     """One sentence on what to do next.
 

@@ -2,7 +2,7 @@
 
 from datetime import date
 
-from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.diagnosis import Diagnosis, FoundEffect
 from modallab.core.effect import Effect, Revision
 from modallab.core.errors import DataError, RigError
 from modallab.core.places import OneChannel
@@ -58,7 +58,7 @@ def rig_at_revision(rig: Rig, number: int) -> Rig:
     return rig.model_copy(update={"revisions": rig.revisions[:number]})
 
 
-def _as_known_effects(found: Found) -> Effect:
+def _as_known_effects(found: FoundEffect) -> Effect:
     effect = found.as_effect()
     if not isinstance(effect.place, OneChannel):
         return effect

@@ -13,8 +13,8 @@ from modallab.gap.inference.evidence import evidence, evidence_without_name, pro
 from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.forward import forward
-from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import unexplained
+from modallab.gap.model.residual_shares import unexplained
+from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.search.clock import clock_error_visible
 from modallab.gap.search.consequence import Dismissed, no_tolerance_acts_like, without_inconsequential
 from modallab.gap.search.fitting import (

@@ -11,8 +11,8 @@ from modallab.core.effects import Effect, kind_of
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.model.fit import Fit, evaluated
 from modallab.gap.model.forward import forward
-from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import largest_difference
+from modallab.gap.model.residual_shares import largest_difference
+from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.search.fitting import refitted_without, within_tolerances, without_effect
 from modallab.twin.effects import model_of, search_of
 

@@ -15,8 +15,8 @@ from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
-from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import discrepancies
+from modallab.gap.model.residual_shares import discrepancies
+from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.search.beside_stepped import linear_beside_stepped
 from modallab.gap.search.choose import Choice, choose, effect_names, has_stepped_law
 from modallab.gap.search.clock import fit_with_clock

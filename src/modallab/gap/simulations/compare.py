@@ -12,7 +12,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
-from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.diagnosis import Diagnosis, FoundEffect
 from modallab.core.digits import relative_change
 from modallab.core.errors import DataError
 from modallab.core.frozen import Frozen
@@ -36,8 +36,8 @@ SHUT = 1.15
 class DifferingEffect(Frozen):
     """An effect that bench and simulation both have, in another size or at another place."""
 
-    bench: Found
-    simulation: Found
+    bench: FoundEffect
+    simulation: FoundEffect
 
 
 class SimulationComparison(Frozen):
@@ -69,8 +69,8 @@ class SimulationComparison(Frozen):
     records: list[str]
     by_channel: dict[str, float]
     after_by_channel: dict[str, float]
-    lacks: list[Found]
-    has: list[Found]
+    lacks: list[FoundEffect]
+    has: list[FoundEffect]
     differs: list[DifferingEffect]
     bench: Diagnosis
     simulation: Diagnosis
@@ -166,7 +166,7 @@ def _correct_simulation(
 
 def differing_effects(
     bench: Diagnosis, simulation: Diagnosis
-) -> tuple[list[Found], list[Found], list[DifferingEffect]]:
+) -> tuple[list[FoundEffect], list[FoundEffect], list[DifferingEffect]]:
     """What the bench alone has, what the simulation alone has, and what both have otherwise."""
     both = [(b, s) for b in bench.effects for s in simulation.effects if _is_same_effect(b, s)]
     lacks = [b for b in bench.effects if not any(b is pair[0] for pair in both)]
@@ -174,11 +174,11 @@ def differing_effects(
     return lacks, has, [DifferingEffect(bench=b, simulation=s) for b, s in both if not _agree_within_intervals(b, s)]
 
 
-def _is_same_effect(one: Found, other: Found) -> bool:
+def _is_same_effect(one: FoundEffect, other: FoundEffect) -> bool:
     return one.effect == other.effect and rows_of(one.place) == rows_of(other.place)
 
 
-def _agree_within_intervals(one: Found, other: Found) -> bool:
+def _agree_within_intervals(one: FoundEffect, other: FoundEffect) -> bool:
     """Whether two findings of one effect are the same but for what their intervals leave open."""
     if abs((x_m_of(one.place) or 0.0) - (x_m_of(other.place) or 0.0)) > APART:
         return False

@@ -13,7 +13,7 @@ from modallab.core.progress import report_progress
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
-from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.report.calibrated import calibrated_twin
 from modallab.gap.report.locate import ResidualTestsResult
 from modallab.gap.report.measure import squared_residuals

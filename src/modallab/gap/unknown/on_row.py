@@ -15,7 +15,7 @@ from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.fit import Fit, all_rows
 from modallab.gap.model.forward import forward
-from modallab.gap.report.initial_gap import bench_of, weights_of
+from modallab.gap.report.initial_gap import problem_of_records, weights_of
 from modallab.gap.search.fitting import Bench, finish
 from modallab.gap.unknown.curve import Curve, curve_of, refined
 from modallab.gap.unknown.description import Description
@@ -38,7 +38,7 @@ def linear_operators(bench: Bench, row: int) -> Iterator[Trial]:
 def fit_without_channel(bench: Bench, prepared: PreparedCampaign, fitted: Sequence[Block], row: int) -> Fit:
     """The twin as the other channels have it."""
     masked = prepared.masked | {(b.name, row) for b in prepared.blocks}
-    return baseline(bench_of(replace(prepared, masked=frozenset(masked)), fitted, bench.free, bench.allowed))
+    return baseline(problem_of_records(replace(prepared, masked=frozenset(masked)), fitted, bench.free, bench.allowed))
 
 
 def sample_operators(
@@ -122,7 +122,7 @@ def _with_channel(
     """The twin with the channel once more, its records freed of what the operator does."""
     clean = replace(prepared, blocks=without_operator(prepared.blocks, channel, made))
     own = [b for b in clean.blocks if b.name not in held] or list(clean.blocks)
-    again = bench_of(clean, own, bench.free, bench.allowed)
+    again = problem_of_records(clean, own, bench.free, bench.allowed)
     fit = finish(again, alone, LEFT)
     return Description(fit, _held_out(clean, held), _held_out(prepared, held), (learned,), (channel.row,))
 

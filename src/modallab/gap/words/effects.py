@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from modallab.core.diagnosis import Found
+from modallab.core.diagnosis import FoundEffect
 from modallab.core.digits import list_in_words, one_digit, probability_text, with_interval
 from modallab.core.effects import Parameter, kind_of
 from modallab.core.modal_diagnosis import FoundChange
@@ -39,21 +39,21 @@ def effect_names(effects: Sequence[str]) -> str:
     return list_in_words([model_of(name).spoken for name in effects])
 
 
-def effect_in_words(found: Found, channels: Sequence[str] = ()) -> str:
+def effect_in_words(found: FoundEffect, channels: Sequence[str] = ()) -> str:
     """An effect with its place, its numbers and its probability; channels by number where their names are not given."""
     numbers = [_with_value(found, p) for p in kind_of(found.effect).parameters]
     beside = "; ".join([*numbers, f"probability {probability_text(found.probability)}"])
     return f"{' '.join(filter(None, (model_of(found.effect).spoken, place_in_words(found, channels))))} ({beside})"
 
 
-def _with_value(found: Found, parameter: Parameter) -> str:
+def _with_value(found: FoundEffect, parameter: Parameter) -> str:
     if parameter.name in found.not_known:
         return f"{parameter.in_words} not known"
     value, interval = parameter_in_words(found, parameter)
     return f"{parameter.in_words} {value}{f', 95 %: {interval}' if interval else ''}"
 
 
-def parameter_in_words(found: Found, parameter: Parameter) -> tuple[str, str]:
+def parameter_in_words(found: FoundEffect, parameter: Parameter) -> tuple[str, str]:
     """A parameter's value and its interval; why it has none, where the records leave it open."""
     why = found.not_known.get(parameter.name)
     if why:
@@ -61,7 +61,7 @@ def parameter_in_words(found: Found, parameter: Parameter) -> tuple[str, str]:
     return with_interval(found.parameters[parameter.name], found.interval.get(parameter.name), parameter.unit)
 
 
-def place_in_words(found: Found, channels: Sequence[str] = ()) -> str:
+def place_in_words(found: FoundEffect, channels: Sequence[str] = ()) -> str:
     """Where an effect acts, within a sentence: "at 0.622 m", "on a03 and a07"; "" where it has one place only."""
     place = place_of(found, channels)[0]
     if place in FIXED.values() or isinstance(found.place, AllChannels):
@@ -69,7 +69,7 @@ def place_in_words(found: Found, channels: Sequence[str] = ()) -> str:
     return f"at {place.removesuffix(FROM_CLAMP)}" if place.endswith(FROM_CLAMP) else place
 
 
-def place_of(found: Found, channels: Sequence[str] = ()) -> tuple[str, str]:
+def place_of(found: FoundEffect, channels: Sequence[str] = ()) -> tuple[str, str]:
     """Where an effect acts, and its 95 % interval: "0.622 m from the clamp", "0.621 to 0.623 m"; "" for all of it."""
     x_m, rows = x_m_of(found.place), rows_of(found.place)
     if "x" in found.not_known:
@@ -84,7 +84,7 @@ def place_of(found: Found, channels: Sequence[str] = ()) -> tuple[str, str]:
     return FIXED.get(kind_of(found.effect).place, ""), ""
 
 
-def interval_m(found: Found) -> tuple[float, float] | None:
+def interval_m(found: FoundEffect) -> tuple[float, float] | None:
     """The 95 % interval of a place along the beam, in m from the clamp."""
     place, share = found.place, found.interval.get("x")
     if share is None or not isinstance(place, AlongBeam) or place.x_m is None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from modallab.core.diagnosis import Diagnosis, Found, Gap, ResponseShare
+from modallab.core.diagnosis import Diagnosis, FoundEffect, Gap, ResponseShare
 from modallab.core.digits import list_in_words, part_of, percent_text, probability_text, three_digits
 from modallab.core.effects import kind_of
 from modallab.core.modal_diagnosis import ModalDiagnosis
@@ -144,6 +144,6 @@ def _differences_in_words(found: SimulationComparison) -> list[str]:
     ]
 
 
-def _numbers_in_words(found: Found) -> str:
+def _numbers_in_words(found: FoundEffect) -> str:
     numbers = [f"{p.in_words} {parameter_in_words(found, p)[0]}" for p in kind_of(found.effect).parameters]
     return ", ".join(numbers) or "another"

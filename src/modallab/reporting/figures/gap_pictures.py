@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from modallab.core.diagnosis import Where
+from modallab.core.diagnosis import GapLocation
 from modallab.core.rig import Channel, Rig
 from modallab.reporting.markup import Markup, html_element
 
@@ -17,7 +17,7 @@ LETTER = 7.0
 """Width of a letter of 12 units."""
 
 
-def bench_picture(rig: Rig, where: Where, within_m: tuple[float, float] | None = None) -> Markup:
+def bench_picture(rig: Rig, where: GapLocation, within_m: tuple[float, float] | None = None) -> Markup:
     """The beam with its clamp, accelerometers and shaker, the chain below, what is concerned marked.
 
     Args:
@@ -73,7 +73,7 @@ def _draw_place(x: float, label: str) -> list[Markup]:
     ]
 
 
-def _draw_sensors(rig: Rig, where: Where, at: Callable[[float], float]) -> list[Markup]:
+def _draw_sensors(rig: Rig, where: GapLocation, at: Callable[[float], float]) -> list[Markup]:
     marked = set(where.channels)
     placed = [(c, at(rig.x_of(c.point))) for c in rig.responses if c.point is not None]
     parts = [_draw_rectangle(x - 6, 58, 12, 12, "ink", c.name in marked) for c, x in placed]
@@ -90,7 +90,7 @@ def _readable_names(placed: list[tuple[Channel, float]], marked: set[str]) -> li
     return kept
 
 
-def _draw_chain(where: Where) -> list[Markup]:
+def _draw_chain(where: GapLocation) -> list[Markup]:
     parts: list[Markup] = []
     for i, stage in enumerate(STAGES):
         x, hot = 8 + i * 104, where.stage == stage

@@ -15,7 +15,7 @@ from modallab.service.api.request_context import CALLER, LEASE, caller_of
 from modallab.service.context import Service
 from modallab.service.errors import LeaseNeededError, NotFoundError, RoleNeededError
 from modallab.service.records.sessions import Sessions
-from modallab.service.records.users import Callers
+from modallab.service.records.users import ValidTokens
 
 COOKIE = "modallab_session"
 OPEN_PATHS = frozenset({"/health", "/api/v1/session", "/login", "/", "/docs", "/openapi.json", "/asyncapi.json"})
@@ -36,7 +36,7 @@ class Guard:
     def __init__(
         self,
         app: ASGIApp,
-        callers: Callers,
+        callers: ValidTokens,
         sessions: Sessions,
         hosts: Iterable[str],
         body_bytes: int,

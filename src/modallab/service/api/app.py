@@ -32,7 +32,7 @@ from modallab.service.api.router import HEADER as KEY
 from modallab.service.api.router import IdempotencyKeys
 from modallab.service.context import Service
 from modallab.service.records.sessions import Sessions
-from modallab.service.records.users import Callers
+from modallab.service.records.users import ValidTokens
 
 API_VERSION = "1.2"
 """Grows with every change of the JSON; docs/reference/api.md names the words that changed."""
@@ -62,7 +62,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     app.state.feed = EventFeed(service.log)
     app.state.service, app.state.settings = service, settings
     app.state.keys = IdempotencyKeys(service.engine, secrets.token_hex(8))
-    callers = app.state.callers = Callers(service.engine, token)
+    callers = app.state.callers = ValidTokens(service.engine, token)
     app.state.sessions = Sessions(service.engine, callers.secret)
     install_handlers(app)
     routers = resource_routers()

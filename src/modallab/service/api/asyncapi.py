@@ -9,7 +9,7 @@ from pydantic import BaseModel, TypeAdapter
 from pydantic.json_schema import models_json_schema
 from starlette.routing import compile_path
 
-from modallab.core.documents.messages import AnyEvent, EnvelopeAbout, FrfAbout, SamplesAbout
+from modallab.core.documents.messages import AnyEvent, EnvelopeHeader, LiveFrfHeader, SamplesHeader
 from modallab.core.documents.pages import EventView
 from modallab.service.api.described import describe_schemas, described_words, operations_of_document
 
@@ -20,9 +20,9 @@ FRAME = (
     " `dtype` and `shape` stand in the text. The text is described as the message's headers, the array is its payload."
 )
 ARRAYS: dict[str, type[BaseModel]] = {
-    "show_samples": SamplesAbout,
-    "show_envelope": EnvelopeAbout,
-    "show_frf": FrfAbout,
+    "show_samples": SamplesHeader,
+    "show_envelope": EnvelopeHeader,
+    "show_frf": LiveFrfHeader,
 }
 """What stands before the array, by the function that sends it."""
 EVENTS = "follow_events"

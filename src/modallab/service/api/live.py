@@ -10,7 +10,7 @@ from typing import Annotated, TypeVar
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 from pydantic import ValidationError
 
-from modallab.acquisition.process.idle_scope import idle_ring_buffer_name
+from modallab.acquisition.process.idle_view import idle_ring_buffer_name
 from modallab.core.documents.rigs import StopRequest
 from modallab.core.documents.users import CallerView
 from modallab.core.errors import ModallabError

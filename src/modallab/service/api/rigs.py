@@ -27,8 +27,8 @@ from modallab.service.api.access import role_needed
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import CallerOf, LeaseId, Operator, ServiceOf
 from modallab.service.api.router import ONCE, make_router
-from modallab.service.campaigns.begin import require_reasonable
 from modallab.service.campaigns.queueing import duration_s
+from modallab.service.campaigns.run_start import require_reasonable
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, LeaseHeldError, NotFoundError
 from modallab.service.jobs.results import diagnosis_of_campaign

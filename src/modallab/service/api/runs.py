@@ -24,7 +24,7 @@ from modallab.service.api.request_context import (
     set_etag,
 )
 from modallab.service.api.router import ONCE, PREFIX, Key, make_router
-from modallab.service.campaigns.begin import begin_run
+from modallab.service.campaigns.run_start import begin_run
 from modallab.service.campaigns.runs import block_records, run_view
 from modallab.service.errors import ConflictError
 

@@ -13,7 +13,7 @@ from modallab.service.api.problems import documented_responses, problem_kinds, p
 from modallab.service.api.request_context import CallerOf
 from modallab.service.api.router import OPEN, make_router
 from modallab.service.records.sessions import Sessions, make_link
-from modallab.service.records.users import Callers
+from modallab.service.records.users import ValidTokens
 
 router = make_router("session")
 pages = APIRouter(include_in_schema=False)
@@ -32,7 +32,7 @@ class Login(Frozen):
 @router.post("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
 def log_in(login: Login, request: Request) -> Response:
     """Get a cookie that replaces the token; scripts cannot read it, and other sites cannot send it."""
-    callers: Callers = request.app.state.callers
+    callers: ValidTokens = request.app.state.callers
     caller = callers.of_token(login.token)
     if caller is None:
         return _wrong_token("the token is wrong")
@@ -63,7 +63,7 @@ def show_caller(caller: CallerOf) -> CallerView:
 def make_login_link(caller: CallerOf, request: Request, response: Response) -> LoginLink:
     """Get an address that logs a browser in as yourself, once, within ten minutes."""
     response.headers["Cache-Control"] = "no-store"
-    callers: Callers = request.app.state.callers
+    callers: ValidTokens = request.app.state.callers
     path, until = make_link(request.app.state.service.engine, caller.token, callers.secret(caller.token))
     return LoginLink(path=path, expires_utc=until)
 

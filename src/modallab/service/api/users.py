@@ -12,7 +12,7 @@ from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Operator, ServiceOf
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.context import Service
-from modallab.service.records.users import Callers, Users
+from modallab.service.records.users import Users, ValidTokens
 
 router = make_router("users")
 ADMIN = role_needed("admin")
@@ -94,5 +94,5 @@ def _users(service: Service) -> Users:
 
 
 def _refresh(request: Request) -> None:
-    callers: Callers = request.app.state.callers
+    callers: ValidTokens = request.app.state.callers
     callers.refresh()

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.live import FOLDER, IDLE, LiveInfo, live_info
 from modallab.acquisition.monitor.ring_buffer import CELL, RingBuffer
-from modallab.acquisition.process.idle_scope import request_idle_view
+from modallab.acquisition.process.idle_view import request_idle_view
 
 WANT_S = 1.0
 """So often a viewer says that it still looks at rigs without a run."""

@@ -18,7 +18,7 @@ from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.core.setups import SensorMove, require_setups, rig_of, sensor_moves, split_setups
 from modallab.pipelines.known_modes import with_known_modes
-from modallab.service.campaigns.begin import begin_run
+from modallab.service.campaigns.run_start import begin_run
 from modallab.service.context import open_service
 from modallab.service.errors import RigUnavailableError, RunEndedError, ServiceError
 from modallab.service.records.event_log import EventLog

@@ -7,7 +7,7 @@ from modallab.acquisition.process.trip import TripLatch
 from modallab.core.documents.messages import QueueChanged
 from modallab.core.documents.queue import ConsentRequest, QueueItem, QueueItemRequest, QueueView
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
-from modallab.service.campaigns.begin import require_plan
+from modallab.service.campaigns.run_start import require_plan
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError
 from modallab.service.records.archive import Archive

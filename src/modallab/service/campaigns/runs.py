@@ -7,7 +7,7 @@ from modallab.core.documents.messages import BlockJudged
 from modallab.core.documents.runs import Accept, BlockView, Drop, RunView, Verdict
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
-from modallab.service.jobs.background import AfterRun
+from modallab.service.jobs.background import IdentificationAfterRun
 from modallab.service.records import audit
 from modallab.service.records.archive import Archive, archive_state
 from modallab.service.records.event_log import EventTopic
@@ -153,7 +153,7 @@ def judge_block(
     audit.enter_action(service.engine, operator, "verdict", f"{run}/{n}", verdict.model_dump())
     given = BlockJudged(run=run, n=n, operator=operator, accepted=verdict.accepted, reason=verdict.reason)
     service.log.append(given.kind, EventTopic(entry.rig, entry.campaign, run), given.model_dump())
-    AfterRun(service.store, service.jobs).judged(run)
+    IdentificationAfterRun(service.store, service.jobs).judged(run)
 
 
 def _while_running(service: Service, rig: str, run: str, n: int, verdict: Verdict, lease: str | None) -> None:

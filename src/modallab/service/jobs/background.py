@@ -68,7 +68,7 @@ class JobWatch:
 LOG = logging.getLogger(__name__)
 
 
-class AfterRun:
+class IdentificationAfterRun:
     """Orders the identification of every run that ended with good blocks, and again if blocks are judged meanwhile."""
 
     def __init__(self, store: Store, jobs: Jobs) -> None:

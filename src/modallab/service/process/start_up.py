@@ -88,7 +88,7 @@ def _make_token(path: Path) -> str:
     return token
 
 
-def settle_database(settings: Settings) -> None:
+def configure_database(settings: Settings) -> None:
     """Have the data folder name the database of the settings, if it names none yet; what it names is what counts.
 
     Raises:

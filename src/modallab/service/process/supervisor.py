@@ -20,12 +20,12 @@ from modallab.core.settings import Settings
 from modallab.jobs import Jobs
 from modallab.service.campaigns.purge import Purge
 from modallab.service.errors import ServiceError
-from modallab.service.jobs.background import AfterRun, JobWatch
-from modallab.service.process.child import Child, HeartbeatTimer, ProcessList
+from modallab.service.jobs.background import IdentificationAfterRun, JobWatch
+from modallab.service.process.child_processes import Child, HeartbeatTimer, ProcessList
 from modallab.service.process.connections import bound_socket, port_taken_error, raise_connection_limit
+from modallab.service.process.process_messages import CallServer
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.tls import server_context
-from modallab.service.process.wire import CallServer
 from modallab.service.process.workers import ComputingProcesses
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import RigLeases
@@ -79,7 +79,7 @@ class ServiceSupervisor:
         run_log = self._run_log = RunLog(self.store, log)
         jobs = self._queue = Jobs(self.store.catalogue.engine)
         self._watch = JobWatch(self.store.catalogue.engine, jobs, log)
-        after = AfterRun(self.store, jobs)
+        after = IdentificationAfterRun(self.store, jobs)
         self._recovery = RunRecovery(run_log, after)
         self._recovery.look()
         self._purge = Purge(self.store)

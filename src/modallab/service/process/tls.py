@@ -21,7 +21,7 @@ LEFT = timedelta(days=30)
 """A certificate that was made here is made again when less is left of it."""
 
 
-def settle_tls(settings: Settings) -> Settings:
+def configure_tls(settings: Settings) -> Settings:
     """The settings with certificate and key, which are made if that was asked for; as they were, if TLS was not.
 
     Raises:

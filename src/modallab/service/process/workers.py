@@ -15,7 +15,7 @@ from threading import Thread
 from typing import TYPE_CHECKING, cast
 
 from modallab.core.settings import Settings
-from modallab.service.process.wire import RemoteControl
+from modallab.service.process.process_messages import RemoteControl
 
 if TYPE_CHECKING:
     import uvicorn

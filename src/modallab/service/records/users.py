@@ -199,7 +199,7 @@ OWN = CallerView(name="", role="admin", rigs=(), token="", expires_utc="")
 """Whoever has the service's own token."""
 
 
-class Callers:
+class ValidTokens:
     """Tokens that count now: the service's own, and those of its users."""
 
     def __init__(self, engine: Engine, token: str) -> None:

@@ -35,7 +35,7 @@ class FollowedRun(Protocol):
     """Its name; "" until it has begun."""
 
 
-class RunEnds:
+class EndedRunNotifier:
     """Runs that are followed, and runs whose end was reported. From any thread."""
 
     def __init__(self) -> None:
@@ -79,7 +79,7 @@ class RunLog:
         self.engine: Engine = store.catalogue.engine
         self.repository = CampaignRepository(self.engine)
         self.revisions = RigRevisions(self.engine)
-        self.ends = RunEnds()
+        self.ends = EndedRunNotifier()
         self._stops: SimpleQueue[tuple[str, str, str] | None] = SimpleQueue()
         self._writer = Thread(target=self._enter_stops, name="stops", daemon=True)
         self._writer.start()

@@ -10,7 +10,7 @@ from modallab.signals.faults.drop_outs import drop_outs
 from modallab.signals.faults.flat_tops import flat_tops
 from modallab.signals.faults.repeats import Fault, repeated_in_all_channels, repeated_values, steps_of
 from modallab.signals.faults.spikes import find_spikes
-from modallab.signals.faults.whole_channels import constant, dead, drift, overloads
+from modallab.signals.faults.whole_channels import constant_channels, is_dead_channel, is_zero_drift, overloads
 
 LEAST_SAMPLES = 64
 """Fewer show too little of how a channel moves."""
@@ -28,7 +28,7 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
     if over := overloads(block, rig):
         return over
     rows = block.samples.astype(np.float64)
-    found = list(constant(rows, block.channels, [c.name for c in rig.forces[: len(block.driven_points)]]))
+    found = list(constant_channels(rows, block.channels, [c.name for c in rig.forces[: len(block.driven_points)]]))
     if block.n_samples < LEAST_SAMPLES:
         return tuple(found)
     steps = np.stack([steps_of(row) for row in rows])
@@ -43,11 +43,11 @@ def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
 
 
 def _faults_of_row(row: Real, name: str, steps: Real, rate_hz: float, quantity: Quantity | None) -> tuple[Fault, ...]:
-    if found := dead(row, name, steps):
+    if found := is_dead_channel(row, name, steps):
         return found
     tops = flat_tops(row, rate_hz, name, steps)
     held = repeated_values(row, rate_hz, name, steps)
     # What is held everywhere has no drop-outs of its own; neither has a channel at the end of its range.
     lost = () if tops or held else drop_outs(row, rate_hz, name, steps, force=quantity == "force")
     # Only accelerations keep their mean: a structure may end where it was not, and a force may be let go.
-    return (*tops, *held, *lost, *(drift(row, rate_hz, name) if quantity == "acceleration" else ()))
+    return (*tops, *held, *lost, *(is_zero_drift(row, rate_hz, name) if quantity == "acceleration" else ()))

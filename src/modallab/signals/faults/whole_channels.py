@@ -23,7 +23,7 @@ _SHARE = 0.5
 """Of a record's variance, from which on it is the drift that is recorded."""
 
 
-def constant(rows: Real, channels: Sequence[str], forces: Sequence[str]) -> tuple[Fault, ...]:
+def constant_channels(rows: Real, channels: Sequence[str], forces: Sequence[str]) -> tuple[Fault, ...]:
     """Channels of one value, of rows (channels, n).
 
     In a record of so little motion that another channel moves by a few counts, a light sensor may stand still; what
@@ -38,7 +38,7 @@ def constant(rows: Real, channels: Sequence[str], forces: Sequence[str]) -> tupl
     )
 
 
-def dead(row: Real, channel: str, steps: Real) -> tuple[Fault, ...]:
+def is_dead_channel(row: Real, channel: str, steps: Real) -> tuple[Fault, ...]:
     """Whether a channel (n,) stays within a few steps of its converter; `steps` (n,) as of `steps_of`."""
     span, step = float(np.ptp(row)), float(steps.max())
     # A little more, as sums of steps are rounded.
@@ -73,7 +73,7 @@ def overloaded_channels(block: Block, rig: Rig) -> tuple[str, ...]:
     return tuple(name for name, over, flag in zip(block.channels, found, reported, strict=True) if over or flag)
 
 
-def drift(row: Real, rate_hz: float, channel: str) -> tuple[Fault, ...]:
+def is_zero_drift(row: Real, rate_hz: float, channel: str) -> tuple[Fault, ...]:
     """Whether an acceleration (n,) is mostly drift: no structure on a bench gains speed for a whole record.
 
     A sensor warms up, a charge amplifier leaks, a foot stands on the cable.

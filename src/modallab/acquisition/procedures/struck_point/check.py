@@ -17,7 +17,7 @@ from modallab.signals.conversion import Conversion
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class FrfsSoFar:
+class AccumulatedFrfs:
     """FRFs of one test.
 
     Attributes:
@@ -160,7 +160,7 @@ class StruckPointCheck:
         looks: hits that were looked at since the last that counts, by the name they have if rejected.
     """
 
-    frfs: FrfsSoFar
+    frfs: AccumulatedFrfs
     channels: tuple[int, ...]
     up_to_hz: float
     expected: ExpectedModes | None
@@ -173,7 +173,7 @@ class StruckPointCheck:
         sensors = [rig.channels[i] for i in conversion.motion]
         kinds = sorted({c.quantity for c in sensors})
         alike = tuple(kinds.index(c.quantity) for c in sensors)
-        return cls(FrfsSoFar(tuple(c.point or 0 for c in sensors), alike), conversion.motion, up_to_hz, expected)
+        return cls(AccumulatedFrfs(tuple(c.point or 0 for c in sensors), alike), conversion.motion, up_to_hz, expected)
 
     @property
     def rows(self) -> tuple[int, ...]:

@@ -16,7 +16,7 @@ from scipy.signal import cont2discrete
 from modallab.core.arrays import Complex, Real
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.gap.exported.mjcf_laws import require_proportion
+from modallab.gap.export.mjcf_laws import require_proportion
 from modallab.twin.bench import MeasurementChain, Twin
 from modallab.twin.modes import TwinModes, solve_modes
 from modallab.twin.predict import sensor_positions

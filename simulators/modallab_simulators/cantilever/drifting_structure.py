@@ -26,7 +26,7 @@ _ALONG = 101
 _MOST = 256
 
 
-class Drifting:
+class DriftingStructure:
     """A structure's bases along its drift.
 
     Args:
@@ -54,14 +54,14 @@ class Drifting:
             return None
         along = np.linspace(0.0, self._first.modes.length_m, _ALONG)
         shapes = [basis.shapes(along) for basis in bases]
-        signs = [same_way(shape, shapes[0]) for shape in shapes]
+        signs = [relative_sign(shape, shapes[0]) for shape in shapes]
         straight = _straight([basis.poles for basis in bases]) and _straight(
             [shape * sign for shape, sign in zip(shapes, signs, strict=True)]
         )
         return tuple(_Node(basis, sign) for basis, sign in zip(bases, signs, strict=True)) if straight else None
 
 
-def same_way(shapes: Real | Complex128, others: Real | Complex128) -> Real:
+def relative_sign(shapes: Real | Complex128, others: Real | Complex128) -> Real:
     """-1 for each mode whose shape stands upside down to the other's, else 1, (modes,) of two (points, modes)."""
     along: Real = np.sum(shapes * others.conj(), axis=0).real
     return np.where(along < 0, -1.0, 1.0)

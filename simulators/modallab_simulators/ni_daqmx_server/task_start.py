@@ -20,7 +20,7 @@ from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S
 from modallab_simulators.ni_daqmx_server.signals import Pulses
 from modallab_simulators.ni_daqmx_server.status import StatusError
-from modallab_simulators.ni_daqmx_server.systems import domain, own_ppm, pxi_chassis
+from modallab_simulators.ni_daqmx_server.systems import clock_domain, clock_error_ppm, pxi_chassis
 from modallab_simulators.ni_daqmx_server.tasks import Task, terminal
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class Clocks:
         Raises:
             StatusError: they share neither a chassis nor a backplane.
         """
-        found = {domain(m) for m in modules}
+        found = {clock_domain(m) for m in modules}
         if len(found) <= 1 or found <= self.networked:
             return
         backplanes = {pxi_chassis(m.name) for m in modules}
@@ -71,15 +71,15 @@ class Clocks:
                 return self._device_ppm(lent)
         reference = task.routed("REF_CLK_SRC").rpartition("/")[2].upper()
         if reference in BACKPLANE or len({c.module.name for c in task.all_channels()}) > 1:
-            return self._device_ppm(pxi_chassis(module.name) or domain(module))
+            return self._device_ppm(pxi_chassis(module.name) or clock_domain(module))
         lent = _device_of(task.routed("REF_CLK_SRC"))
-        return self._device_ppm(lent or domain(module))
+        return self._device_ppm(lent or clock_domain(module))
 
     def phase(self, task: InputTask) -> float:
         """Where in a sample a task begins, in parts of it."""
         if not self.several or not any(m.delta_sigma for m in task.modules):
             return 0.0
-        own = domain(task.modules[0])
+        own = clock_domain(task.modules[0])
         lent = _device_of(task.routed("SYNC_PULSE_SRC"))
         locked = bool(task.get("REF_CLK_SRC") or task.get("SAMP_CLK_TIMEBASE_SRC"))
         if lent and locked and lent in self.phases:
@@ -94,7 +94,7 @@ class Clocks:
 
     def _device_ppm(self, device: str) -> float:
         name = "network" if device in self.networked else device
-        return own_ppm(crc32(name.encode()))
+        return clock_error_ppm(crc32(name.encode()))
 
 
 def _device_of(source: str) -> str:

@@ -14,8 +14,8 @@ from modallab.core.units import DERIVATIVE, Test
 from modallab.formats.modes import ModeShapes
 from modallab.formats.uff.uff_shapes import read_uff_shapes
 from modallab.formats.uff.uff_write import write_uff
-from modallab.gap.exported.mjcf_laws import require_proportion
-from modallab.gap.exported.state_space import StateSpace, modal_state_space
+from modallab.gap.export.mjcf_laws import require_proportion
+from modallab.gap.export.state_space import StateSpace, modal_state_space
 from modallab.twin.bench import Twin
 from modallab.twin.modes import solve_modes
 from modallab.twin.structure import TwinStructure

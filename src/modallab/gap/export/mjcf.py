@@ -17,8 +17,8 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.atomic import write_text
-from modallab.gap.exported.chain import JointedChain, chain_of_structure, joint_combinations
-from modallab.gap.exported.mjcf_laws import law_tendon
+from modallab.gap.export.chain import JointedChain, chain_of_structure, joint_combinations
+from modallab.gap.export.mjcf_laws import law_tendon
 from modallab.twin.bench import Twin
 
 STEP_S = 1 / 32000

@@ -85,7 +85,7 @@ class StructureChanges:
 
 
 @dataclass(frozen=True, slots=True)
-class Clip:
+class ClippedRow:
     """A row cut at a fraction of what it reaches; `peak_v` where that is known."""
 
     row: int
@@ -124,7 +124,7 @@ class ChainChanges:
     skew_s: float = 0.0
     delay_s: float = 0.0
     noise: Rows = field(default_factory=_no_rows)
-    clips: tuple[Clip, ...] = ()
+    clips: tuple[ClippedRow, ...] = ()
     knee_v: Rows = field(default_factory=_no_rows)
     curves: Mapping[int, Callable[[Real], Real]] = field(default_factory=_no_curves)
     lost_share: Rows = field(default_factory=_no_rows)

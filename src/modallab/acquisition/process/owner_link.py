@@ -10,7 +10,7 @@ from threading import Thread
 
 from modallab.acquisition.monitor.run_states import AcceptBlock, DropBlock, Requests
 from modallab.acquisition.procedures.struck_point.participation import ExpectedModes
-from modallab.acquisition.process.ready import Order
+from modallab.acquisition.process.prepare_run import Order
 from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
 from modallab.core.errors import ModallabError
@@ -84,7 +84,7 @@ class RunEnded:
 Report = Event | BenchOpened | RunEnded
 
 
-class Link:
+class OwnerLink:
     """Two threads on one connection: one hears commands and heartbeats, one sends reports.
 
     The acquisition only looks at `order` and only puts reports into a queue, so that neither a slow nor a stopped

@@ -11,7 +11,7 @@ from modallab.core.errors import FormatError, PlanError
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.atomic import replacing
-from modallab.gap.exported.state_space import StateSpace
+from modallab.gap.export.state_space import StateSpace
 
 MATRICES = ("A", "B", "C", "D")
 

@@ -9,7 +9,7 @@ from modallab.core.effects import Effect, EffectKind
 from modallab.core.errors import ConfigurationError
 from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels, rows_of
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import AlteredBench
+from modallab_simulators.cantilever.altered_bench import AlteredBench
 from modallab_simulators.cantilever.effect_part import EffectPart
 from modallab_simulators.cantilever.effects import allowed, kinds, part_of, parts
 
@@ -115,7 +115,7 @@ def _range(part: EffectPart, name: str) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Injected:
+class InjectedEffects:
     """All effects of a bench, in the order they were given, and the bench as they leave it."""
 
     effects: tuple[Effect, ...] = ()
@@ -137,7 +137,7 @@ def effect_in_truth(effect: Effect) -> dict[str, object]:
     }
 
 
-def inject(effects: Sequence[Effect], rig: Rig) -> Injected:
+def inject_effects(effects: Sequence[Effect], rig: Rig) -> InjectedEffects:
     """Place effects on a rig.
 
     Raises:
@@ -156,7 +156,7 @@ def inject(effects: Sequence[Effect], rig: Rig) -> Injected:
     altered = AlteredBench()
     for effect in sorted(placed, key=lambda e: part_of(e.effect).rank):
         altered = part_of(effect.effect).change(altered, effect, rig)
-    return Injected(placed, altered)
+    return InjectedEffects(placed, altered)
 
 
 def _at_shaker(effect: Effect, rig: Rig, problems: list[str]) -> Effect:

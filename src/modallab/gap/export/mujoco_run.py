@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
-from modallab.gap.exported.mjcf import require_mujoco
+from modallab.gap.export.mjcf import require_mujoco
 from modallab.gap.simulations.simulated_records import Simulate
 
 

@@ -4,8 +4,8 @@ from rich.align import Align
 from rich.console import Console, Group
 from rich.text import Text
 
-from modallab.cli.bench_mode.keys import KeyMap
-from modallab.cli.bench_mode.session_state import Phase, SessionState
+from modallab.cli.terminal_mode.keys import KeyMap
+from modallab.cli.terminal_mode.session_state import Phase, SessionState
 
 GLYPHS = {
     "0": "###|#.#|#.#|#.#|###", "1": ".#.|##.|.#.|.#.|###", "2": "###|..#|###|#..|###", "3": "###|..#|.##|..#|###",

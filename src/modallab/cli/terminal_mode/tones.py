@@ -12,7 +12,7 @@ from threading import Thread
 
 import numpy as np
 
-from modallab.cli.bench_mode.session_state import Phase
+from modallab.cli.terminal_mode.session_state import Phase
 
 RATE_HZ = 22050
 PLAYERS = (("paplay",), ("aplay", "-q"), ("afplay",))

@@ -46,7 +46,7 @@ class OrderedStopError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Setup:
+class RunSetup:
     """What `run_plan` was given, and the state it keeps."""
 
     bench: Bench
@@ -85,7 +85,7 @@ class Setup:
             self.latch.require_reset()
 
 
-def output_stop_in_words(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
+def output_stop_in_words(plan: SinePlan | BroadbandPlan, setup: RunSetup) -> str:
     """What brings the output to 0 V should a process or this machine fail, in words."""
     longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig)
     notice = f"longest burst {longest:.4g} s: "
@@ -105,7 +105,7 @@ def output_stop_in_words(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
     return f"{notice}; {setup.supervision}" if setup.supervision else notice
 
 
-def prepare(setup: Setup) -> RunContext:
+def prepare(setup: RunSetup) -> RunContext:
     """Configure the bench, open the record, and start streaming."""
     bench, plan = setup.bench, setup.plan
     bench.zero()
@@ -132,14 +132,14 @@ def prepare(setup: Setup) -> RunContext:
     )  # fmt: skip
 
 
-def _report_rate(setup: Setup, delivery: Delivery) -> None:
+def _report_rate(setup: RunSetup, delivery: Delivery) -> None:
     asked_hz, given_hz = delivery.requested_rate_hz, delivery.rate_hz
     if not isclose(asked_hz, given_hz, rel_tol=1e-9):
         what = f"the device samples at {given_hz:.10g} Hz; {asked_hz:.10g} Hz was requested"
         setup.emit(Notice(run=setup.recorder.run, what=what))
 
 
-def require_sensors_known(setup: Setup) -> None:
+def require_sensors_known(setup: RunSetup) -> None:
     """Report what certificates and sensors say of each other.
 
     Raises:
@@ -153,7 +153,7 @@ def require_sensors_known(setup: Setup) -> None:
         raise RigError("; ".join(wrong), where="sensors", remedy="check which sensor is mounted; correct the rig file")
 
 
-def wait_for_supplies(setup: Setup, context: RunContext) -> None:
+def wait_for_supplies(setup: RunSetup, context: RunContext) -> None:
     """Wait until the bias of fed sensors has settled, and report those whose bias has not."""
     fed, stream = supplied_channels(setup.bench, setup.rig), context.stream
     if not fed:

@@ -33,7 +33,7 @@ def request_idle_view(data_folder: Path, name: str) -> None:
         file.write_text(str(time.monotonic_ns()), encoding="ascii")
 
 
-class IdleScope:
+class IdleView:
     """Shows the channels of an open bench. The output stays at 0 V."""
 
     def __init__(self, bench: Bench, rig: Rig, data_folder: Path) -> None:

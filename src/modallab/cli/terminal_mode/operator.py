@@ -7,10 +7,10 @@ from threading import Condition, Lock, Thread
 import numpy as np
 from rich.console import Console
 
-from modallab.cli.bench_mode.keys import KeyMap, Meaning
-from modallab.cli.bench_mode.screen import Screen, status_sentence
-from modallab.cli.bench_mode.session_state import SessionState
-from modallab.cli.bench_mode.tones import Tones
+from modallab.cli.terminal_mode.keys import KeyMap, Meaning
+from modallab.cli.terminal_mode.screen import Screen, status_sentence
+from modallab.cli.terminal_mode.session_state import SessionState
+from modallab.cli.terminal_mode.tones import Tones
 from modallab.core.block import Campaign
 from modallab.core.documents.pages import EventView
 from modallab.core.documents.runs import Accept, Command, Drop, Pause, Resume, Stop

@@ -9,7 +9,7 @@ import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.errors import DataError
-from modallab.gap.exported.chain import JointedChain, mass_orthonormal
+from modallab.gap.export.chain import JointedChain, mass_orthonormal
 from modallab.twin.bench import Twin
 from modallab.twin.elements import slope_rows
 from modallab.twin.modes import solve_modes

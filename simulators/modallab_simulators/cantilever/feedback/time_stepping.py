@@ -198,7 +198,7 @@ def _drag(z: Real, seen: Real, put: Real, local: int, g: Real) -> None:
 
 
 @compiled
-def march(
+def step_in_time(
     z: Real,
     g: Real,
     memory: Real,
