@@ -129,7 +129,7 @@ def test_by_reciprocity_a_point_that_has_a_sensor_is_known_before_it_is_struck()
 
 
 def test_an_oblique_hit_after_good_ones_does_not_count(store: Store, link_rig: Rig, tmp_path: Path) -> None:
-    from modallab_simulators.cantilever.operator_line import Strike
+    from modallab_simulators.cantilever.operator_line import ScriptedHit
 
     del tmp_path
     bench = open_bench(BENCH, link_rig)
@@ -137,7 +137,7 @@ def test_an_oblique_hit_after_good_ones_does_not_count(store: Store, link_rig: R
 
     class Oblique(Misled):
         def prompt_hit(self, point: int) -> None:
-            strike = Strike(point, after_s=0.5, oblique_deg=angles.pop(0))
+            strike = ScriptedHit(point, after_s=0.5, oblique_deg=angles.pop(0))
             inner = self._bench
             inner._excitation.strike(strike.hits(inner._now_s, link_rig.x_of(point)))  # type: ignore[attr-defined]
             inner._stream.changed()  # type: ignore[attr-defined]

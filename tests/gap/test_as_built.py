@@ -12,7 +12,7 @@ from modallab.core.effects import Effect
 from modallab.core.progress import report_progress_to
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.model.tolerances import applied, by_tolerance, deviations, with_tolerances
+from modallab.gap.model.tolerances import apply_tolerances, by_tolerance, deviations, with_tolerances
 from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.words.verdicts import gap_in_percent, verdict_sentence
 from modallab.reporting.gap_report import render
@@ -34,7 +34,7 @@ def as_built(rig: Rig, seed: int = 3, care: float = 0.8) -> Callable[[Twin], Twi
     gains = {c.index: float(np.exp(0.01 * rng.normal())) for c in rig.responses}
 
     def alter(twin: Twin) -> Twin:
-        off = applied(twin, rig, by_tolerance((d, d.value(moved)) for d, moved in numbers))
+        off = apply_tolerances(twin, rig, by_tolerance((d, d.value(moved)) for d, moved in numbers))
         chain = replace(off.chain, gain={c: g * twin.chain.gain.get(c, 1.0) for c, g in gains.items()})
         # What effects have moved stays where they put it.
         return replace(off, chain=chain)

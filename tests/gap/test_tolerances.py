@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modallab.core.rig import Beam, Tolerance
-from modallab.gap.model.tolerances import Deviation, Scales, by_tolerance, held
+from modallab.gap.model.tolerances import Deviation, Scales, by_tolerance, limit_smoothly
 from modallab.twin.bench import Twin
 from modallab.twin.modes import solve_modes
 from modallab.twin.neighbours import NeighbourStructures
@@ -26,7 +26,7 @@ def test_a_number_never_goes_far_beyond_its_tolerance() -> None:
     position = Deviation("position_m", 3.0, 1e-3)
     assert position.value(2.0) == pytest.approx(2e-3)
     assert position.value(50.0) == pytest.approx(4.5e-3)
-    assert float(held(-50.0)) == pytest.approx(-4.5)
+    assert float(limit_smoothly(-50.0)) == pytest.approx(-4.5)
 
 
 def test_a_root_is_never_stiffer_than_rigid() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab_drivers.function_generator.generator import Generator
-from modallab_drivers.function_generator.line import Line
+from modallab_drivers.function_generator.line import InstrumentLine
 from modallab_simulators.ni_daqmx_server.lines import OutputLine
 from modallab_simulators.scpi_generator import (
     SINE_DIALECTS,
@@ -39,7 +39,7 @@ class Bench:
     dialect: str
 
     def open(self) -> Generator:
-        return Generator(Line(self.port.port, 115200), self.dialect)
+        return Generator(InstrumentLine(self.port.port, 115200), self.dialect)
 
     def pace(self, generator: Generator, began: float, until_s: float) -> None:
         """Look after a burst that began at `began` of the clock, as one does who reads samples."""
