@@ -120,7 +120,7 @@ put(
     "dead_but_noisy", "A channel without a sensor: its converter's last step only.", dead, "(?i)dead|no signal|a1|noise"
 )
 put("warming_sensor", "A zero that drifts by twenty times the signal.", drifting, "(?i)drift|zero|rest|a1")
-put("static_discharges", "Three single samples of ten times the largest.", struck, "nothing near it")
+put("static_discharges", "Three single samples of ten times the largest.", struck, "neighbouring samples")
 put(
     "counts_that_wrap",
     "Overflow of whole numbers: beyond the range the other end.",

@@ -319,4 +319,4 @@ put(
     1,
 )
 put("zero_that_runs_away", "A zero that runs away in one of two hits.", slow_leak, "zero drifts", 2, 0)
-put("minus_9999", "-9999 for missing values.", marks_for_missing, "(?i)nothing near it|9999")
+put("minus_9999", "-9999 for missing values.", marks_for_missing, "(?i)neighbouring samples|9999")

@@ -62,7 +62,7 @@ def test_in_the_rise_it_is_foreseen_what_the_full_drive_will_do() -> None:
     found = watch(2, 0.008)
     found.begin(Burst(5.0, 1.0, 1.0, 2.0), REST)
     values = burst(5.0)
-    with pytest.raises(SafetyError, match="on the way beyond the abort limit"):
+    with pytest.raises(SafetyError, match="will exceed the abort limit"):
         highest(found, values)
     assert found.share_of_limit < 0.6
 

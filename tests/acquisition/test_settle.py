@@ -141,7 +141,7 @@ def test_without_known_modes_nothing_is_judged_nor_lengthened(store: Store) -> N
     ("fields", "said"),
     [
         ({"max_settle_s": 1.0, "modes": (RINGS,)}, "max_settle_s is 1; allowed: at least settle_s = 2"),
-        ({"max_settle_s": 5.0}, "max_settle_s: nothing says when it has settled"),
+        ({"max_settle_s": 5.0}, "max_settle_s needs modes"),
         (
             {"max_settle_s": 70.0, "modes": (RINGS,)},
             "a burst of max_settle_s.* lasts 72.12 s; allowed by the rig: 60 s",

@@ -86,7 +86,7 @@ def test_blocks_are_shared_out_among_the_waves_of_a_periodic_drive() -> None:
 @pytest.mark.parametrize(
     ("fields", "words"),
     [
-        ({"signal": "random", "blocks": 2}, "blocks: 2 cannot tell 2 shakers and the noise apart; allowed: 3 or more"),
+        ({"signal": "random", "blocks": 2}, "blocks: 2 cannot separate 2 shakers and the noise; allowed: 3 or more"),
         ({"signal": "chirp", "blocks": 3}, "allowed: 4 or more, two in each of 2 waves"),
         ({"signal": "chirp", "blocks_per_wave": 1}, "blocks_per_wave: 1 of a periodic drive shows no noise"),
         ({"signal": "pseudo-random", "detection_lines": True, "blocks": 8, "blocks_per_wave": 2}, "detection_lines"),

@@ -46,7 +46,7 @@ def test_where_it_cannot_be_held_off_the_notice_says_so(tmp_path: Path, monkeypa
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setenv("PATH", str(tmp_path))
     with keep_awake() as said:
-        assert "could NOT be kept from going to sleep (there is no systemd-inhibit)" in said
+        assert "could NOT be kept awake (there is no systemd-inhibit)" in said
 
 
 def test_one_that_is_rejected_is_no_success(inhibitor: Path) -> None:

@@ -89,7 +89,7 @@ def test_a_late_answer_answers_no_other_question(bench: Bench, monkeypatch: pyte
     monkeypatch.setattr("modallab_drivers.function_generator.line.TIMEOUT_S", 0.6)
     generator, began = holding(bench)
     bench.port.fault("late-answer 0.8")
-    with pytest.raises(OutputLostError, match=r"no answer within.*it answers again"):
+    with pytest.raises(OutputLostError, match=r"no answer within.*the generator answers again"):
         bench.pace(generator, began, 2.0)
     assert not bench.volts(time.monotonic() + 0.01, time.monotonic() + 0.2).any()
     generator.set("frequency", 33.0)

@@ -142,7 +142,7 @@ def test_hysteretic_damping_counts_half_and_deflections_under_a_load_are_no_mode
     )
     (mode,) = json.loads((tmp_path / "r.json").read_text())["modes"]
     assert mode["damping_ratio"] == pytest.approx(0.02)
-    assert "1 sets hold deflections under a load" in capsys.readouterr().out
+    assert "1 sets are deflections under a load" in capsys.readouterr().out
 
 
 def test_a_psd_alone_is_rejected_in_one_sentence(tmp_path: Path, capsys) -> None:

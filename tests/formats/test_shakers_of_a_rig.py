@@ -40,15 +40,18 @@ def test_a_rig_of_one_shaker_does_not_speak_of_others(one: Rig, both: Rig) -> No
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"shakers": [{"point": 4, "force": TIP}]}, "shakers[0].point: found 4, as of another shaker"),
+        ({"shakers": [{"point": 4, "force": TIP}]}, "shakers[0].point: found 4, which another shaker has"),
         ({"shakers": [{"point": 77, "force": TIP}]}, "shakers[0].point: found 77"),
         ({"shakers": [{"point": 9, "force": "a01"}]}, "shakers[0].force: found 'a01'"),
         ({"shakers": []}, "with an entry under shakers for each further one"),
-        ({"shakers": [{"point": 9, "force": TIP}, {"point": 7, "force": "force"}]}, "left for the first shaker"),
+        (
+            {"shakers": [{"point": 9, "force": TIP}, {"point": 7, "force": "force"}]},
+            "without a shaker, for the first shaker",
+        ),
         ({"shaker_point": None}, "shaker_point: missing"),
         (
             {"excitation": {"output": "ao1"}, "shakers": [{"point": 9, "force": TIP, "output": "ao1"}]},
-            "shakers[0].output: found 'ao1', as of another shaker",
+            "shakers[0].output: found 'ao1', which another shaker has",
         ),
         ({"shakers": [{"point": 9, "froce": TIP}]}, "shakers[0].froce"),
     ],

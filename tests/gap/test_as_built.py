@@ -86,7 +86,7 @@ def test_what_no_effect_explains_and_moves_nothing_that_matters_is_a_note(make: 
     found = diagnose(careless, allowed=only())
     assert found.verdict == "no_gap"
     assert any("No effect explains" in note for note in found.notes)
-    assert any("improbable under the rig's tolerances" in note for note in found.notes)
+    assert any("all deviations together are improbable" in note for note in found.notes)
 
 
 def test_the_budget_is_whole_and_the_noise_is_small(sound: Diagnosis) -> None:
@@ -148,7 +148,7 @@ def test_the_diagnosed_twin_is_the_one_that_was_fitted(sound: Diagnosis, campaig
 def test_the_report_shows_curves_and_budget(sound: Diagnosis, campaign: Campaign) -> None:
     page = render(sound, campaign)
     for shown in (
-        "as the rig file describes it",
+        "simulated from the rig file",
         "with the effects found",
         "what is left",
         "Budget of the gap",

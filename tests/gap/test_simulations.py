@@ -218,7 +218,7 @@ def test_what_cannot_be_exported_leaves_no_file(rig: Rig, tmp_path: Path, capsys
     # Steps longer than half a period of the first mode show none.
     assert main([*asked, "--rate", "2"]) == 2
     said = " ".join(capsys.readouterr().err.split())
-    assert "in steps of 2 Hz no mode would be seen" in said
+    assert "the rate of 2 Hz is too low" in said
     assert "give a rate well above" in said
     assert not out.exists()
 

@@ -84,7 +84,7 @@ def corrected(recorded: Watched, campaign: str, served: ServiceProcess) -> Watch
     page.click("button:text-is('Diagnose')")
     page.wait_for_selector(".verdict:text-is('The gap has a known cause.')")
     assert "added mass at 0.4" in page.inner_text("section[aria-label='Verdict']")
-    page.click("text=Put this into the simulation")
+    page.click("text=Add this to the simulation")
     page.wait_for_selector("td:has-text('added mass, as diagnosed in')")
     served.client.wait_until_idle(served.rig)
     recorded.picture("gap")
@@ -169,7 +169,7 @@ def test_the_best_absorber_of_a_mode_is_hung_by_a_click(recorded: Watched) -> No
     # What an earlier click hung there stays.
     recorded.page.wait_for_selector(".work .pick")
     recorded.page.select_option("#work-impact-kind", "absorber")
-    recorded.page.select_option("select[aria-label='Mode that the absorber is for']", "2")
+    recorded.page.select_option("select[aria-label='Mode of the absorber']", "2")
     recorded.page.click(".work .pick[aria-label='Add at point 10'] circle")
     recorded.page.wait_for_selector(".plainlist li:has-text('absorber 0.05 kg')")
 

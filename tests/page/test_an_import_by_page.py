@@ -31,7 +31,7 @@ def table() -> str:
 def test_a_foreign_table_becomes_a_model(operator: Open, served: ServiceProcess, tmp_path: Path) -> None:
     ada = operator()
     ada.view("Campaigns")
-    ada.page.click("summary:text-is('What the files do not say')")
+    ada.page.click("summary:text-is('Facts missing in the files')")
     said = {"channels": "force, a06, a10", "variable": "force=Kraft", "drive_point": "10"}
     for name, text in said.items():
         ada.page.fill(f"#f-query-{name}", text)

@@ -30,7 +30,7 @@ def test_the_stop_works_while_the_rest_process_is_frozen(operator: Open, served:
     ada.page.wait_for_selector(STOPPED)
     assert ada.page.locator(".message").count() == 0
     ada.view("Bench")
-    ada.page.click("text=I have looked: reset")
+    ada.page.click("text=Bench checked: reset")
     ada.page.wait_for_selector(".alarm", state="detached")
 
 

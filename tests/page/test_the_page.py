@@ -35,7 +35,7 @@ def test_all_tabs_share_one_stream_of_events(operator: Open, served: ServiceProc
     tabs[2].keyboard.press("Escape")
     for tab in tabs:
         tab.wait_for_selector(".alarm")
-    tabs[0].click("text=I have looked: reset")
+    tabs[0].click("text=Bench checked: reset")
     for tab in tabs:
         tab.wait_for_selector(".alarm", state="detached")
 
@@ -53,7 +53,7 @@ def test_a_sine_test_and_the_stop(operator: Open, served: ServiceProcess) -> Non
     ada.page.wait_for_selector(".prompt .large:text-is('Stopped')")
     assert served.client.rigs()[0].trip is not None
     ada.view("Bench")
-    ada.page.click("text=I have looked: reset")
+    ada.page.click("text=Bench checked: reset")
     ada.page.wait_for_selector(".alarm", state="detached")
 
 

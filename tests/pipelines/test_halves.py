@@ -56,4 +56,4 @@ def test_a_comparison_first_says_by_how_much_its_halves_differ() -> None:
     real = campaign()
     found = gap_of(real, model_to_compare(real, BAND), before=real, band_hz=BAND).diagnosis
     assert found.verdict == "no_gap"
-    assert found.notes[0].startswith("Two measurements like the bench's differ by ")
+    assert found.notes[0].startswith("The two halves of the bench's hits differ by ")

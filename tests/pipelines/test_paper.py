@@ -35,10 +35,10 @@ def test_lines_so_far_apart_exclude_not_even_an_ideal_clamp(found: PaperExplaine
     assert rigid.worst_lines < 0.5
     assert spring.allowed is not None
     assert mass.allowed is not None
-    assert any("Nor can such lines exclude the ideal clamp" in line for line in found.said)
+    assert any("Such lines cannot exclude the ideal clamp either" in line for line in found.said)
 
 
 @pytest.mark.thorough("records and identifies the bench of a paper")
 def test_at_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["gap", "paper"]) == 0
-    assert "it is the block, not the beam" in " ".join(capsys.readouterr().out.split())
+    assert "both are the block, not the beam" in " ".join(capsys.readouterr().out.split())

@@ -239,7 +239,7 @@ def test_what_knows_one_force_says_so(tmp_path: Path) -> None:
         _ = to_signals(campaign.blocks[0], RIG).force
     with pytest.raises(DataError, match="a record in uff names one point of one force"):
         write_export(campaign, tmp_path / "two.uff", "uff")
-    with pytest.raises(DataError, match="the rig has 2 force channels, and a diagnosis has a model of one"):
+    with pytest.raises(DataError, match="the rig has 2 force channels, and a diagnosis models one force only"):
         diagnose(campaign)
     model = identified("pseudo-random").model
     with pytest.raises(DataError, match="2 shakers drove the bench at once, and a comparison knows the gain of one"):

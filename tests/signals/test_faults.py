@@ -144,7 +144,7 @@ CHAIN: dict[str, tuple[Callable[[Rows], Rows], str]] = {
     "zero": (lambda r: stopped(r, 0.0, 10), "stands still at 0"),
     "last value": (lambda r: stopped(r, None, 20), "stands still"),
     "dead from then on": (lambda r: stopped(r, None, N), "stands still"),
-    "exponent": (lambda r: one_off(r, 1e6), "nothing near it explains"),
+    "exponent": (lambda r: one_off(r, 1e6), "neighbouring samples do not explain"),
 }
 
 
@@ -198,7 +198,7 @@ def test_a_buffer_that_was_written_twice_is_named(kind: str) -> None:
     rows = record(kind, 1, 1e-4)
     rows[:, 400:528] = rows[:, 272:400]
     (found,) = faults_of(block(rows), RIG)
-    assert "repeats to the last digit" in found.what
+    assert "repeats exactly" in found.what
     assert (found.first_s, found.samples) == (400 / RATE_HZ, 128)
 
 

@@ -30,7 +30,7 @@ def test_a_flipped_byte_is_reported_with_run_and_block(store: Store) -> None:
     place = content.index(noise(1).tobytes()) + 17
     content[place] ^= 0x04
     path.write_bytes(content)
-    with pytest.raises(StorageError, match="samples on the disk are not those recorded") as caught:
+    with pytest.raises(StorageError, match="samples on the disk differ from the recording") as caught:
         store.blocks(run)
     assert caught.value.where == f"run {run}, block 1, b1"
     assert next(iter(store.iterate(run))).name == "b0"
@@ -215,7 +215,7 @@ def test_a_killed_runs_file_that_is_also_cut_off_is_reported(store: Store, kept:
     content = path.read_bytes()
     path.write_bytes(content[: int(kept * len(content))])
     store.recover()
-    with pytest.raises(StorageError, match=r"cannot be read|not those recorded|not in the file"):
+    with pytest.raises(StorageError, match=r"cannot be read|differ from the recording|not in the file"):
         store.blocks(run)
 
 

@@ -101,7 +101,7 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say() -> None:
     [
         ({}, (), "no parameter to estimate"),
         (PRIORS, (9,), "no mode 9 to hold out"),
-        (PRIORS, (1, 2, 3, 4, 5), "1 modes are left"),
+        (PRIORS, (1, 2, 3, 4, 5), "1 modes remain"),
         ({"colour": Prior(0, 1)}, (), "no parameter 'colour'"),
     ],
 )

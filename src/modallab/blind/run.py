@@ -25,7 +25,7 @@ from modallab.core.hold_out import MIXED
 from modallab.core.progress import part_of_progress, report_progress
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.initial_gap import gap_beyond_revisions, gap_on_held_out, gap_without_effects
+from modallab.gap.report.initial_gap import gap_on_held_out, gap_outside_revisions, gap_without_effects
 from modallab.gap.report.shrinkage import BARE, closed_share
 from modallab.gap.revisions.apply import with_diagnosis
 from modallab.twin.effects import model_of
@@ -217,5 +217,5 @@ def _gaps_before_and_after(campaign: Campaign, revised: Campaign, diagnosis: Dia
     """In noise units, on what a diagnosis measures its shrinkage on: records that its fits have not seen."""
     if any(model_of(f.effect).search is None for f in diagnosis.effects):
         # What no force predicts is in each record on its own.
-        return gap_without_effects(campaign), gap_beyond_revisions(revised)
+        return gap_without_effects(campaign), gap_outside_revisions(revised)
     return gap_on_held_out(campaign, MIXED), gap_on_held_out(revised, MIXED)

@@ -2,7 +2,14 @@
 
 from pathlib import Path
 
-from modallab.cli.options import JSON_HELP, Commands, add_quiet_option, not_negative, positive_integer, positive_number
+from modallab.cli.options import (
+    JSON_HELP,
+    Commands,
+    add_verbosity_option,
+    not_negative,
+    positive_integer,
+    positive_number,
+)
 
 
 def add_gap_commands(commands: Commands) -> None:
@@ -61,7 +68,7 @@ def _add_diagnose(actions: Commands) -> None:
     )
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("diagnosis"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
-    add_quiet_option(command)
+    add_verbosity_option(command)
 
 
 def _add_predict(actions: Commands) -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from modallab.cli.options import JSON_HELP, Commands, add_quiet_option, positive_integer, positive_number
+from modallab.cli.options import JSON_HELP, Commands, add_verbosity_option, positive_integer, positive_number
 from modallab.core.units import TESTS
 
 _MOTIONS = ("displacement", "velocity", "acceleration")
@@ -21,7 +21,7 @@ def add_model_commands(commands: Commands) -> None:
         command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside it")
         command.add_argument("--test", choices=TESTS, help="whose model (default: the first)")
         command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("answer"))
-        add_quiet_option(command)
+        add_verbosity_option(command)
     model.set_defaults(module="model")
 
 

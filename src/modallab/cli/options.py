@@ -99,7 +99,7 @@ class Commands(Protocol):
         """Add one."""
 
 
-def add_quiet_option(command: Any) -> None:
+def add_verbosity_option(command: Any) -> None:
     """Add `--quiet`; the command asks `cli.console` where its words go."""
     command.add_argument(
         "--quiet", dest="hush", action="store_true", help="print only errors, and the output of --json -"

@@ -11,7 +11,7 @@ from modallab.cli.options import (
     JSON_HELP,
     Commands,
     Parser,
-    add_quiet_option,
+    add_verbosity_option,
     not_negative,
     positive_integer,
     positive_number,
@@ -61,7 +61,7 @@ def _add_demo(commands: Commands) -> None:
     demo.add_argument(
         "--serve", action="store_true", help="serve the same bench on the operator's page, to test it by hand"
     )
-    add_quiet_option(demo)
+    add_verbosity_option(demo)
     demo.set_defaults(module="demo", out_is_folder=True)
 
 
@@ -77,7 +77,7 @@ def _add_import(commands: Commands) -> None:
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5", help="the campaign file")
     for name, one in ASKED.items():
         _add_asked(command, name, one)
-    add_quiet_option(command)
+    add_verbosity_option(command)
     command.set_defaults(module="import_")
 
 
@@ -111,7 +111,7 @@ def _add_identify(commands: Commands) -> None:
     )
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
-    add_quiet_option(command)
+    add_verbosity_option(command)
     command.set_defaults(module="identify")
 
 

@@ -107,7 +107,7 @@ class Campaign:
     """The recordings of one session at the bench, with the rig they were made on.
 
     Attributes:
-        rig: the bench as believed.
+        rig: description of the bench.
         blocks: in the order of time.
         frfs: FRFs that came as such, from a source that holds no time records.
         provenance: what else the source said (seeds, plan, code version, units), as text.

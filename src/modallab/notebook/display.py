@@ -44,7 +44,7 @@ class DisplayedTable:
 
 
 class DisplayedResult(DisplayedTable, Generic[T]):
-    """A table, and as `numbers` the answer that it shows.
+    """A table with its values in `numbers`.
 
     Attributes:
         numbers: every number of the table in SI units, as arrays.

@@ -37,24 +37,24 @@ def driven(
     block_s: float | None = None,
     quantity: FrfQuantity = "inertance",
 ) -> MeasuredFrf:
-    """FRFs of a structure that several measured forces drive at once, for `ml.identify`.
+    """FRFs of a structure driven by several measured forces at the same time, for `ml.identify`.
 
-    The local polynomial method takes the record as long as it is: no window, no leakage. H1, H2 and Hv average
-    stretches of `block_s` with a Hann window, whose peaks are a line and a half too wide.
+    The local polynomial method uses the whole record without window or leakage. H1, H2 and Hv average segments of
+    `block_s` with a Hann window, whose peaks are a line and a half too wide.
 
     Args:
-        forces: (inputs, samples) in N; random, and not the same.
-        responses: (outputs, samples) in SI, of the same samples.
+        forces: (inputs, samples) in N; random and different.
+        responses: (outputs, samples) in SI, at the same times.
         rate_hz: sampling rate.
         inputs: number of the point of each force.
-        outputs: number of the point of each response; without them they are numbered from 1.
-        band: lowest and highest frequency that was driven, Hz.
+        outputs: number of the point of each response (default: 1, 2, ...).
+        band: lowest and highest driven frequency, Hz.
         estimator: local-polynomial, H1, H2 or Hv.
-        block_s: length of a stretch for H1, H2 and Hv.
-        quantity: what forces and responses make: inertance, mobility or receptance.
+        block_s: length of a segment for H1, H2 and Hv.
+        quantity: kind of FRF: inertance, mobility or receptance.
 
     Raises:
-        DataError: records that do not go together, a band without a drive, or forces that cannot be distinguished.
+        DataError: records of different length, a band without a drive, or forces that cannot be distinguished.
     """
     f, y = _rows_of_records(forces, "forces"), _rows_of_records(responses, "responses")
     if f.shape[1] != y.shape[1]:

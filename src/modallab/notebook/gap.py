@@ -36,12 +36,12 @@ Reference = Model | Recording | MeasuredFrf | Path | str
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
 class GapDiagnosis:
-    """What a diagnosis found.
+    """Result of a diagnosis.
 
     Attributes:
-        campaign: the recordings it looked at.
-        diagnosis: everything it says, as a document.
-        structure: what was compared, where a reference was given; None where the rig's own beam was.
+        campaign: the diagnosed recordings.
+        diagnosis: the diagnosis as a document.
+        structure: comparison with a reference; None for the rig's own beam.
     """
 
     campaign: Campaign
@@ -62,7 +62,7 @@ class GapDiagnosis:
 
     @property
     def twin(self) -> DiagnosedTwin:
-        """The simulation with these effects in it.
+        """The simulation including these effects.
 
         Raises:
             DataError: the comparison was with a reference, which no beam of the rig file simulates.
@@ -75,7 +75,7 @@ class GapDiagnosis:
         return DiagnosedTwin(diagnosed_twin(self.diagnosis, self.campaign.rig), self.campaign.rig)
 
     def table(self) -> DisplayedTable:
-        """The effects, a row for each of their numbers, with the interval of 95 %, and what is said besides."""
+        """The effects, a row for each of their numbers, with its 95 % interval, and notes."""
         rows: list[tuple[str, str, str, str, str]] = []
         for effect, place, numbers, likely in self._found():
             rows += [(effect, place, f"{name} = {value}", within, likely) for name, value, within in numbers]
@@ -97,7 +97,7 @@ class GapDiagnosis:
         """Write the diagnosis as JSON, or the report if the name ends with .html; returns the path.
 
         Raises:
-            StorageError: the file cannot be written, or its name ends otherwise.
+            StorageError: the file cannot be written, or its name has another ending.
         """
         path = path_for(path, (".json", ".html"))
         from modallab.formats.atomic import write_text
@@ -127,23 +127,24 @@ def diagnose(
     keep: str | Path | None = None,
     progress: bool = True,
 ) -> GapDiagnosis:
-    """Where simulation and bench differ, which effect causes it, and how far the gap shrinks with it.
+    """Diagnose where simulation and bench differ, the effect that causes it, and the shrinkage of the gap.
 
     Args:
-        measured: what `simulate`, `load` or `frf` gave.
-        hold_out: records no fit may see: mixed, spread, point:N, level:NAME, test:impact, test:sine or last:SHARE.
-        reference: what any structure is compared with, beyond the rig's tolerances: its modal model, what was measured
-            before, or the file of a finite-element model. None: the beam of the rig file.
-        band: (low, high) in Hz, in which both are identified, with a reference; None for the whole band.
-        keep: where to keep the diagnosis as JSON; if the file is there, it is read, which takes no time.
-        progress: show how far it is, where somebody looks.
+        measured: result of `simulate`, `load` or `frf`.
+        hold_out: records held out from every fit: mixed, spread, point:N, level:NAME, test:impact, test:sine or
+            last:SHARE.
+        reference: model to compare with, for any structure: its modal model, an earlier measurement, or the file of
+            a finite-element model. None: the beam of the rig file.
+        band: (low, high) in Hz for the identification of both sides, with a reference; None for the whole band.
+        keep: JSON file of the diagnosis; an existing file is read instead of a new diagnosis.
+        progress: show the progress, in a notebook or terminal.
 
     Raises:
-        DataError: there is nothing to diagnose, or measured and reference share no band, output or driven point.
+        DataError: there are no records, or measured and reference share no band, output or driven point.
         RigError: the rig describes no beam, which the simulation needs.
-        PlanError: the rule leaves nothing to fit.
-        FormatError: what is kept there is no diagnosis of these records, or the reference can be read as none of these.
-        IdentificationError: measured or reference holds no mode.
+        PlanError: the rule leaves no records to fit.
+        FormatError: the file is no diagnosis of these records, or the reference has an unknown format.
+        IdentificationError: measured or reference has no mode.
     """
     campaign = campaign_in(measured)
     if reference is not None:
@@ -172,10 +173,10 @@ def _compare_reference(campaign: Campaign, reference: Reference, band_hz: Band, 
 
 
 def agreement(measured: Recording) -> Agreement:
-    """Whether the simulation agrees with records, and which channels or modes do not: within seconds, from one hit on.
+    """Compare the simulation with records, by channel and mode: within seconds, from one hit on.
 
     Args:
-        measured: what `simulate` or `load` gave; one hit is enough.
+        measured: result of `simulate` or `load`; one hit is enough.
 
     Raises:
         DataError: the records show no natural frequency and contain no sine test.

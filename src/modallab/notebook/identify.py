@@ -35,24 +35,24 @@ def identify(
     """The modal model of recordings or FRFs.
 
     Args:
-        measured: what `simulate`, `load`, `frf` or `responses` gave; several recordings are set-ups of one test, and
-            are joined.
-        test: only this test; None for all there are.
-        band: in Hz; None for all that the data hold.
+        measured: result of `simulate`, `load`, `frf` or `responses`; several recordings are set-ups of one test,
+            and are joined.
+        test: test to identify; None for all.
+        band: (low, high) in Hz; None for the whole band of the data.
         method: name of the estimator.
-        pick: frequencies in Hz of the modes to keep, by hand; the others are left out.
+        pick: frequencies in Hz of the modes to keep; others are left out.
         drop: frequencies in Hz of modes to leave out.
-        refine: whether a maximum-likelihood search follows; None for what is usual with the method.
-        frf: how FRFs are made of blocks. H2 takes the force for noisy and the responses for exact. Hv stands between
-            it and H1. For random drives, chirps, and several hits at each point.
-        response_only: whether the force is left out, and taken for random; None for where none was measured. Shapes
-            then have no scale: `modal.operating_shapes`, 1 at the largest.
-        response_method: how modes of the responses alone are found.
-        progress: show how far it is, where somebody looks.
+        refine: whether a maximum-likelihood search follows; None for the default of the method.
+        frf: FRF estimator for random drives, chirps, and several hits at each point. H1 assumes noise on the
+            responses, H2 on the force, Hv on both.
+        response_only: whether to ignore the force and assume a random one; None: only if no force was measured.
+            Shapes then have no scale: `modal.operating_shapes`, 1 at the largest.
+        response_method: estimator for the responses alone.
+        progress: show the progress, in a notebook or terminal.
 
     Raises:
-        DataError: there is nothing to identify.
-        IdentificationError: no mode stands out, or a parameter that cannot be.
+        DataError: there are no records.
+        IdentificationError: no mode was found, or a parameter is impossible.
     """
     options = IdentificationOptions(
         method=method,
@@ -96,7 +96,7 @@ def _join_setups(
 
 
 def campaign_in(measured: object) -> Campaign:
-    """The campaign of what `simulate`, `load` or `frf` gave.
+    """The campaign of result of `simulate`, `load` or `frf`.
 
     Raises:
         DataError: it is neither.

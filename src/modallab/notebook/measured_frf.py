@@ -21,8 +21,8 @@ class MeasuredFrf:
     """FRFs of a structure, ready to be identified.
 
     Attributes:
-        frf: the FRFs as every stage of modallab takes them, (outputs, inputs, lines).
-        rig: the structure as far as it is known: outputs and their points.
+        frf: FRFs for all stages of modallab, (outputs, inputs, lines).
+        rig: outputs and their points.
     """
 
     frf: Frf
@@ -30,7 +30,7 @@ class MeasuredFrf:
 
     @property
     def campaign(self) -> Campaign:
-        """As a campaign without records."""
+        """The FRFs as a campaign without records."""
         return Campaign(self.rig, (), (self.frf,), source="arrays")
 
     @classmethod
@@ -42,7 +42,7 @@ class MeasuredFrf:
         """Write the FRFs: a universal file (.uff), MATLAB's (.mat) or a campaign file (.h5); returns the path.
 
         Raises:
-            StorageError: the file cannot be written, or its name ends otherwise.
+            StorageError: the file cannot be written, or its name has another ending.
         """
         path = Path(path)
         write_frf(path, self.frf, self.rig)
@@ -55,7 +55,7 @@ class MeasuredFrf:
         return frf_overview(self.frf)
 
     def table(self) -> DisplayedTable:
-        """What they are."""
+        """Table of the FRFs."""
         outputs, inputs, lines = self.frf.values.shape
         low, high = self.frf.frequency_hz[[0, -1]]
         row = (self.frf.quantity, str(outputs), str(inputs), str(lines), f"{low:g} to {high:g} Hz")
@@ -82,12 +82,12 @@ def frf(
         f: (lines,) frequencies in Hz, ascending.
         H: (outputs, inputs, lines), (outputs, lines) of one input, (lines,) of one FRF, or these with the lines first;
             complex, SI.
-        inputs: number of the point of each force; one that is also an output's makes modal masses known.
-        outputs: number of the point of each response; without them the outputs are numbered from 1.
+        inputs: number of the point of each force; a point that is also an output gives modal masses.
+        outputs: number of the point of each response (default: 1, 2, ...).
         quantity: inertance, mobility or receptance.
 
     Raises:
-        DataError: shapes or numbers that do not go together, or no FRF at all.
+        DataError: shapes or numbers that do not fit, or no FRF.
     """
     lines, given = np.atleast_1d(_numbers(f, "f")), _numbers(H, "H")
     if lines.ndim > 1:

@@ -38,9 +38,9 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
     """A modal model with its uncertainty; of several tests, that of the first. `model["sine"]` is that of another.
 
     Attributes:
-        campaign: the recordings it came from.
-        result: the models of all tests, with what was verified.
-        place: which of them this is.
+        campaign: the recordings of the model.
+        result: the models of all tests, with their verification.
+        place: index of this model.
     """
 
     campaign: Campaign
@@ -54,17 +54,17 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
 
     @property
     def rig(self) -> Rig:
-        """The bench that the records are of."""
+        """Rig of the records."""
         return self.campaign.rig
 
     @property
     def modal(self) -> ModalModel:
-        """Every array of the model, as every stage of modallab takes it."""
+        """All arrays of the model, for all stages of modallab."""
         return self.found.model
 
     @property
     def known(self) -> KnownStructure:
-        """The structure that the model describes, ready for use.
+        """The structure of the model, ready for predictions.
 
         Raises:
             DataError: an output or input has no point.
@@ -74,10 +74,10 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
 
     @property
     def measured(self) -> Frf:
-        """The measured mobility that the model was compared with.
+        """Measured mobility of the verification.
 
         Raises:
-            DataError: the method makes no FRF.
+            DataError: the method has no FRF.
         """
         return self._verification.measured
 
@@ -130,10 +130,10 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         """Measured and regenerated FRFs of every output.
 
         Args:
-            drive: which of the inputs.
+            drive: index of the input.
 
         Raises:
-            DataError: the method makes no FRF to compare with, or there is no such input.
+            DataError: the method has no FRF to compare with, or there is no such input.
         """
         from modallab.reporting.figures.mobility import mobility_panels
 
@@ -162,10 +162,10 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         return figure
 
     def mac(self, other: "Model") -> Real:
-        """(modes, modes of the other) modal assurance criterion over the points that both have.
+        """(modes, modes of the other) modal assurance criterion over the common points.
 
         Raises:
-            DataError: it is no model, or they share fewer than two points.
+            DataError: it is no model, or there are fewer than two common points.
         """
         if not isinstance(other, Model):
             raise DataError(f"{type(other).__name__} is no model", remedy="give what ml.identify gives")
@@ -210,7 +210,7 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         """Write the models of all tests as JSON, or the whole report if the name ends with .html; returns the path.
 
         Raises:
-            StorageError: the file cannot be written, or its name ends otherwise.
+            StorageError: the file cannot be written, or its name has another ending.
         """
         path = path_for(path, (".json", ".html"))
         if path.suffix == ".html":

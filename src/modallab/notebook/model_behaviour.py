@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class DeflectionShape(DisplayedResult[Deflection]):
-    """Amplitude and phase of every point at one frequency, which a file shows moving."""
+    """Amplitude and phase of every point at one frequency."""
 
     def __init__(self, numbers: Deflection, rig: "Rig") -> None:
         """With the places of a rig."""
@@ -35,10 +35,10 @@ class DeflectionShape(DisplayedResult[Deflection]):
         return self._drawing().figure
 
     def save(self, path: str | Path) -> Path:
-        """Write file of a moving picture (.gif); returns the path.
+        """Write an animation (.gif); returns the path.
 
         Raises:
-            StorageError: the name ends otherwise, or the file cannot be written.
+            StorageError: the file name has another ending, or the file cannot be written.
         """
         path = path_for(path, (".gif",))
         self._drawing().save(path)
@@ -51,18 +51,18 @@ class DeflectionShape(DisplayedResult[Deflection]):
 
 
 class ModelBehaviour:
-    """What a model says of how its structure behaves."""
+    """Behaviour of a structure by its model."""
 
     __slots__ = ()
 
     @property
     def known(self) -> KnownStructure:
-        """The structure that the model describes."""
+        """The structure of the model."""
         raise NotImplementedError
 
     @property
     def measured(self) -> Frf:
-        """The mobility that was measured."""
+        """Measured mobility."""
         raise NotImplementedError
 
     def participation(
@@ -74,7 +74,7 @@ class ModelBehaviour:
         after_s: tuple[float, float] | None = None,
         quantity: Quantity = "velocity",
     ) -> DisplayedResult[ModalParticipation]:
-        """Which modes make the response at a point: the share of each, with its deviation.
+        """Share of each mode in the response at a point, with its deviation.
 
         Args:
             at: point of the force.
@@ -85,13 +85,13 @@ class ModelBehaviour:
             quantity: displacement, velocity or acceleration.
 
         Raises:
-            DataError: a band or a time that cannot be, a point that the model does not know, or no driving point.
+            DataError: an impossible band or time, an unknown point, or no driving point.
         """
         found = modal_participation(self.known, at, of, quantity, band, after_s)
         return DisplayedResult(found, *participation_rows(found, self.known.model.frequency_hz.tolist()))
 
     def nodes(self) -> DisplayedResult[ModePlaces]:
-        """Where each mode moves most and where its nodes are: where to hit, and where to mount.
+        """Antinode and nodes of each mode: where to hit, and where to mount.
 
         Raises:
             DataError: no driving point, or an output or input without a point.

@@ -59,24 +59,24 @@ class CorrelatedModes(DisplayedResult[ModelCorrelation]):
 
 
 class ModelComparison:
-    """What a measured model says of another model of its structure."""
+    """Comparison of a measured model with another model of its structure."""
 
     __slots__ = ()
 
     @property
     def known(self) -> KnownStructure:
-        """The structure that the model describes."""
+        """The structure of the model."""
         raise NotImplementedError
 
     def correlation(self, other: ModelPredictions | str | Path) -> CorrelatedModes:
-        """Beside another model of the structure: pairs by MAC, their frequencies and damping, COMAC.
+        """Correlation with another model of the structure: pairs by MAC, their frequencies and damping, COMAC.
 
         Args:
-            other: a model, or a file of models or of a finite-element model, which is taken at the points of this one.
+            other: a model, or a file of models or of a finite-element model, interpolated to the points of this model.
 
         Raises:
-            DataError: fewer than two common points, no driving point, or no two modes that are alike.
-            FormatError: the file can be read as neither.
+            DataError: fewer than two common points, no driving point, or no pair of modes.
+            FormatError: the file has an unknown format.
         """
         if isinstance(other, ModelPredictions):
             known = other.known
@@ -91,13 +91,13 @@ class ModelComparison:
         priors: Mapping[str, Prior] | None = None,
         held_out: Sequence[int] = (),
     ) -> UpdatedModel:
-        """The parameters of a model of the structure, such as E or a spring, that this test leaves possible.
+        """Estimate the parameters of a model of the structure, such as E or a spring, from this test.
 
         Args:
             model: `ml.MatrixModel`, a file of matrices with parameters, or a function; None for the rig's beam. A
                 function takes numbers by name. It gives frequencies (modes,) in Hz, and shapes (modes, points) at
                 unit modal mass.
-            priors: parameter -> `ml.Prior`, beside those that the model states itself.
+            priors: parameter -> `ml.Prior`, besides those of the model.
             held_out: modes, from 1, that only check the estimate.
 
         Raises:

@@ -36,13 +36,13 @@ LINES = 1000
 
 
 class ModelPredictions:
-    """What a model and a changed model have in common; `known` is the structure."""
+    """Predictions by a model or a changed model; `known` is the structure."""
 
     __slots__ = ()
 
     @property
     def known(self) -> KnownStructure:
-        """The structure that the model describes, with what hangs on it."""
+        """The structure of the model, with its attached parts."""
         raise NotImplementedError
 
     def frf(
@@ -54,17 +54,17 @@ class ModelPredictions:
         *,
         residual_terms: bool = True,
     ) -> MeasuredFrf:
-        """FRFs at measured pairs of points and at others, with their variance; `save` writes them for other programs.
+        """FRFs at any pairs of points, with their variance; `save` writes them for other programs.
 
         Args:
             f: (lines,) frequencies in Hz, above 0, ascending.
             outputs: points, or (point, axis); None for all that have a sensor.
             inputs: points; None for those that were driven.
             quantity: receptance, mobility or inertance.
-            residual_terms: whether what lies outside the band counts; without it FRFs are those of the modes alone.
+            residual_terms: whether to include residual terms; without them FRFs are those of the modes alone.
 
         Raises:
-            DataError: frequencies that do not ascend, a point that the model does not know, or no driving point.
+            DataError: frequencies that do not ascend, an unknown point, or no driving point.
         """
         known = self.known if residual_terms else self.known.without_residual_terms
         return MeasuredFrf.of(known.frf(np.asarray(f), outputs, inputs, quantity))
@@ -80,21 +80,21 @@ class ModelPredictions:
         start: Mapping[Quantity, Mapping[At, float]] | None = None,
         seconds: float | None = None,
     ) -> PredictedMotion:
-        """The motion that forces give, exact for what is assumed between their samples.
+        """The response to forces, exact for the assumed course between their samples.
 
         Args:
             force: (samples,) N, or (inputs, samples); or `ml.ImpulseForce`, `ml.SineForce`, `ml.SweepForce`,
                 `ml.RandomForce`.
             dt: s between samples.
             at: point of the force, or a list of points.
-            of: points whose motion is asked for; None for all that have a sensor.
+            of: points of the motion; None for all with a sensor.
             quantity: displacement, velocity or acceleration, in m, m/s or m/s^2.
             between: "band-limited", as records are, or "linear" from sample to sample.
             start: displacements and velocities at the first sample, as {"displacement": {10: 0.001}}; None for rest.
-            seconds: how long a force lasts that is no array.
+            seconds: duration of a force that is not an array.
 
         Raises:
-            DataError: a force that cannot be, or a point that the model does not know.
+            DataError: an impossible force, or an unknown point.
         """
         if isinstance(force, BaseModel):
             if seconds is None:
@@ -110,11 +110,11 @@ class ModelPredictions:
 
         Args:
             at: point of the force, or a list of points.
-            of: points whose motion is asked for; None for all that have a sensor.
+            of: points of the motion; None for all with a sensor.
             quantity: displacement, velocity or acceleration.
 
         Raises:
-            DataError: a point that the model does not know, or no driving point.
+            DataError: an unknown point, or no driving point.
         """
         return self.known.state_space(_list_of_places(at), self._sensors() if of is None else of, quantity)
 
@@ -133,12 +133,12 @@ class ModelPredictions:
             changes: `ml.Element`, `ml.TunedAbsorber`, `ml.RigidLink`, `ml.CouplingToStructure`; several act at once.
             at: point of a mass, spring or damper given by the numbers below.
             to: the other end of that spring and damper; None for ground.
-            mass: kg; below 0 for one that is taken away.
+            mass: kg; negative to remove a mass.
             spring: N/m.
             damper: N s/m.
 
         Raises:
-            DataError: no change, or a point that the model does not know.
+            DataError: no change, or an unknown point.
         """
         own = () if at is None else (Element(at, to, mass, spring, damper),)
         if not (changes or own):
@@ -153,16 +153,16 @@ class ModelPredictions:
         joint_spring: float | None = None,
         remove: bool = False,
     ) -> "ChangedModel":
-        """This structure with another one held to it, or taken away from a measurement of both.
+        """Couple another structure, or remove it from a measurement of both.
 
         Args:
             other: its model.
             at: pairs of a point of this structure and one of the other.
             joint_spring: N/m of the joint at each pair; None for rigid ones.
-            remove: whether the other one is taken away, such as a fixture.
+            remove: whether the other structure is removed, such as a fixture.
 
         Raises:
-            DataError: a point that one of them does not have, or the other one is changed.
+            DataError: an unknown point, or a changed other structure.
         """
         known = other.known
         if known.changes:
@@ -172,7 +172,7 @@ class ModelPredictions:
         )
 
     def tune(self, mode: int, to_hz: float, by: By, at: Sequence[At] | None = None) -> DisplayedTable:
-        """The mass, or spring to ground, that brings a mode to a frequency, at each point: the smallest first.
+        """The mass, or spring to ground, that moves a mode to a frequency, at each point: the smallest first.
 
         Args:
             mode: from 1.
@@ -181,7 +181,7 @@ class ModelPredictions:
             at: points to try; None for all that have a sensor.
 
         Raises:
-            DataError: no such mode, a frequency beyond the band, or a point that the model does not know.
+            DataError: no such mode, a frequency beyond the band, or an unknown point.
         """
         return DisplayedTable(
             *tuned_rows(changes_for_frequency(self.known, mode, to_hz, by, at or self._sensors()), by, mode, to_hz)
@@ -196,22 +196,22 @@ class ModelPredictions:
             at: points to try; None for all that have a sensor.
 
         Raises:
-            DataError: edges that do not rise or lie beyond the model's band, or a point that the model does not know.
+            DataError: edges in the wrong order or outside the model's band, or an unknown point.
         """
         return DisplayedTable(
             *free_rows(changes_for_free_band(self.known, band_hz, by, at or self._sensors()), by, band_hz)
         )
 
     def best_absorber(self, mode: int, at: At, mass: float) -> TunedAbsorber:
-        """The absorber of a mass that leaves the least peak of the mobility at its point about a mode.
+        """The absorber of a given mass that makes the peak of the mobility of a mode at its point smallest.
 
         Args:
             mode: from 1.
-            at: where it hangs.
+            at: point of the absorber.
             mass: kg.
 
         Raises:
-            DataError: no such mode, or it has a node there.
+            DataError: no such mode, or a mode with a node there.
         """
         return best_absorber(self.known, mode, at, mass).absorber
 
@@ -226,7 +226,7 @@ def _list_of_places(given: At | Sequence[At]) -> list[At]:
 
 
 class ChangedModel(ModelPredictions):
-    """A structure with changes, as predicted from the model of it without them."""
+    """A changed structure, predicted from the model without the changes."""
 
     __slots__ = ("_known",)
 
@@ -235,7 +235,7 @@ class ChangedModel(ModelPredictions):
 
     @property
     def known(self) -> KnownStructure:
-        """The structure with what hangs on it."""
+        """The structure with its attached parts."""
         return self._known
 
     @property
@@ -260,7 +260,7 @@ class ChangedModel(ModelPredictions):
 
     @property
     def conditioning(self) -> float | None:
-        """By which factor errors of receptances grow in the forces of the joint, from 1 on; None where none is."""
+        """Growth factor of receptance errors in the forces of the joint, from 1 on; None without a joint."""
         return self._known.conditioning
 
     def table(self) -> DisplayedTable:
@@ -269,7 +269,7 @@ class ChangedModel(ModelPredictions):
         return DisplayedTable(*modified_rows(self._known, words))
 
     def check(self, measured: ModelPredictions) -> DisplayedTable:
-        """Each predicted mode beside that of a model that was measured with the changes.
+        """Compare each predicted mode with a model that was measured with the changes.
 
         Args:
             measured: its model.
@@ -295,7 +295,7 @@ class ChangedModel(ModelPredictions):
         """Write the table as a CSV file; returns the path.
 
         Raises:
-            StorageError: the name ends otherwise, or the file cannot be written.
+            StorageError: the file name has another ending, or the file cannot be written.
         """
         return write_rows(Path(path), modified_rows(self._known, []))
 

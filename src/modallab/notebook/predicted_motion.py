@@ -21,14 +21,14 @@ class PredictedMotion(MotionOverTime):
     """Motion over time: `values`, `sigma`, `time`, `peak`, `rms`, `level`."""
 
     def error(self, recorded: ArrayLike, band_hz: tuple[float, float] | None = None) -> Real:
-        """(points,) what a record differs by, as a share of the record; within a band if one is given.
+        """(points,) difference to a record, relative to the record; within a band if one is given.
 
         Args:
             recorded: (points, samples) in the same unit.
             band_hz: lower and upper edge; None for all frequencies.
 
         Raises:
-            DataError: a record of another shape.
+            DataError: a record with another shape.
         """
         record = np.atleast_2d(np.asarray(recorded, np.float64))
         if record.shape != self.values.shape:
@@ -48,7 +48,7 @@ class PredictedMotion(MotionOverTime):
         """Write motion and deviation over time as .csv or .mat; returns the path.
 
         Raises:
-            StorageError: the name ends otherwise, or the file cannot be written.
+            StorageError: the file name has another ending, or the file cannot be written.
         """
         return write_motion(Path(path), self.time, self.values, self.sigma, self.names, self.quantity)
 

@@ -25,21 +25,21 @@ from modallab.notebook.display import DisplayedTable
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Recording:
-    """What was recorded on a bench.
+    """Recordings of a bench.
 
     Attributes:
-        campaign: the records and the rig, as every stage of modallab takes them.
+        campaign: the records and the rig, for all stages of modallab.
     """
 
     campaign: Campaign
 
     @property
     def rig(self) -> Rig:
-        """The bench as believed."""
+        """Description of the bench."""
         return self.campaign.rig
 
     def table(self) -> DisplayedTable:
-        """The records, those that are alike in one line."""
+        """Table of the records; similar ones share a line."""
         found = Counter((b.test, len(b.channels), b.rate_hz, b.duration_s) for b in self.campaign.blocks)
         rows = [(str(n), test, str(c), f"{hz:g}", f"{s:g}") for (test, c, hz, s), n in found.items()]
         rows += [
@@ -49,10 +49,10 @@ class Recording:
         return DisplayedTable(("records", "test", "channels", "rate [Hz]", "length [s]"), rows, self.rig.name)
 
     def save(self, path: str | Path) -> Path:
-        """Write the recordings as a campaign file (HDF5), whole or not at all; returns its path.
+        """Write the recordings as a campaign file (HDF5), completely or not at all; returns its path.
 
         Raises:
-            StorageError: the file cannot be written, or its name ends otherwise.
+            StorageError: the file cannot be written, or its name has another ending.
         """
         path = path_for(path, (".h5", ".hdf5"))
         write_campaign(self.campaign, path)
@@ -78,17 +78,17 @@ def load(
     """Open recordings.
 
     Args:
-        path: a campaign file, the folder of one, or files of any format that can be imported.
-        rig: the rig file, instead of that inside or beside the recordings. For files of others that name their
-            channels one is made where none is given.
-        array_map: which variable of a MATLAB file is what: a YAML file, or its content.
-        options: what such files do not say themselves: test, rate_hz, drive_point, frequency_hz, window_s, variables,
+        path: a campaign file, its folder, or files of any format that can be imported.
+        rig: the rig file, instead of that inside or beside the recordings. By default a rig is made for foreign
+            files that name their channels.
+        array_map: map of the variables of a MATLAB file: a YAML file, or its content.
+        options: facts missing in foreign files: test, rate_hz, drive_point, frequency_hz, window_s, variables,
             columns, channels, ignore, level, set_up, group, volts, as the reference of imports says.
 
     Raises:
-        FormatError: no such file, or of no known format.
-        RigError: no rig, or one that is not valid.
-        DataError: the records hold what no measurement can hold.
+        FormatError: no such file, or an unknown format.
+        RigError: no rig, or an invalid rig.
+        DataError: the records contain impossible values.
     """
     paths = _campaign_paths(path)
     for one in paths:
@@ -131,17 +131,17 @@ def responses(
     names: Sequence[str] | None = None,
     quantity: Quantity = "acceleration",
 ) -> Recording:
-    """Responses to a random force that was not measured, for `ml.identify`.
+    """Responses to an unmeasured random force, for `ml.identify`.
 
     Args:
         y: (outputs, samples) in SI, one record.
         rate_hz: sampling rate.
-        points: number of the point of each response; without them they are numbered from 1.
-        names: of the responses; without them y1, y2, ...
+        points: number of the point of each response (default: 1, 2, ...).
+        names: names of the responses (default: y1, y2, ...).
         quantity: acceleration, velocity or displacement.
 
     Raises:
-        DataError: no record of real numbers, or points or names of another number.
+        DataError: no record of real numbers, or another number of points or names.
     """
     samples = np.atleast_2d(np.asarray(y))
     if samples.dtype.kind in "iuf":

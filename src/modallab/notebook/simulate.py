@@ -38,16 +38,16 @@ def simulate(
 
     Args:
         structure: "link", the elastic link of the demonstration.
-        effect: what is wrong with it: "added_mass,mass=0.05,x=0.8", several of these, or
+        effect: effects of the bench: "added_mass,mass=0.05,x=0.8", several of these, or
             {"added_mass": {"mass": 0.05, "x": 0.8}}.
-        seed: draws the bench and its noise.
-        tolerances: "usual": everything is a little off, as on a bench of a lab.
-        plan: what to run instead of the demonstration's two tests: plans, their fields, or the name of a plan file.
-        progress: show how far it is, where somebody looks.
+        seed: seed of the bench and its noise.
+        tolerances: "usual" for the errors of an ordinary lab, "none" for an ideal bench.
+        plan: plans instead of the demonstration's two tests: plans, their fields, or the name of a plan file.
+        progress: show the progress, in a notebook or terminal.
 
     Raises:
         ConfigurationError: no such structure or effect.
-        PlanError: a plan that cannot be run.
+        PlanError: the plan is impossible.
         BenchError: the recording ended early.
     """
     if structure != "link":

@@ -38,7 +38,7 @@ class DiagnosedTwin:
 
     Attributes:
         twin: beam, chain and effects.
-        rig: the bench as believed.
+        rig: description of the bench.
     """
 
     twin: Twin
@@ -74,12 +74,11 @@ class DiagnosedTwin:
     def state_space(self, drive: int | None = None, quantity: FrfQuantity = "inertance") -> StateSpace:
         """Matrices from a force at one point in N to the motion of every sensor, continuous in time.
 
-        What modes beyond the model's own add, as a compliance, has no state, and is left out.
+        The compliance of higher modes has no state, and is left out.
 
         Args:
             drive: point of the force; None for the shaker's.
-            quantity: what the outputs are: inertance for accelerations, mobility for velocities, receptance for
-                displacements.
+            quantity: inertance for accelerations, mobility for velocities, receptance for displacements as outputs.
 
         Raises:
             RigError: no such point.
@@ -96,14 +95,14 @@ class DiagnosedTwin:
         )
 
     def step(self, force: ArrayLike, dt: float, drive: int | None = None) -> Real:
-        """Accelerations in m/s^2 at every sensor while a force acts; goes on where it ended last.
+        """Accelerations in m/s^2 at every sensor under a force; continues from the last step.
 
-        Between two samples the force runs straight, and each mode is exact for it.
+        Between two samples the force is linear; each mode is exact for such a force.
 
         Args:
             force: in N: one number, or (n,) samples.
             dt: length of a step in s.
-            drive: point of the force; None for the shaker's. Another point begins again from rest.
+            drive: point of the force; None for the shaker's. Another point restarts from rest.
 
         Returns:
             (outputs,) for one number, else (outputs, n), at the samples of the force.
@@ -126,7 +125,7 @@ class DiagnosedTwin:
         return answer[:, 0] if np.ndim(force) == 0 else answer
 
     def reset(self) -> None:
-        """Bring it to rest: the next step begins there."""
+        """Return to rest before the next step."""
         self._steps = SteppedModes()
 
     def _modes(self) -> TwinModes:

@@ -114,7 +114,7 @@ class ReportContent:
 
     @property
     def rig(self) -> Rig:
-        """The bench as believed."""
+        """Description of the bench."""
         return self.campaign.rig
 
     @property

@@ -125,7 +125,7 @@ def write_rows(path: Path, rows: TableRows) -> Path:
     """Write a table as a CSV file; returns the path.
 
     Raises:
-        StorageError: the name ends otherwise, or the file cannot be written.
+        StorageError: the file name has another ending, or the file cannot be written.
     """
     if path.suffix != ".csv":
         raise StorageError(f"{path.name} does not end with .csv", where=str(path), remedy="name it modes.csv")

@@ -152,7 +152,7 @@ class Store:
         if not drop_block(self.catalogue, run, block, reason):
             counted = [row.note.name for row in self.catalogue.blocks(run) if row.note.accepted]
             raise StorageError(
-                f"there is no block {block!r} that counts in run {run}",
+                f"run {run} has no valid block {block!r}",
                 where=str(self.folder),
                 remedy=f"name one of: {', '.join(counted) or 'none'}",
             )

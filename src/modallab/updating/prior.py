@@ -11,12 +11,12 @@ from modallab.core.errors import DataError
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """A normal distribution, or of what cannot be negative a log-normal one.
+    """A normal distribution, or a log-normal one for a positive parameter.
 
     Attributes:
         value: most probable, in SI units.
         sigma: one standard deviation; of `relative` ones that of the logarithm, 0.05 for 5 %.
-        relative: whether the parameter is positive and known by a share of itself.
+        relative: whether the parameter is positive with a relative deviation.
         unit: in words.
     """
 

@@ -72,7 +72,7 @@ def test_the_next_revision_carries_it_and_so_does_its_bench(hung: tuple[Campaign
 def test_it_is_said_as_a_likeness(hung: tuple[Campaign, Diagnosis]) -> None:
     campaign, diagnosis = hung
     said = verdict_sentence(diagnosis)
-    assert "none of the known effects explains it, probability 0.99. It behaves like a mass of" in said
+    assert "no known effect explains it, probability 0.99. The gap behaves like a mass of" in said
     page = render(diagnosis, campaign)
     assert "Description of the unnamed cause" in page
     assert "It is no cause" in page

@@ -117,7 +117,7 @@ def test_blind_trials_are_ordered_without_a_campaign(lab: Lab) -> None:
         none = client.post(f"{API}/blind-trials", json={"parameters": {"trials": 0, "none": 0}})
         assert "no trial is requested" in none.json()["detail"]
         of_runs = client.post(f"{API}/blind-trials", json={"runs": ["a"]})
-        assert "not read from runs" in of_runs.json()["detail"]
+        assert "have no input runs" in of_runs.json()["detail"]
 
 
 def test_who_types_the_address_alone_or_opens_a_problem_s_page_can_read_on(lab: Lab) -> None:

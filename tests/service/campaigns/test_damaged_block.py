@@ -24,7 +24,7 @@ def test_a_damaged_block_is_a_problem_that_names_it_and_the_others_are_served(tm
         whole = read_samples(service, block_record(service, run, 1))
         with h5py.File(store.samples_file(run), "r+") as file:
             file[DATASET][0, 64 + 5] += 1
-        with pytest.raises(BlockDamagedError, match="not those recorded") as damaged:
+        with pytest.raises(BlockDamagedError, match="differ from the recording") as damaged:
             read_samples(service, block_record(service, run, 1))
         assert f"run {run}, block 1" in damaged.value.where
         answer = response_of_error(damaged.value)

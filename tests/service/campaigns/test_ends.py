@@ -151,7 +151,7 @@ def test_a_run_begins_though_the_rig_s_process_has_just_gone(lab: Lab) -> None:
 def test_what_could_not_begin_in_time_does_not_begin_later() -> None:
     order = StartRun("link", "c1", LONG, "", None)
     late = RequestedRun(order, "Ada")
-    with pytest.raises(RigUnavailableError, match=r"not begun after 0\.01 s") as rejected:
+    with pytest.raises(RigUnavailableError, match=r"not started after 0\.01 s") as rejected:
         late.wait(0.01)
     assert rejected.value.remedy == "try again when the rig is idle"
     assert not late.claim()

@@ -92,7 +92,7 @@ def test_a_block_that_is_judged_before_its_job_begins_is_not_passed_over(service
     Attempt(taken, kind, leases, client=None).run()
     ended = service.jobs.get(job.id)
     assert ended.state == "failed"
-    assert "blocks that count have changed" in str(ended.error)
+    assert "valid blocks have changed" in str(ended.error)
     assert "order it again" in str(ended.error)
     assert order_job(service, campaign, "identify", JobRequest(), "Ada").state == "queued"
 

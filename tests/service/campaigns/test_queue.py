@@ -84,10 +84,10 @@ def waits_for(lab: Lab) -> str:
 def test_runs_begin_one_after_the_other_once_their_operator_stands_there(lab: Lab, lease: Lease, runner) -> None:
     names = queued(lab, HIT, HIT)
     assert nothing_begins(lab, runner)
-    assert "nobody who holds the lease has consented" in waits_for(lab)
+    assert "no holder of the lease has consented" in waits_for(lab)
     consent(lab, lease, drive=True)
     assert nothing_begins(lab, runner)
-    assert "has not said that he is at the bench" in waits_for(lab)
+    assert "has not confirmed to be at the bench" in waits_for(lab)
     consent(lab, lease, at_bench=True)
     until(lambda: item(lab, names[1]).state == "done")
     first, second = (item(lab, name) for name in names)

@@ -135,7 +135,7 @@ def test_an_ended_run_is_continued_with_what_is_left(lab: Lab) -> None:
         new = [b.note.frequency_hz for b in block_records(lab.service, second)]
         assert sorted([*had, *new]) == sorted(plan.frequencies_hz)
         assert lab.service.repository.chain(second) == (run, second)
-        with pytest.raises(ConflictError, match="all its plan"):
+        with pytest.raises(ConflictError, match="completed its plan"):
             begin_run(lab.service, campaign, RunRequest(continues=second), lease.id)
     finally:
         lab.service.leases.release(RIG, lease.id)

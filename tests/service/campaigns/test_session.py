@@ -66,7 +66,7 @@ def test_what_to_do_about_a_run_that_failed_reaches_whoever_began_it(link_rig: R
     plan = ImpactPlan(points=(10,), hits=1, max_rejections=1)
     with pytest.raises(RunEndedError, match="hits at point 10 were rejected") as ended:
         record_campaign("sim://cantilever?seed=1&bad_hits=1", link_rig, [plan], tmp_path, lambda _: None)
-    assert "change the tip, the place or the acceptance" in ended.value.remedy
+    assert "change the hammer tip, the place or the acceptance" in ended.value.remedy
 
 
 @pytest.mark.thorough("records and identifies a test before another")
@@ -99,7 +99,7 @@ def test_without_an_impact_test_before_it_a_sine_test_that_wants_to_settle_is_re
     link_rig: Rig, tmp_path: Path
 ) -> None:
     sine = SinePlan(frequencies_hz=(8 / 1.024,), max_settle_s=12.0)
-    with pytest.raises(PlanError, match="nothing says when it has settled"):
+    with pytest.raises(PlanError, match="max_settle_s needs modes"):
         record_campaign("sim://cantilever?seed=2", link_rig, (sine,), tmp_path, lambda _: None)
 
 

@@ -62,5 +62,5 @@ def test_sensors_are_moved_between_the_runs_and_each_is_kept_with_its_rig(tmp_pa
 
 
 def test_whoever_cannot_move_sensors_is_not_left_with_half_a_test(tmp_path: Path) -> None:
-    with pytest.raises(PlanError, match="nobody is there to move sensors"):
+    with pytest.raises(PlanError, match="no operator to move sensors"):
         record_campaign(BENCH, three_sensors(), [PLAN], tmp_path, lambda _: None)

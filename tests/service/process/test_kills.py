@@ -92,7 +92,7 @@ def test_the_services_own_death_leaves_a_failed_run_with_its_blocks(tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    "found_by", ["the stop listener", pytest.param("no sign of life of the REST process", marks=AGAIN)]
+    "found_by", ["the stop listener", pytest.param("no heartbeat of the REST process", marks=AGAIN)]
 )
 def test_a_frozen_rest_process_keeps_nobody_from_stopping(tmp_path: Path, found_by: str) -> None:
     by_hand = found_by == "the stop listener"

@@ -85,7 +85,7 @@ def test_a_queue_outlives_every_process_and_a_consent_only_that_of_rest(tmp_path
         assert [item.id for item in view.items] == [fourth]
         with client.lease(service.rig, "Ada") as lease:
             resumed = client.resume_queue(service.rig, lease)
-            assert (resumed.paused, "nobody who holds the lease has consented" in resumed.waits_for) == (False, True)
+            assert (resumed.paused, "no holder of the lease has consented" in resumed.waits_for) == (False, True)
             client.consent(service.rig, lease, drive=True)
             until(lambda: items(service)[fourth].state == "done")
         assert len(client.campaign(campaign).runs) == 4

@@ -24,7 +24,7 @@ def test_a_token_is_made_once_for_its_owner_only(tmp_path: Path) -> None:
 
 
 def test_nobody_else_gets_in_without_a_token_that_was_chosen(tmp_path: Path) -> None:
-    with pytest.raises(ServiceError, match=r"others can reach 0\.0\.0\.0"):
+    with pytest.raises(ServiceError, match=r"other computers can reach 0\.0\.0\.0"):
         require_token(Settings(data=tmp_path, host="0.0.0.0"))
     chosen = "sixteen characters"
     assert require_token(Settings(data=tmp_path, host="0.0.0.0", token=chosen)) == chosen

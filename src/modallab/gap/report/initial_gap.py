@@ -42,7 +42,7 @@ def gap_without_effects(campaign: Campaign) -> float:
     return squares_as_recorded(prepared, twin).gap
 
 
-def gap_beyond_revisions(campaign: Campaign) -> float:
+def gap_outside_revisions(campaign: Campaign) -> float:
     """The same of a rig with revisions: what no force predicts, and they know of it, is no gap.
 
     Raises:

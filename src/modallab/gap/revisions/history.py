@@ -8,7 +8,7 @@ from modallab.core.effect import Revision
 from modallab.core.frozen import Frozen
 from modallab.core.progress import count_progress
 from modallab.core.rig import Rig
-from modallab.gap.report.initial_gap import gap_beyond_revisions
+from modallab.gap.report.initial_gap import gap_outside_revisions
 from modallab.gap.revisions.apply import rig_at_revision
 from modallab.twin.effects import model_of
 
@@ -56,7 +56,7 @@ def _measure_revisions(rig: Rig, campaigns: Sequence[Campaign]) -> dict[str, lis
     numbers = range(len(rig.revisions) + 1)
     pairs = [(campaign, number) for campaign in campaigns for number in numbers]
     gaps = [
-        gap_beyond_revisions(replace(campaign, rig=rig_at_revision(rig, number)))
+        gap_outside_revisions(replace(campaign, rig=rig_at_revision(rig, number)))
         for campaign, number in count_progress(pairs, len(pairs), "revisions")
     ]
     per = len(numbers)

@@ -14,7 +14,7 @@ export function sayState([large, small], prompt, state, under) {
   const { done = 0, total = 0, what = "" } = state.progress ?? {};
   prompt.dataset.mood = MOODS[state.state] ?? "waiting";
   say(large, state.state === "acquiring" && what ? what.replace(/^level /, "") : WORDS[state.state] ?? state.state);
-  say(small, state.failed ? `${sentence(state.failed.what)} ${sentence(state.failed.remedy || "look at the bench")}` : state.ended ? sentence(state.reason || "everything in the plan is recorded") : state.state === "acquiring" && total ? under(done, total) : "");
+  say(small, state.failed ? `${sentence(state.failed.what)} ${sentence(state.failed.remedy || "look at the bench")}` : state.ended ? sentence(state.reason || "the plan is completely recorded") : state.state === "acquiring" && total ? under(done, total) : "");
 }
 
 /** How far it is, and about how long it still takes. */
@@ -23,7 +23,7 @@ export function sayProgress(bar, left, state) {
   bar.max = Math.max(1, total);
   bar.value = done;
   const { remaining } = state;
-  say(left, total ? `${done} of ${total} measured${Number.isFinite(remaining) ? `, about ${duration(remaining)} left` : ""}` : "Nothing is measured yet");
+  say(left, total ? `${done} of ${total} measured${Number.isFinite(remaining) ? `, about ${duration(remaining)} left` : ""}` : "No measurement yet");
 }
 
 /** The force as it is now, beside its limit. */
@@ -33,7 +33,7 @@ export function watchDrive(place, limits, signal, test) {
   const response = lab.description.channels.find(({ quantity, point }) => quantity !== "force" && point === lab.description.shaker_point) ?? lab.description.channels.find(({ quantity }) => quantity !== "force");
   const rows = [[name, limits?.force_n, "N"], [response.name, limits?.acceleration_m_s2, "m/s²"]].map(([channel, limit, unit]) => ({ channel, limit, unit, canvas: stripCanvas(channel), value: h("span", { class: "n" }, "–") }));
   put(place, place.firstChild, h("ul", { class: "scope" }, rows.map(({ channel, canvas, value }) => h("li", {}, h("span", {}, channel), canvas, value))),
-    h("p", { class: "muted" }, limits ? `Limits: ${number(limits.drive_v, 3)} V drive, ${number(limits.force_n, 3)} N, ${number(limits.acceleration_m_s2, 3)} m/s². Beyond them the output goes to 0 V.` : "The rig file states no limits: nothing can be driven."));
+    h("p", { class: "muted" }, limits ? `Limits: ${number(limits.drive_v, 3)} V drive, ${number(limits.force_n, 3)} N, ${number(limits.acceleration_m_s2, 3)} m/s². Above a limit the output goes to 0 V.` : "The rig file has no limits: driving is not possible."));
   const strips = new LiveStrips(lab.description, lab.rig.id, throttled(() => {
     for (const { channel, limit, unit, canvas, value } of rows) {
       const strip = strips.strips.get(channel);

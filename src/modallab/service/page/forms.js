@@ -143,10 +143,10 @@ export async function planForm({ name, kind, first, start, begin, signal }) {
   let timer = 0;
   const plan = () => ({ kind, ...valueOf(fields) });
   async function check() {
-    if (!fields.map(([, one]) => one.check()).every(Boolean)) { put(verdict, "Some fields cannot be used yet."); return false; }
+    if (!fields.map(([, one]) => one.check()).every(Boolean)) { put(verdict, "Some fields are not valid yet."); return false; }
     const found = await post(`rigs/${lab.rig.id}/plan-checks`, plan());
     verdict.className = found.problems.length ? "bad" : "good";
-    put(verdict, found.problems.length ? found.problems.join("; ") : `The bench can do this: ${found.blocks} blocks, about ${duration(found.duration_s)}.`);
+    put(verdict, found.problems.length ? found.problems.join("; ") : `The bench can run this plan: ${found.blocks} blocks, about ${duration(found.duration_s)}.`);
     return !found.problems.length;
   }
   const checkInTurn = () => check().then((good) => { go.disabled = !good; }).catch((error) => { put(verdict, error.detail); });

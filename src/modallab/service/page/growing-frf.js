@@ -18,7 +18,7 @@ export class GrowingFrf {
     this.coherence = new Chart({ name: "Coherence", x: "Frequency [Hz]", y: "Coherence [1]", height: 150, range: [0, 1.02], sync: run });
     this.choice = h("select", { id: "input-point", onchange: () => { this.point = this.choice.value; this.chosen = true; this.draw(); } });
     this.averages = h("span", { class: "muted" });
-    this.none = h("p", { class: "muted" }, "There is none before the first good block.");
+    this.none = h("p", { class: "muted" }, "There is no FRF before the first good block.");
     this.shown = h("div", { hidden: true }, h("p", { class: "buttons" }, h("label", { for: "input-point" }, "Driven at point"), this.choice, this.averages), this.amplitude.element, this.coherence.element);
     this.element = h("section", { class: "panel wide", "aria-label": "FRFs so far" }, h("h2", {}, "FRFs so far"), this.none, this.shown);
     follow(`runs/${encodeURIComponent(run)}/frf/live?high_hz=${HIGHEST_HZ}`, (about, values) => this.take(about, values), signal);

@@ -16,7 +16,7 @@ export async function waitForJob(id, notify = () => {}, signal = undefined) {
     for (;;) {
       const job = await get(`jobs/${id}`);
       if (job.state === "done") return job;
-      if (ENDED.has(job.state)) throw Object.assign(new Error(job.error ?? `the work was ${job.state}`), { detail: job.error ?? `the work was ${job.state}`, remedy: "look at the recordings, and order it again" });
+      if (ENDED.has(job.state)) throw Object.assign(new Error(job.error ?? `the work was ${job.state}`), { detail: job.error ?? `the work was ${job.state}`, remedy: "check the recordings, and order the job again" });
       notify(job);
       if (own.signal.aborted) throw new DOMException("the view was left", "AbortError");
       await new Promise((resolve) => { wake = resolve; setTimeout(resolve, LOOK_MS); });

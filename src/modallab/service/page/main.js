@@ -69,7 +69,7 @@ function login() {
     event.preventDefault();
     try { await post("session", { token: token.value.trim() }); await begin(); } catch (error) { showError(error); }
   } }, h("h1", {}, "Log in"), h("label", { for: "token" }, "Token"), token,
-  h("p", { class: "muted" }, "The service has printed where its token is kept; each user has an own one. `modallab serve --open` opens this page without asking for it."),
+  h("p", { class: "muted" }, "The service printed the file of its token at its start; each user has a separate token. `modallab serve --open` opens this page without asking for the token."),
   h("button", { type: "submit", class: "main" }, "Log in"));
   put(view, form);
   token.focus();
@@ -82,7 +82,7 @@ function askName() {
     operator.set(name.value.trim());
     begin().catch(showError);
   } }, h("h1", {}, "Who works here?"), h("label", { for: "name" }, "Your name"), name,
-  h("p", { class: "muted" }, "It is kept in the record of who did what."), h("button", { type: "submit", class: "main" }, "Go on")));
+  h("p", { class: "muted" }, "The audit record keeps this name."), h("button", { type: "submit", class: "main" }, "Go on")));
   name.focus();
 }
 

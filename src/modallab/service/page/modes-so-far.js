@@ -10,7 +10,7 @@ export class ModesSoFar {
   constructor(run, signal, changed) {
     Object.assign(this, { run, signal, changed, asked: "", busy: false, enough: false });
     this.verdict = h("p", { class: "verdict good", role: "status", hidden: true }, "Enough");
-    this.words = h("p", { class: "muted", role: "status" }, "They come with the first good hits.");
+    this.words = h("p", { class: "muted", role: "status" }, "The modes appear after the first good hits.");
     this.agreement = h("p", { role: "status", hidden: true });
     this.list = h("div");
     this.element = panel("Modes so far", this.agreement, this.verdict, this.words, this.list);

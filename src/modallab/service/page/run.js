@@ -42,7 +42,7 @@ export class RunState {
 
   on_hit_requested({ point, hit, of }) { Object.assign(this, { phase: "ready", rest: null, point, hit, of }); }
 
-  on_hit_too_early({ point, peak_n: peak }) { this.last = { verdict: "early", point, reason: `struck before it was asked for, with ${peak.toPrecision(3)} N` }; this.phase = "early"; }
+  on_hit_too_early({ point, peak_n: peak }) { this.last = { verdict: "early", point, reason: `hit before the request, with ${peak.toPrecision(3)} N` }; this.phase = "early"; }
 
   on_hit_rejected({ point, reason }) {
     this.last = { ...(this.last?.fresh ? this.last : {}), fresh: false, verdict: "rejected", point, reason };

@@ -20,7 +20,7 @@ export class Stabilisation {
     this.list = h("p", { class: "buttons", role: "group", "aria-label": "Poles that hold" });
     this.picked = h("p", { role: "status" });
     this.held = diagram.held_hz.map((hz) => Number(hz));
-    this.element = panel(`Stabilisation diagram, ${name} test`, this.canvas, h("p", { class: "muted" }, "Filled: stable; open: holds in frequency; small: new. The line is the mode indicator (CMIF)."), this.list, this.picked,
+    this.element = panel(`Stabilisation diagram, ${name} test`, this.canvas, h("p", { class: "muted" }, "Filled: stable; open: stable in frequency; small: new. The line is the mode indicator (CMIF)."), this.list, this.picked,
       h("p", { class: "buttons" }, button("Identify with these poles only", async () => {
         if (!this.chosen.size) throw new Error("Choose at least one pole.");
         await identify({ pick_hz: [...this.chosen].sort((a, b) => a - b), ...(model.test && { test: model.test }) });

@@ -31,7 +31,7 @@ export async function press() {
   try {
     await Promise.any([listener(), rest]);
   } catch {
-    show({ detail: "the emergency stop was not confirmed", remedy: "switch the amplifier off by hand, now" });
+    show({ detail: "the emergency stop was not confirmed", remedy: "switch the amplifier off by hand now" });
   }
   look().catch(() => {});
 }

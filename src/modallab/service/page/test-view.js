@@ -54,7 +54,7 @@ export const order = (run, kind, more = {}) => command(`runs/${run}/commands`, {
 export function runButtons(id) {
   let state = null;
   const pause = button("Pause", () => order(id, state?.state === "paused" ? "resume" : "pause"), { "aria-keyshortcuts": "p" });
-  const end = button("End, keep what is there", () => order(id, "stop"));
+  const end = button("End, keep the blocks", () => order(id, "stop"));
   const abort = button("Abort, mark as invalid", () => order(id, "abort"), { class: "plain" });
   return { elements: [pause, end, abort], draw: (now) => {
     state = now;

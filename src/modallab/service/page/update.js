@@ -16,7 +16,7 @@ export class Update {
     this.file = h("input", { type: "file", accept: ".json,application/json" });
     this.found = h("div", { role: "status" });
     this.element = panel(`Finite-element model, ${name}`,
-      h("p", { class: "buttons" }, h("span", {}, "Estimate Young's modulus, density, thickness and clamp of the rig file's beam, and"), this.kind, this.at, h("label", {}, "mode left out of the fit, to check it: ", this.out)),
+      h("p", { class: "buttons" }, h("span", {}, "Estimate Young's modulus, density, thickness and clamp of the rig file's beam, and"), this.kind, this.at, h("label", {}, "mode held out of the fit, as a check: ", this.out)),
       h("p", { class: "buttons" }, h("label", {}, "Or estimate the parameters of your own stiffness and mass matrices (JSON file, format as in the API): ", this.file), button("Estimate", () => this.estimate())), this.found);
   }
 
@@ -24,7 +24,7 @@ export class Update {
     const asked = { test: this.model.test, held_out: this.out.value ? [Number(this.out.value)] : [], priors: {} };
     if (this.kind.value) asked.priors[`${this.kind.value}@${this.at.value}`] = { value: 0, sigma: LOCAL[this.kind.value][1] };
     if (this.file.files.length) {
-      try { asked.matrices = JSON.parse(await this.file.files[0].text()); } catch { show({ message: "the file of matrices is no JSON", remedy: "write stiffness, mass and freedoms as the API takes them" }); return; }
+      try { asked.matrices = JSON.parse(await this.file.files[0].text()); } catch { show({ message: "the file of matrices is no JSON", remedy: "write stiffness, mass and freedoms in the format of the API" }); return; }
       asked.priors = {};
     }
     this.fill(await post(`campaigns/${this.campaign}/model/updates`, asked));

@@ -12,7 +12,7 @@ const KINDS = {
   spring_n_per_m: ["Spring to ground", "N/m", 1000],
   damper_n_s_per_m: ["Damper to ground", "N s/m", 1],
   absorber: ["Best absorber of a mode", "kg", 0.05],
-  link: ["Rigid hold to ground", "", ""],
+  link: ["Rigid link to ground", "", ""],
 };
 const WIDTH = 640, HEIGHT = 150, EDGE = 30;
 
@@ -29,7 +29,7 @@ export class Workbench {
     this.kind = h("select", { id: `${id}-kind`, onchange: () => this.choose() }, Object.entries(KINDS).map(([value, [text]]) => h("option", { value }, text)));
     this.size = h("input", { id: `${id}-size`, type: "number", step: "any", value: "0.05" });
     this.unit = h("span", {}, "kg");
-    this.calmed = h("select", { "aria-label": "Mode that the absorber is for", hidden: true }, model.frequency_hz.map((hz, n) => h("option", { value: n + 1 }, `mode ${n + 1}: ${number(hz, 5)} Hz`)));
+    this.calmed = h("select", { "aria-label": "Mode of the absorber", hidden: true }, model.frequency_hz.map((hz, n) => h("option", { value: n + 1 }, `mode ${n + 1}: ${number(hz, 5)} Hz`)));
     const points = (selected) => h("select", { onchange: () => this.predict() }, this.known.map((point) => h("option", { value: point, selected: point === selected }, String(point))));
     this.at = points(model.input_points[0]);
     this.of = points(model.input_points[0]);

@@ -32,7 +32,7 @@ export function show(view, signal) {
 
 function sayLive(element, strips) {
   if (strips.fresh) say(element, `Live at ${number(strips.about.rate_hz, 4)} Hz${strips.about.run ? ` from run ${strips.about.run}` : ", nothing is recorded"}.`);
-  else say(element, "There are no live samples now; there are while a run is on.");
+  else say(element, "There are no live samples now; a run sends live samples.");
 }
 
 function row(channel, converter) {
@@ -77,6 +77,6 @@ const WORDS = { starting: "its bench is being opened", idle: "ready", running: "
 const fact = (name, value, mood, size) => h("div", { class: size }, h("dt", {}, name), h("dd", { class: mood }, value));
 
 function tripped({ cause, reason }) {
-  return h("div", { class: "alarm", role: "status" }, h("p", {}, h("strong", {}, `Stopped: ${cause} `), reason, ". Look at the bench before it may move again."),
-    button("I have looked: reset", () => command(`rigs/${lab.rig.id}/reset`, { reason: "reset on the operator's page" })));
+  return h("div", { class: "alarm", role: "status" }, h("p", {}, h("strong", {}, `Stopped: ${cause} `), reason, ". Check the bench before it may move again."),
+    button("Bench checked: reset", () => command(`rigs/${lab.rig.id}/reset`, { reason: "reset on the operator's page" })));
 }

@@ -20,7 +20,7 @@ export async function show(view, signal) {
   async function fill() {
     const found = (await get(`campaigns?limit=50&text=${encodeURIComponent(text.value)}`)).items;
     put(list, found.length ? table("Campaigns", ["Name", "Begun", "By", "Rig", ["Runs", "n"], ""], found.map((one) => [
-      one.name, clock(one.created_utc), one.operator, one.rig, one.runs.length, button("Open", () => open(one.id), { "aria-label": `Open ${one.name}` })])) : h("p", { class: "muted" }, "There is none. Begin a test, or drop a file."));
+      one.name, clock(one.created_utc), one.operator, one.rig, one.runs.length, button("Open", () => open(one.id), { "aria-label": `Open ${one.name}` })])) : h("p", { class: "muted" }, "There is no campaign. Begin a test, or drop a file."));
   }
 
   async function open(id) {
@@ -82,11 +82,11 @@ function importer(done) {
   const about = h("details", { ontoggle: async () => {
     if (asked) return;
     try { put(fields, (asked = await queryFields("/api/v1/imports", ["name", "rig", "format"])).elements); } catch (error) { showError(error); }
-  } }, h("summary", {}, "What the files do not say"), fields);
+  } }, h("summary", {}, "Facts missing in the files"), fields);
   const place = h("div", { class: "drop" }, said, h("label", { for: "file", class: "hidden" }, "File to import"), input, about);
   async function take(files) {
     const more = asked ? asked.query() : [];
-    if (!more) { said.textContent = "Some fields cannot be used yet."; return; }
+    if (!more) { said.textContent = "Some fields are not valid yet."; return; }
     for (const file of files) {
       said.textContent = `${file.name} is being read …`;
       const format = FORMAT_OF[/\.[^.]*$/.exec(file.name.toLowerCase())?.[0]] ?? "hdf5";
@@ -129,7 +129,7 @@ async function compare(place, [one, other], signal) {
   put(place, panel("Compared", h("p", { class: "buttons" }, h("label", { for: "compared-output" }, "Output"), choice), chart.element,
     found ? table("Modes of both runs", [["Mode", "n"], ["First [Hz]", "n"], ["Second [Hz]", "n"], ["Difference", "n"], ["Sigmas", "n"], ["Damping, first", "n"], ["Damping, second", "n"], ["MAC", "n"]],
       found.modes.map(([mode], n) => [mode + 1, number(found.frequency_hz[n][0], 6), number(found.frequency_hz[n][1], 6), `${number(found.difference_percent[n], 2)} %`, number(found.sigmas[n], 2), percent(found.damping_ratio[n][0]), percent(found.damping_ratio[n][1]), number(found.mac?.[n], 4)]))
-      : h("p", { class: "muted" }, "One of them has no model yet: their modes cannot be compared."),
+      : h("p", { class: "muted" }, "One of the runs has no model yet: the modes cannot be compared."),
     alone.length ? h("p", { class: "muted" }, `Without a partner in the other run: ${alone.join(", ")}.`) : null));
   draw();
 }

@@ -15,18 +15,18 @@ export async function show(view, signal, [wanted]) {
   const choice = h("select", { id: "campaign", onchange: () => { location.hash = `#/gap/${choice.value}`; } }, campaigns.map((one) => h("option", { value: one.id }, `${one.name}, ${clock(one.created_utc)}`)));
   if (wanted) choice.value = wanted;
   const place = h("div");
-  put(view, h("h1", {}, "Gap between simulation and bench"), campaigns.length ? h("p", { class: "buttons" }, h("label", { for: "campaign" }, "Campaign"), choice) : h("p", {}, "Nothing is recorded yet: begin a test."), place, await revisions(signal));
+  put(view, h("h1", {}, "Gap between simulation and bench"), campaigns.length ? h("p", { class: "buttons" }, h("label", { for: "campaign" }, "Campaign"), choice) : h("p", {}, "There are no recordings yet: begin a test."), place, await revisions(signal));
   if (choice.value) await draw(place, campaigns.find(({ id }) => id === choice.value), signal);
 }
 
 async function draw(place, campaign, signal) {
   const { id } = campaign;
   const jobs = await newestJob(id, "diagnose");
-  const waiting = h("p", { class: "muted", role: "status" }, jobs.last?.state === "failed" ? `The last one failed: ${jobs.last.error}` : "");
+  const waiting = h("p", { class: "muted", role: "status" }, jobs.last?.state === "failed" ? `The last diagnosis failed: ${jobs.last.error}` : "");
   const bar = h("progress", { max: 1, value: 0, hidden: true, "aria-label": "Progress of the diagnosis" });
   const follow = async (job) => {
     bar.hidden = false;
-    waiting.textContent = "The gap is being diagnosed; that takes minutes. This page need not stay open.";
+    waiting.textContent = "The diagnosis takes minutes. This page need not stay open.";
     await waitForJob(job, ({ progress, stage }) => {
       bar.value = progress;
       if (stage) waiting.textContent = `Being diagnosed: ${stage}. This page need not stay open.`;
@@ -45,9 +45,9 @@ async function draw(place, campaign, signal) {
 function verdict(said, { verdict: found, effects, gap, next_experiment: next, notes }, campaign, runs) {
   return h("section", { class: "panel", "aria-label": "Verdict" }, h("p", { class: "verdict" }, VERDICTS[found]),
     h("p", {}, said),
-    effects.length > 0 && h("p", {}, `With ${effects.length > 1 ? "these effects" : "this effect"} in the simulation ${number(gap.after, 3)} noise units are left; 1 is noise alone.`),
+    effects.length > 0 && h("p", {}, `With ${effects.length > 1 ? "these effects" : "this effect"} in the simulation ${number(gap.after, 3)} noise units remain; 1 is noise alone.`),
     next && h("p", {}, h("strong", {}, "Next: "), sentence(spaced(next))), notes.length > 0 && h("ul", { class: "plainlist" }, notes.map((note) => h("li", {}, spaced(note)))),
-    h("p", { class: "buttons" }, found === "known" && button("Put this into the simulation", () => apply(campaign.id), { class: "main" }),
+    h("p", { class: "buttons" }, found === "known" && button("Add this to the simulation", () => apply(campaign.id), { class: "main" }),
       runs.filter(kindOf).map((run) => h("a", { class: "button", href: `#/${kindOf(run)}/${run}` }, `Run the ${kindOf(run)} test again`)),
       h("a", { href: `/api/v1/campaigns/${campaign.id}/diagnosis`, target: "_blank", rel: "noopener" }, "The whole diagnosis as a page")));
 }

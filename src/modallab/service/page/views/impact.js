@@ -29,9 +29,9 @@ function prompt(state) {
   switch (state.phase) {
     case "ready": return [`Strike ${where}`, hit, "ready"];
     case "waiting": return ["Wait", resting(state.rest), "waiting"];
-    case "decide": return ["Does it count?", "A: it counts. U: it does not.", "early"];
+    case "decide": return ["Does it count?", "A: accept the hit. U: reject the hit.", "early"];
     case "paused": return ["Paused", "Go on with P", "waiting"];
-    case "done": return ["Done", "Everything in the plan is recorded.", "good"];
+    case "done": return ["Done", "The plan is completely recorded.", "good"];
     case "failed": return ["Ended early", failure(state), "rejected"];
     case "aborted": return ["Stopped", sentence(state.reason || "the run was aborted"), "rejected"];
     case "good": return ["Wait", "The next hit is being prepared.", "waiting"];
@@ -53,7 +53,7 @@ function verdict({ last }) {
   if (last.verdict === "good") return ["Good", force, "good"];
   if (last.verdict === "early") return ["Too early", sentence(last.reason), "early"];
   if (last.verdict === "dropped") return ["Undone", sentence(last.reason), "early"];
-  return ["Rejected", sentence(last.reason || "it does not count"), "rejected"];
+  return ["Rejected", sentence(last.reason || "the hit does not count"), "rejected"];
 }
 
 function parts(place, signal, id) {
@@ -106,7 +106,7 @@ function parts(place, signal, id) {
     beam.show(state.phase === "ready" || state.phase === "waiting" ? state.point : null, state.counts, state.plan.hits);
     count();
     say(accept, state.phase === "decide" ? "It counts (A)" : "Accept the rejected hit (A)");
-    say(undo, state.phase === "decide" ? "It does not count (U)" : "Undo the last good hit (U)");
+    say(undo, state.phase === "decide" ? "Reject the hit (U)" : "Undo the last good hit (U)");
     accept.hidden = state.ended;
     undo.hidden = state.ended;
     accept.disabled = meantBlock(state, false) === undefined || !["rejected", "decide", "ready", "waiting"].includes(state.phase);

@@ -17,7 +17,7 @@ export async function show(view, signal, [wanted]) {
   const place = h("div");
   const choice = h("select", { id: "campaign", onchange: () => { location.hash = `#/model/${choice.value}`; } }, campaigns.map((one) => h("option", { value: one.id }, `${one.name}, ${clock(one.created_utc)}`)));
   if (wanted) choice.value = wanted;
-  put(view, h("h1", {}, "Model"), campaigns.length ? h("p", { class: "buttons" }, h("label", { for: "campaign" }, "Campaign"), choice) : h("p", {}, "Nothing is recorded yet: begin a test."), place);
+  put(view, h("h1", {}, "Model"), campaigns.length ? h("p", { class: "buttons" }, h("label", { for: "campaign" }, "Campaign"), choice) : h("p", {}, "There are no recordings yet: begin a test."), place);
   if (!choice.value) return;
   const id = choice.value;
   let inner = new AbortController();
@@ -36,7 +36,7 @@ export async function show(view, signal, [wanted]) {
 }
 
 async function draw(place, id, jobs, signal, again) {
-  const ordering = h("p", { class: "muted", role: "status" }, jobs.open ? "A model is being computed …" : jobs.last?.state === "failed" ? `The last one failed: ${jobs.last.error}` : "");
+  const ordering = h("p", { class: "muted", role: "status" }, jobs.open ? "A model is being computed …" : jobs.last?.state === "failed" ? `The last diagnosis failed: ${jobs.last.error}` : "");
   async function identify(parameters = {}) {
     const job = await post(`campaigns/${id}/models`, { parameters });
     await waitForJob(job.id, () => { ordering.textContent = "A model is being computed …"; }, signal);
