@@ -138,7 +138,7 @@ def test_a_calibration_leaves_the_other_tests_sensitivity_and_the_sign_alone(rig
 def test_the_commands_say_what_they_found(rig: Rig, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     write_rig(rig, tmp_path / "rig.yaml")
     assert main(["rig", "check", str(tmp_path / "rig.yaml"), "--bench", SIM, "--seconds", "0.5"]) == 0
-    assert "33 looked at: 0 bad" in capsys.readouterr().out
+    assert "33 checks: 0 bad" in capsys.readouterr().out
     # A simulated sensor can't be turned over: that is seen, and nothing is written.
     command = ["rig", "calibrate", str(tmp_path / "rig.yaml"), "--bench", SIM, "--channel", "a04", "--yes"]
     assert main([*command, "--method", "turnover", "--seconds", "0.5"]) == 2

@@ -92,7 +92,7 @@ def test_what_cannot_be_applied_says_why(rig: Rig, revised: Rig) -> None:
         with_diagnosis(rig, made_diagnosis(rig, verdict="no_gap"), DAY)
     with pytest.raises(DataError, match="none of the known effects"):
         with_diagnosis(rig, made_diagnosis(rig, verdict="unknown"), DAY)
-    with pytest.raises(RigError, match="is in the rig already"):
+    with pytest.raises(RigError, match="is already in the rig"):
         with_diagnosis(revised, made_diagnosis(rig, MASS), DAY)
     with pytest.raises(RigError, match="of 'another'"):
         with_diagnosis(rig, made_diagnosis(rig.model_copy(update={"name": "another"}), MASS), DAY)

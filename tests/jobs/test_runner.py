@@ -151,7 +151,7 @@ def test_a_runner_that_stops_leaves_its_jobs_to_the_next(jobs: Jobs, tmp_path: P
 
 def test_tasks_go_to_another_machine_by_tls_only(jobs: Jobs) -> None:
     for address in ("tcp://192.0.2.7:8786", "tcp://scheduler:8786"):
-        with pytest.raises(JobError, match="neither encrypted"):
+        with pytest.raises(JobError, match="neither encryption nor authentication"):
             Runner(jobs, [], address)
     with pytest.raises(JobError, match="needs certificates"):
         Runner(jobs, [], "tls://scheduler:8786")

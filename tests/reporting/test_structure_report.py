@@ -74,7 +74,7 @@ def test_the_gap_shrinks_at_every_channel_and_mode_that_the_mass_moves(heavy: St
 @pytest.mark.thorough("diagnoses a plate of ten points")
 def test_a_gap_that_is_none_marks_no_place() -> None:
     page = render(gap(model(1.005 * OMEGA, shapes(X, Y), (1.01, 0.99, 1.0))))
-    assert "Nothing stands out" in page
+    assert "No effect stands out" in page
     assert "What causes it" not in page
     assert "var(--warning)" not in page.split("Where it lies")[1].split("</svg>")[0]
 

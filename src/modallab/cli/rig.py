@@ -80,7 +80,7 @@ def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     console.print(_table(findings))
     bad = sum(finding.verdict == "bad" for finding in findings)
     look = sum(finding.verdict == "look" for finding in findings)
-    console.print(f"{len(findings)} channels checked: {bad} bad, {look} to look at")
+    console.print(f"{len(findings)} checks: {bad} bad, {look} to look at")
     return 1 if bad else 0
 
 

@@ -75,7 +75,7 @@ def test_it_is_said_as_a_likeness(hung: tuple[Campaign, Diagnosis]) -> None:
     assert "no known effect explains it, probability 0.99. The gap behaves like a mass of" in said
     page = render(diagnosis, campaign)
     assert "Description of the unnamed cause" in page
-    assert "It is no cause" in page
+    assert "This is no cause" in page
 
 
 @pytest.mark.thorough("diagnoses a whole campaign")

@@ -179,4 +179,4 @@ def test_a_bench_that_cannot_be_opened_has_one_remedy_its_own() -> None:
     assert str(error) == ("link: the rig is unavailable: nidaqmx://Dev1: no device Dev1\n  what to do: plug it in")
     starting = RigUnavailableError.of("the rig is starting", "", "link")
     assert starting.what == "the rig is starting"
-    assert starting.remedy.startswith("wait until it is idle")
+    assert starting.remedy.startswith("wait until the rig is idle")

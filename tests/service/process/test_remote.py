@@ -60,7 +60,7 @@ def test_a_scheduler_is_looked_at_before_the_service_begins(tmp_path: Path) -> N
     files = {name: tmp_path / f"{name}.pem" for name in ("scheduler_ca", "scheduler_cert", "scheduler_key")}
     require_scheduler(Settings())
     require_scheduler(Settings(scheduler="tcp://127.0.0.1:8786"))
-    with pytest.raises(JobError, match="neither encrypted"):
+    with pytest.raises(JobError, match="neither encryption nor authentication"):
         require_scheduler(Settings(scheduler="tcp://machine:8786"))
     with pytest.raises(JobError, match="needs certificates"):
         require_scheduler(Settings(scheduler="tls://machine:8786"))
