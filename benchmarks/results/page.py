@@ -21,14 +21,14 @@ TOPICS = {
     "recording": "Identification, recording and service",
     "service": "Identification, recording and service",
     "gap": "The gap",
-    "modification": "The model put to use",
+    "modification": "Predictions by the modal model",
 }
 HEAD = """# Measured figures
 
-For who asks how good it is. *Unseen* figures come from a first look at new trials by one program; *seen* ones were
-looked at, or mended, on the way. `benchmarks/results/*.csv` hold more; superseded ones: [history](history/README.md).
-Machine: {machine}, beside other work. *By* is the number of the [command](#commands), which
-`python benchmarks/` precedes unless it names `modallab` or `python`.
+For anyone who asks how good modallab is. *Unseen* figures come from a first run of one program on new trials; *seen*
+figures from trials used in development. `benchmarks/results/*.csv` hold all figures, [history](history/README.md) the superseded ones.
+Machine: {machine}, beside other work. *By* is the number of the [command](#commands). Put
+`python benchmarks/` before a command that does not begin with `modallab` or `python`.
 """
 
 

@@ -74,7 +74,7 @@ def test_the_time_that_is_missing_is_that_of_the_slowest_decay() -> None:
     found = fit_settling(force, motion, RATE, 4096, 84.0, MODES)
     assert found is not None
     expected = np.log(0.05 / (0.005 / np.sqrt(2))) / (0.005 * 2 * np.pi * 4.8)
-    assert found.missing_s(0.005) == pytest.approx(expected, rel=1e-3)
+    assert found.further_wait_s(0.005) == pytest.approx(expected, rel=1e-3)
 
 
 def test_without_a_mode_in_reach_there_is_nothing_to_judge() -> None:

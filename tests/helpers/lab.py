@@ -57,7 +57,7 @@ class Lab:
 
     def _new_events(self) -> None:
         if hasattr(self, "app"):
-            self.app.state.feed.look()
+            self.app.state.feed.check_now()
 
     def client(self, token: str | None = TOKEN) -> httpx.Client:
         """Who asks over HTTP; to be entered as a context."""

@@ -33,12 +33,12 @@ def engine(each_engine: Engine) -> Engine:
 def test_a_time_out_is_counted_from_the_first_look_on(clock: Clock) -> None:
     watch = MarkWatch(10.0, clock)
     clock.now_s = 100.0
-    assert watch.look({"a": (1, 7.0)}) == {}
+    assert watch.check_now({"a": (1, 7.0)}) == {}
     for _ in range(10):
         clock.now_s += 1.0
-        assert watch.look({"a": (1, 7.0)}) == {}
+        assert watch.check_now({"a": (1, 7.0)}) == {}
     clock.now_s += 1.0
-    assert watch.look({"a": (1, 7.0)}) == {"a": (1, 7.0)}
+    assert watch.check_now({"a": (1, 7.0)}) == {"a": (1, 7.0)}
 
 
 def test_every_sign_and_every_new_holder_begins_anew(clock: Clock) -> None:
@@ -47,23 +47,23 @@ def test_every_sign_and_every_new_holder_begins_anew(clock: Clock) -> None:
     marks = [(1, 7.0), (1, 8.0), (2, 8.0), (2, 3.0)]
     for mark in marks:
         for _ in range(10):
-            assert watch.look({"a": mark}) == {}
+            assert watch.check_now({"a": mark}) == {}
             clock.now_s += 1.0
 
 
 def test_a_watcher_that_slept_does_not_blame_the_holder(clock: Clock) -> None:
     watch = MarkWatch(10.0, clock)
-    watch.look({"a": (1, 1.0)})
+    watch.check_now({"a": (1, 1.0)})
     for _ in range(4):
         clock.now_s += 3600.0
-        assert watch.look({"a": (1, 1.0)}) == {}
+        assert watch.check_now({"a": (1, 1.0)}) == {}
 
 
 def test_a_job_that_comes_back_is_a_new_one(clock: Clock) -> None:
     watch = MarkWatch(1.0, clock)
     for held in ({"a": (1, 1.0)}, {}, {"a": (1, 1.0)}, {"a": (1, 1.0)}):
         clock.now_s += 0.9
-        assert watch.look(held) == {}
+        assert watch.check_now(held) == {}
 
 
 def test_of_two_who_saw_the_same_time_out_one_takes_the_job(engine: Engine) -> None:

@@ -15,7 +15,7 @@ from modallab.reporting.compare import matched_modes
 from modallab.reporting.content import TrueModes
 from modallab.reporting.figures.blocks import cut_pulse, hits_figure, impact_block, sine_block
 from modallab.reporting.figures.damping import damping_figure, half_power_reading, half_power_readings, paper_value
-from modallab.reporting.figures.mobility import frf_overview, mobility_panels, one_point
+from modallab.reporting.figures.mobility import frf_at_one_point, frf_overview, mobility_panels
 from modallab.reporting.figures.mode_shapes import example_block, farthest_sensor, mode_shapes
 
 BOTH = ("impact", "sine")
@@ -36,7 +36,7 @@ def figures(content, found):
         "shapes": mode_shapes(content.models, rig),
         "all": mobility_panels(impact.verification),
         "all sine": mobility_panels(sine.verification),
-        "one": one_point(impact.verification, 9),
+        "one": frf_at_one_point(impact.verification, 9),
         "overview": frf_overview(impact.frf, 0, impact.model.frequency_hz),
         "hits": hits_figure(impact.hits, (3.0, 110.0)),
         "damping": damping_figure(found),

@@ -16,7 +16,7 @@ from modallab_simulators.cantilever.hammer import (
     WIDTH_S,
     ContactPulse,
     Hit,
-    draw_swing,
+    draw_hit,
 )
 from modallab_simulators.cantilever.recursion import DELAY
 
@@ -87,7 +87,7 @@ def test_good_hits_neither_overload_nor_drown(running: Running, rig: Rig):
 
 
 def test_bad_hits_appear_as_often_as_asked():
-    swings = [draw_swing(np.random.default_rng(seed), 0.3, 0.0) for seed in range(1000)]
+    swings = [draw_hit(np.random.default_rng(seed), 0.3, 0.0) for seed in range(1000)]
     double = np.mean([s.rebound_s > 0 for s in swings])
     weak = np.mean([s.weak_n > 0 for s in swings])
     assert 0.11 < double < 0.19
@@ -113,8 +113,8 @@ def test_double_hits_and_weak_ones_show_in_the_force(running: Running):
 
 
 def test_the_place_error_is_none_unless_asked_for():
-    assert draw_swing(np.random.default_rng(1), 0.0, 0.0).place_m == 0
-    places = [draw_swing(np.random.default_rng(seed), 0.0, 0.002).place_m for seed in range(300)]
+    assert draw_hit(np.random.default_rng(1), 0.0, 0.0).place_m == 0
+    places = [draw_hit(np.random.default_rng(seed), 0.0, 0.002).place_m for seed in range(300)]
     assert 0.0017 < np.std(places) < 0.0023
 
 

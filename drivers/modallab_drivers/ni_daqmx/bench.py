@@ -232,7 +232,7 @@ class NiBench:
         if self._state == "closed":
             return
         try:
-            self._shaker.let_go(reachable=self._state != "gone")
+            self._shaker.release_output(reachable=self._state != "gone")
         finally:
             self._shaker.unwatch()
             self._drop_inputs()
@@ -280,7 +280,7 @@ class NiBench:
 
     def _gone(self) -> None:
         self._state = "gone"
-        self._shaker.gone()
+        self._shaker.on_device_lost()
 
     def _reconnect(self) -> None:
         if self._state != "gone":

@@ -48,7 +48,7 @@ class Shaker:
             self.unwatch()
             self._require_no_needless_waiver(route)
         except BenchError:
-            self.let_go()
+            self.release_output()
             raise
 
     @property
@@ -166,7 +166,7 @@ class Shaker:
         """The generator's own name; empty where an analog output drives."""
         return self._output.identity if isinstance(self._output, Generator) else ""
 
-    def gone(self) -> None:
+    def on_device_lost(self) -> None:
         """The device is gone: whatever is on its output ends by itself, or by the supervisor's handle."""
         if isinstance(self._output, AnalogOutput):
             self._output.abandon()
@@ -177,7 +177,7 @@ class Shaker:
         if chosen:
             self._output = AnalogOutput(route, chosen, guarded=self._guarded)
 
-    def let_go(self, *, reachable: bool = True) -> None:
+    def release_output(self, *, reachable: bool = True) -> None:
         """Bring the output to 0 V and let go of it."""
         if self._output is not None and (reachable or isinstance(self._output, Generator)):
             try:

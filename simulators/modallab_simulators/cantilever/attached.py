@@ -81,7 +81,7 @@ class AttachedModes(SolvedModes):
         """Displacement or slope of the modes, (points, count)."""
         return self._basis(x_m, order) @ self._solved[1][:, :count]
 
-    def hung_modes(self) -> list[int]:
+    def attached_modes(self) -> list[int]:
         """For each absorber the mode that is most its own."""
         vectors, count = self._solved[1], len(self._absorbers)
         hung = vectors[len(vectors) - count :]

@@ -15,7 +15,7 @@ from modallab_simulators.cantilever.address import EVERYDAY, SessionConditions, 
 from modallab_simulators.cantilever.chain import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
-from modallab_simulators.cantilever.hammer import Hit, PlannedHit, draw_swing
+from modallab_simulators.cantilever.hammer import Hit, PlannedHit, draw_hit
 from modallab_simulators.cantilever.loads import BLOCK, MovingStructure
 from modallab_simulators.cantilever.operator_line import OperatorLine, ScriptedHit
 from modallab_simulators.cantilever.shaker import BurstOutput, WaveOutput, require_burst, require_wave
@@ -75,7 +75,7 @@ class CantileverBench:
     @property
     def hit_sample(self) -> int:
         """Sample at which the force of the hit last prompted begins."""
-        return ceil(self._hit_s * self._site.rate_hz) + self._site.structure.latency
+        return ceil(self._hit_s * self._site.rate_hz) + self._site.structure.force_delay
 
     def rest_until(self, bench_s: float) -> None:
         """Let bench time pass between stop and start: nothing happens but what a drift does."""
@@ -172,7 +172,7 @@ class CantileverBench:
         start = self._stream.position + ceil(LATENCY_S * self._rate)
         self._excitation.emit(*(one(start / self._site.rate_hz) for one in made))
         self._stream.changed()
-        return start + self._site.structure.latency
+        return start + self._site.structure.force_delay
 
     def prompt_hit(self, point: int) -> None:
         """The virtual operator will strike `point` after a reaction time; a newer prompt replaces an older one."""
@@ -245,7 +245,7 @@ class CantileverBench:
         """The next swing; how long the operator waits is counted in samples of the converter."""
         settings = self._settings
         rng = generator(settings.seed, Stream.HITS, self._swings)
-        swing = draw_swing(rng, settings.bad_hits, settings.place_m, settings.peak_n, settings.reaction_s)
+        swing = draw_hit(rng, settings.bad_hits, settings.place_m, settings.peak_n, settings.reaction_s)
         return swing.stretched(self._rate / self._site.rate_hz, self._circumstances.stretch)
 
     def _with_knock(self, hit: Hit) -> list[Hit]:

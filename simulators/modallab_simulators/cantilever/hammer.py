@@ -102,7 +102,7 @@ class PlannedHit:
         return Hit(x_m, tuple(contacts))
 
 
-def draw_swing(
+def draw_hit(
     rng: np.random.Generator,
     bad_hits: float,
     place_m: float,

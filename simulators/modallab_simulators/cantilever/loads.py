@@ -81,7 +81,7 @@ class MovingStructure(Protocol):
         ...
 
     @property
-    def latency(self) -> int:
+    def force_delay(self) -> int:
         """Delivered samples by which the force is delayed."""
         ...
 

@@ -69,7 +69,7 @@ class TorsionBar:
 
 
 @dataclass(frozen=True, slots=True)
-class LoneMode:
+class SingleMode:
     """A mode along (x / L)^power, behind the interface of all modes.
 
     Attributes:

@@ -89,7 +89,7 @@ class Structure:
         return self._x
 
     @property
-    def latency(self) -> int:
+    def force_delay(self) -> int:
         """Delivered samples by which the force is delayed."""
         return DELAY + self._wait
 

@@ -179,7 +179,7 @@ class Truth:
     def _damping(self, modes: Modes, count: int) -> NDArray[np.float64]:
         """Damping ratios of the modes: the beam's own keep theirs where an absorber's stands among them, (count,)."""
         zeta = draw_damping(self.seed, count, self.zeta)
-        hung = sorted(modes.hung_modes()) if isinstance(modes, AttachedModes) else []
+        hung = sorted(modes.attached_modes()) if isinstance(modes, AttachedModes) else []
         for place in hung:
             zeta = np.insert(zeta, place, SIDE_ZETA) if place < count else zeta
         return zeta[:count]

@@ -230,7 +230,7 @@ class SimulatedSystem:
         elif isinstance(task, LineTask):
             task.stop()
         elif isinstance(task, WatchdogTask) and task.device not in self.expired:
-            self.let_go(task)
+            self.resume_outputs(task)
         task.running = task.waiting = False
         if not task.kept:
             self.reserved.release(task)
@@ -287,7 +287,7 @@ class SimulatedSystem:
             self.lines[name].expire(self.clock.now() + LATENCY_S, volts)
         self.changed()
 
-    def let_go(self, watchdog: WatchdogTask) -> None:
+    def resume_outputs(self, watchdog: WatchdogTask) -> None:
         """The outputs of a watchdog that is cleared, stopped or started again follow their tasks again."""
         watchdog.expired = False
         for name in watchdog.states:

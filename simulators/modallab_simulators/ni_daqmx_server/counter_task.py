@@ -33,7 +33,7 @@ class CounterInputTask(AcquiringTask):
         return self.channels
 
     @property
-    def made_up(self) -> bool:
+    def is_simulated(self) -> bool:
         """Whether the driver itself makes the device up; it then counts 0 for ever."""
         return all(c.module.simulated for c in self.channels)
 
@@ -47,7 +47,7 @@ class CounterInputTask(AcquiringTask):
         """How long until `count` more samples are there; a measurement waits for the pulse it measures."""
         needs_signal = self.kind != "CountEdges" or self.timing == "implicit"
         pulses = self.measured(self.channels[0])
-        if needs_signal and pulses is None and not self.made_up:
+        if needs_signal and pulses is None and not self.is_simulated:
             return np.inf
         if self.timing == "implicit" and pulses is not None and clock.pace:
             return self.start_s + (self.position + count) / pulses.frequency_hz - clock.now()

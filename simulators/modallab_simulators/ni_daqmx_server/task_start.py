@@ -181,12 +181,12 @@ def _external_clock(task: Task) -> str:
 
 def _edge(system: "SimulatedSystem", source: str, at_s: float, begun: Task | None, *, rising: bool) -> float | None:
     if begun is not None and route(source) in start_terminals(begun):
-        return begun_at(begun, system.clock.now())
+        return start_time(begun, system.clock.now())
     pulses = system.pulses(source)
     return None if pulses is None else pulses.edge_after(at_s, rising=rising)
 
 
-def begun_at(task: Task, now_s: float) -> float:
+def start_time(task: Task, now_s: float) -> float:
     """Bench time at which a task began."""
     if isinstance(task, AcquiringTask):
         return task.triggered_s
@@ -214,7 +214,7 @@ def route(source: str) -> str:
 
 def start_terminals(task: Task) -> set[str]:
     """Where the start trigger of a task can be found."""
-    devices = {c.module.name for c in task.all_channels()} | {task.own_device}
+    devices = {c.module.name for c in task.all_channels()} | {task.default_device}
     own = {f"/{device}/{kind_of(task)}/StartTrigger" for device in devices}
     exported = task.routed("START_TRIG_OUTPUT_TERM")
     return own | ({route(exported)} if exported else set())
@@ -243,7 +243,8 @@ def pulses_of(task: Task, source: str) -> Pulses | None:
         return None
     kind = kind_of(task)
     ends = {
-        f"/{device}/{kind}/SampleClock" for device in {c.module.name for c in task.all_channels()} | {task.own_device}
+        f"/{device}/{kind}/SampleClock"
+        for device in {c.module.name for c in task.all_channels()} | {task.default_device}
     }
     exported = task.routed("SAMP_CLK_OUTPUT_TERM")
     clocks = ends | ({route(exported)} if exported else set())

@@ -63,10 +63,10 @@ class Task:
 
     def routed(self, attribute: str) -> str:
         """A terminal that was set, in full."""
-        return terminal(str(self.get(attribute, "")), self.own_device)
+        return terminal(str(self.get(attribute, "")), self.default_device)
 
     @property
-    def own_device(self) -> str:
+    def default_device(self) -> str:
         """The device whose terminals are meant where none is named: the chassis, or that of the first channel."""
         channels = self.all_channels()
         return (channels[0].module.chassis or channels[0].module.name) if channels else ""

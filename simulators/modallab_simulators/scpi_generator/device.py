@@ -159,7 +159,7 @@ class ScpiGenerator:
             return self.dialect.booleans[word == "ON"] if name in ("output", "burst") else word
         value = self._settings.numbers[name]
         if name in ("amplitude", "offset"):
-            value *= self._settings.shown
+            value *= self._settings.displayed_voltage
         return self.dialect.number.format(9.9e37 if np.isinf(value) else value)
 
     def _set(self, name: str, value: str) -> None:
@@ -191,7 +191,7 @@ class ScpiGenerator:
     def _coerced(self, name: str, requested: float) -> float:
         dialect = self.dialect
         if name in ("amplitude", "offset"):
-            requested /= self._settings.shown
+            requested /= self._settings.displayed_voltage
         low, high = {
             "frequency": (1e-6, 10e6),
             "amplitude": (dialect.min_vpp, dialect.max_vpp),

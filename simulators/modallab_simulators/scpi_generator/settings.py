@@ -60,7 +60,7 @@ class Settings:
     )  # fmt: skip
 
     @property
-    def shown(self) -> float:
+    def displayed_voltage(self) -> float:
         """What is shown of a voltage at the open output: that at the load it was set for."""
         load = self.numbers["load"]
         return 1.0 if np.isinf(load) else load / (load + OUTPUT_OHM)

@@ -50,7 +50,7 @@ def _check(option: str, path: Path, given: dict[str, object]) -> None:
         raise StorageError("is a folder", where=str(path), remedy=f"give {option} the name of a file in it")
     if not path.parent.is_dir():
         raise StorageError(
-            f"cannot be written: no folder {path.parent}", where=str(path), remedy="make the folder first"
+            f"cannot be written: there is no folder {path.parent}", where=str(path), remedy="make the folder first"
         )
     if not path.exists():
         return

@@ -41,12 +41,12 @@ class Finding:
     verdict: Verdict
 
 
-def take(bench: Bench, rate_hz: float, seconds: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def read_seconds(bench: Bench, rate_hz: float, seconds: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """The next `seconds`: (channels, n) as delivered, and (channels,) which were beyond the range."""
-    return take_samples(bench, rate_hz, round(seconds * rate_hz))
+    return read_samples(bench, rate_hz, round(seconds * rate_hz))
 
 
-def take_samples(bench: Bench, rate_hz: float, count: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def read_samples(bench: Bench, rate_hz: float, count: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """The next (channels, count) samples, and (channels,) which were beyond the range."""
     pieces: list[NDArray[np.float64]] = []
     step = max(1, round(CHUNK_S * rate_hz))
@@ -114,9 +114,9 @@ def check_clock(bench: Bench, rig: Rig, volts: float) -> list[Finding]:
         read = settle(bench, rig, delivery)[1]
         begin = bench.play(Burst(CLOCK_HZ, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S)) - read
         count = begin + round(1.0 * delivery.rate_hz)
-        lead, _ = take_samples(bench, delivery.rate_hz, count)
-        held, _ = take(bench, delivery.rate_hz, 3.0)
-        take(bench, delivery.rate_hz, 1.0)
+        lead, _ = read_samples(bench, delivery.rate_hz, count)
+        held, _ = read_seconds(bench, delivery.rate_hz, 3.0)
+        read_seconds(bench, delivery.rate_hz, 1.0)
     finally:
         bench.zero()
         bench.stop()
@@ -138,7 +138,7 @@ def settle(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding], i
     def pull(count: int) -> NDArray[np.float64]:
         nonlocal read
         read += count
-        return take_samples(bench, delivery.rate_hz, count)[0]
+        return read_samples(bench, delivery.rate_hz, count)[0]
 
     wait = wait_until_settled(pull, fed, delivery.rate_hz)
     settled, moving = f"settled after {wait.seconds:g} s", f"the bias still moves after {wait.seconds:g} s"
@@ -151,8 +151,8 @@ def settle(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding], i
 
 def _read(bench: Bench, delivery: Delivery, seconds: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     # What a filter still holds from before the start is let go by first.
-    take(bench, delivery.rate_hz, 0.2)
-    return take(bench, delivery.rate_hz, seconds)
+    read_seconds(bench, delivery.rate_hz, 0.2)
+    return read_seconds(bench, delivery.rate_hz, seconds)
 
 
 def _check_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bool) -> list[Finding]:
@@ -208,12 +208,12 @@ def _check_by_tap(
     bench.prompt_hit(channel.point)
     trigger = Trigger(TAP_N, TAP_N / 2)
     step = round(CHUNK_S * delivery.rate_hz)
-    before = take_samples(bench, delivery.rate_hz, step)[0]
+    before = read_samples(bench, delivery.rate_hz, step)[0]
     for _ in range(round(TAP_PATIENCE_S / CHUNK_S)):
-        after = take_samples(bench, delivery.rate_hz, step)[0]
+        after = read_samples(bench, delivery.rate_hz, step)[0]
         place = trigger.scan(conversion.force_n(after))
         if place is not None:
-            both = np.concatenate([before, after, take_samples(bench, delivery.rate_hz, step)[0]], axis=1)
+            both = np.concatenate([before, after, read_samples(bench, delivery.rate_hz, step)[0]], axis=1)
             return _polarity(channel, conversion.si(both), step + place, conversion.force, delivery.rate_hz)
         before = after
     raise BenchError(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from modallab.bench.capabilities import SynchronisedBench
 from modallab.bench.protocol import Bench, Burst, Request
-from modallab.commissioning.rig_check import Finding, Verdict, take
+from modallab.commissioning.rig_check import Finding, Verdict, read_seconds
 from modallab.core.errors import PlanError
 from modallab.core.rig import Rig
 
@@ -56,7 +56,7 @@ def check_synchronisation(bench: Bench) -> list[Finding]:
         return []
     bench.start()
     try:
-        take(bench, SLOW_HZ, LISTEN_S)
+        read_seconds(bench, SLOW_HZ, LISTEN_S)
         state = bench.synchronisation()
     finally:
         bench.stop()
@@ -88,8 +88,8 @@ def check_common_signal(bench: Bench, rig: Rig, names: tuple[str, str], volts: f
     try:
         if volts is not None:
             bench.play(Burst(min(TONE_HZ, TONE_PART * delivery.rate_hz), volts, RAMP_S, LISTEN_S + 1.0))
-            take(bench, delivery.rate_hz, 0.5)
-        both = take(bench, delivery.rate_hz, LISTEN_S)[0][rows]
+            read_seconds(bench, delivery.rate_hz, 0.5)
+        both = read_seconds(bench, delivery.rate_hz, LISTEN_S)[0][rows]
     finally:
         bench.zero()
         bench.stop()

@@ -82,7 +82,9 @@ def _problem(kind: str, error: ErrorDetails) -> str:
     place = [str(part) for part in error["loc"] if part not in _KINDS and "[" not in str(part)]
     field = ".".join(place) or kind
     if error["type"] == "extra_forbidden":
-        return f"{field} is no field here; allowed: {', '.join(_KINDS[kind].model_fields) if len(place) == 1 else ''}"
+        return (
+            f"{field} is an unknown field; allowed: {', '.join(_KINDS[kind].model_fields) if len(place) == 1 else ''}"
+        )
     if error["type"] == "missing":
         return f"{field} is missing"
     if error["type"] == "value_error":

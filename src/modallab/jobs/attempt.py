@@ -36,7 +36,7 @@ class Attempt:
         self._interrupted = False
 
     @property
-    def late(self) -> bool:
+    def is_overdue(self) -> bool:
         """Whether it goes on for longer than its kind allows."""
         return time.monotonic() - self._begun > self._kind.limit_s
 
@@ -110,7 +110,7 @@ class Attempt:
             self._give_back("the scheduler ended", counts=True)
         elif self._abandoned.is_set():
             self._give_back("the runner was stopped", counts=False)
-        elif self.late:
+        elif self.is_overdue:
             self._fail(f"the job exceeded {self._kind.limit_s:g} s, and was stopped")
         else:
             self._give_back(f"a worker was lost ({error})", counts=True)

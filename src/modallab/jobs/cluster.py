@@ -89,7 +89,7 @@ class SchedulerLostError(ConnectionError):
     """The scheduler did not answer, and will not."""
 
 
-def ask_in_loop(
+def call_in_client_loop(
     client: Client, question: Coroutine[Any, Any, Any], alive: Callable[[], bool], patience_s: float = ASK_S
 ) -> Any:
     """The answer to `question`, which is asked by the client's own loop.
@@ -232,7 +232,9 @@ class Cluster:
         try:
             if scheduler is None:
                 raise SchedulerLostError("the scheduler ended")
-            return ask_in_loop(self.client, getattr(scheduler, what)(workers=None), lambda: self.alive, self.patience_s)
+            return call_in_client_loop(
+                self.client, getattr(scheduler, what)(workers=None), lambda: self.alive, self.patience_s
+            )
         except SchedulerLostError:
             if self._own is not None:
                 # Frozen, it would keep whoever closes it waiting; it holds nothing that is not in the table.

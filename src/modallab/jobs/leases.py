@@ -32,7 +32,7 @@ class MarkWatch:
         self._marks: dict[str, Mark] = {}
         self._timeout_s: dict[str, float] = {}
 
-    def look(self, held: Mapping[str, Mark]) -> dict[str, Mark]:
+    def check_now(self, held: Mapping[str, Mark]) -> dict[str, Mark]:
         """Note what is held now; those of them that gave no sign for longer than the lease, with their marks."""
         now = self._clock()
         passed = min(now - self._looked_s, self._lease_s / 5)
@@ -143,7 +143,7 @@ class Leases:
         with database_errors(self._engine), self._engine.connect().execution_options(reading=True) as connection:
             rows = connection.execute(query).all()
         held = {row.id: (row.fence, row.beat) for row in rows if row.state == "running"}
-        return len(rows) > len(held), self._watch.look(held)
+        return len(rows) > len(held), self._watch.check_now(held)
 
     def _lease(self, connection: Connection, row: Mapping[Any, Any], kinds: Collection[str]) -> LeasedJob | None:
         fence, attempts = row["fence"] + 1, row["attempts"] + 1

@@ -162,7 +162,7 @@ class Runner:
             try:
                 lost = self._leases.renew({a.taken.job.id: (a.taken.fence, a.progress, a.stage) for a in going_on})
                 for attempt in going_on:
-                    if attempt.taken.job.id in lost or attempt.late:
+                    if attempt.taken.job.id in lost or attempt.is_overdue:
                         attempt.interrupt()
             except Exception as error:
                 # This thread must outlive whatever database or scheduler do: without it every lease runs out.

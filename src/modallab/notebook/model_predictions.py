@@ -284,12 +284,12 @@ class ChangedModel(ModelPredictions):
             at: point of the force.
             of: point of the motion; None for the same.
         """
-        from modallab.reporting.figures.mobility import before_after
+        from modallab.reporting.figures.mobility import mobility_before_after
 
         alone, to = self._known.alone, [at if of is None else of]
         f = lines_with_peaks(alone.model.band_hz, LINES, alone.structure.poles, self._known.poles)
         before = alone.frf(f, to, [at], sigma=False)
-        return before_after(before, self._known.frf(f, to, [at]))
+        return mobility_before_after(before, self._known.frf(f, to, [at]))
 
     def save(self, path: str | Path) -> Path:
         """Write the table as a CSV file; returns the path.

@@ -44,11 +44,11 @@ def _ends(run_log: RunLog, run: str) -> list[EventView]:
 def _looking_all_the_time(recovery: RunRecovery) -> Iterator[None]:
     enough = Flag()
 
-    def look() -> None:
+    def check_now() -> None:
         while not enough.wait(0.002):
-            recovery.look()
+            recovery.check_now()
 
-    thread = Thread(target=look)
+    thread = Thread(target=check_now)
     thread.start()
     try:
         yield
@@ -100,7 +100,7 @@ def test_an_end_that_the_service_did_not_live_to_report_is_reported_at_its_next_
         for _ in range(2):
             ended: list[str] = []
             again = RunLog(store, EventLog(store.catalogue.engine))
-            RunRecovery(again, ended.append).look()
+            RunRecovery(again, ended.append).check_now()
         assert ended == []
         for run, state in ((done, "done"), (lost, "failed"), (dead, "failed"), (reported, "done")):
             (end,) = _ends(run_log, run)
@@ -118,10 +118,10 @@ def test_whoever_follows_a_run_reports_its_end(tmp_path: Path, link_rig: Rig) ->
         recovery = RunRecovery(run_log, ended.append, look_s=0.0)
         for name in (run, ""):
             with run_log.ends.following(type("Active", (), {"run": name})()):
-                recovery.look()
+                recovery.check_now()
             assert ended == []
-        recovery.look()
-        recovery.look()
+        recovery.check_now()
+        recovery.check_now()
         assert ended == [run]
 
 
@@ -162,12 +162,12 @@ def test_what_could_not_begin_in_time_does_not_begin_later() -> None:
         on_its_way.wait(0.01)
     assert unsure.value.remedy == "read the campaign's list of runs"
     # The rig's process died of it; it was not given up, since nobody could know.
-    on_its_way.put_back()
+    on_its_way.return_to_queue()
     assert on_its_way.claim()
 
     put_back = RequestedRun(order, "Ada")
     assert put_back.claim()
-    put_back.put_back()
+    put_back.return_to_queue()
     with pytest.raises(RigUnavailableError):
         put_back.wait(0.01)
     assert not put_back.claim()

@@ -73,7 +73,7 @@ def until(happened: Callable[[], bool], within_s: float = 240.0) -> None:
 def nothing_begins(lab: Lab, runner: QueueRunner) -> bool:
     runs = len(lab.store.catalogue.runs())
     for _ in range(3):
-        runner.look()
+        runner.check_now()
     return len(lab.store.catalogue.runs()) == runs
 
 

@@ -157,10 +157,10 @@ def test_samples_stay_to_the_end_of_the_grace_time_and_rows_for_good(service, as
     held = samples(service, run)
     aside.delete("run", run, "Ada", GRACE)
     clocks.go_on(GRACE - timedelta(minutes=1))
-    purge.look()
+    purge.check_now()
     assert samples(service, run) == held
     clocks.go_on(timedelta(minutes=2))
-    purge.look()
+    purge.check_now()
     with pytest.raises(StorageError, match="run deleted by Ada"):
         samples(service, run)
     with pytest.raises(ConflictError, match="its grace time ended"):
@@ -181,7 +181,7 @@ def test_a_deleted_campaign_loses_its_samples_and_reports(service, aside, campai
     assert leases.done(taken, {"document": {}, "files": {"report.html": "results/one/report.html"}})
     aside.delete("campaign", campaign, "Ada", GRACE)
     clocks.go_on(GRACE + timedelta(minutes=1))
-    purge.look()
+    purge.check_now()
     assert not report.exists()
     with pytest.raises(StorageError, match=f"campaign {campaign} deleted by Ada"):
         samples(service, run)
@@ -195,7 +195,7 @@ def test_a_clock_that_is_set_forward_deletes_nothing(service, aside, campaign) -
     aside.delete("run", run, "Ada", GRACE)
     clocks.day += timedelta(days=4000)
     clocks.s += 60.0
-    purge.look()
+    purge.check_now()
     assert samples(service, run) > 0
 
 
@@ -208,7 +208,7 @@ def test_a_purge_that_was_broken_off_is_finished(service, aside, campaign) -> No
     assert aside.begin_purge("run", run, clocks.day.isoformat())
     with pytest.raises(ConflictError):
         aside.restore("run", run, "Ada")
-    purge.look()
+    purge.check_now()
     with pytest.raises(StorageError, match="were deleted"):
         samples(service, run)
-    assert aside.due(clocks.day.isoformat()) == []
+    assert aside.expired_entries(clocks.day.isoformat()) == []

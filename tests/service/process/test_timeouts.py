@@ -28,7 +28,7 @@ def clock() -> Clock:
 
 def _until_found(timer: HeartbeatTimer, clock: Clock, look_s: float) -> float:
     began = clock.now_s
-    while not timer.look(began, 0.0):
+    while not timer.check_now(began, 0.0):
         clock.now_s += look_s
         assert clock.now_s < began + 60
     return clock.now_s - began
@@ -42,10 +42,10 @@ def test_whoever_listens_late_himself_does_not_blame_the_other(clock: Clock) -> 
     timer = HeartbeatTimer(1.0, LOOK_S, clock)
     received_s = clock.now_s
     # One look in which nobody had the processor for two seconds, then a sign.
-    assert not timer.look(received_s, 0.0)
+    assert not timer.check_now(received_s, 0.0)
     clock.now_s += 2.0
-    assert not timer.look(received_s, 0.0)
-    assert not timer.look(clock.now_s, 0.0)
+    assert not timer.check_now(received_s, 0.0)
+    assert not timer.check_now(clock.now_s, 0.0)
     assert timer.counted_s == 0.0
 
 
@@ -56,7 +56,7 @@ def test_however_busy_five_times_the_time_out_is_too_long(clock: Clock) -> None:
 def test_a_process_that_works_is_given_more_time_and_not_for_ever(clock: Clock) -> None:
     timer = HeartbeatTimer(1.0, LOOK_S, clock)
     received_s, used_s = clock.now_s, 0.0
-    while not timer.look(received_s, used_s):
+    while not timer.check_now(received_s, used_s):
         clock.now_s += LOOK_S
         used_s += 0.01
         assert clock.now_s < received_s + 60
@@ -69,7 +69,7 @@ def test_every_sign_begins_anew(clock: Clock) -> None:
         received_s = clock.now_s
         for _ in range(15):
             clock.now_s += LOOK_S
-            assert not timer.look(received_s, 0.0)
+            assert not timer.check_now(received_s, 0.0)
 
 
 def test_new_events_wait_for_nobody_who_reads_no_more() -> None:

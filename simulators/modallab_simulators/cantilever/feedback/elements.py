@@ -103,7 +103,7 @@ class Drag:
     MODES = 6
     POINTS = 16
 
-    def seen(self, modes: Modes) -> Real:
+    def sensed_motion(self, modes: Modes) -> Real:
         """Shapes of the modes it works on at the points where it is taken, (points, MODES)."""
         return modes.shapes(self._points(modes)[0], self.MODES)
 

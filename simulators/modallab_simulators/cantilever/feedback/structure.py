@@ -74,9 +74,9 @@ class FeedbackStructure:
         return self._linear.oversample
 
     @property
-    def latency(self) -> int:
+    def force_delay(self) -> int:
         """Delivered samples by which the force is delayed."""
-        return self._linear.latency
+        return self._linear.force_delay
 
     @property
     def at_rest(self) -> FeedbackState:
@@ -208,7 +208,7 @@ class FeedbackStructure:
             return np.zeros((0, n), complex), np.zeros((0, n), complex), np.zeros((0, 0))
         single = np.eye(self._drag.MODES, KEPT)
         psi = basis.project(single).astype(np.complex128)
-        seen = self._drag.seen(basis.modes) @ psi * basis.poles / basis.scale
+        seen = self._drag.sensed_motion(basis.modes) @ psi * basis.poles / basis.scale
         seen = seen[:, : np.flatnonzero(seen.any(axis=0))[-1] + 1]
         return psi, seen, np.ascontiguousarray(self._drag.put(basis.modes).T)
 

@@ -12,7 +12,7 @@ from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.effect_part import EffectPart
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.side_modes import LoneMode, TorsionBar
+from modallab_simulators.cantilever.side_modes import SingleMode, TorsionBar
 
 LOWEST = 3.5160152685
 """(beta L)^2 of a cantilever's first mode."""
@@ -32,7 +32,7 @@ def _across(law: Mapping[str, float], true: TrueBeam, width_m: float) -> Modes:
 
 
 def _alone(law: Mapping[str, float], true: TrueBeam, width_m: float) -> Modes:
-    return LoneMode(true.beam.length_m, law["alone_hz"], law["kg"], law.get("alone_power", 1.0))
+    return SingleMode(true.beam.length_m, law["alone_hz"], law["kg"], law.get("alone_power", 1.0))
 
 
 FAMILIES = {"twist_hz": _twist, "across_hz": _across, "alone_hz": _alone}

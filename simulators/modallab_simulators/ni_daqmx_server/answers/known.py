@@ -116,11 +116,11 @@ def _channels_to_read(server: SimulatedSystem, task: Task, channel: Channel | No
 
 
 def _start_term(server: SimulatedSystem, task: Task, channel: Channel | None) -> str:
-    return f"/{task.own_device}/{kind_of(task)}/StartTrigger"
+    return f"/{task.default_device}/{kind_of(task)}/StartTrigger"
 
 
 def _clock_term(server: SimulatedSystem, task: Task, channel: Channel | None) -> str:
-    return f"/{task.own_device}/{kind_of(task)}/SampleClock"
+    return f"/{task.default_device}/{kind_of(task)}/SampleClock"
 
 
 def _moved(server: SimulatedSystem, task: Task, channel: Channel | None) -> int:

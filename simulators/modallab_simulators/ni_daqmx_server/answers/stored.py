@@ -67,12 +67,12 @@ def _coupling(task: Task, channel: Channel | None) -> int:
 def _clock_source(task: Task, channel: Channel | None) -> str:
     if task.timing == "on-demand":
         return ""
-    return f"/{task.own_device}/{kind_of(task)}/SampleClockTimebase"
+    return f"/{task.default_device}/{kind_of(task)}/SampleClockTimebase"
 
 
 def _timebase(task: Task, channel: Channel | None) -> str:
     first = task.all_channels()[0].module
-    return f"/{task.own_device}/{first.timebase_hz / 1e6:g}MHzTimebase"
+    return f"/{task.default_device}/{first.timebase_hz / 1e6:g}MHzTimebase"
 
 
 def _division(task: Task, channel: Channel | None) -> int:

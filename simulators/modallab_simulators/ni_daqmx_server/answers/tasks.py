@@ -111,7 +111,7 @@ def _apply(task: Task, name: str, value: Any) -> None:
 def _full(task: Task, name: str, value: Any) -> Any:
     # A terminal is kept with its device, as the device names it.
     is_terminal = name.endswith(_TERMINALS) and not any(part in name for part in _NO_TERMINAL)
-    return terminal(value, task.own_device) if is_terminal and isinstance(value, str) else value
+    return terminal(value, task.default_device) if is_terminal and isinstance(value, str) else value
 
 
 def _require_in_range(task: Task, channel: Channel, name: str, value: Any) -> None:

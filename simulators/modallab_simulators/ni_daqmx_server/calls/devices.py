@@ -53,7 +53,7 @@ def control_watchdog(system: SimulatedSystem, request: Any) -> Answer:
     if task.expired and not clears:
         raise StatusError(status.EXPIRED_NOT_RESET, f"Task Name: {task.name}")
     if clears and task.device not in system.expired:
-        system.let_go(task)
+        system.resume_outputs(task)
     if not task.expired:
         task.kick(time.monotonic())
     return {}

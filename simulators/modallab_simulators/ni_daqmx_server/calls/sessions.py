@@ -11,7 +11,7 @@ from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.analog_inputs import add_inputs
 from modallab_simulators.ni_daqmx_server.calls.channels import add_analog
 from modallab_simulators.ni_daqmx_server.calls.kinds import split
-from modallab_simulators.ni_daqmx_server.calls.timing import pace_as_saved, verify
+from modallab_simulators.ni_daqmx_server.calls.timing import use_saved_timing, verify
 from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
 from modallab_simulators.ni_daqmx_server.digital_task import LineTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
@@ -89,7 +89,7 @@ def load_task(system: SimulatedSystem, request: Any) -> Answer:
     if new:
         system.add(Task(found))
         add_saved(system, found, split(system.saved.tasks[name]["Channels"]))
-        pace_as_saved(system.task(found, Task), system.saved.tasks[name])
+        use_saved_timing(system.task(found, Task), system.saved.tasks[name])
     return {"task": found, "new_session_initialized": new}
 
 
@@ -188,7 +188,7 @@ def wait_until_done(system: SimulatedSystem, request: Any) -> Answer:
         time.sleep(LOOK_S)
 
 
-def nth_channel(system: SimulatedSystem, request: Any) -> Answer:
+def channel_by_number(system: SimulatedSystem, request: Any) -> Answer:
     """One channel of a task, counted from 1."""
     channels = system.task(request.task.name, Task).all_channels()
     if not 1 <= request.index <= len(channels):
@@ -202,7 +202,7 @@ def devices_of(task: Task) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def nth_device(system: SimulatedSystem, request: Any) -> Answer:
+def device_by_number(system: SimulatedSystem, request: Any) -> Answer:
     """One device of a task, counted from 1."""
     found = devices_of(system.task(request.task.name, Task))
     if not 1 <= request.index <= len(found):

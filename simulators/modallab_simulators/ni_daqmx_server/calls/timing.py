@@ -140,7 +140,7 @@ def rate_of(task: Task) -> float | None:
     return None
 
 
-def pace_as_saved(task: Task, section: Section) -> None:
+def use_saved_timing(task: Task, section: Section) -> None:
     """The clock of a task that was saved."""
     count = int(section.get("SampQuant.SampPerChan", "1000"))
     mode = FINITE if section.get("SampQuant.SampMode") == "Finite Samples" else CONTINUOUS

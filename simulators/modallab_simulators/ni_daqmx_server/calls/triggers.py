@@ -33,7 +33,7 @@ def configure(system: SimulatedSystem, request: Any, kind: str, place: str) -> A
         if field in _FIELDS:
             full = field == "trigger_source" and kind != "DIG_PATTERN" and "/" not in value
             task.attributes["", f"{kind}_{place}_TRIG_{_FIELDS[field]}"] = (
-                terminal(value, task.own_device) if full else value
+                terminal(value, task.default_device) if full else value
             )
     if "pretrigger_samples" in given:
         task.attributes["", "REF_TRIG_PRETRIG_SAMPLES"] = given["pretrigger_samples"]

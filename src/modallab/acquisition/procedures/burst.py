@@ -124,14 +124,14 @@ class BurstCheck:
     Attributes:
         measured: force and the part of the limits that was used.
         settled: whether the decays are gone; "" where that is not judged.
-        missing_s: how much longer to wait for it.
+        further_wait_s: how much longer to wait for it.
         unsettled: in words, if it has not settled.
         facts: for the catalogue.
     """
 
     measured: MeasuredBurst
     settled: Settled | str = ""
-    missing_s: float = 0.0
+    further_wait_s: float = 0.0
     unsettled: str = ""
     facts: dict[str, float | str] = field(default_factory=dict[str, float | str])
 
@@ -172,7 +172,7 @@ def check_burst(
     return BurstCheck(
         measured,
         verdict,
-        settling.missing_s(plan.settled_ratio),
+        settling.further_wait_s(plan.settled_ratio),
         _unsettled_reason(settling, plan) if verdict == "no" else "",
         facts | settling.facts(plan.settled_ratio),
     )

@@ -50,7 +50,7 @@ class Settling:
             return "no"
         return "yes" if self.total <= limit and spread <= limit else "unknown"
 
-    def missing_s(self, limit: float) -> float:
+    def further_wait_s(self, limit: float) -> float:
         """How much longer to wait until every decay is below its share of `limit`."""
         share = limit / np.sqrt(len(self.ratio))
         return float(max(0.0, (np.log(np.maximum(self.ratio, 1e-12) / share) / self.zeta_omega).max()))

@@ -165,7 +165,7 @@ class SineTest:
         longest = self.plan.max_settle_s or self.plan.settle_s
         settle_s, volts = setting.settle_s, setting.volts
         if seen.settled == "no":
-            settle_s = min(longest, settle_s + seen.missing_s)
+            settle_s = min(longest, settle_s + seen.further_wait_s)
         if setting.number < (self.plan.force.max_bursts if self.plan.force is not None else 1):
             volts = self.drive.next_v(step.level, step.frequency_hz, seen.measured) or volts
         if settle_s <= setting.settle_s and volts == setting.volts:

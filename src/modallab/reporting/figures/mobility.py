@@ -97,7 +97,7 @@ def _regenerated_style(few: bool) -> dict[str, Any]:
     return {"color": style.MODEL, "linewidth": 1.5, "linestyle": "--"}
 
 
-def one_point(check: Verification, output: int, input_: int = 0) -> Figure:
+def frf_at_one_point(check: Verification, output: int, input_: int = 0) -> Figure:
     """Amplitude, phase, real and imaginary part; the paper shows point 10, the free end.
 
     Args:
@@ -218,7 +218,7 @@ def _legend_key(lines: list[Line2D]) -> list[Line2D]:
     return lines if len(lines) <= 4 else [lines[0], lines[len(lines) // 2], lines[-1]]
 
 
-def before_after(before: Frf, after: Frf) -> Figure:
+def mobility_before_after(before: Frf, after: Frf) -> Figure:
     """Amplitude of one FRF before a change and after it, with two standard deviations.
 
     Args:

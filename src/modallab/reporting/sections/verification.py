@@ -5,7 +5,7 @@ import numpy as np
 from modallab.core.digits import four_places, list_in_words
 from modallab.core.model import Verification
 from modallab.reporting.content import OutcomeOfTest, ReportContent
-from modallab.reporting.figures.mobility import mobility_panels, one_point
+from modallab.reporting.figures.mobility import frf_at_one_point, mobility_panels
 from modallab.reporting.figures.mode_shapes import farthest_sensor, sensor_label
 from modallab.reporting.markup import Markup, html_element, html_table, join_markup
 from modallab.reporting.sections.section import Section, captioned_figure, paragraph
@@ -62,7 +62,7 @@ def _verification_of_test(content: ReportContent, outcome: OutcomeOfTest, check:
     spread = f"FRAC is at least {four_places(known.min())}"
     alone = len(check.measured.outputs) == 1
     one = captioned_figure(
-        one_point(check, output, worst),
+        frf_at_one_point(check, output, worst),
         f"one-{test}-{i}",
         f"Amplitude, phase, real and imaginary part of the mobility at {named}, measured and regenerated. {spread}",
         f"Mobility at {named}{at}, in full. {spread + '. ' if alone else ''}In the real and the imaginary part the "

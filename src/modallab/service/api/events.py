@@ -130,7 +130,7 @@ class EventFeed:
         finally:
             self._listeners.discard(listener)
 
-    def look(self) -> None:
+    def check_now(self) -> None:
         """There is something new in the log: look now. From any thread."""
         self._new.set()
 

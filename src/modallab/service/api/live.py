@@ -82,7 +82,7 @@ async def show_frf(
         try:
             async for event in _until_gone_or_found(feed.follow(EventTopic(run=run)), gone):
                 if event is None or event.kind in CHANGES:
-                    for found in await asyncio.to_thread(watch.look):
+                    for found in await asyncio.to_thread(watch.check_now):
                         await socket.send_bytes(found)
         except ModallabError as error:
             await socket.close(WRONG, error.what[:REASON])
@@ -109,14 +109,14 @@ async def _show_samples(socket: WebSocket, chosen: ViewSelection, idle: bool) ->
         await asyncio.to_thread(service.control.emergency_stop, asked.rig, reason, operator)
 
     # Before it is accepted: nothing that begins after that is missed.
-    begun = await asyncio.to_thread(view.look)
+    begun = await asyncio.to_thread(view.check_now)
     await socket.accept()
     try:
         for found in begun:
             await socket.send_bytes(found)
         async with _while_there(socket, stop) as gone:
             while not gone.done():
-                for found in await asyncio.to_thread(view.look):
+                for found in await asyncio.to_thread(view.check_now):
                     await socket.send_bytes(found)
                 await asyncio.wait({gone}, timeout=LOOK_S)
     except ModallabError as error:

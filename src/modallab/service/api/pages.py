@@ -23,7 +23,7 @@ _FOLDER = Path(str(files("modallab.service") / "page"))
 
 
 @router.get("/")
-def begin() -> RedirectResponse:
+def redirect_to_page() -> RedirectResponse:
     """Who types the address alone is led to the operator's page."""
     return RedirectResponse("/page/")
 

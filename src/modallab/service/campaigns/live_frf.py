@@ -57,7 +57,7 @@ class FrfWatch:
     _known: bool = False
     _seen: dict[int | None, int] = field(default_factory=dict[int | None, int])
 
-    def look(self) -> list[bytes]:
+    def check_now(self) -> list[bytes]:
         """A message for each point whose FRF is another one than at the last look; none before the first block.
 
         Its array is (2, outputs, lines) complex64, mobility and coherence, the latter only where blocks are averaged.

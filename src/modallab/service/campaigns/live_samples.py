@@ -77,7 +77,7 @@ class LiveSource:
     ended: bool = False
     written_ns: int = 0
 
-    def about(self, position: int, lost: int, *, ended: bool = False) -> dict[str, object]:
+    def message_header(self, position: int, lost: int, *, ended: bool = False) -> dict[str, object]:
         """What stands at the beginning of every message."""
         info = self.info
         at = next((b for b in reversed(info.breaks) if b.position <= position), None)
@@ -116,7 +116,7 @@ class LiveView:
     _first: bool = True
     _wanted_s: float = float("-inf")
 
-    def look(self) -> list[bytes]:
+    def check_now(self) -> list[bytes]:
         """Messages with what is new; none where nothing is."""
         self._want()
         self._find()
@@ -145,7 +145,7 @@ class LiveView:
             yield found
         if source.ended:
             yield binary_message(
-                source.about(source.next, 0, ended=True), np.zeros((len(source.rows), 0), source.info.dtype)
+                source.message_header(source.next, 0, ended=True), np.zeros((len(source.rows), 0), source.info.dtype)
             )
             source.ring.close()
             del self._sources[source.info.run]
@@ -193,7 +193,7 @@ def _samples_of_source(source: LiveSource) -> bytes | None:
     if not samples.shape[1]:
         return None
     lost, source.next = first - source.next, first + samples.shape[1]
-    about = source.about(first, lost) | {
+    about = source.message_header(first, lost) | {
         "scale": [info.scale[row] for row in source.rows],
         "overload": [info.channels[row] for row, flags in zip(source.rows, over, strict=True) if flags.any()],
     }
@@ -217,7 +217,7 @@ def _extremes_by_column(source: LiveSource, width: int) -> bytes | None:
     scale = np.array([info.scale[row] for row in source.rows])[:, None]
     ends = np.stack([values.min(axis=2) * scale, values.max(axis=2) * scale], axis=1)
     cells = (begin + np.arange(columns) * width) // CELL - begin // CELL
-    about = source.about(begin, lost) | {
+    about = source.message_header(begin, lost) | {
         "width": width,
         "overload": {
             info.channels[row]: np.flatnonzero(flags[cells]).tolist()

@@ -96,7 +96,7 @@ class LocalCampaign:
             )
         self._ended: SimpleQueue[str] = SimpleQueue()
         run_log = self._run_log = RunLog(self._store, EventLog(self._store.catalogue.engine))
-        RunRecovery(run_log).look()
+        RunRecovery(run_log).check_now()
         (self._rig,) = rig_ids([rig.name])
         leases = RigLeases(self._store.catalogue.engine, boot)
         self._as_filed = rig

@@ -49,7 +49,7 @@ class Purge:
         self._began = wall()
         self._began_s = self._looked_s = clock()
 
-    def look(self) -> None:
+    def check_now(self) -> None:
         """Delete what is due, if it is time to look.
 
         Raises:
@@ -60,7 +60,7 @@ class Purge:
         self._looked_s = self._clock()
         passed = timedelta(seconds=self._clock() - self._began_s)
         now = min(self._wall(), self._began + passed).isoformat(timespec="milliseconds")
-        for kind, name in self._aside.due(now):
+        for kind, name in self._aside.expired_entries(now):
             try:
                 if self._aside.begin_purge(kind, name, now):
                     self._delete(kind, name)

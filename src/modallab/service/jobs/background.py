@@ -28,7 +28,7 @@ class JobWatch:
         self._known: dict[str, tuple[str, str, float]] = {}
         self._looked_s = float("-inf")
 
-    def look(self) -> None:
+    def check_now(self) -> None:
         """Look, if it is time.
 
         Raises:

@@ -153,7 +153,7 @@ class Child:
             return 0.0
         return 0.0 if times is None else times.user + times.system
 
-    def look(self) -> None:
+    def check_now(self) -> None:
         """Start it, if it is not there and its time has come; never once it was asked to leave."""
         with self._lock:
             if not self._leaving:
@@ -226,7 +226,7 @@ class HeartbeatTimer:
         self._used_s = 0.0
         self.counted_s = 0.0
 
-    def look(self, received_s: float, used_s: float) -> bool:
+    def check_now(self, received_s: float, used_s: float) -> bool:
         """Look again. Whether the other has given no sign of life for too long.
 
         Args:

@@ -171,7 +171,7 @@ class CallServer:
         return time.monotonic() - self.received_s
 
     @property
-    def gone(self) -> str:
+    def end_message(self) -> str:
         """What is to be said of it once it has ended; before, ""."""
         gone_s = self._gone_s
         return "" if gone_s is None else f"the REST process has been gone for {time.monotonic() - gone_s:.1f} s"

@@ -81,7 +81,7 @@ class ServiceSupervisor:
         self._watch = JobWatch(self.store.catalogue.engine, jobs, log)
         after = IdentificationAfterRun(self.store, jobs)
         self._recovery = RunRecovery(run_log, after)
-        self._recovery.look()
+        self._recovery.check_now()
         self._purge = Purge(self.store)
         listener = bound_socket(settings.host, settings.port)
         benches = _benches(rigs, run_log, settings.data)
@@ -198,16 +198,16 @@ class ServiceSupervisor:
                 for name, pid in self.controllers.rig_processes().items():
                     self._orphans.note(name, pid, leaves=True)
                 self._run_log.log.flush()
-                self._watch.look()
-                self._recovery.look()
-                self._purge.look()
+                self._watch.check_now()
+                self._recovery.check_now()
+                self._purge.check_now()
             except Exception:
                 LOG.exception("supervisor")
         # The system ends children with the thread that started them.
         self._closed.wait()
 
     def _look_after(self, child: Child) -> None:
-        child.look()
+        child.check_now()
         self._orphans.note(child.name, child.pid)
 
     def _guard(self) -> None:
@@ -224,16 +224,16 @@ class ServiceSupervisor:
         counter = self._counter
         if counter is None or not counter.began:
             return ""
-        timed_out = timer.look(counter.received_s, self._api.used_s)
+        timed_out = timer.check_now(counter.received_s, self._api.used_s)
         # Started again it may be back within the second that it is given: its end alone is reason enough.
-        return counter.gone or (
+        return counter.end_message or (
             f"no heartbeat of the REST process for {counter.since_received_s:.1f} s" if timed_out else ""
         )
 
     def _is_connected(self) -> bool:
         """Whether somebody could see and command a run that begins now."""
         counter = self._counter
-        if counter is None or not counter.began or counter.gone:
+        if counter is None or not counter.began or counter.end_message:
             return False
         return counter.since_received_s <= self._settings.heartbeat_timeout_s
 

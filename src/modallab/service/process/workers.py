@@ -78,7 +78,7 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
     control = RemoteControl(connection, gone)
     service = open_service(settings.data, cast("Control", control), boot)
     app = create_app(service, settings, token)
-    control.on_events = app.state.feed.look
+    control.on_events = app.state.feed.check_now
     server = uvicorn.Server(_configuration(app, settings))
     # What was imported stays for ever: whoever opens many connections at once must not have it looked through again.
     gc.collect()

@@ -119,7 +119,7 @@ class Archive:
         if found is not None:
             raise ConflictError(f"the campaign is {found.state}", where=campaign, remedy="restore it first")
 
-    def due(self, now: str) -> list[tuple[Kind, str]]:
+    def expired_entries(self, now: str) -> list[tuple[Kind, str]]:
         """What is to be purged: its grace time has ended by `now`, or it was begun and not finished."""
         ended = SET_ASIDE.c.state.in_(("deleted", "purging")), SET_ASIDE.c.purge_utc <= now
         with read_transaction(self._engine) as connection:

@@ -73,7 +73,7 @@ class RequestedRun:
             self._on_its_way = not self._given_up
             return self._on_its_way
 
-    def put_back(self) -> None:
+    def return_to_queue(self) -> None:
         """It could not be tried, and will be once more."""
         with self._lock:
             self._on_its_way, self.again = False, True

@@ -268,7 +268,7 @@ class RigController:
             return True
         # The pipe broke: it had left while nothing was on, as it does when a busy machine lets nobody speak to it for
         # long, and may still be about to end.
-        requested.put_back()
+        requested.return_to_queue()
         self._kept = requested
         return False
 

@@ -81,7 +81,7 @@ class QueueRunner:
         self._closing.set()
         self._thread.join()
 
-    def look(self) -> None:
+    def check_now(self) -> None:
         """Look once.
 
         Raises:
@@ -104,7 +104,7 @@ class QueueRunner:
     def _work(self) -> None:
         while not self._closing.wait(LOOK_S):
             try:
-                self.look()
+                self.check_now()
             except ModallabError as error:
                 LOG.warning("queue: %s", error)
             except Exception:

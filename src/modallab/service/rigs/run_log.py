@@ -138,7 +138,7 @@ class RunRecovery:
         self._unreported = unreported_runs(run_log.engine)
         self._looked_s = float("-inf")
 
-    def look(self) -> None:
+    def check_now(self) -> None:
         """Mark what is there to be marked, and report what is there to be reported.
 
         Raises:

@@ -201,7 +201,7 @@ def element_motion(felt: Real, real: Real, imag: Real) -> float:
 
 
 @machine_code
-def opened_by(opened: Real, felt: Real, real: Real, imag: Real, now: Real, f: float, found: Real, g: Real) -> bool:
+def crack_opening(opened: Real, felt: Real, real: Real, imag: Real, now: Real, f: float, found: Real, g: Real) -> bool:
     """Whether a crack is open, which it is where the first motion is positive; its forces into `g`, zero if closed."""
     open_now = element_motion(felt[0], real, imag) + now[0] * f > 0
     if open_now:
@@ -293,7 +293,7 @@ def step_many(
         if n == skip:
             begun[0], begun[1] = real, imag
         if law == CRACK:
-            since = since + 1 if opened_by(opened, felt, real, imag, now, force[n], found, g2) else 0
+            since = since + 1 if crack_opening(opened, felt, real, imag, now, force[n], found, g2) else 0
             for j in range(m):
                 acting[j] = g2[j]
                 acting[m + 1 + j] = -(g2[j] - 2.0 * g1[j] + g0[j]) / CURVED if since >= STRAIGHT else 0.0
