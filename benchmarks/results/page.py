@@ -25,8 +25,9 @@ TOPICS = {
 }
 HEAD = """# Measured figures
 
-For anyone who asks how good modallab is. *Unseen* figures come from a first run of one program on new trials; *seen*
-figures from trials used in development. `benchmarks/results/*.csv` hold all figures, [history](history/README.md) the superseded ones.
+How good modallab is. *Unseen* figures come from a first run of one program on new trials; *seen* figures
+from trials used in development. `benchmarks/results/*.csv` hold all figures,
+[history](history/README.md) superseded ones.
 Machine: {machine}, beside other work. *By* is the number of the [command](#commands). Put
 `python benchmarks/` before a command that does not begin with `modallab` or `python`.
 """
