@@ -32,7 +32,7 @@ def add_gap_commands(commands: Commands) -> None:
     _add_next(actions)
     _add_blind(actions)
     command = actions.add_parser("paper", help="explain each number of the paper's Table 1")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write it as JSON")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the result as JSON")
     command.set_defaults(module="gap_paper")
 
 
@@ -64,7 +64,7 @@ def _add_diagnose(actions: Commands) -> None:
         "finite-element model (.frd, .f06, .pch, .op2, .unv, matrices in .npz or .mat, or a YAML file)",
     )
     command.add_argument(
-        "--band", type=not_negative, nargs=2, metavar=("LO", "HI"), help="in Hz, with --reference (default: all)"
+        "--band", type=not_negative, nargs=2, metavar=("LO", "HI"), help="band in Hz, with --reference (default: all)"
     )
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("diagnosis"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
@@ -76,7 +76,7 @@ def _add_predict(actions: Commands) -> None:
         "predict", help="predict the records of another campaign on the same rig from its forces"
     )
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the diagnosed campaign")
-    command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json", help="its diagnosis")
+    command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json", help="diagnosis of that campaign")
     command.add_argument("--on", type=Path, required=True, metavar="OTHER", help="the campaign to predict")
     command.add_argument("--out", type=Path, required=True, metavar="PREDICTED.h5", help="the predicted records")
     command.add_argument(
@@ -96,7 +96,7 @@ def _add_revisions(actions: Commands) -> None:
     command.add_argument(
         "--on", type=Path, nargs="+", metavar="CAMPAIGN", help="campaigns on which to measure every revision"
     )
-    command.add_argument("--json", type=Path, metavar="FILE", help="write it as JSON")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the result as JSON")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML page")
     command.set_defaults(module="gap_revisions")
 
@@ -123,7 +123,9 @@ def _add_blind(actions: Commands) -> None:
     command.add_argument(
         "--on", type=Path, metavar="CAMPAIGN", help="add known effects to these measured FRFs, of any structure"
     )
-    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file of --on, if not in or beside it")
+    command.add_argument(
+        "--rig", type=Path, metavar="RIG.yaml", help="rig file of --on, if not in or beside that campaign"
+    )
     command.add_argument(
         "--band", type=not_negative, nargs=2, metavar=("LO", "HI"), help="band of --on in Hz (default: all its lines)"
     )
@@ -136,7 +138,9 @@ def _add_blind(actions: Commands) -> None:
     command.add_argument(
         "--truth", type=Path, metavar="TRUTHS", help="true effects of --folder, read after all diagnoses are written"
     )
-    command.add_argument("--workers", type=positive_integer, metavar="N", help="processes (default: one a processor)")
+    command.add_argument(
+        "--workers", type=positive_integer, metavar="N", help="number of processes (default: one for each processor)"
+    )
     command.add_argument(
         "--scheduler",
         metavar="ADDRESS",
@@ -175,7 +179,7 @@ def _add_export(actions: Commands) -> None:
 def _add_next(actions: Commands) -> None:
     command = actions.add_parser("next", help="plan the experiment that decides between the remaining explanations")
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the diagnosed campaign")
-    command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json", help="its diagnosis")
+    command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json", help="diagnosis of that campaign")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside the campaign")
     command.add_argument(
         "--run", dest="run_it", action="store_true", help="run the best experiment on the bench, and diagnose again"

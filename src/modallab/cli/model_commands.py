@@ -19,7 +19,7 @@ def add_model_commands(commands: Commands) -> None:
             "model", type=Path, metavar="MODELS.json|FOLDER|CAMPAIGN.h5", help="models, or a campaign to identify"
         )
         command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside it")
-        command.add_argument("--test", choices=TESTS, help="whose model (default: the first)")
+        command.add_argument("--test", choices=TESTS, help="test of the model (default: the first)")
         command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("answer"))
         add_verbosity_option(command)
     model.set_defaults(module="model")
@@ -27,14 +27,14 @@ def add_model_commands(commands: Commands) -> None:
 
 def _participation(actions: Commands) -> Any:
     command = actions.add_parser("participation", help="share of each mode in the response at a point")
-    command.add_argument("--at", type=int, required=True, metavar="POINT", help="of the force")
-    command.add_argument("--of", type=int, required=True, metavar="POINT", help="of the motion")
+    command.add_argument("--at", type=int, required=True, metavar="POINT", help="point of the force")
+    command.add_argument("--of", type=int, required=True, metavar="POINT", help="point of the motion")
     span = command.add_mutually_exclusive_group()
     span.add_argument(
-        "--band", nargs=2, type=positive_number, metavar=("LO", "HI"), help="in Hz (default: the model's)"
+        "--band", nargs=2, type=positive_number, metavar=("LO", "HI"), help="band in Hz (default: that of the model)"
     )
     span.add_argument("--after", nargs=2, type=float, metavar=("BEGIN", "END"), help="time range after a hit, s")
-    command.add_argument("--quantity", choices=_MOTIONS, default="velocity", help="of the motion")
+    command.add_argument("--quantity", choices=_MOTIONS, default="velocity", help="quantity of the motion")
     return command
 
 
@@ -45,7 +45,7 @@ def _nodes(actions: Commands) -> Any:
 def _shape(actions: Commands) -> Any:
     command = actions.add_parser("shape", help="the shape of a mode, or the measured deflection shape")
     which = command.add_mutually_exclusive_group(required=True)
-    which.add_argument("--mode", type=int, metavar="N", help="from 1")
+    which.add_argument("--mode", type=int, metavar="N", help="number of the mode, from 1")
     which.add_argument("--hz", type=positive_number, help="frequency of an operating deflection shape")
     command.add_argument("--at", type=int, metavar="POINT", help="point of the force, with --hz")
     command.add_argument("--out", type=Path, metavar="FILE.gif", help="file of a moving picture")
@@ -87,7 +87,7 @@ def _frf(actions: Commands) -> Any:
     command.add_argument("--outputs", type=int, nargs="+", metavar="POINT", help="(default: all that have a sensor)")
     command.add_argument("--inputs", type=int, nargs="+", metavar="POINT", help="(default: those that were driven)")
     command.add_argument(
-        "--quantity", choices=("receptance", "mobility", "inertance"), default="mobility", help="what is written"
+        "--quantity", choices=("receptance", "mobility", "inertance"), default="mobility", help="kind of FRF"
     )
     command.add_argument(
         "--lines",
@@ -113,14 +113,16 @@ def _response(actions: Commands) -> Any:
     force.add_argument("--force", type=Path, metavar="FILE", help="samples in N, a column for each force; .csv or .npy")
     force.add_argument("--impulse", type=float, metavar="NS", help="an impulse of this size in one sample")
     force.add_argument("--sine", type=float, nargs=2, metavar=("HZ", "N"), help="a sine from the first sample on")
-    force.add_argument("--sweep", type=float, nargs=3, metavar=("HZ", "HZ", "N"), help="from, to, amplitude")
+    force.add_argument(
+        "--sweep", type=float, nargs=3, metavar=("HZ", "HZ", "N"), help="a sweep from, to, with this amplitude"
+    )
     force.add_argument(
         "--random", type=Path, metavar="FILE", help="a random force of this spectrum: rows of Hz and N^2/Hz"
     )
-    command.add_argument("--step", type=positive_number, required=True, metavar="S", help="between samples")
+    command.add_argument("--step", type=positive_number, required=True, metavar="S", help="time between samples")
     command.add_argument("--seconds", type=positive_number, help="duration of a force that is not from a file")
-    command.add_argument("--seed", type=int, default=0, metavar="N", help="of --random (default: 0)")
-    command.add_argument("--quantity", choices=_MOTIONS, default="acceleration", help="of the motion")
+    command.add_argument("--seed", type=int, default=0, metavar="N", help="seed of --random (default: 0)")
+    command.add_argument("--quantity", choices=_MOTIONS, default="acceleration", help="quantity of the motion")
     kinds = ("band-limited", "linear")
     command.add_argument("--between", choices=kinds, default=kinds[0], help="course of a force between its samples")
     _add_start(command)
@@ -129,20 +131,21 @@ def _response(actions: Commands) -> Any:
 
 
 def _add_start(command: Any) -> None:
-    for name, unit in (("displaced", "M"), ("moving", "M/S")):
-        command.add_argument(
-            f"--{name}", type=float, nargs=2, action="append", metavar=("POINT", unit), help="state at the first sample"
-        )
+    for name, unit, called in (("displaced", "M", "displacement"), ("moving", "M/S", "velocity")):
+        about = f"{called} of a point at the first sample"
+        command.add_argument(f"--{name}", type=float, nargs=2, action="append", metavar=("POINT", unit), help=about)
 
 
 def _state_space(actions: Commands) -> Any:
     command = actions.add_parser("state-space", help="matrices A, B, C, D of the modes, for simulators and control")
-    command.add_argument("--at", type=int, nargs="+", required=True, metavar="POINT", help="of the forces")
+    command.add_argument("--at", type=int, nargs="+", required=True, metavar="POINT", help="points of the forces")
     command.add_argument(
         "--of", type=int, nargs="+", metavar="POINT", help="points of the motion (default: all with a sensor)"
     )
-    command.add_argument("--quantity", choices=_MOTIONS, default="acceleration", help="of the motion")
-    command.add_argument("--out", type=Path, required=True, metavar="FILE.mat", help="with names and units")
+    command.add_argument("--quantity", choices=_MOTIONS, default="acceleration", help="quantity of the motion")
+    command.add_argument(
+        "--out", type=Path, required=True, metavar="FILE.mat", help="file of the matrices, with names and units"
+    )
     return command
 
 
@@ -182,7 +185,7 @@ def _modify(actions: Commands) -> Any:
 
 def _tune(actions: Commands) -> Any:
     command = actions.add_parser("tune", help="the mass or spring that moves a mode to a frequency, at each point")
-    command.add_argument("--mode", type=int, required=True, metavar="N", help="from 1")
+    command.add_argument("--mode", type=int, required=True, metavar="N", help="number of the mode, from 1")
     command.add_argument("--to", type=positive_number, required=True, metavar="HZ", help="the frequency")
     _add_by_and_at(command)
     return command
@@ -223,14 +226,14 @@ def _free(actions: Commands) -> Any:
 
 def _absorber(actions: Commands) -> Any:
     command = actions.add_parser("absorber", help="the absorber that makes the peak of a mode smallest")
-    command.add_argument("--mode", type=int, required=True, metavar="N", help="from 1")
-    command.add_argument("--at", type=int, required=True, metavar="POINT", help="where it hangs")
-    command.add_argument("--mass", type=positive_number, required=True, metavar="KG", help="of it")
+    command.add_argument("--mode", type=int, required=True, metavar="N", help="number of the mode, from 1")
+    command.add_argument("--at", type=int, required=True, metavar="POINT", help="point of the absorber")
+    command.add_argument("--mass", type=positive_number, required=True, metavar="KG", help="mass of the absorber")
     return command
 
 
 def _add_by_and_at(command: Any) -> None:
-    command.add_argument("--by", choices=("mass", "spring"), required=True, help="what is added")
+    command.add_argument("--by", choices=("mass", "spring"), required=True, help="kind of change")
     command.add_argument("--at", type=int, nargs="+", metavar="POINT", help="points to try (default: all)")
 
 

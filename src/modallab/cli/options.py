@@ -24,7 +24,7 @@ _UNKNOWN = re.compile(r"unrecognized arguments: (.+)")
 
 
 class UsageError(ModallabError):
-    """The command line is not one that the command has."""
+    """The command line has a wrong option or value."""
 
     code = "usage"
 

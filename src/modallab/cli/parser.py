@@ -104,10 +104,18 @@ def _add_identify(commands: Commands) -> None:
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside the campaign")
     _add_estimation(command)
     command.add_argument(
-        "--pick", type=positive_number, nargs="+", metavar="HZ", help="keep only the modes within 2 %% of these"
+        "--pick",
+        type=positive_number,
+        nargs="+",
+        metavar="HZ",
+        help="frequencies in Hz of the modes to keep, within 2 %%",
     )
     command.add_argument(
-        "--drop", type=positive_number, nargs="+", metavar="HZ", help="leave out the modes within 2 %% of these"
+        "--drop",
+        type=positive_number,
+        nargs="+",
+        metavar="HZ",
+        help="frequencies in Hz of the modes to leave out, within 2 %%",
     )
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
@@ -159,7 +167,7 @@ def _add_rig(commands: Commands) -> None:
         command.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
         command.add_argument("--bench", metavar="ADDRESS", help="address of the bench (default: that of the rig file)")
         command.add_argument("--seconds", type=positive_number, default=3.0, help="length of the record in s")
-    reset = actions.add_parser("reset", help="reset a tripped rig, after somebody has looked at the bench")
+    reset = actions.add_parser("reset", help="reset a tripped rig, after a check of the bench")
     reset.add_argument("rig", type=Path, metavar="RIG.yaml", help="the rig file")
     reset.add_argument("--bench", metavar="ADDRESS", help="address of the bench (default: that of the rig file)")
     reset.add_argument("--data", type=Path, required=True, metavar="FOLDER", help="data folder of the recordings")
@@ -183,7 +191,10 @@ def _add_rig_check(check: argparse.ArgumentParser) -> None:
 def _add_calibration(calibrate: argparse.ArgumentParser) -> None:
     calibrate.add_argument("--channel", required=True, metavar="NAME", help="the channel")
     calibrate.add_argument(
-        "--method", required=True, choices=("turnover", "shunt", "reference", "rigid-mass"), help="how"
+        "--method",
+        required=True,
+        choices=("turnover", "shunt", "reference", "rigid-mass"),
+        help="method of the calibration",
     )
     calibrate.add_argument(
         "--value", type=float, help="value of the shunt (SI), rms of the reference (SI), or mass in kg"
@@ -202,7 +213,7 @@ def _add_rigid_mass(mass: argparse.ArgumentParser) -> None:
     mass.add_argument(
         "--mass", type=positive_number, required=True, metavar="KG", help="mass including the accelerometer"
     )
-    mass.add_argument("--when", required=True, choices=("before", "after"), help="the test")
+    mass.add_argument("--when", required=True, choices=("before", "after"), help="before or after the test")
     mass.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
     mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="data folder of the campaign")
     mass.add_argument("--yes", action="store_true", help="do not wait for Enter")
@@ -217,7 +228,7 @@ def _add_devices(commands: Commands) -> None:
         help="list only the devices at this address, such as nidaqmx+grpc://host:31763",
     )
     command.add_argument("--release", action="store_true", help="release devices that a killed program left reserved")
-    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="needed to release")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, needed for --release")
     command.set_defaults(module="devices")
 
 
@@ -233,7 +244,7 @@ def _add_serve(commands: Commands) -> None:
     command.add_argument("--stop-port", type=int, metavar="N", help="port of the emergency stop (default: 8001)")
     command.add_argument("--token-file", type=Path, metavar="FILE", help="file of the token")
     command.add_argument("--tls-cert", type=Path, metavar="FILE", help="use TLS with this certificate, as PEM")
-    command.add_argument("--tls-key", type=Path, metavar="FILE", help="its key")
+    command.add_argument("--tls-key", type=Path, metavar="FILE", help="key of the certificate")
     command.add_argument(
         "--tls-self-signed", action="store_const", const=True, help="make a certificate in the data folder, and use it"
     )
@@ -242,7 +253,7 @@ def _add_serve(commands: Commands) -> None:
         "--workers", type=int, metavar="N", help="number of processes that compute jobs on this machine"
     )
     command.add_argument("--open", action="store_true", help="open a browser that is logged in")
-    command.add_argument("--no-jobs", dest="jobs", action="store_const", const=False, help="compute no jobs here")
+    command.add_argument("--no-jobs", dest="jobs", action="store_const", const=False, help="do not compute jobs")
     command.set_defaults(module="serve")
 
 
@@ -260,7 +271,7 @@ def _add_campaign(commands: Commands) -> None:
     command.add_argument("--operator", metavar="NAME", help="name of the operator (default: the user logged in)")
     command.add_argument("--out", type=Path, metavar="CAMPAIGN.h5", help="write the recordings as one file")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
-    command.add_argument("--mute", action="store_true", help="no tones")
+    command.add_argument("--mute", action="store_true", help="turn the tones off")
     command.add_argument(
         "--keys",
         default="",

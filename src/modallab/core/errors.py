@@ -25,7 +25,7 @@ _TO_DO = "\n  what to do: "
 
 
 class ModallabError(Exception):
-    """Root of all expected errors.
+    """Base class of all expected errors.
 
     Args:
         what: what was wrong, with the value that was found.
@@ -79,7 +79,7 @@ class RigError(ModallabError):
 
 
 class PlanError(ModallabError):
-    """The plan asks for something the rig, its limits or the bench cannot do."""
+    """The rig, its limits or the bench do not allow the plan."""
 
     code = "plan"
     http = Http(
@@ -90,28 +90,28 @@ class PlanError(ModallabError):
 
 
 class FormatError(ModallabError):
-    """A file cannot be read as what it claims to be: cut off, foreign, of an unknown version."""
+    """A file cannot be read: it is truncated, foreign, or of an unknown version."""
 
     code = "format"
     http = Http(422, "A file cannot be read", "The file is truncated, foreign, or of an unknown version.")
 
 
 class DataError(ModallabError):
-    """A recording holds what no measurement can hold: NaN, a dead channel, a wrong shape or unit."""
+    """A recording contains impossible values: NaN, a dead channel, a wrong shape or unit."""
 
     code = "data"
     http = Http(422, "The data cannot be used", "The data contain impossible values, or lack what was requested.")
 
 
 class IdentificationError(ModallabError):
-    """The data do not carry the modal model that was asked of them."""
+    """The requested modal model cannot be identified from these data."""
 
     code = "identification"
     http = Http(422, "No model in these data", "Look at the FRF and its coherence.")
 
 
 class BenchError(ModallabError):
-    """A device of the bench failed, is absent, or rejected what was asked."""
+    """A device of the bench failed, is absent, or rejected a command."""
 
     code = "bench"
     http = Http(503, "The bench failed", "A device failed, is absent, or rejected a command.")
@@ -124,7 +124,7 @@ class ConfigurationError(BenchError):
 
 
 class DeviceGoneError(BenchError):
-    """The device is gone: unplugged, powered off, or its server is."""
+    """The device is unplugged or powered off, or its server has ended."""
 
     code = "bench-gone"
 
@@ -137,19 +137,19 @@ class DeviceBusyError(BenchError):
 
 
 class SamplesLostError(BenchError):
-    """The device lost samples. What follows is a new stretch, never spliced to the old."""
+    """The device lost samples. Later samples are never joined to earlier ones."""
 
     code = "bench-samples-lost"
 
 
 class BenchTimeoutError(BenchError):
-    """No samples arrived in time. What had arrived is kept."""
+    """No samples arrived in time. Earlier samples are kept."""
 
     code = "bench-timeout"
 
 
 class OutputLostError(BenchError):
-    """The device could not keep its output going; the output was brought to 0 V."""
+    """The device interrupted its output; the output was brought to 0 V."""
 
     code = "bench-output"
 
@@ -168,7 +168,7 @@ class SafetyError(ModallabError):
 
 
 class StorageError(ModallabError):
-    """A recording could not be kept or read back. What was acknowledged before is untouched."""
+    """A recording could not be stored or read. Acknowledged blocks are kept."""
 
     code = "storage"
     http = Http(500, "The data folder cannot be read or written", "Check the disk; acknowledged blocks are kept.")
@@ -193,14 +193,14 @@ class DatabaseLostError(StorageError):
 
 
 class RowDamagedError(StorageError):
-    """A row of the database is not what was written there."""
+    """A row of the database is damaged."""
 
     code = "row-damaged"
     http = Http(500, "A row of the database is damaged", "Restore the database from a backup.")
 
 
 class BlockDamagedError(StorageError):
-    """The samples of a block on the disk are not those that were recorded."""
+    """The samples of a block on the disk differ from those recorded."""
 
     code = "block-damaged"
     http = Http(

@@ -20,37 +20,38 @@ def _with_index(folder: Path) -> Path:
 
 
 class Settings(BaseSettings):
-    """How the service runs.
+    """Settings of the service.
 
     Attributes:
         data: folder of the recordings.
         host: address to listen on.
-        port: of the REST service; 0 for any free one.
-        stop_port: of the emergency stop; 0 for any free one.
-        stop_url: where others reach the emergency stop, if a proxy stands before it; `/health` names it.
-        token: that every request must carry; made at random if there is none.
-        token_file: where it is kept, for its owner only; by default `token` in the data folder.
-        hosts: names the service is known by, besides its own address.
+        port: port of the REST service; 0 for any free one.
+        stop_port: port of the emergency stop; 0 for any free one.
+        stop_url: address of the emergency stop behind a proxy, as reported by `/health`.
+        token: token of every request; random by default.
+        token_file: file of the token, readable for its owner only (default: `token` in the data folder).
+        hosts: host names of the service, besides its own address.
         body_bytes: largest body of a request.
-        database: of a data folder that names none yet: `postgresql://...`. The address may hold a password, so that it
-            is no option of the command line.
+        database: database of a new data folder: `postgresql://...`. This setting is no option of the command line,
+            since
+            the address may contain a password.
         scheduler: address of a Dask scheduler; none: workers of this machine.
-        scheduler_ca: certificate of the authority, for a scheduler at `tls://`; all three, or those of Dask's own
-            configuration.
+        scheduler_ca: certificate of the authority, for a scheduler at `tls://`; without the three files Dask's own
+            configuration counts.
         scheduler_cert: this machine's certificate.
-        scheduler_key: its key.
-        jobs: whether this service computes jobs; if not, they wait for one that does on the same database.
+        scheduler_key: key of that certificate.
+        jobs: whether this service computes jobs; otherwise jobs wait for another service on the same database.
         workers: number of processes that compute jobs on this machine; none: one less than there are processors.
-        heartbeat_timeout_s: when the REST process is there and gives no sign of life for so long, what is driven is
-            stopped; when it ends, at once. On a machine so busy that nobody gets to listen it may be up to five times
-            as long.
-        log_level: of the log on standard error.
-        grace_days: for so long what was deleted over REST can be restored.
-        tls_cert: certificate of the service, as PEM; REST service and emergency stop then speak TLS.
-        tls_key: its key.
-        tls_self_signed: whether a certificate is made, in the folder `tls` of the data folder, and used.
-        file_bytes: largest recording that is sent to be imported.
-        site: folder of the manual that `make docs` built, served at `/manual/`; none: it is not served.
+        heartbeat_timeout_s: longest time without a sign of life of the REST process before a driving test is
+            stopped. On a
+            busy machine this may take up to five times as long.
+        log_level: level of the log on standard error.
+        grace_days: days in which a campaign or run that was deleted over REST can be restored.
+        tls_cert: certificate of the service, as PEM; REST service and emergency stop then use TLS.
+        tls_key: key of that certificate.
+        tls_self_signed: whether to make a certificate in the folder `tls` of the data folder, and use it.
+        file_bytes: largest recording to import over REST.
+        site: folder of the manual that `make docs` built, served at `/manual/`; none: no manual.
         cors: origins of other sites whose pages may use the service, with a token: `https://page.lab:8443`.
     """
 

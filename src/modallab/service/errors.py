@@ -6,7 +6,7 @@ from modallab.core.errors import Http, ModallabError, split_remedy
 
 
 class ServiceError(ModallabError):
-    """The service rejects the request now, or not in this way."""
+    """The service rejects the request."""
 
     code = "service"
     http = Http(409, "The service rejects the request", "Read the message.")
@@ -20,14 +20,14 @@ class NotFoundError(ServiceError):
 
 
 class ConflictError(ServiceError):
-    """Not possible in the present state; `legal` says what is, where that is a list."""
+    """Not possible in the present state; `legal` lists possible states, if there are any."""
 
     code = "conflict"
     http = Http(409, "Not possible in the present state", "Read the message, and try again.")
 
 
 class LeaseHeldError(ConflictError):
-    """The rig is held, by someone else or by another program of the same operator."""
+    """Another person, or another program of the same operator, holds the lease of the rig."""
 
     code = "lease-held"
     http = Http(
@@ -39,7 +39,8 @@ class LeaseHeldError(ConflictError):
 
 
 class LeaseNeededError(ServiceError):
-    """Commanding a rig needs its lease, and the one that was sent is none, over, or someone else's by now."""
+    """Commands to a rig need its lease; the lease in the request is missing, has ended, or belongs to another
+    person."""
 
     code = "lease-needed"
     http = Http(
@@ -50,7 +51,7 @@ class LeaseNeededError(ServiceError):
 
 
 class RoleNeededError(ServiceError):
-    """Whoever asks may not do this: the role, or the rigs, that the token is for."""
+    """The role or the rigs of the token do not permit the request."""
 
     code = "role-needed"
     http = Http(
@@ -61,7 +62,7 @@ class RoleNeededError(ServiceError):
 
 
 class RigUnavailableError(ServiceError):
-    """The rig's process has not opened its bench, or cannot."""
+    """The rig's process has not opened its bench, or cannot open it."""
 
     code = "rig-unavailable"
     http = Http(
@@ -89,7 +90,7 @@ class ChangedError(ServiceError):
 
 
 class PreconditionNeededError(ServiceError):
-    """A change must say which revision it changes."""
+    """A change must name the revision to change."""
 
     code = "precondition-needed"
     http = Http(428, "A change needs If-Match", "Send the ETag of the version that you read as `If-Match`.")
@@ -103,13 +104,13 @@ class IdempotencyError(ServiceError):
 
 
 class MediaTypeError(ServiceError):
-    """The body is of a type that is not read here."""
+    """The type of the body is not accepted."""
 
     code = "media-type"
     http = Http(415, "The body's type is not accepted", "Send JSON, with the header `Content-Type: application/json`.")
 
 
 class RunEndedError(ServiceError):
-    """The run was stopped short: aborted, or failed. What it had acknowledged is kept."""
+    """The run was aborted or failed. Its acknowledged blocks are kept."""
 
     code = "run-ended"

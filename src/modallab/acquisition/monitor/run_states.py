@@ -29,7 +29,7 @@ TRANSITIONS: dict[RunState, frozenset[RunState]] = {
 
 
 class IllegalTransitionError(PlanError):
-    """The run may not enter this state from where it is."""
+    """The run cannot change to this state from its present one."""
 
     code = "illegal-transition"
     http = Http(409, "The run cannot do this now", "`legal` lists the states that may follow.")

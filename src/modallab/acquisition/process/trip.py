@@ -25,7 +25,7 @@ RENAMED = {"silence": "time-out"}
 
 
 class TrippedError(SafetyError):
-    """The rig was tripped and not reset: nothing is armed, and what was on has been ended."""
+    """The rig is tripped: nothing is armed, and an active run has been ended."""
 
     code = "tripped"
     http = Http(
