@@ -77,7 +77,7 @@ def test_a_stroke_is_held_before_the_level_is_raised(store: Store) -> None:
     # 1 m/s^2 at 5 Hz are 1.01 mm; 2 m/s^2 would be 2.03 mm.
     limits = LIMITS.model_copy(update={"stroke_m": 0.0015})
     plan = SinePlan(frequencies_hz=(5.0,), levels_v={"low": 1.0, "high": 2.0}, settle_s=2.0, wait_s=3.0)
-    with pytest.raises(SafetyError, match=r"foreseen at the full drive: stroke of a02 0\.00"):
+    with pytest.raises(SafetyError, match=r"at the full drive, as predicted: stroke of a02 0\.00"):
         record(ScriptedBench(), scripted_rig(limits), plan, store, lambda _: None)
     run = store.catalogue.runs()[0]
     assert [row.note.name for row in store.catalogue.blocks(run.id)] == [

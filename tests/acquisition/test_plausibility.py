@@ -119,7 +119,7 @@ class DeadAtRest(ScriptedBench):
 
 def test_a_channel_that_dies_at_rest_lets_no_further_burst_begin(store: Store) -> None:
     bench = DeadAtRest()
-    with pytest.raises(SafetyError, match="a01 shows less than its own noise"):
+    with pytest.raises(SafetyError, match="a01 reads less than its own noise"):
         record(bench, SCRIPTED, PLAN, store, lambda _: None)
     assert bench.done.count("play") == 1
     assert len(store.blocks(store.catalogue.runs()[0].id)) == 1

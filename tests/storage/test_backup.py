@@ -130,7 +130,7 @@ def test_damage_is_found_when_a_backup_is_made_not_when_it_is_needed(store: Stor
     run = _record(store, 10)
     with h5py.File(store.folder / "runs" / f"{run}.h5", "r+") as file:
         file["samples"][0, 70] ^= 1
-    with pytest.raises(StorageError, match="block b1 is not what was recorded"):
+    with pytest.raises(StorageError, match="block b1 differs from the recording"):
         back_up(store, tmp_path / "backup")
 
 

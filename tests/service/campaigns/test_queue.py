@@ -159,7 +159,7 @@ def test_an_emergency_stop_pauses_it_also_while_nothing_is_on(lab: Lab, lease: L
     lab.controllers.emergency_stop(RIG, "smoke", "passer-by")
     lab.controllers.reset(RIG, "looked at it", lease.id)
     until(lambda: RIG in RunQueue(lab.service.engine).paused())
-    assert "stopped in an emergency" in RunQueue(lab.service.engine).paused()[RIG]
+    assert "had an emergency stop" in RunQueue(lab.service.engine).paused()[RIG]
     assert lab.controllers.consent_view(RIG) is None
 
 
@@ -174,7 +174,7 @@ def test_a_rig_process_that_was_started_anew_starts_no_shaker(lab: Lab, lease: L
     lab.wait_until_idle()
     queueing.resume_queue(lab.service, RIG, lease.id)
     until(lambda: RIG in RunQueue(lab.service.engine).paused())
-    assert "started again" in RunQueue(lab.service.engine).paused()[RIG]
+    assert "was restarted" in RunQueue(lab.service.engine).paused()[RIG]
     assert nothing_begins(lab, runner)
 
 
@@ -210,7 +210,7 @@ def test_by_the_client_a_queue_is_filled_ordered_skipped_paused_and_resumed(lab:
         campaign = lab.campaign()
         one, two, three = (client.queue_run(RIG, campaign, HIT, note=n).id for n in ("a", "b", "c"))
         assert [i.id for i in client.reorder_queue(RIG, [three, one, two]).items] == [three, one, two]
-        with pytest.raises(ServiceProblemError, match="not the 3 that wait"):
+        with pytest.raises(ServiceProblemError, match="not the 3 waiting ones"):
             client.reorder_queue(RIG, [one, two])
         assert client.skip_queued(RIG, one, "not needed").state == "skipped"
         view = client.queue(RIG)

@@ -143,9 +143,9 @@ def test_what_goes_on_or_waits_or_is_continued_is_not_deleted(service, aside, ca
     with service.store.begin(ImpactPlan(points=(1,)), rig, BenchInfo("sim://", (), True, False, {})) as recorder:
         service.repository.add_run(RunEntry(recorder.run, campaign, RIG, "Ada", None), {})
         for kind, name in (("run", recorder.run), ("campaign", campaign)):
-            with pytest.raises(ConflictError, match="is going on"):
+            with pytest.raises(ConflictError, match="is active"):
                 aside.delete(kind, name, "Ada", GRACE)
-            with pytest.raises(ConflictError, match="is going on"):
+            with pytest.raises(ConflictError, match="is active"):
                 aside.archive(kind, name, "Ada")
         recorder.enter("done")
 

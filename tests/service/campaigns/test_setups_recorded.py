@@ -33,7 +33,7 @@ def three_sensors() -> Rig:
         ((SetUp(name="x", points={"a99": 3}),), "no sensor 'a99'"),
         ((SetUp(name="x", points={"a01": 77}),), "a01 at point 77"),
         ((SetUp(name="x", points={"a01": 2}),), "a01 and a02 both at point 2"),
-        ((LEFT, SetUp(name="x", points={"a01": 5, "a02": 6, "a10": 7})), "nothing joins left and x"),
+        ((LEFT, SetUp(name="x", points={"a01": 5, "a02": 6, "a10": 7})), "no common point joins left and x"),
     ],
 )
 def test_set_ups_that_cannot_be_are_rejected(setups: tuple[SetUp, ...], words: str) -> None:

@@ -46,7 +46,7 @@ def test_a_lease_ends_by_itself_and_its_holder_learns_it(store: Store, monkeypat
     now[0] += 9.0
     assert leases.holder("link") is not None
     now[0] += 1.5
-    with pytest.raises(LeaseNeededError, match="over"):
+    with pytest.raises(LeaseNeededError, match="has ended"):
         leases.require("link", mine.id)
     assert leases.holder("link") is None
 
