@@ -46,7 +46,7 @@ def test_what_was_found_is_kept_as_a_document_and_as_a_report(heavier, tmp_path:
 def test_a_structure_is_no_beam_and_holds_nothing_out(heavier):
     with pytest.raises(DataError, match="no simulated beam"):
         _ = heavier.twin
-    with pytest.raises(DataError, match="holds nothing out"):
+    with pytest.raises(DataError, match="no held-out records"):
         ml.diagnose(measured(), "last:0.3", reference=measured(), progress=False)
 
 
