@@ -135,7 +135,7 @@ CHAIN: dict[str, tuple[Callable[[Rows], Rows], str]] = {
     "upper end": (lambda r: np.minimum(r, 0.6 * r.max()), "flat tops"),
     "both ends, noise behind": (lambda r: with_last_step(r, 0.5), "flat"),
     "zero that drifts": (warming, "zero drifts"),
-    "no sensor": (lambda r: 1e-3 * np.random.default_rng(6).integers(-1, 2, r.size), "no more than 2 steps"),
+    "no sensor": (lambda r: 1e-3 * np.random.default_rng(6).integers(-1, 2, r.size), "at most 2 steps"),
     "held 2": (lambda r: held(r, 2), "held for 2 samples"),
     "held 2.5": (lambda r: held(r, 2.5), "held for"),
     "held 8": (lambda r: held(r, 8), "held for 8 samples"),
