@@ -108,7 +108,7 @@ def test_a_wave_too_short_for_two_blocks_and_a_stroke_that_nobody_sees_are_said(
     stroke = both.model_copy(update={"limits": both.limits.model_copy(update={"stroke_m": 0.005})})
     require_possible(plan_of("chirp"), stroke, INFO)
     unseen = stroke.model_copy(update={"channels": tuple(c for c in both.channels if c.point != 9)})
-    with pytest.raises(PlanError, match="no response at the shaker point 9 can see it"):
+    with pytest.raises(PlanError, match="no response at the shaker point 9 measures the stroke"):
         require_possible(plan_of("chirp"), unseen, INFO)
 
 

@@ -190,7 +190,7 @@ MISTAKES = {
     "gap export d.json --rig rig.yaml --form npz --out t.mat": "a file of the form npz ends in .npz",
     "gap export d.json --rig rig.yaml --form mjcf --out t.mjcf": "a file of the form mjcf ends in .xml",
     "gap export d.json --rig plan_far.yaml --form npz --out t.npz": "is the plan of a test",
-    "gap apply unknown.json --rig rig.yaml --out rig2.yaml": "none of the known effects",
+    "gap apply unknown.json --rig rig.yaml --out rig2.yaml": "no known effect",
     "gap apply d.json --rig campaign_rig.yaml --out rig2.yaml": "of ",
     "import analyser.mat --rig rig.yaml --map nowhere.yaml --out new.h5": "nowhere.yaml",
     "import analyser.mat --rig rig.yaml --map map_word.yaml --out new.h5": "map_word.yaml",
@@ -224,7 +224,7 @@ MISTAKES = {
     "rig calibrate rig.yaml --bench sim://cantilever --channel a04 --method turnover": "no terminal to press Enter",
     "campaign run --rig rig.yaml --plan plan_far.yaml --keys undo=b,pause=b": "one key for two",
     "campaign run --rig rig.yaml --plan rig.yaml --out x.h5": "describes a rig, no test",
-    "backup empty --out b": "modallab serve and modallab campaign run make it",
+    "backup empty --out b": "modallab serve and modallab campaign run make such a folder",
     "retention empty --older-than yesterday": "--older-than is 'yesterday'",
     "user remove Ada": "did you mean revoke?",
 }

@@ -95,7 +95,7 @@ def test_poor_but_living_channels_are_no_errors(samples: NDArray[np.float64]) ->
 @pytest.mark.parametrize(
     ("array", "words"),
     [
-        (np.ones((256, 4)).cumsum(axis=0), "they look transposed"),
+        (np.ones((256, 4)).cumsum(axis=0), "the array looks transposed"),
         (np.ones((3, 256)).cumsum(axis=1), "there are 3 channels, the rig has 4: force, a01, a02, a03"),
         (np.ones(256), "the samples have shape (256,)"),
         (np.ones((4, 0)), "there are no samples"),

@@ -132,7 +132,12 @@ CASES: list[tuple[str, type[ModallabError], str, str]] = [
     ("no numbers", FormatError, HEADER + "\n", "holds no table of numbers"),
     ("no header, too few", DataError, rows(GOOD[:, :3]), "has 3 columns and no header; the rig has 4 channels"),
     ("coarse times", DataError, HEADER + "\n" + rows(np.round(GOOD, 3), "%.3f"), "written too coarsely"),
-    ("transposed", FormatError, rows(GOOD.T), "5 rows of 256 cells and no names above them: it looks transposed"),
+    (
+        "transposed",
+        FormatError,
+        rows(GOOD.T),
+        "5 rows of 256 cells and no names above them: it looks transposed",
+    ),
     ("dead force", DataError, HEADER + "\n" + rows(GOOD * [1, 0, 1, 1, 1]), "channel force is dead"),
 ]
 

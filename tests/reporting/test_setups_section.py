@@ -47,7 +47,7 @@ def test_the_set_up_that_is_off_is_named_with_its_modes(page: Page) -> None:
 
 def test_of_two_none_is_blamed(content: ReportContent) -> None:
     two = (reading(content, "left"), reading(content, "right", 0.001, off=True))
-    assert "cannot be said which one is off" in setups.setups_section(replace(content, setups=two)).render()
+    assert "do not show which one is off" in setups.setups_section(replace(content, setups=two)).render()
 
 
 def test_one_set_up_needs_no_table(content: ReportContent) -> None:

@@ -105,7 +105,7 @@ def test_a_number_that_the_records_leave_open_is_not_given_an_interval() -> None
         effect="ground_spring", stage="structure", probability=0.1, parameters={"k": 196.0},
         interval={"k": (0.1, 4e5)}, place={"point": 3, "at_m": [0.0, 0.0, 0.0], "axis": "z"},
     )  # fmt: skip
-    assert numbers_of(change) == [("stiffness", "about 200 N/m", "not known: the records leave it open")]
+    assert numbers_of(change) == [("stiffness", "about 200 N/m", "not known from the records")]
 
 
 def test_every_explanation_that_was_fitted_is_listed_with_its_probability(heavy: StructureGap) -> None:

@@ -56,8 +56,8 @@ def _added_effect(effect: str) -> str:
 def _remedy(effect: str, rig: Rig) -> str:
     name = effect.partition(",")[0].strip()
     if name in catalogue():
-        return f"write it as {example_effect(catalogue()[name], rig)}; modallab gap effects {name} describes it"
-    return "modallab demo --effect help lists them; write one as added_mass,mass=0.05,x=0.8"
+        return f"write it as {example_effect(catalogue()[name], rig)}; modallab gap effects {name} describes the effect"
+    return "modallab demo --effect help lists the effects; write one as added_mass,mass=0.05,x=0.8"
 
 
 GROUP = "modallab.backends"

@@ -63,7 +63,8 @@ def require_data_folder(folder: Path) -> None:
         raise StorageError(
             "is no data folder",
             where=str(folder),
-            remedy=f"name a folder with {DATABASE} or {ADDRESS}; modallab serve and modallab campaign run make it",
+            remedy=f"name a folder with {DATABASE} or {ADDRESS}; modallab serve and modallab campaign run make such "
+            "a folder",
         )
 
 

@@ -67,7 +67,7 @@ def _add_user(commands: Commands) -> None:
     user = commands.add_parser("user", help="manage users of the service and their tokens")
     actions = user.add_subparsers(metavar="ACTION", required=True, dest="action")
     add = actions.add_parser("add", help="add a user, and make a token")
-    add.add_argument("--role", choices=ROLES, default="operator", help="what the user may do")
+    add.add_argument("--role", choices=ROLES, default="operator", help="role of the user")
     token = actions.add_parser("token", help="make another token for a user")
     token.add_argument("--role", choices=ROLES, help="role of the token, if lower than the user's")
     for command in (add, token):

@@ -23,7 +23,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _describe_effect(model: EffectModel) -> list[str]:
     kind = model.kind
     why = model.change.value if isinstance(model.change, NoChange) else ""
-    known = f"No fit looks for it: {why}." if why else "A fit looks for it."
+    known = f"No fit can find this effect: {why}." if why else "A fit can find this effect."
     return [
         f"{kind.name}: {kind.says}",
         f"  stage {kind.stage}, place {kind.place}, shows in {' and '.join(kind.tests)}",

@@ -85,7 +85,7 @@ def _table(found: list[Experiment]) -> Table:
         "experiment",
         "at the bench",
         "expected probability of the right explanation",
-        "probability that it alone is left",
+        "probability that only this one is left",
         title=f"likeliest explanation so far: {now}",
     )
     for e in found[:SHOWN]:

@@ -18,7 +18,7 @@ def add_model_commands(commands: Commands) -> None:
         command.add_argument(
             "model", type=Path, metavar="MODELS.json|FOLDER|CAMPAIGN.h5", help="models, or a campaign to identify"
         )
-        command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside it")
+        command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file, if not in or beside the models")
         command.add_argument("--test", choices=TESTS, help="test of the model (default: the first)")
         command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("answer"))
         add_verbosity_option(command)
@@ -212,7 +212,7 @@ def _couple(actions: Commands) -> Any:
     command.add_argument(
         "--joint", type=positive_number, metavar="N/M", help="stiffness of each joint (default: rigid)"
     )
-    command.add_argument("--remove", action="store_true", help="remove it from a measurement of both")
+    command.add_argument("--remove", action="store_true", help="remove the other structure from a measurement of both")
     _add_check(command)
     return command
 

@@ -47,7 +47,7 @@ def _check_folder(path: Path) -> None:
 
 def _check(option: str, path: Path, given: dict[str, object]) -> None:
     if path.is_dir():
-        raise StorageError("is a folder", where=str(path), remedy=f"give {option} the name of a file in it")
+        raise StorageError("is a folder", where=str(path), remedy=f"give {option} the name of a file in that folder")
     if not path.parent.is_dir():
         raise StorageError(
             f"cannot be written: there is no folder {path.parent}", where=str(path), remedy="make the folder first"

@@ -155,9 +155,7 @@ def _add_rig(commands: Commands) -> None:
     actions = rig.add_subparsers(metavar="ACTION", required=True, dest="action")
     check = actions.add_parser("check", help="check every channel and report faults")
     _add_rig_check(check)
-    calibrate = actions.add_parser(
-        "calibrate", help="measure a channel's sensitivity and enter it into the rig's history"
-    )
+    calibrate = actions.add_parser("calibrate", help="measure a channel's sensitivity for the rig's history")
     _add_calibration(calibrate)
     mass = actions.add_parser(
         "mass", help="check force transducer and accelerometer on a free rigid mass, before or after a test"

@@ -34,7 +34,7 @@ class _Finding(NamedTuple):
     remedy: str
 
 
-_TRANSPOSE = "transpose it: one row per channel, one column per sample"
+_TRANSPOSE = "transpose the array: one row per channel, one column per sample"
 _RECORD_AGAIN = "check the recording there; leave this record out, or record it again"
 _MEND = "check sensor, cable and input, and record again; or leave the channel out of both rig and recording"
 _PHASE = "export the FRF as complex numbers (real and imaginary part)"
@@ -163,7 +163,7 @@ def _check_shape(samples: NDArray[Any], channels: Sequence[str], where: str) -> 
     if samples.ndim != 2:
         raise DataError(f"the samples have shape {shape}", where=where, remedy="give an array (channels, samples)")
     if shape[0] > shape[1]:
-        found = f"the samples have shape {shape}, more channels than samples: they look transposed"
+        found = f"the samples have shape {shape}, more channels than samples: the array looks transposed"
         raise DataError(found, where=where, remedy=_TRANSPOSE)
     if shape[0] != expected:
         raise DataError(

@@ -46,11 +46,12 @@ def declaration_in_module(package: str, name: str, attribute: str, kind: type[De
     if not isinstance(found, kind):
         raise ConfigurationError(
             f"{module} declares no {attribute}",
-            remedy=f"add {attribute} = {kind.__name__}(...) to this module, or move it out of the package",
+            remedy=f"add {attribute} = {kind.__name__}(...) to this module, or move the module out of the package",
         )
     if getattr(found, "name", name) != name:
         raise ConfigurationError(
-            f"{module} declares itself as {getattr(found, 'name', None)!r}", remedy="give it the name of its file"
+            f"{module} declares itself as {getattr(found, 'name', None)!r}",
+            remedy="give the object the name of its file",
         )
     return found
 

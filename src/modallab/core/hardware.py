@@ -66,7 +66,7 @@ def require_guarded(excitation: Excitation | None, where: str) -> None:
         " and the rig file has no watchdog",
         where=where,
         remedy="set excitation.watchdog_s if the device has a watchdog; if it has none, state in "
-        "excitation.watchdog_waived what else ends the drive, such as a switch within reach",
+        "excitation.watchdog_waived another way to end the drive, such as a switch within reach",
     )
 
 

@@ -120,7 +120,7 @@ def _check_driven(forces: Complex128, band: tuple[float, float]) -> None:
         share = float(np.mean(undriven.any(axis=0)))
         raise DataError(
             f"a force has no content at {percent_text(share)} of {band[0]:g} to {band[1]:g} Hz",
-            remedy="narrow the band to what was driven",
+            remedy="narrow the band to the driven frequencies",
         )
 
 

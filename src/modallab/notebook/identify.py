@@ -106,4 +106,4 @@ def campaign_in(measured: object) -> Campaign:
     if isinstance(measured, Campaign):
         return measured
     hint = f"ml.load({str(measured)!r})" if isinstance(measured, str | Path) else "ml.frf(f, H) for arrays"
-    raise DataError(f"{type(measured).__name__} is no recording", remedy=f"give what ml.load gives: {hint}")
+    raise DataError(f"{type(measured).__name__} is no recording", remedy=f"give a result of ml.load: {hint}")

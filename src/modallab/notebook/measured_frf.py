@@ -141,7 +141,7 @@ def _outputs_inputs_lines(values: NDArray[Any], lines: NDArray[np.float64]) -> N
     if not 1 <= values.ndim <= 3 or lines.size not in (values.shape[0], values.shape[-1]):
         raise DataError(
             f"H of shape {values.shape} does not fit {lines.size} frequencies",
-            remedy="give it as (outputs, inputs, lines)",
+            remedy="give H with shape (outputs, inputs, lines)",
         )
     if values.shape[-1] != lines.size:
         values = np.moveaxis(values, 0, -1)

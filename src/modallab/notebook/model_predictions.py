@@ -153,7 +153,7 @@ class ModelPredictions:
         joint_spring: float | None = None,
         remove: bool = False,
     ) -> "ChangedModel":
-        """Couple another structure, or remove it from a measurement of both.
+        """Couple another structure, or remove the other structure from a measurement of both.
 
         Args:
             other: its model.
@@ -166,7 +166,9 @@ class ModelPredictions:
         """
         known = other.known
         if known.changes:
-            raise DataError(f"the other structure is changed: {known.changes[0].words}", remedy="couple it as measured")
+            raise DataError(
+                f"the other structure is changed: {known.changes[0].words}", remedy="couple the structure as measured"
+            )
         return self.modify(
             CouplingToStructure(known.structure, tuple(at), joint_spring, -1 if remove else 1, samples=known.samples)
         )

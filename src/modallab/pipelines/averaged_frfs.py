@@ -33,8 +33,8 @@ the decays off a periodic drive's blocks by the poles of the last, which what it
 
 LEAST_PARTS = 3
 TOO_FEW = (
-    "So few blocks do not show by how much they scatter: the uncertainties are those of the noise alone, and may be"
-    " many times too small. Record four blocks or more."
+    "There are too few blocks to estimate their scatter: the uncertainties are those of the noise alone, and "
+    "may be many times too small. Record four blocks or more."
 )
 UNKNOWN = 0.5
 """Share of a damping ratio beyond which its sigma says that it is that of noise, or an artefact of the FRF's errors."""

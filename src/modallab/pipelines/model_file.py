@@ -49,7 +49,7 @@ def read_models(path: Path) -> tuple[ModalModel, ...]:
         raise FormatError(f"cannot be read: {error.strerror}", where=str(path), remedy="name a models file") from error
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise FormatError(
-            f"holds no models: {error}", where=str(path), remedy="write it with modallab identify --json"
+            f"holds no models: {error}", where=str(path), remedy="write the file with modallab identify --json"
         ) from error
 
 

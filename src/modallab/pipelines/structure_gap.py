@@ -200,7 +200,7 @@ def _require_points(campaign: Campaign) -> None:
         raise DataError(
             f"no point is known of {', '.join(without)}",
             where=campaign.source,
-            remedy="write the points into a rig file, and give it with --rig",
+            remedy="write the points into a rig file, and give that file with --rig",
         )
 
 

@@ -50,8 +50,8 @@ def shrink_section(diagnosis: Diagnosis) -> Markup | None:
     # An interval that is narrower than the digits shown says nothing more.
     interval = f" (95 %: {' to '.join(ends)}, the dark line)" if len(set(ends)) > 1 else ""
     caption = (
-        f"Share of the gap above noise that is closed on {len(shrink.held_out)} records that no fit has "
-        f"seen{interval}: from {three_digits(shrink.before)} to {three_digits(shrink.after)} noise units."
+        f"Share of the gap above noise that is closed on {len(shrink.held_out)} held-out records{interval}: "
+        f"from {three_digits(shrink.before)} to {three_digits(shrink.after)} noise units."
     )
     return page_section("Shrinkage of the gap", captioned_picture(scaled_bars(rows, CLOSED, 1.0), caption))
 

@@ -185,7 +185,7 @@ def absorber_rows(found: BestAbsorber, mode: int) -> TableRows:
         number_with_sigma(found.after, found.after_sigma),
     )
     names = ("point", "mass [kg]", "frequency [Hz]", "damping [%]", "peak without [m/(N s)]", "peak with [m/(N s)]")
-    share = f"It is {significant_digits(100 * found.mass_ratio, 2)} % of the modal mass there."
+    share = f"This mass is {significant_digits(100 * found.mass_ratio, 2)} % of the modal mass there."
     return TableRows(names, (row,), f"The absorber of this mass with the smallest peak about mode {mode}. {share}")
 
 
@@ -218,9 +218,7 @@ def _notes_on_parameters(found: UpdatedParameters) -> list[str]:
         f"{100 * shapes:.2g} %."
     ]
     if found.undetermined:
-        sentences.append(
-            f"The test adds little to the prior of {list_in_words(list(found.undetermined))} beside what was believed."
-        )
+        sentences.append(f"The test adds little to the prior of {list_in_words(list(found.undetermined))}.")
     sentences += [f"Only a combination of {a} and {b} is known." for a, b in found.together]
     if found.held_out:
         before, after = (100 * e for e in found.rms_error(found.held_out))

@@ -40,7 +40,7 @@ def check_test(signals: Sequence[Signals]) -> None:
     shapes = {(s.rate_hz, s.n_samples, s.outputs) for s in signals}
     if len(shapes) > 1:
         listed = "; ".join(sorted(f"{n} samples of {len(o)} outputs at {rate:g} Hz" for rate, n, o in shapes))
-        raise DataError(f"the blocks of one test differ: {listed}", remedy="identify them apart, each kind by itself")
+        raise DataError(f"the blocks of one test differ: {listed}", remedy="identify each kind of block separately")
     for s in signals:
         where = f"record {s.block.name}"
         rows = np.vstack([s.forces, s.responses])
@@ -54,7 +54,7 @@ def check_test(signals: Sequence[Signals]) -> None:
     if len(driven) > 1 or (driven and min(len(s.forces) for s in signals) == 1):
         raise DataError(
             f"the blocks were driven at other points: {'; '.join(map(str, driven))}, or by one shaker",
-            remedy="identify them apart, each set of shakers by itself",
+            remedy="identify each set of shakers separately",
         )
 
 

@@ -24,8 +24,8 @@ def check_rows(values: NDArray[Any], what: str = "record") -> None:
     if values.size == 0:
         raise DataError(f"the {what} is empty", remedy="record again, or leave it out")
     if values.ndim == 2 and values.shape[0] > values.shape[1]:
-        found = f"the {what} has shape {values.shape}, more rows than samples: it looks transposed"
-        raise DataError(found, remedy="transpose it: one row per channel, one column per sample")
+        found = f"the {what} has shape {values.shape}, more rows than samples: the array looks transposed"
+        raise DataError(found, remedy="transpose the array: one row per channel, one column per sample")
     # The extremes first: they need no copy, and a NaN anywhere is both of them.
     if values.dtype.kind == "f" and not (values.min() >= -LARGEST and values.max() <= LARGEST):
         bad = ~(np.abs(values) <= LARGEST)

@@ -151,7 +151,5 @@ def to_signals_of(blocks: Sequence[Block], rig: Rig) -> list[Signals]:
     shapes = {(b.rate_hz, b.n_samples) for b in blocks}
     if len(shapes) > 1:
         listed = ", ".join(f"{n} samples at {rate:g} Hz" for rate, n in sorted(shapes))
-        raise DataError(
-            f"the blocks of one test differ: {listed}", remedy="identify them apart, each kind in a campaign of its own"
-        )
+        raise DataError(f"the blocks of one test differ: {listed}", remedy="identify each kind in a separate campaign")
     return [to_signals(b, rig) for b in blocks]

@@ -109,7 +109,7 @@ def test_a_shaker_starts_only_by_the_consent_of_who_holds_the_lease_to_that_very
     (later,) = queued(lab, SINE)
     until(lambda: item(lab, first).state == "done")
     assert nothing_begins(lab, runner)
-    assert "was given before it was queued" in waits_for(lab)
+    assert "was given before this run was queued" in waits_for(lab)
     assert item(lab, later).state == "waiting"
 
 

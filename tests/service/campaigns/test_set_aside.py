@@ -136,7 +136,7 @@ def test_what_goes_on_or_waits_or_is_continued_is_not_deleted(service, aside, ca
     item = RunQueue(service.engine).add(
         RIG, QueueItemRequest(campaign=campaign, plan=ImpactPlan(points=(1,))), 1.0, "Ada"
     )
-    with pytest.raises(ConflictError, match="the queue belongs to it"):
+    with pytest.raises(ConflictError, match="the queue belongs to this run"):
         aside.delete("campaign", campaign, "Ada", GRACE)
     RunQueue(service.engine).take_out(RIG, item.id, "", "Ada")
     rig = service.store.catalogue.run(first).rig

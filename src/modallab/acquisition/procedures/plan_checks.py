@@ -160,7 +160,9 @@ def _stroke_problems(rig: Rig, limits: Limits) -> list[str]:
     if limits.stroke_m is None or not unseen:
         return []
     listed = ", ".join(map(str, unseen))
-    return [f"limits.stroke_m: no response at the shaker point {listed} can see it; allowed: with one there"]
+    return [
+        f"limits.stroke_m: no response at the shaker point {listed} measures the stroke; allowed: with a response there"
+    ]
 
 
 def _settle_problems(plan: SinePlan) -> list[str]:

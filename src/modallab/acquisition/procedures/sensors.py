@@ -114,7 +114,7 @@ def _other_sensitivity(channel: Channel, rig: Rig, test: Test) -> list[str]:
         return []
     return [
         f"the rig file has {believed:.6g} V per {channel.unit}, its certificate {certified:.6g}: {percent:+.3g} %, "
-        f"and it is known to {certificate.uncertainty_percent:g} %"
+        f"and its uncertainty is {certificate.uncertainty_percent:g} %"
     ]
 
 

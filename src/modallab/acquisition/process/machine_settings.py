@@ -64,7 +64,7 @@ def _thread_required() -> Generator[str]:
 
 @contextmanager
 def _command_held(ways: Sequence[tuple[str, ...]]) -> Generator[str]:
-    why = "there is no command for it on this system"
+    why = "this system has no command to keep the machine awake"
     for way in ways:
         if shutil.which(way[0]) is None:
             why = f"there is no {way[0]}"

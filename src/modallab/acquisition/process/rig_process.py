@@ -222,7 +222,7 @@ class RigProcess(RunControls):
                 store.recover()
         return BenchError(
             f"the acquisition process ended (exit code {self.process.exitcode}){output}",
-            remedy="start it again; every acknowledged block is kept, and the run is marked as interrupted",
+            remedy="start the process again; every acknowledged block is kept, and the run is marked as interrupted",
         )
 
     def _send(self, message: Message) -> None:

@@ -167,7 +167,7 @@ def _end(setup: RunSetup, order: Order) -> None:
     else:
         life.enter("failed", _SAID[order])
         setup.emit(
-            Failed(run=setup.recorder.run, code=INTERRUPTED, what=_SAID[order], remedy="continue it as a new run")
+            Failed(run=setup.recorder.run, code=INTERRUPTED, what=_SAID[order], remedy="continue the run as a new run")
         )
 
 

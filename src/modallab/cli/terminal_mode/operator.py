@@ -96,7 +96,7 @@ class Operator:
             while self._state.phase == "move" and not self.left:
                 if not key_pressed():
                     raise ConfigurationError(
-                        f"sensors must be moved for set-up {setup}, and no key can confirm it",
+                        f"sensors must be moved for set-up {setup}, but no key can confirm the move",
                         remedy="start the command with a keyboard, or with a pipe that stays open",
                     )
                 self._done.wait(LOOK_S)

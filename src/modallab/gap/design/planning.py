@@ -186,7 +186,7 @@ class ExperimentPlanner:
         best = np.sort(np.argsort(-self._apart_by_sine(layout))[:CHOSEN])
         kept = plan.model_copy(update={"frequencies_hz": tuple(plan.frequencies_hz[k] for k in best)})
         return PossibleExperiment(
-            "sines where they differ", f"Drive {CHOSEN} frequencies where the explanations differ.", (kept,)
+            "sines where the explanations differ", f"Drive {CHOSEN} frequencies where the explanations differ.", (kept,)
         )
 
     def _apart_by_sine(self, layout: PlannedRecords) -> Real:

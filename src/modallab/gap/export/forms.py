@@ -89,7 +89,7 @@ def write_form(
         StorageError: the file cannot be written.
     """
     if form.one_test and len(tests) > 1:
-        raise DataError(f"a file of {form.name} holds one test", remedy="name it, impact or sine")
+        raise DataError(f"a file of {form.name} holds one test", remedy="name the test, impact or sine")
     form.write(path, diagnosed_twin(diagnosis, rig), rig, tests, rate_hz)
 
 

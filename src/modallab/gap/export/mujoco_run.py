@@ -70,7 +70,7 @@ def _static_acceleration(mujoco: Any, model: Any, motors: list[int], rows: list[
 def _mujoco_id(mujoco: Any, model: Any, kind: str, name: str, path: Path) -> int:
     found = mujoco.mj_name2id(model, getattr(mujoco.mjtObj, f"mjOBJ_{kind}"), name)
     if found < 0:
-        raise DataError(f"has no {kind.lower()} {name!r}", where=str(path), remedy="export it for this rig")
+        raise DataError(f"has no {kind.lower()} {name!r}", where=str(path), remedy="export the model for this rig")
     return int(found)
 
 

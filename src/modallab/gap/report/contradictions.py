@@ -63,7 +63,7 @@ def _gain_contradiction(choice: Choice, prepared: PreparedCampaign) -> list[str]
     factors = free.bare(fit.u[: free.size]).chain.gain
     return [
         f"{rig.channels[channel].name} reads {relative_change(factor - 1)} against its sensitivity, "
-        f"{abs(np.log(factor)) / free.tolerance:.1f} deviations of the rig file's tolerance: calibrate it."
+        f"{abs(np.log(factor)) / free.tolerance:.1f} deviations of the rig file's tolerance: calibrate this channel."
         for channel, factor in factors.items()
         if abs(np.log(factor)) > PULLED * free.tolerance
     ]

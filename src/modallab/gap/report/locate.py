@@ -117,7 +117,7 @@ def _locate_in_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[
     sines = bench.data.sines
     if sines is not None and abs(sines.ratio - 1) > CLOCK:
         reason = (
-            f"The generator's lines stand {relative_change(sines.ratio - 1)} off where it was set: a clock is wrong."
+            f"The generator's lines stand {relative_change(sines.ratio - 1)} off the set frequency: a clock is wrong."
         )
         return ResidualTestsResult("acquisition", everywhere, tests, (*why, reason))
     if flat < ALIKE:

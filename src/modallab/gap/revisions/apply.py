@@ -33,7 +33,7 @@ def with_diagnosis(rig: Rig, diagnosis: Diagnosis, on: date, source: str = "") -
     if (diagnosis.verdict != "known" and described is None) or not effects:
         verdict = {
             "no_gap": "that there is no gap",
-            "unknown": "that none of the known effects explains the gap, and nothing describes it",
+            "unknown": "that no known effect explains the gap, and no element describes it",
         }
         raise DataError(
             f"the diagnosis says {verdict.get(diagnosis.verdict, 'no effect')}",

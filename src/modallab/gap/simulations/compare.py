@@ -147,7 +147,7 @@ def _require_all(campaign: Campaign, records: Records) -> None:
             f"the simulation predicts only {len(wanted) - len(missing)} of {len(wanted)} records, not "
             f"{', '.join(missing[:3])}{more}",
             where=campaign.source,
-            remedy="predict every record that has a force, under the name it has in the campaign",
+            remedy="predict every record that has a force, with the record's name in the campaign",
         )
 
 

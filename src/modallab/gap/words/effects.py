@@ -152,5 +152,5 @@ def numbers_of(change: FoundChange) -> list[tuple[str, str, str]]:
 def _change_in_words(value: float, interval: tuple[float, float], unit: str) -> tuple[str, str]:
     low, high = interval
     if low > 0 and high > OPEN * low:
-        return f"about {one_digit(value)} {unit}", "not known: the records leave it open"
+        return f"about {one_digit(value)} {unit}", "not known from the records"
     return with_interval(value, interval, unit)

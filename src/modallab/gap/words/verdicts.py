@@ -27,7 +27,7 @@ def verdict_sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
         within = "tolerances" if diagnosis.twin.departures else "noise"
         # What no force predicts, and the rig's revisions know, no twin takes away; it is no gap any more.
         known = gap.before > KNOWN * gap.after
-        left = f"{gap.after:.2f} noise units with what its revisions know" if known else f"{gap.before:.2f} noise units"
+        left = f"{gap.after:.2f} noise units including its revisions" if known else f"{gap.before:.2f} noise units"
         return f"Simulation and bench agree to within the {within}: the gap is {left}; 1 is noise alone."
     if diagnosis.verdict == "unknown":
         where = diagnosis.where
@@ -118,7 +118,7 @@ def sentence_of_simulation(found: SimulationComparison) -> str:
     before, after = three_digits(found.before), three_digits(found.after)
     if found.verdict == "no_gap":
         agree = f"No effect distinguishes simulation and bench: the gap is {before} noise units"
-        return f"{agree}, {after} with the beam's numbers as the bench has them."
+        return f"{agree}, {after} with the beam fitted to the bench."
     off = f"The simulation differs from the bench by {before} noise units"
     if found.verdict == "unknown":
         return f"{off}, and part of the difference stays unexplained."
@@ -136,7 +136,7 @@ def _records_verdict(found: SimulationComparison) -> str:
 def _differences_in_words(found: SimulationComparison) -> list[str]:
     return [
         *(f"it lacks {effect_in_words(f)}" for f in found.lacks),
-        *(f"it has {effect_in_words(f)}, which the bench lacks" for f in found.has),
+        *(f"the simulation has {effect_in_words(f)}, which the bench lacks" for f in found.has),
         *(
             f"the bench has {effect_in_words(d.bench)}, the simulation {_numbers_in_words(d.simulation)}"
             for d in found.differs

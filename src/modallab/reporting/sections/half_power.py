@@ -49,7 +49,8 @@ def _overview_sentence(modes: tuple[ComparedMode, ...], papers: bool) -> Markup:
         damping_figure(modes, papers),
         "damping",
         _alternative_text(modes),
-        "Damping of each mode. The grey bar is the resolution. In it, a half-power reading shows the width of one line "
+        "Damping of each mode. The grey bar is the resolution. Inside the bar, a half-power reading shows the width "
+        "of one line "
         "or step of the spectrum, not the damping of the beam: that reading is always near the end of the "
         f"bar.{triangles}",
         1,
@@ -104,7 +105,7 @@ def _mode_in_words(mode: ComparedMode, method: str) -> str:
     )
     if reading.half_power > BLURRED * reading.half_power_floor:
         return (
-            f"For mode {mode.number} it reads {read} %, well above its floor of {floor} %. "
+            f"For mode {mode.number} the rule reads {read} %, well above its floor of {floor} %. "
             f"The identified damping is {found} %."
         )
     if method == "peak":
@@ -113,7 +114,7 @@ def _mode_in_words(mode: ComparedMode, method: str) -> str:
             f"with no damping at all would give {floor} %. Take this damping as an upper limit."
         )
     return (
-        f"For mode {mode.number} it reads {read} %. A mode with no damping at all would give {floor} %. "
+        f"For mode {mode.number} the rule reads {read} %. A mode with no damping at all would give {floor} %. "
         f"The identified damping is {found} %, from the same block, with its truncated ring-down modelled."
     )
 

@@ -62,7 +62,7 @@ def _repeated_line(outcome: OutcomeOfTest) -> Iterator[tuple[bool, str]]:
     good = bool(found.min() >= MATCH)
     claim = "The model repeats" if good else "At some points the model does not reproduce"
     frac = f"FRAC is {'at least' if good else 'down to'} {four_places(found.min())}"
-    yield good, f"{claim} what was measured in {_name_of_test(outcome)}: {frac}."
+    yield good, f"{claim} the measurement of {_name_of_test(outcome)}: {frac}."
 
 
 def _tests_agree(modes: tuple[ComparedMode, ...]) -> Iterator[tuple[bool, str]]:

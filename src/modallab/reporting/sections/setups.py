@@ -73,8 +73,8 @@ def _verdict_sentence(setups: tuple[SetUpReading, ...]) -> str:
         return "The set-ups agree: no frequency and no amplitude at the reference differs by more than chance."
     if len(setups) == 2:
         return (
-            f"The set-ups {setups[0].name} and {setups[1].name} differ by more than chance. From two it cannot be said "
-            "which one is off: repeat one of them."
+            f"The set-ups {setups[0].name} and {setups[1].name} differ by more than chance. Two set-ups do not "
+            "show which one is off: repeat one of them."
         )
     named = list_in_words(
         [f"{one.name} (modes {list_in_words([str(r + 1) for r in one.off.nonzero()[0]])})" for one in off]

@@ -116,7 +116,9 @@ def none_yet(whose: str, campaign: str, kind: str, newest: Job | None) -> NotFou
     if newest is None:
         return NotFoundError(f"{whose} has no {noun}", where=whose, remedy=f"order one by a {order_at}, and wait")
     why, known = split_remedy(newest.error or "")
-    remedy = known or (f"order it again by a {order_at}" if newest.ended else f"wait until job {newest.id} has ended")
+    remedy = known or (
+        f"order the job again by a {order_at}" if newest.ended else f"wait until job {newest.id} has ended"
+    )
     said = f"the {noun} of {whose} is {newest.state}{': ' if why else ''}{why}"
     return NotFoundError(said, where=whose, remedy=remedy)
 

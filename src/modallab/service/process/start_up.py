@@ -61,7 +61,9 @@ def _chosen_token(path: Path) -> str:
         token = path.read_text(encoding="ascii").strip()
     except (OSError, UnicodeError) as error:
         raise ServiceError(
-            f"the token file cannot be used: {error}", where=str(path), remedy="write the token there, in ASCII"
+            f"the token file cannot be used: {error}",
+            where=str(path),
+            remedy="write the token into that file, in ASCII",
         ) from error
     if len(token) < LEAST:
         raise ServiceError(

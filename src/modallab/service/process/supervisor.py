@@ -251,7 +251,9 @@ def _locked_store(folder: Path) -> tuple[Store, FileLock]:
     if not lock.acquire():
         store.close()
         raise ServiceError(
-            "another service uses this data folder", where=str(folder), remedy="stop it, or name another"
+            "another service uses this data folder",
+            where=str(folder),
+            remedy="stop the other service, or name another folder",
         )
     return store, lock
 

@@ -202,7 +202,9 @@ def _require_at_rest(connection: Connection, kind: Kind, name: str) -> None:
     waits = select(QUEUE.c.id).where(QUEUE.c.campaign == name, QUEUE.c.state.in_(("waiting", "running"))).limit(1)
     item = connection.scalar(waits) if kind == "campaign" else None
     if item is not None:
-        raise ConflictError(f"item {item} of the queue belongs to it", where=name, remedy="skip it first")
+        raise ConflictError(
+            f"item {item} of the queue belongs to this run or campaign", where=name, remedy="skip it first"
+        )
 
 
 def _require_not_continued(connection: Connection, run: str) -> None:
@@ -210,7 +212,7 @@ def _require_not_continued(connection: Connection, run: str) -> None:
     query = select(CAMPAIGN_RUNS.c.run).where(CAMPAIGN_RUNS.c.continues == run, CAMPAIGN_RUNS.c.run.not_in(gone))
     after = connection.scalar(query.limit(1))
     if after is not None:
-        raise ConflictError(f"run {after} continues it", where=run, remedy=f"delete run {after} first")
+        raise ConflictError(f"run {after} continues this run", where=run, remedy=f"delete run {after} first")
 
 
 def _mark_changed(connection: Connection, campaign: str) -> None:

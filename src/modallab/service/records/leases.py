@@ -116,7 +116,7 @@ class RigLeases:
             return LeaseHeldError(
                 f"{operator} holds {rig} already, for {self._remaining_s(row):.1f} s more: the lease is yours",
                 where=rig,
-                remedy="send recover: true to get the lease again; or release it where you took it",
+                remedy="send recover: true to get the lease again; or release the lease where you took it",
             )
         return LeaseHeldError(
             f"{row['operator']} holds {rig} for {self._remaining_s(row):.1f} s more",

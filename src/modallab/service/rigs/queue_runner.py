@@ -31,9 +31,9 @@ def reason_not_to_begin(item: QueueItem, state: ControllerState, trip: Trip | No
     if state.state != "idle":
         return f"run {state.run} is on" if state.run else f"the rig is {state.state}"
     if consent is None:
-        return f"no holder of the lease has consented to it{_unless_consented(item)}"
+        return f"no holder of the lease has consented to this run{_unless_consented(item)}"
     if item.id not in consent.items:
-        return f"{consent.operator}'s consent was given before it was queued{_unless_consented(item)}"
+        return f"{consent.operator}'s consent was given before this run was queued{_unless_consented(item)}"
     if item.drives and not consent.drive:
         return f"{consent.operator} has not consented to tests that move the output"
     if not item.drives and not consent.at_bench:
