@@ -105,7 +105,7 @@ def test_who_asks_for_a_report_that_is_not_there_learns_how_its_job_stands(lab: 
         assert ("is queued" in waits["detail"], job.id in waits["remedy"]) == (True, True)
         service.jobs.cancel(job.id)
         gone = problem(client.get(f"{at}/diagnosis"), 404, "not-found")
-        assert ("is cancelled" in gone["detail"], "order it again" in gone["remedy"]) == (True, True)
+        assert ("is cancelled" in gone["detail"], "order the job again" in gone["remedy"]) == (True, True)
 
 
 def test_blind_trials_are_ordered_without_a_campaign(lab: Lab) -> None:
