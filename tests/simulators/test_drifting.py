@@ -22,7 +22,7 @@ class Anew(DriftingStructure):
 
 def test_what_the_bench_reads_is_that_of_a_structure_assembled_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     between = driven(TEN_SECONDS, f_hz=29.0, seconds=1.5, query=BUILT)
-    monkeypatch.setattr(stream, "Drifting", Anew)
+    monkeypatch.setattr(stream, "DriftingStructure", Anew)
     anew = driven(TEN_SECONDS, f_hz=29.0, seconds=1.5, query=BUILT)
     # A drift that stood still would be off by 5e-4.
     assert np.max(np.max(np.abs(between - anew), axis=1) / np.max(np.abs(anew), axis=1)) < 5e-7

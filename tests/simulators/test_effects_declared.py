@@ -143,7 +143,7 @@ def test_what_the_twins_file_leaves_out_is_named(left_out: str, said: str, tmp_p
         ("search=EffectSearch(rank=65, slots=_slots)", "search=None", "`search`"),
         ('"slope_spring",', '"slopespring",', "one name"),
         ('RivalEffect("ground_spring"', 'RivalEffect("gremlin"', "rivals"),
-        ("change=_change", "change=NoChange.NO_FORCE_PREDICTS_IT", "inspected.py"),
+        ("change=_change", "change=NoChange.NO_FORCE_PREDICTS_IT", "effect_inspection.py"),
         (", along_beam())", ",)", "slots"),
     ],
 )
