@@ -24,7 +24,7 @@ from modallab.core.rig import Rig
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.search.consequence import ABOVE
 from modallab.twin.effects import effect_models
-from modallab_simulators.cantilever.gap_size import GapMeter
+from modallab_simulators.cantilever.blind_trials import GapMeter
 
 
 def drawn(seed: int, stepped: bool) -> Iterator[tuple[TrialDraw, Any]]:

@@ -3,7 +3,7 @@
 import inspect
 import re
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, cast
+from typing import Annotated, Any, ClassVar, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,12 @@ class Frozen(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
     renamed: ClassVar[Mapping[str, str]] = {}
+
+    @classmethod
+    def of_fields(cls, *sources: object, **others: Any) -> Self:
+        """A document whose fields are the attributes of that name of the sources, besides those that are given."""
+        named = {n: getattr(s, n) for s in sources for n in cls.model_fields if n not in others and hasattr(s, n)}
+        return cls(**named, **others)
 
     @model_validator(mode="before")
     @classmethod

@@ -199,20 +199,8 @@ class Recorder:
 
 
 def _acknowledge_block(block: BlockRecord) -> BlockAcknowledged:
-    return BlockAcknowledged(
-        run=block.run,
-        n=block.n,
-        name=block.note.name,
-        first_sample=block.note.first_sample,
-        count=block.count,
-        crc32=block.crc32,
-        accepted=block.note.accepted,
-        reason=block.note.reason,
-        drive_point=block.note.drive_point,
-        level=block.note.level,
-        frequency_hz=block.note.frequency_hz,
-        facts={name: value for name, value in block.note.facts.items() if not _unknown_block(value)},
-    )
+    facts = {name: value for name, value in block.note.facts.items() if not _unknown_block(value)}
+    return BlockAcknowledged.of_fields(block, block.note, facts=facts)
 
 
 def _unknown_block(value: float | str) -> bool:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.block import Block
-from modallab.gap.conditioning.lost_samples import channels_losing_samples
+from modallab.gap.conditioning.prepare import channels_losing_samples
 
 NOISE = np.array([3e-4, 3e-4, 3e-4])
 

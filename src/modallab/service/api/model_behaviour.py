@@ -59,19 +59,7 @@ def get_participation(
     )
     known = known_of_campaign(service, campaign, test)
     found = modal_participation(known, at, of, quantity, band, after)
-    return ParticipationView(
-        test=known.model.test,
-        at=at,
-        of=of,
-        quantity=quantity,
-        band_hz=found.band_hz,
-        after_s=found.after_s,
-        frequency_hz=known.model.frequency_hz,
-        share=found.share,
-        share_sigma=found.share_sigma,
-        alone=found.alone,
-        outside=found.outside,
-    )
+    return ParticipationView.of_fields(known.model, found, at=at, of=of, quantity=quantity)
 
 
 def _both_or_neither(where: str, low: float | None, high: float | None) -> tuple[float, float] | None:
@@ -89,13 +77,11 @@ def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesVi
 
     known = known_of_campaign(service, campaign, test)
     found = places_of_modes(known.structure, known.samples, known.model, known.rig)
-    return NodesView(
+    return NodesView.of_fields(
+        found,
         test=known.model.test,
-        frequency_hz=found.frequency_hz,
         points=tuple(point for point, _ in found.freedoms),
         axes=tuple(axis for _, axis in found.freedoms),
-        motion=found.motion,
-        motion_sigma=found.motion_sigma,
         antinode=tuple(point for point, _ in found.antinode),
         near_node=tuple(tuple(point for point, _ in near) for near in found.nodes),
         crossings=tuple(NodeView(mode=c.mode + 1, place_m=c.place_m, place_sigma_m=c.sigma_m) for c in found.crossings),
@@ -116,15 +102,7 @@ def get_shapes(campaign: str, service: ServiceOf, test: OfTest = None) -> Shapes
     except DataError:
         motion = motion_without_scale(found.model, rig)
     skeleton = Skeleton.of(rig)
-    return ShapesView(
-        test=found.model.test,
-        frequency_hz=found.model.frequency_hz,
-        points=skeleton.points,
-        places_m=skeleton.places_m,
-        lines=skeleton.lines,
-        surfaces=skeleton.surfaces,
-        motion=motion,
-    )
+    return ShapesView.of_fields(found.model, skeleton, motion=motion)
 
 
 @router.get("/campaigns/{campaign}/model/deflection", responses=documented_responses(404))

@@ -54,16 +54,11 @@ def modify_model(campaign: str, new: Annotated[ModificationRequest, Body()], ser
     changed = known.with_changes(changes)
     after = changed.modes
     measured = None if new.check is None else model_of_campaign(service, new.check, new.test).model
-    return ModifiedView(
+    return ModifiedView.of_fields(
+        after,
         test=known.model.test,
         changes=tuple(change.words for change in changes),
-        frequency_hz=after.frequency_hz,
-        frequency_sigma_hz=after.frequency_sigma_hz,
-        damping_ratio=after.damping_ratio,
-        damping_sigma=after.damping_sigma,
         like=tuple(int(n) + 1 for n in after.like),
-        mac=after.mac,
-        outside=after.outside,
         conditioning=changed.conditioning,
         notes=tuple(notes_of(changed)),
         before_hz=known.model.frequency_hz,

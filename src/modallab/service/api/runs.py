@@ -125,15 +125,4 @@ def get_frf(
         return Response(status_code=304, headers={"ETag": f'"{tag}"'})
     frf = service.frfs().frf(run, estimator=estimator)
     set_etag(response, tag)
-    return FrfView(
-        run=run,
-        quantity=frf.quantity,
-        unit=UNIT[frf.quantity],
-        frequency_hz=frf.frequency_hz,
-        values=frf.values,
-        coherence=frf.coherence,
-        outputs=frf.outputs,
-        output_points=frf.output_points,
-        input_points=frf.input_points,
-        averages=frf.averages,
-    )
+    return FrfView.of_fields(frf, run=run, unit=UNIT[frf.quantity])

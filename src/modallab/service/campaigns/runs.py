@@ -43,25 +43,17 @@ def run_view(service: Service, run: str) -> RunView:
     entry = service.repository.entry(run)
     blocks = service.store.catalogue.blocks(run)
     aside = None if entry is None else Archive(service.engine).run(run, entry.campaign)
-    return RunView(
-        id=run,
+    return RunView.of_fields(
+        record,
         campaign=None if entry is None else entry.campaign,
         rig=None if entry is None else entry.rig,
-        test=record.test,
-        state=record.state,
-        reason=record.reason,
         code="" if entry is None else entry.code,
-        valid=record.valid,
         legal=legal_next_states(record.state),
-        plan=record.plan,
         operator="" if entry is None else entry.operator,
         continues=None if entry is None else entry.continues,
-        created_utc=record.created_utc,
-        ended_utc=record.ended_utc,
         blocks=len(blocks),
         accepted=sum(block.note.accepted for block in blocks),
         rate_hz=None if record.rates is None else record.rates.delivered_hz,
-        rig_hash=record.rig_hash,
         **archive_state(aside),
     )
 
@@ -90,23 +82,7 @@ def block_record(service: Service, run: str, n: int) -> BlockRecord:
 
 def block_view(block: BlockRecord) -> BlockView:
     """A block as it stands."""
-    note = block.note
-    return BlockView(
-        run=block.run,
-        n=block.n,
-        name=note.name,
-        first_sample=note.first_sample,
-        count=block.count,
-        crc32=block.crc32,
-        accepted=note.accepted,
-        reason=note.reason,
-        utc=block.utc,
-        drive_point=note.drive_point,
-        level=note.level,
-        frequency_hz=note.frequency_hz,
-        overload=note.overload,
-        facts=note.facts,
-    )
+    return BlockView.of_fields(block, block.note)
 
 
 def read_samples(service: Service, block: BlockRecord) -> Samples:
