@@ -9,8 +9,7 @@ from modallab.core.effects import Effect
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
-from modallab_simulators.cantilever.blind_trials import GAP_RANGE, draw_effect, draw_gap
-from modallab_simulators.cantilever.blind_trials import GapMeter, solve
+from modallab_simulators.cantilever.blind_trials import GAP_RANGE, GapMeter, draw_effect, draw_gap, solve
 
 
 @pytest.fixture(scope="module")

@@ -1,30 +1,21 @@
 """What blind trials ask of this bench: effects drawn to a size, and whole campaigns in a moment."""
 
-from dataclasses import dataclass
-from math import exp, log
-
-import numpy as np
-
-from modallab.core.effects import Effect, Parameter
-from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
-from modallab.core.rig import Rig
-from modallab_simulators.cantilever.draw import Stream, generator
-from modallab_simulators.cantilever.effect_part import EffectPart, Ties
-from modallab_simulators.cantilever.effects import allowed, kinds, part_of
-from modallab_simulators.cantilever.trial import LEVELS_N, make_trial
-
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import exp, hypot, log, sqrt
 
 import numpy as np
 
 from modallab.core.arrays import Real
 from modallab.core.block import Block, Campaign
-from modallab.core.effects import Effect
+from modallab.core.effects import Effect, Parameter
+from modallab.core.places import AlongBeam, NoPlace, OneChannel, Place, TwoChannels
 from modallab.core.rig import Converter, Rig
-from modallab_simulators.cantilever.effects import part_of
+from modallab_simulators.cantilever.draw import Stream, generator
+from modallab_simulators.cantilever.effect_part import EffectPart, Ties
+from modallab_simulators.cantilever.effects import allowed, kinds, part_of
 from modallab_simulators.cantilever.injected_effects import inject_effects
-from modallab_simulators.cantilever.trial import make_trial, sound_trial
+from modallab_simulators.cantilever.trial import LEVELS_N, make_trial, sound_trial
 
 NODE = 0.03
 """Share of a record's mean squares below which a channel counts as at a node: its own response is no measure there."""
@@ -140,6 +131,7 @@ def _between(below: float, above: float, met: Sequence[tuple[float, float]]) -> 
         if end not in tried and (met[-1][1] < 0) == (end == above):
             return end
     return (below + above) / 2
+
 
 GAP_RANGE = (1.5, 300.0)
 WHOLE = 0.8

@@ -8,31 +8,26 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import grpc
+import numpy as np
 import yaml
 
 from modallab.core.rig import Rig
-from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
-from modallab_simulators.ni_daqmx_server.lines import OutputLine
-from modallab_simulators.ni_daqmx_server.max_config import SavedConfiguration, read
-from modallab_simulators.ni_daqmx_server.plant import CablePlant, CantileverPlant, Plant
-from modallab_simulators.ni_daqmx_server.rpc import serve
-from modallab_simulators.ni_daqmx_server.signals import BenchClock, Pulses
-from modallab_simulators.ni_daqmx_server.systems import SYSTEMS
-from modallab_simulators.scpi_generator import SINE_DIALECTS, PtyGenerator, ScpiGenerator
-
-from typing import Any
-
-import numpy as np
-
 from modallab_simulators import faults
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.digital_task import LineTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
-from modallab_simulators.ni_daqmx_server.lines import MEMORY_S
+from modallab_simulators.ni_daqmx_server.lines import MEMORY_S, OutputLine
+from modallab_simulators.ni_daqmx_server.max_config import SavedConfiguration, read
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
+from modallab_simulators.ni_daqmx_server.plant import CablePlant, CantileverPlant, Plant
+from modallab_simulators.ni_daqmx_server.rpc import serve
+from modallab_simulators.ni_daqmx_server.signals import BenchClock, Pulses
+from modallab_simulators.ni_daqmx_server.systems import SYSTEMS
+from modallab_simulators.scpi_generator import SINE_DIALECTS, PtyGenerator, ScpiGenerator
 
 
 def trace(system: SimulatedSystem, over_s: float, rate_hz: float) -> list[float]:

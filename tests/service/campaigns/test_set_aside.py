@@ -129,7 +129,7 @@ def test_nothing_is_added_to_a_campaign_that_is_set_aside(service, aside, campai
 def test_what_goes_on_or_waits_or_is_continued_is_not_deleted(service, aside, campaign) -> None:
     first = record(service, campaign)
     second = record(service, campaign, continues=first)
-    with pytest.raises(ConflictError, match=f"run {second} continues it"):
+    with pytest.raises(ConflictError, match=f"run {second} continues this run"):
         aside.delete("run", first, "Ada", GRACE)
     aside.delete("run", second, "Ada", GRACE)
     aside.delete("run", first, "Ada", GRACE)

@@ -34,13 +34,6 @@ from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.conversion import Conversion
 from modallab.signals.faults.whole_channels import overloaded_channels
 
-from collections.abc import Sequence
-
-import numpy as np
-
-from modallab.core.arrays import Real
-from modallab.core.block import Block
-
 REPEATS = 0.025
 """Share of samples equal to the one before that no lively signal has."""
 ZEROS = 0.01
@@ -80,6 +73,7 @@ def _shares_repeated_and_zero(block: Block, noise_v: Real) -> tuple[Real, Real]:
 
 def _typical_share(shares: "np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]") -> Real:
     return np.ma.median(shares, axis=0).filled(0.0)
+
 
 ONE_LEVEL = "Only one level: the linearity of the bench cannot be tested."
 NOISY = 1.3
