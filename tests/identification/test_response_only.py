@@ -177,4 +177,4 @@ def test_responses_alone_are_identified_at_the_terminal(campaign, tmp_path, caps
     assert "each is 1 at its largest component" in page
     assert "pLSCF on half spectra" in page
     assert main([*command, "--pick", "21"]) == 2
-    assert "does not go with --pick" in capsys.readouterr().err
+    assert "cannot be combined with --pick" in capsys.readouterr().err

@@ -49,5 +49,5 @@ def test_a_job_finds_them_too(tmp_path, kind: str) -> None:
 
 
 def test_what_does_not_go_with_the_responses_alone_is_rejected() -> None:
-    with pytest.raises(JobError, match="response_only does not go with pick_hz"):
+    with pytest.raises(JobError, match="response_only cannot be combined with pick_hz"):
         parse_parameters("identify", {"response_only": True, "pick_hz": [9.0]})

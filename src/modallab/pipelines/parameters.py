@@ -82,7 +82,7 @@ class IdentifyParameters(Frozen):
         named = [name for name in sorted(given) if getattr(self, name) != type(self).model_fields[name].default]
         if self.response_only and named:
             raise PydanticCustomError(
-                "response_only", "response_only does not go with {named}", {"named": ", ".join(named)}
+                "response_only", "response_only cannot be combined with {named}", {"named": ", ".join(named)}
             )
         return self
 

@@ -25,7 +25,7 @@ def require_proportion(twin: Twin, form: str) -> None:
     """
     if twin.element is not None:
         raise DataError(
-            f"the twin is not linear ({twin.element.law.name.lower()}), {form} does",
+            f"the twin is not linear ({twin.element.law.name.lower()}), and {form} is linear",
             remedy="export a cubic spring or a play as mjcf; for another law use `modallab gap predict`",
         )
 
