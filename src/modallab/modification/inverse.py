@@ -6,7 +6,7 @@ one interval of sizes at most, and the smallest size is where such an interval e
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from scipy.optimize import brentq, minimize
@@ -88,8 +88,19 @@ def changes_for_frequency(
         raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {modes}")
     if not 0 < to_hz < known.model.band_hz[1]:
         raise DataError(f"{to_hz:g} Hz is outside the band", remedy=f"stay below {known.model.band_hz[1]:.4g} Hz")
+    check_kind(by)
     found = [_change_at_point(known, mode - 1, to_hz, by, point) for point in at]
     return tuple(sorted(found, key=lambda a: (not a.feasible, a.size if a.feasible else 0.0)))
+
+
+def check_kind(by: str) -> None:
+    """Require a change that is known.
+
+    Raises:
+        DataError: it is none.
+    """
+    if by not in get_args(By):
+        raise DataError(f"by={by!r} is no change", remedy=f"use one of {', '.join(get_args(By))}")
 
 
 def _change_at_point(known: KnownStructure, mode: int, to_hz: float, by: By, at: At) -> ChangeAtPoint:
@@ -158,6 +169,7 @@ def best_absorber(known: KnownStructure, mode: int, at: At, mass: float) -> Best
     if not 1 <= mode <= len(known.structure.poles):
         raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {len(known.structure.poles)}")
     ratio, omega = _mass_ratio(known, mode - 1, at, mass)
+    TunedAbsorber(at, mass, omega / (2 * np.pi))  # rejects a mass that is none
     f = omega / (2 * np.pi) * np.linspace(0.5, 1.5, 1001)
     start = np.log([1 / (1 + ratio), np.sqrt(3 * ratio / (8 * (1 + ratio)))])
 
@@ -235,6 +247,7 @@ def changes_for_free_band(
             f"no band from {low:g} to {high:g} Hz can be kept free",
             remedy=f"give a lower and an upper edge below {known.model.band_hz[1]:.4g} Hz, where the model ends",
         )
+    check_kind(by)
     found = [_free_band_at_point(known, band_hz, by, point) for point in at]
     return tuple(sorted(found, key=lambda a: (not a.feasible, a.size if a.feasible else 0.0)))
 

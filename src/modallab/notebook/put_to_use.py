@@ -13,10 +13,18 @@ from modallab.core.documents.forces import ForceKind
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Quantity
-from modallab.modification.attachments import AttachedPart, Element, TunedAbsorber
+from modallab.modification.attachments import AttachedPart, Element
 from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.frfs import lines_with_peaks
-from modallab.modification.inverse import By, best_absorber, changes_for_free_band, changes_for_frequency
+from modallab.modification.inverse import (
+    BestAbsorber,
+    By,
+    ChangeAtPoint,
+    FreeBand,
+    best_absorber,
+    changes_for_free_band,
+    changes_for_frequency,
+)
 from modallab.modification.known import KnownStructure
 from modallab.modification.motion import force_samples
 from modallab.modification.response import Between
@@ -24,8 +32,15 @@ from modallab.modification.state_space import StateSpaceModel
 from modallab.modification.structure import At
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.predicted_motion import PredictedMotion
-from modallab.notebook.shown import DisplayedTable
-from modallab.reporting.modified_table import check_predictions, free_rows, modified_rows, tuned_rows, write_rows
+from modallab.notebook.shown import DisplayedResult, DisplayedTable
+from modallab.reporting.modified_table import (
+    absorber_rows,
+    check_predictions,
+    free_rows,
+    modified_rows,
+    tuned_rows,
+    write_rows,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -171,7 +186,9 @@ class ModelUses:
             CouplingToStructure(known.structure, tuple(at), joint_spring, -1 if remove else 1, samples=known.samples)
         )
 
-    def tune(self, mode: int, to_hz: float, by: By, at: Sequence[At] | None = None) -> DisplayedTable:
+    def tune(
+        self, mode: int, to_hz: float, by: By, at: Sequence[At] | None = None
+    ) -> DisplayedResult[tuple[ChangeAtPoint, ...]]:
         """The mass, or spring to ground, that brings a mode to a frequency, at each point: the smallest first.
 
         Args:
@@ -183,11 +200,12 @@ class ModelUses:
         Raises:
             DataError: no such mode, a frequency beyond the band, or a point that the model does not know.
         """
-        return DisplayedTable(
-            *tuned_rows(changes_for_frequency(self.known, mode, to_hz, by, at or self._sensors()), by, mode, to_hz)
-        )
+        found = changes_for_frequency(self.known, mode, to_hz, by, at or self._sensors())
+        return DisplayedResult(found, *tuned_rows(found, by, mode, to_hz))
 
-    def keep_free(self, band_hz: tuple[float, float], by: By, at: Sequence[At] | None = None) -> DisplayedTable:
+    def keep_free(
+        self, band_hz: tuple[float, float], by: By, at: Sequence[At] | None = None
+    ) -> DisplayedResult[tuple[FreeBand, ...]]:
         """The mass, or spring to ground, that leaves no mode in a band, at each point: the smallest first.
 
         Args:
@@ -198,12 +216,13 @@ class ModelUses:
         Raises:
             DataError: edges that do not rise or lie beyond the model's band, or a point that the model does not know.
         """
-        return DisplayedTable(
-            *free_rows(changes_for_free_band(self.known, band_hz, by, at or self._sensors()), by, band_hz)
-        )
+        found = changes_for_free_band(self.known, band_hz, by, at or self._sensors())
+        return DisplayedResult(found, *free_rows(found, by, band_hz))
 
-    def best_absorber(self, mode: int, at: At, mass: float) -> TunedAbsorber:
+    def best_absorber(self, mode: int, at: At, mass: float) -> DisplayedResult[BestAbsorber]:
         """The absorber of a mass that leaves the least peak of the mobility at its point about a mode.
+
+        `.numbers.absorber` is what `modify` takes.
 
         Args:
             mode: from 1.
@@ -213,7 +232,8 @@ class ModelUses:
         Raises:
             DataError: no such mode, or it has a node there.
         """
-        return best_absorber(self.known, mode, at, mass).absorber
+        found = best_absorber(self.known, mode, at, mass)
+        return DisplayedResult(found, *absorber_rows(found, mode))
 
     def _sensors(self) -> list[At]:
         return list(self.known.sensors)

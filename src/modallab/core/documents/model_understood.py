@@ -33,6 +33,28 @@ class ParticipationView(OfModel):
     outside: float
 
 
+class ReductionView(OfModel):
+    """The size of measured FRFs and of their model, and how far each pair is off.
+
+    Attributes:
+        outputs: (outputs,) channel names.
+        output_points: (outputs,) where they are; null where unknown.
+        input_points: (inputs,) points that were driven; null where unknown.
+        measured_numbers: real numbers in the measured FRFs.
+        model_numbers: real numbers in the model.
+        error: (outputs, inputs) effective value of the difference, over that of the measured FRF.
+        frac: (outputs, inputs) FRAC of measured against regenerated.
+    """
+
+    outputs: tuple[str, ...]
+    output_points: tuple[int | None, ...]
+    input_points: tuple[int | None, ...]
+    measured_numbers: int
+    model_numbers: int
+    error: RealArray
+    frac: RealArray
+
+
 class CrossingView(Frozen):
     """A node between points that lie along a line.
 
