@@ -268,7 +268,7 @@ def test_everybody_can_read_every_view(corrected: Watched, campaign: str, scheme
 
 
 @pytest.mark.thorough("diagnoses on the page, and tests again")
-def test_at_a_desk_no_table_is_wider_than_its_card(corrected: Watched, campaign: str) -> None:
+def test_at_1440_pixels_no_table_is_wider_than_its_card(corrected: Watched, campaign: str) -> None:
     corrected.page.set_viewport_size({"width": 1440, "height": 900})
     for view in VIEWS:
         show(corrected, view, campaign)

@@ -141,9 +141,7 @@ def show_shape(known: KnownStructure, compared: Verification | None, arguments: 
     _write(arguments, about | values)
 
 
-def _show_deflection(
-    known: KnownStructure, compared: Verification | None, arguments: argparse.Namespace
-) -> Deflection:
+def _show_deflection(known: KnownStructure, compared: Verification | None, arguments: argparse.Namespace) -> Deflection:
     if arguments.mode is not None:
         return mode_deflection(known.structure, known.samples, arguments.mode)
     if arguments.at is None:

@@ -88,19 +88,8 @@ def changes_for_frequency(
         raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {modes}")
     if not 0 < to_hz < known.model.band_hz[1]:
         raise DataError(f"{to_hz:g} Hz is outside the band", remedy=f"stay below {known.model.band_hz[1]:.4g} Hz")
-    check_kind(by)
     found = [_change_at_point(known, mode - 1, to_hz, by, point) for point in at]
     return tuple(sorted(found, key=lambda a: (not a.feasible, a.size if a.feasible else 0.0)))
-
-
-def check_kind(by: str) -> None:
-    """Require a change that is known.
-
-    Raises:
-        DataError: it is none.
-    """
-    if by not in get_args(By):
-        raise DataError(f"by={by!r} is no change", remedy=f"use one of {', '.join(get_args(By))}")
 
 
 def _change_at_point(known: KnownStructure, mode: int, to_hz: float, by: By, at: At) -> ChangeAtPoint:
@@ -139,7 +128,9 @@ def changed_hz(known: KnownStructure, by: By, at: At, size: float) -> Real:
 
 
 def mass_or_spring(by: By, at: At, size: float) -> Element:
-    """A mass, or a spring to ground."""
+    """A mass, or a spring to ground; a DataError if it is to be neither."""
+    if by not in get_args(By):
+        raise DataError(f"by={by!r} is no change", remedy=f"use one of {', '.join(get_args(By))}")
     return Element(at, mass=size) if by == "mass" else Element(at, spring=size)
 
 
@@ -247,7 +238,6 @@ def changes_for_free_band(
             f"no band from {low:g} to {high:g} Hz can be kept free",
             remedy=f"give a lower and an upper edge below {known.model.band_hz[1]:.4g} Hz, where the model ends",
         )
-    check_kind(by)
     found = [_free_band_at_point(known, band_hz, by, point) for point in at]
     return tuple(sorted(found, key=lambda a: (not a.feasible, a.size if a.feasible else 0.0)))
 

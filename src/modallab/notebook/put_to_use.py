@@ -16,15 +16,6 @@ from modallab.core.units import Quantity
 from modallab.modification.attachments import AttachedPart, Element
 from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.frfs import lines_with_peaks
-from modallab.modification.inverse import (
-    BestAbsorber,
-    By,
-    ChangeAtPoint,
-    FreeBand,
-    best_absorber,
-    changes_for_free_band,
-    changes_for_frequency,
-)
 from modallab.modification.known import KnownStructure
 from modallab.modification.motion import force_samples
 from modallab.modification.response import Between
@@ -32,15 +23,9 @@ from modallab.modification.state_space import StateSpaceModel
 from modallab.modification.structure import At
 from modallab.notebook.measured import MeasuredFrf
 from modallab.notebook.predicted_motion import PredictedMotion
-from modallab.notebook.shown import DisplayedResult, DisplayedTable
-from modallab.reporting.modified_table import (
-    absorber_rows,
-    check_predictions,
-    free_rows,
-    modified_rows,
-    tuned_rows,
-    write_rows,
-)
+from modallab.notebook.shown import DisplayedTable
+from modallab.notebook.wanted import ModelInverse
+from modallab.reporting.modified_table import check_predictions, modified_rows, write_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -50,7 +35,7 @@ LINES = 1000
 """Of a figure over the band."""
 
 
-class ModelUses:
+class ModelUses(ModelInverse):
     """What a model and a changed model have in common; `known` is the structure."""
 
     __slots__ = ()
@@ -185,58 +170,6 @@ class ModelUses:
         return self.modify(
             CouplingToStructure(known.structure, tuple(at), joint_spring, -1 if remove else 1, samples=known.samples)
         )
-
-    def tune(
-        self, mode: int, to_hz: float, by: By, at: Sequence[At] | None = None
-    ) -> DisplayedResult[tuple[ChangeAtPoint, ...]]:
-        """The mass, or spring to ground, that brings a mode to a frequency, at each point: the smallest first.
-
-        Args:
-            mode: from 1.
-            to_hz: Hz.
-            by: "mass" or "spring".
-            at: points to try; None for all that have a sensor.
-
-        Raises:
-            DataError: no such mode, a frequency beyond the band, or a point that the model does not know.
-        """
-        found = changes_for_frequency(self.known, mode, to_hz, by, at or self._sensors())
-        return DisplayedResult(found, *tuned_rows(found, by, mode, to_hz))
-
-    def keep_free(
-        self, band_hz: tuple[float, float], by: By, at: Sequence[At] | None = None
-    ) -> DisplayedResult[tuple[FreeBand, ...]]:
-        """The mass, or spring to ground, that leaves no mode in a band, at each point: the smallest first.
-
-        Args:
-            band_hz: lower and upper edge.
-            by: "mass" or "spring".
-            at: points to try; None for all that have a sensor.
-
-        Raises:
-            DataError: edges that do not rise or lie beyond the model's band, or a point that the model does not know.
-        """
-        found = changes_for_free_band(self.known, band_hz, by, at or self._sensors())
-        return DisplayedResult(found, *free_rows(found, by, band_hz))
-
-    def best_absorber(self, mode: int, at: At, mass: float) -> DisplayedResult[BestAbsorber]:
-        """The absorber of a mass that leaves the least peak of the mobility at its point about a mode.
-
-        `.numbers.absorber` is what `modify` takes.
-
-        Args:
-            mode: from 1.
-            at: where it hangs.
-            mass: kg.
-
-        Raises:
-            DataError: no such mode, or it has a node there.
-        """
-        found = best_absorber(self.known, mode, at, mass)
-        return DisplayedResult(found, *absorber_rows(found, mode))
-
-    def _sensors(self) -> list[At]:
-        return list(self.known.sensors)
 
 
 def _list_of_places(given: At | Sequence[At]) -> list[At]:

@@ -5,7 +5,6 @@ from typing import Annotated
 import numpy as np
 from fastapi import Query
 
-from modallab.core.arrays import Complex
 from modallab.core.documents.model_understood import (
     CrossingView,
     DeflectionView,
@@ -14,9 +13,10 @@ from modallab.core.documents.model_understood import (
     ReductionView,
     ShapesView,
 )
-from modallab.core.errors import DataError
 from modallab.core.documents.models import TestCurves
+from modallab.core.errors import DataError
 from modallab.core.frf import Frf
+from modallab.core.frozen import ComplexArray
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Motion, OfTest, ServiceOf
 from modallab.service.api.router import make_router
@@ -127,7 +127,7 @@ def get_reduction(campaign: str, service: ServiceOf, test: OfTest = None) -> Red
     )
 
 
-def _measured_of(service: Service, campaign: str, test: str | None) -> tuple[TestCurves, Complex, Complex]:
+def _measured_of(service: Service, campaign: str, test: str | None) -> tuple[TestCurves, ComplexArray, ComplexArray]:
     """What the model of a test is looked at by, with its measured and regenerated FRFs."""
     curves = next(c for c in curves_of_campaign(service, campaign).tests if c.test == test)
     if curves.measured is None or curves.regenerated is None:
