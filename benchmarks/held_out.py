@@ -30,7 +30,7 @@ from modallab.modification.known import KnownStructure
 from modallab.notebook.recording import Recording
 from modallab.signals.signals import Signals, to_signals_of
 
-FIRST_SEED, SEEN_HITS, SEEN_WAVES, PERIODS = 7414, 3, 2, 40
+FIRST_SEED, SEEN_HITS, SEEN_WAVES, PERIODS = 7451, 3, 2, 40
 HITS = ImpactPlan(points=(10, 6, 3), hits=5)
 RANDOM = BroadbandPlan(
     signal="pseudo-random", band_hz=(3, 400), levels_v={"low": 0.5}, blocks=12, blocks_per_wave=3, settle_s=40

@@ -22,7 +22,7 @@ from modallab.modification.modified import ModesAfter
 
 PLAN = ImpactPlan(points=(10, 6, 3), hits=5)
 POINTS = 10
-FIRST_SEED = 7020
+FIRST_SEED = 7101
 COLUMNS = (
     "seed", "kind", "size", "point", "mode", "before_hz", "predicted_hz", "sigma_hz", "measured_hz",
     "measured_sigma_hz", "predicted_zeta", "zeta_sigma", "measured_zeta",

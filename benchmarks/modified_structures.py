@@ -29,7 +29,7 @@ from modallab.modification.known import KnownStructure
 from modified import COLUMNS, beside, summary
 from updated import moved, plate_places, rig_of, tube_places
 
-FIRST_SEED, LINES, ZETA, NOISE, HITS = 9900, 3000, 0.004, 1e-3, 5
+FIRST_SEED, LINES, ZETA, NOISE, HITS = 10101, 3000, 0.004, 1e-3, 5
 TOLERANCE = Tolerance.usual()
 Row = Callable[[np.ndarray, str], np.ndarray]
 

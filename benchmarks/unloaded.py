@@ -18,7 +18,7 @@ from modallab.modification.attachments import Element
 from modallab.modification.known import KnownStructure
 from modified import COLUMNS, PLAN, POINTS, beside, summary
 
-FIRST_SEED = 7309
+FIRST_SEED = 7351
 
 
 def rows_of(seed: int) -> list[list[object]]:

@@ -31,7 +31,7 @@ from modallab.updating.prior import Prior
 from modallab.updating.result import UpdatedParameters
 
 Predict = Callable[[Mapping[str, float]], tuple[np.ndarray, np.ndarray]]
-FIRST_SEED = 9210
+FIRST_SEED = 9301
 HZ_SIGMA = 5e-5
 COLUMNS = (
     "seed", "structure", "parameter", "believed", "true", "found", "low", "high", "inside", "moves_something",

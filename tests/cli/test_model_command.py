@@ -8,6 +8,7 @@ import pytest
 from chain import BARE, OTHER
 from scipy.io import loadmat
 
+import modallab as ml
 from modallab.cli import main
 from modallab.core.units import Quantity
 from modallab.formats.frf_file import rig_without_places
@@ -88,6 +89,23 @@ def test_shares_and_nodes_are_those_of_python(models: Path, tmp_path: Path, caps
     np.testing.assert_allclose(json.loads(answer.read_text())["share"], expected.share)
     assert main(["model", "nodes", str(models)]) == 0
     assert "Hit or mount a sensor at point" in capsys.readouterr().out
+
+
+def test_a_reduction_is_that_of_python_and_needs_the_measured_frfs(
+    models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["model", "reduction", str(models)]) != 0
+    assert "name the campaign instead of its models" in capsys.readouterr().err
+    hz, answer = np.arange(0.5, 60, 0.05), tmp_path / "answer.json"
+    s = 2j * np.pi * hz
+    mobility = np.moveaxis((BARE.receptance(s) * s[:, None, None])[:, :, [0]], 0, -1)
+    measured = ml.frf(hz, mobility, inputs=[1], quantity="mobility")
+    path = measured.save(tmp_path / "measured.h5")
+    assert main(["model", "reduction", str(path), "--json", str(answer)]) == 0
+    found = json.loads(answer.read_text())
+    assert found["measured_numbers"] == 2 * measured.frf.values.size > 10 * found["model_numbers"]
+    assert np.shape(found["error"]) == measured.frf.values.shape[:2]
+    assert "error [%]" in capsys.readouterr().out
 
 
 def test_a_moving_picture_needs_the_places_of_the_points(

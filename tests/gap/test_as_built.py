@@ -96,7 +96,7 @@ def test_the_budget_is_whole_and_the_noise_is_small(sound: Diagnosis) -> None:
     left = {r.kind: r.share for r in sound.budget.rows if r.kind != "tolerance"}
     assert left["noise"] < 0.01
     assert abs(left["model"]) < 0.01
-    assert all("Within tolerance" in line for line in sound.budget.calibrate)
+    assert all("standard deviations" in line for line in sound.budget.calibrate)
 
 
 def test_the_budget_says_where_each_part_lies(sound: Diagnosis) -> None:

@@ -394,7 +394,12 @@ def test_damping_that_cannot_be_negative_is_the_part_above_zero() -> None:
     zeta, sigma = np.array([-0.002, 0.001, 0.01]), np.array([0.004, 0.003, 1e-4])
     mean, deviation = passive_damping(zeta, sigma)
     for z, s, m, d in zip(zeta, sigma, mean, deviation, strict=True):
-        drawn = z + s * rng.standard_normal(400_000)
+        drawn = z + np.hypot(s, min(z, 0)) * rng.standard_normal(400_000)
         kept = drawn[drawn >= 0]
         assert m == pytest.approx(kept.mean(), rel=0.01)
         assert d == pytest.approx(kept.std(), rel=0.01)
+
+
+def test_damping_far_below_zero_is_not_stated_as_well_known() -> None:
+    mean, deviation = passive_damping(np.array([-0.006]), np.array([1e-4]))
+    assert mean[0] + 1.96 * deviation[0] > 0.006

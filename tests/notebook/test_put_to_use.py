@@ -89,7 +89,37 @@ def test_what_a_model_explains_is_a_table_with_its_numbers(model: ml.Model, tmp_
         model.shape(2).save(tmp_path / "mode.mp4")
 
 
+def test_a_reduction_says_both_sizes_and_the_error_of_each_pair(model: ml.Model) -> None:
+    found = model.reduction()
+    check, sizes = model.verification, found.numbers
+    off = np.abs(check.regenerated.values - check.measured.values) ** 2
+    expected = np.sqrt(off.sum(axis=2) / np.sum(np.abs(check.measured.values) ** 2, axis=2))
+    np.testing.assert_allclose(sizes.error, expected)
+    assert sizes.measured_numbers == 2 * check.measured.values.size > 10 * sizes.model_numbers
+    assert len(found.rows) == sizes.frac.size
+
+
+def test_answers_of_the_inverse_have_their_numbers(model: ml.Model) -> None:
+    sizes = [one.size for one in model.tune(1, 10.5, "mass").numbers if one.feasible]
+    hz = model.modify(at=model.tune(1, 10.5, "mass").numbers[0].at, mass=sizes[0]).frequency_hz
+    assert np.abs(hz - 10.5).min() < 1e-3
+    found = model.best_absorber(mode=1, at=1, mass=0.1)
+    assert found.numbers.after < found.numbers.before
+    assert model.modify(found.numbers.absorber).frequency_hz.size == model.modal.n_modes + 1
+
+
+def test_every_result_shows_itself_in_a_line_at_a_prompt(model: ml.Model) -> None:
+    results = model, model.modify(mass=0.1, at=1), model.state_space(1), model.frf(HZ[10:])
+    assert all("\n" not in repr(one) and len(repr(one)) < 150 for one in results)
+
+
 def test_what_cannot_be_asked_is_said(model: ml.Model) -> None:
+    with pytest.raises(DataError, match="use one of mass, spring"):
+        model.tune(1, 10.5, by="damper")  # type: ignore[arg-type]
+    with pytest.raises(DataError, match="use one of mass, spring"):
+        model.keep_free((10, 12), by="damper")  # type: ignore[arg-type]
+    with pytest.raises(DataError, match="above 0 in kg"):
+        model.best_absorber(mode=1, at=1, mass=-0.1)
     with pytest.raises(DataError, match="there is no change"):
         model.modify()
     with pytest.raises(DataError, match="2 forces at 1 points"):

@@ -2,7 +2,15 @@
 
 import argparse
 
-from modallab.cli.model_behaviour import frf, response, show_nodes, show_participation, show_shape, state_space
+from modallab.cli.model_behaviour import (
+    frf,
+    response,
+    show_nodes,
+    show_participation,
+    show_reduction,
+    show_shape,
+    state_space,
+)
 from modallab.cli.model_change import absorber, compare, couple, free_band, modify, tune, update
 from modallab.cli.model_input import prepare_model
 from modallab.formats.rig.rig_file import read_rig
@@ -11,14 +19,15 @@ from modallab.formats.rig.rig_file import read_rig
 def run(arguments: argparse.Namespace) -> int:
     """Make the model ready, and do what was asked for."""
     rig = None if arguments.rig is None else read_rig(arguments.rig)
-    known, measured = prepare_model(arguments.model, rig, arguments.test, progress=not arguments.hush)
-    if arguments.action == "shape":
-        show_shape(known, measured, arguments)
+    known, compared = prepare_model(arguments.model, rig, arguments.test, progress=not arguments.hush)
+    if arguments.action in WITH_FRFS:
+        WITH_FRFS[arguments.action](known, compared, arguments)
     else:
         ACTIONS[arguments.action](known, arguments)
     return 0
 
 
+WITH_FRFS = {"shape": show_shape, "reduction": show_reduction}
 ACTIONS = {
     "modify": modify,
     "couple": couple,

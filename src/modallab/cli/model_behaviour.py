@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from modallab.cli.console import console_of, show_rows, write_json
 from modallab.core.documents.forces import ForceKind, ImpulseForce, RandomForce, SineForce, SweepForce
 from modallab.core.errors import ConfigurationError, DataError, StorageError
-from modallab.core.frf import Frf
+from modallab.core.model import Verification
 from modallab.core.rig import Rig
 from modallab.core.units import Quantity
 from modallab.formats.frf_file import rig_of, write_frf
@@ -30,7 +30,9 @@ from modallab.reporting.behaviour_table import (
     motion_rows,
     node_rows,
     participation_rows,
+    reduction_rows,
 )
+from modallab.verification.reduction import reduction_of
 
 
 def frf(known: KnownStructure, arguments: argparse.Namespace) -> None:
@@ -118,9 +120,18 @@ def show_nodes(known: KnownStructure, arguments: argparse.Namespace) -> None:
     _write(arguments, about | motion | {"advice": advice_of(found)})
 
 
-def show_shape(known: KnownStructure, measured: Frf | None, arguments: argparse.Namespace) -> None:
+def show_reduction(known: KnownStructure, compared: Verification | None, arguments: argparse.Namespace) -> None:
+    """The size of the FRFs and of the model, and the error of each pair."""
+    c = _with_frfs(compared)
+    found = reduction_of(known.model, c.measured.values, c.regenerated.values, c.frac)
+    show_rows(arguments, reduction_rows(found))
+    sizes = {"measured_numbers": found.measured_numbers, "model_numbers": found.model_numbers}
+    _write(arguments, sizes | {"error": found.error.tolist(), "frac": found.frac.tolist()})
+
+
+def show_shape(known: KnownStructure, compared: Verification | None, arguments: argparse.Namespace) -> None:
     """The shape of a mode, or an operating deflection shape."""
-    found = _show_deflection(known, measured, arguments)
+    found = _show_deflection(known, compared, arguments)
     if arguments.out is not None:
         _draw(found, known.stated_rig, arguments)
     show_rows(arguments, deflection_rows(found))
@@ -130,16 +141,19 @@ def show_shape(known: KnownStructure, measured: Frf | None, arguments: argparse.
     _write(arguments, about | values)
 
 
-def _show_deflection(known: KnownStructure, measured: Frf | None, arguments: argparse.Namespace) -> Deflection:
+def _show_deflection(known: KnownStructure, compared: Verification | None, arguments: argparse.Namespace) -> Deflection:
     if arguments.mode is not None:
         return mode_deflection(known.structure, known.samples, arguments.mode)
     if arguments.at is None:
         raise ConfigurationError("the point of the force is missing", remedy="add --at POINT")
-    if measured is None:
-        raise DataError(
-            "a file of models holds no measured FRF", remedy="name the campaign instead of the file of models"
-        )
-    return operating_deflection(measured, freedoms_of(known.model, known.stated_rig)[0], arguments.hz, arguments.at)
+    freedoms = freedoms_of(known.model, known.stated_rig)[0]
+    return operating_deflection(_with_frfs(compared).measured, freedoms, arguments.hz, arguments.at)
+
+
+def _with_frfs(compared: Verification | None) -> Verification:
+    if compared is None:
+        raise DataError("a file of models holds no measured FRF", remedy="name the campaign instead of its models")
+    return compared
 
 
 def _draw(found: Deflection, rig: Rig, arguments: argparse.Namespace) -> None:

@@ -13,7 +13,7 @@ def add_model_commands(commands: Commands) -> None:
     """Add it to the parser."""
     model = commands.add_parser("model", help="use a modal model: contributions to a response, and effects of a change")
     actions = model.add_subparsers(metavar="ACTION", required=True, dest="action")
-    for add in (_participation, _nodes, _shape, _frf, *_PREDICTED, _compare, _update):
+    for add in (_participation, _nodes, _shape, _frf, _reduction, *_PREDICTED, _compare, _update):
         command = add(actions)
         command.add_argument(
             "model", type=Path, metavar="MODELS.json|FOLDER|CAMPAIGN.h5", help="models, or a campaign to identify"
@@ -99,6 +99,10 @@ def _frf(actions: Commands) -> Any:
     command.add_argument("--modes-alone", action="store_true", help="without residual terms")
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help=".uff, .mat or .h5")
     return command
+
+
+def _reduction(actions: Commands) -> Any:
+    return actions.add_parser("reduction", help="size of the FRFs and of the model, and the error of each pair")
 
 
 def _response(actions: Commands) -> Any:

@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from modallab.core.errors import DataError
-from modallab.core.frf import Frf
-from modallab.core.model import ModalModel
+from modallab.core.model import ModalModel, Verification
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
@@ -19,8 +18,8 @@ from modallab.reporting.waiting_line import waiting_line
 
 def prepare_model(
     path: Path, rig: Rig | None, test: Test | None, *, progress: bool
-) -> tuple[KnownStructure, Frf | None]:
-    """A model ready for use, and the FRFs it was compared with where there are any.
+) -> tuple[KnownStructure, Verification | None]:
+    """A model ready for use, and what it was compared with where there is anything.
 
     Args:
         path: models, or a campaign to identify.
@@ -41,9 +40,7 @@ def prepare_model(
         result = identify_campaign(campaign, IdentificationOptions(), only)
     model = _choose_model([item.model for item in result.identified], test)
     verification = next(item.verification for item in result.identified if item.model is model)
-    return KnownStructure(
-        with_points(model, campaign.rig), campaign.rig
-    ), None if verification is None else verification.measured
+    return KnownStructure(with_points(model, campaign.rig), campaign.rig), verification
 
 
 def _rig_beside(path: Path) -> Rig | None:

@@ -6,7 +6,7 @@ one interval of sizes at most, and the smallest size is where such an interval e
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from scipy.optimize import brentq, minimize
@@ -128,7 +128,9 @@ def changed_hz(known: KnownStructure, by: By, at: At, size: float) -> Real:
 
 
 def mass_or_spring(by: By, at: At, size: float) -> Element:
-    """A mass, or a spring to ground."""
+    """A mass, or a spring to ground; a DataError if it is to be neither."""
+    if by not in get_args(By):
+        raise DataError(f"by={by!r} is no change", remedy=f"use one of {', '.join(get_args(By))}")
     return Element(at, mass=size) if by == "mass" else Element(at, spring=size)
 
 
@@ -158,6 +160,7 @@ def best_absorber(known: KnownStructure, mode: int, at: At, mass: float) -> Best
     if not 1 <= mode <= len(known.structure.poles):
         raise DataError(f"there is no mode {mode}", remedy=f"name one from 1 to {len(known.structure.poles)}")
     ratio, omega = _mass_ratio(known, mode - 1, at, mass)
+    TunedAbsorber(at, mass, omega / (2 * np.pi))  # rejects a mass that is none
     f = omega / (2 * np.pi) * np.linspace(0.5, 1.5, 1001)
     start = np.log([1 / (1 + ratio), np.sqrt(3 * ratio / (8 * (1 + ratio)))])
 

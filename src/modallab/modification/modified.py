@@ -92,7 +92,8 @@ def modified_modes(
 def passive_damping(zeta: Real, sigma: Real) -> tuple[Real, Real]:
     """Damping ratios and deviations, of which is known that none is below 0: the normal distribution cut off there.
 
-    After large shifts phases of shapes make a damping ratio less certain than its size.
+    After large shifts phases of shapes make a damping ratio less certain than its size. One below 0 is wrong by at
+    least as much, whatever its deviation says.
 
     Args:
         zeta: (modes,)
@@ -101,6 +102,7 @@ def passive_damping(zeta: Real, sigma: Real) -> tuple[Real, Real]:
     Returns:
         (modes,) mean and (modes,) deviation (Johnson, Kotz, Continuous Univariate Distributions (1994), 13.10).
     """
+    sigma = np.hypot(sigma, np.minimum(zeta, 0))
     least = np.maximum(sigma, np.finfo(np.float64).eps)
     from_zero = zeta / least
     more = np.exp(-(from_zero**2) / 2 - np.log(2 * np.pi) / 2 - log_ndtr(from_zero))

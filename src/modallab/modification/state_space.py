@@ -21,6 +21,10 @@ from modallab.modification.response import ramp_weights
 class StateSpaceModel(StateSpaceMatrices):
     """A state space for simulators and control design."""
 
+    def __repr__(self) -> str:
+        sizes = f"{len(self.A)} states, {len(self.inputs)} forces, {len(self.outputs)} outputs"
+        return f"<StateSpaceModel: {sizes}, {self.unit}>"
+
     def scipy(self) -> Any:
         """As `scipy.signal.StateSpace`."""
         return signal.StateSpace(self.A, self.B, self.C, self.D)

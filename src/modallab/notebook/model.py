@@ -79,10 +79,15 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         Raises:
             DataError: the method has no FRF.
         """
-        return self._verification.measured
+        return self.verification.measured
 
     @property
-    def _verification(self) -> Verification:
+    def verification(self) -> Verification:
+        """Measured beside regenerated mobility, with the FRAC of each pair.
+
+        Raises:
+            DataError: the method makes no FRF.
+        """
         if self.found.verification is None:
             raise DataError(
                 f"the method {self.modal.method} regenerates no FRF",
@@ -137,7 +142,7 @@ class Model(ModelPredictions, ModelBehaviour, ModelComparison):
         """
         from modallab.reporting.figures.mobility import mobility_panels
 
-        check = self._verification
+        check = self.verification
         if drive not in range(len(self.modal.input_points)):
             raise DataError(
                 f"there is no input {drive!r}", remedy=f"give drive from 0 to {len(self.modal.input_points) - 1}"

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from modallab.core.frf import Frf
+from modallab.core.model import ModalModel, Verification
 from modallab.core.units import Quantity
 from modallab.modification.deflection import Deflection, mode_deflection, motion_in_space, operating_deflection
 from modallab.modification.freedoms import freedoms_of
@@ -13,7 +14,8 @@ from modallab.modification.participation import ModalParticipation, modal_partic
 from modallab.modification.structure import At
 from modallab.notebook.arguments import path_for
 from modallab.notebook.display import DisplayedResult
-from modallab.reporting.behaviour_table import deflection_rows, node_rows, participation_rows
+from modallab.reporting.behaviour_table import deflection_rows, node_rows, participation_rows, reduction_rows
+from modallab.verification.reduction import ModelReduction, reduction_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,6 +66,26 @@ class ModelBehaviour:
     def measured(self) -> Frf:
         """Measured mobility."""
         raise NotImplementedError
+
+    @property
+    def modal(self) -> ModalModel:
+        """Every array of the model."""
+        raise NotImplementedError
+
+    @property
+    def verification(self) -> Verification:
+        """What the model was compared with."""
+        raise NotImplementedError
+
+    def reduction(self) -> DisplayedResult[ModelReduction]:
+        """How many numbers were measured and how many the model has, and how far each measured pair is off.
+
+        Raises:
+            DataError: the method makes no FRF to compare with.
+        """
+        compared = self.verification
+        found = reduction_of(self.modal, compared.measured.values, compared.regenerated.values, compared.frac)
+        return DisplayedResult(found, *reduction_rows(found))
 
     def participation(
         self,

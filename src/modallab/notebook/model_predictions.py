@@ -13,19 +13,19 @@ from modallab.core.documents.forces import ForceKind
 from modallab.core.errors import DataError
 from modallab.core.frf import FrfQuantity
 from modallab.core.units import Quantity
-from modallab.modification.attachments import AttachedPart, Element, TunedAbsorber
+from modallab.modification.attachments import AttachedPart, Element
 from modallab.modification.coupled import CouplingToStructure
 from modallab.modification.frfs import lines_with_peaks
-from modallab.modification.inverse import By, best_absorber, changes_for_free_band, changes_for_frequency
 from modallab.modification.known import KnownStructure
 from modallab.modification.motion import force_samples
 from modallab.modification.response import Between
 from modallab.modification.state_space import StateSpaceModel
 from modallab.modification.structure import At
 from modallab.notebook.display import DisplayedTable
+from modallab.notebook.inverse_problems import ModelInverse
 from modallab.notebook.measured_frf import MeasuredFrf
 from modallab.notebook.predicted_motion import PredictedMotion
-from modallab.reporting.modification_table import check_predictions, free_rows, modified_rows, tuned_rows, write_rows
+from modallab.reporting.modification_table import check_predictions, modified_rows, write_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,7 +35,7 @@ LINES = 1000
 """Of a figure over the band."""
 
 
-class ModelPredictions:
+class ModelPredictions(ModelInverse):
     """Predictions by a model or a changed model; `known` is the structure."""
 
     __slots__ = ()
@@ -172,53 +172,6 @@ class ModelPredictions:
         return self.modify(
             CouplingToStructure(known.structure, tuple(at), joint_spring, -1 if remove else 1, samples=known.samples)
         )
-
-    def tune(self, mode: int, to_hz: float, by: By, at: Sequence[At] | None = None) -> DisplayedTable:
-        """The mass, or spring to ground, that moves a mode to a frequency, at each point: the smallest first.
-
-        Args:
-            mode: from 1.
-            to_hz: Hz.
-            by: "mass" or "spring".
-            at: points to try; None for all that have a sensor.
-
-        Raises:
-            DataError: no such mode, a frequency beyond the band, or an unknown point.
-        """
-        return DisplayedTable(
-            *tuned_rows(changes_for_frequency(self.known, mode, to_hz, by, at or self._sensors()), by, mode, to_hz)
-        )
-
-    def keep_free(self, band_hz: tuple[float, float], by: By, at: Sequence[At] | None = None) -> DisplayedTable:
-        """The mass, or spring to ground, that leaves no mode in a band, at each point: the smallest first.
-
-        Args:
-            band_hz: lower and upper edge.
-            by: "mass" or "spring".
-            at: points to try; None for all that have a sensor.
-
-        Raises:
-            DataError: edges in the wrong order or outside the model's band, or an unknown point.
-        """
-        return DisplayedTable(
-            *free_rows(changes_for_free_band(self.known, band_hz, by, at or self._sensors()), by, band_hz)
-        )
-
-    def best_absorber(self, mode: int, at: At, mass: float) -> TunedAbsorber:
-        """The absorber of a given mass that makes the peak of the mobility of a mode at its point smallest.
-
-        Args:
-            mode: from 1.
-            at: point of the absorber.
-            mass: kg.
-
-        Raises:
-            DataError: no such mode, or a mode with a node there.
-        """
-        return best_absorber(self.known, mode, at, mass).absorber
-
-    def _sensors(self) -> list[At]:
-        return list(self.known.sensors)
 
 
 def _list_of_places(given: At | Sequence[At]) -> list[At]:

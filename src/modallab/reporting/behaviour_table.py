@@ -12,6 +12,7 @@ from modallab.modification.participation import ModalParticipation
 from modallab.modification.structure import At
 from modallab.reporting.modification_table import TableRows
 from modallab.updating.correlation import ModelCorrelation
+from modallab.verification.reduction import ModelReduction
 
 MOST = 0.995
 """Of a mode's largest motion: as much as that is all of it, in whole percent."""
@@ -47,6 +48,21 @@ def _heading_of_shares(found: ModalParticipation) -> str:
         return f"{when} after a hit"
     low, high = found.band_hz or (0.0, 0.0)
     return f"{low:.5g} Hz under a force" if low == high else f"{low:.4g} to {high:.4g} Hz under an even force"
+
+
+def reduction_rows(found: ModelReduction) -> TableRows:
+    """How far each measured pair is off, and the size of the FRFs and of the model."""
+    rows = [
+        (str(into or "?"), name if out is None else f"{name} at {out}", f"{100 * e:.2g}", f"{f:.4f}")
+        for into, errors, fracs in zip(found.input_points, found.error.T, found.frac.T, strict=True)
+        for name, out, e, f in zip(found.outputs, found.output_points, errors, fracs, strict=True)
+    ]
+    sentences = (
+        f"{found.measured_numbers} numbers were measured, the model has {found.model_numbers}: one for "
+        f"{found.measured_numbers / found.model_numbers:.3g}. Error: effective value of the difference between "
+        "regenerated and measured mobility, over that of the measured one."
+    )
+    return TableRows(("driven at", "output", "error [%]", "FRAC"), tuple(rows), sentences)
 
 
 def node_rows(found: ModePlaces) -> TableRows:

@@ -307,6 +307,9 @@ def test_a_model_is_put_to_use(lab: Lab, campaign: str) -> None:
         later = client.get(f"{at}/participation", params={"at": 10, "of": 3, "begin_s": 0.5, "end_s": 0.5}).json()
         assert later["share"][0] > shares["share"][0]
         assert any("point 10" in said for said in client.get(f"{at}/nodes").json()["advice"])
+        size = client.get(f"{at}/reduction").json()
+        assert size["measured_numbers"] > size["model_numbers"]
+        assert np.array(size["error"]).shape == np.array(size["frac"]).shape == (10, 3)
         shape = client.get(f"{at}/deflection", params={"hz": 30, "at": 10}).json()
         assert len(shape["points"]) == len(shape["values"]["re"]) == len(shape["sigma"])
         assert all(0 < off < np.hypot(*v) for off, *v in zip(shape["sigma"], *shape["values"].values(), strict=True))

@@ -33,6 +33,28 @@ class ParticipationView(ModelResult):
     outside: float
 
 
+class ReductionView(ModelResult):
+    """Number of values in measured FRFs and in their model, and the error of each pair.
+
+    Attributes:
+        outputs: (outputs,) channel names.
+        output_points: (outputs,) points of the channels; null where unknown.
+        input_points: (inputs,) driven points; null where unknown.
+        measured_numbers: real numbers in the measured FRFs.
+        model_numbers: real numbers in the model.
+        error: (outputs, inputs) effective value of the difference, divided by the effective value of the measured FRF.
+        frac: (outputs, inputs) FRAC of measured against regenerated.
+    """
+
+    outputs: tuple[str, ...]
+    output_points: tuple[int | None, ...]
+    input_points: tuple[int | None, ...]
+    measured_numbers: int
+    model_numbers: int
+    error: RealArray
+    frac: RealArray
+
+
 class NodeView(Frozen):
     """A node between points that lie along a line.
 

@@ -179,7 +179,7 @@ def _calibrate_first(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
         # What the damping of a mode is nobody knows before the test.
         listed = [r for r in rows if r.kind == "tolerance" and r.name != "damping_ratio"]
         listed_by_name = [r for r in listed if r.share > NAMED][:MOST]
-        return [_is_within_tolerance(r) for r in listed_by_name]
+        return [_share_of_tolerance(r) for r in listed_by_name]
     narrows = narrowing_by_nuisance(fit)
     quantities = [m.quantity for m in fitted_numbers(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]
@@ -193,7 +193,7 @@ def _calibrate_first(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
     ]
 
 
-def _is_within_tolerance(row: BudgetRow) -> str:
+def _share_of_tolerance(row: BudgetRow) -> str:
     return (
         f"Within tolerance: {row.said}, {abs(row.sigmas or 0):.1f} standard deviations; it makes "
         f"{percent_text(row.share)} of the gap to the simulation of the rig file."

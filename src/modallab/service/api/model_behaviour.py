@@ -10,13 +10,17 @@ from modallab.core.documents.model_behaviour import (
     NodesView,
     NodeView,
     ParticipationView,
+    ReductionView,
     ShapesView,
 )
+from modallab.core.documents.models import TestCurves
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
+from modallab.core.frozen import ComplexArray
 from modallab.service.api.problems import documented_responses
 from modallab.service.api.request_context import Motion, OfTest, ServiceOf
 from modallab.service.api.router import make_router
+from modallab.service.context import Service
 from modallab.service.errors import NotFoundError
 from modallab.service.jobs.known_structures import known_of_campaign, model_of_campaign
 from modallab.service.jobs.results import curves_of_campaign
@@ -89,6 +93,34 @@ def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesVi
     )
 
 
+@router.get("/campaigns/{campaign}/model/reduction", responses=documented_responses(404))
+def get_reduction(campaign: str, service: ServiceOf, test: OfTest = None) -> ReductionView:
+    """How many numbers were measured and how many the model has, and how far each pair is off."""
+    from modallab.verification.reduction import reduction_of
+
+    one = model_of_campaign(service, campaign, test)
+    _, measured, regenerated = _measured_of(service, campaign, one.model.test)
+    found = reduction_of(one.model, measured, regenerated, np.array(one.frac, dtype=float))
+    return ReductionView(
+        test=one.model.test,
+        outputs=found.outputs,
+        output_points=found.output_points,
+        input_points=found.input_points,
+        measured_numbers=found.measured_numbers,
+        model_numbers=found.model_numbers,
+        error=found.error,
+        frac=found.frac,
+    )
+
+
+def _measured_of(service: Service, campaign: str, test: str | None) -> tuple[TestCurves, ComplexArray, ComplexArray]:
+    """What the model of a test is looked at by, with its measured and regenerated FRFs."""
+    curves = next(c for c in curves_of_campaign(service, campaign).tests if c.test == test)
+    if curves.measured is None or curves.regenerated is None:
+        raise NotFoundError(f"campaign {campaign} has no measured FRF of this test", remedy="name another test")
+    return curves, curves.measured, curves.regenerated
+
+
 @router.get("/campaigns/{campaign}/model/shapes", responses=documented_responses(404))
 def get_shapes(campaign: str, service: ServiceOf, test: OfTest = None) -> ShapesView:
     """The structure as points and lines, and its motion in each mode."""
@@ -118,12 +150,12 @@ def get_deflection(
     from modallab.modification.freedoms import freedoms_of
 
     known = known_of_campaign(service, campaign, test)
-    curves = next(c for c in curves_of_campaign(service, campaign).tests if c.test == known.model.test)
-    if curves.measured is None or known.rig is None:
+    if known.rig is None:
         raise NotFoundError(f"campaign {campaign} has no measured FRF of this test", remedy="name another test")
+    curves, measured, _ = _measured_of(service, campaign, known.model.test)
     points = curves.outputs, curves.output_points, curves.input_points
     variance = None if curves.sigma is None else curves.sigma**2
-    frf = Frf(curves.frequency_hz, curves.measured, "mobility", *points, variance=variance)
+    frf = Frf(curves.frequency_hz, measured, "mobility", *points, variance=variance)
     found = operating_deflection(frf, freedoms_of(known.model, known.rig)[0], hz, at)
     return DeflectionView(
         test=known.model.test,

@@ -52,7 +52,7 @@ function bar(share) {
 /** Explanations, the likeliest first, and how probable a cause without a name is. */
 export function candidates(found, unknown) {
   const rows = found.slice(0, 8).map((one) => [spaced(one.effects.join(" and ")) || "none", bar(Math.min(one.probability, 0.99)), `${number(one.gap, 3)}`]);
-  if (unknown !== null && found.length) rows.push(["an unnamed cause", bar(unknown), "–"]);
+  if (unknown !== null && found.length) rows.push(["an unnamed cause", bar(Math.min(unknown, 0.99)), "–"]);
   return panel("Candidates", found.length ? table("Candidates with their probability", ["Explanation", "Probability", ["Gap left", "n"]], rows) : h("p", { class: "muted" }, "There are none."));
 }
 

@@ -24,8 +24,8 @@ export function uncertain(value, sigma) {
   let last = Math.round(sigma * 10 ** digits);
   // One digit of 1 or 2 says too little.
   if (last < 3) { digits += 1; last = Math.round(sigma * 10 ** digits); }
-  if (digits <= 0) return `${value.toFixed(0)}(${Math.round(sigma)})`;
-  return `${value.toFixed(Math.min(digits, 15))}(${last})`;
+  if (digits <= 0) return minus(`${value.toFixed(0)}(${Math.round(sigma)})`);
+  return minus(`${value.toFixed(Math.min(digits, 15))}(${last})`);
 }
 
 export const percent = (value, digits = 3) => (Number.isFinite(value) ? `${number(100 * value, digits)} %` : "–");

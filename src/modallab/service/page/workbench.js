@@ -42,7 +42,7 @@ export class Workbench {
     signal.addEventListener("abort", () => this.chart.close());
     this.mode = h("select", { "aria-label": "Mode whose shape is shown" });
     this.moving = h("div", { hidden: true }, new Moving3D("Shapes before and after", shapes, () => this.pair(), signal).element,
-      h("p", { class: "buttons" }, h("label", {}, "Shape of mode ", this.mode), h("span", { class: "muted" }, "grey: before; in colour: after")));
+      h("p", { class: "buttons" }, h("label", {}, "Shape of mode ", this.mode), h("span", { class: "muted" }, "thin: at rest; grey: before; in colour: after")));
     this.element = panel(`Workbench, ${model.test ?? "FRFs"}`,
       h("p", { class: "buttons" }, h("label", { for: this.kind.id }, "Add"), this.kind, h("label", { for: this.size.id, class: "hidden" }, "Size"), this.size, this.unit, this.calmed, h("span", { class: "muted" }, "at a point: click on it")),
       this.drawing, this.list,

@@ -39,7 +39,7 @@ async function draw(place, campaign, signal) {
   const { diagnosis, sentence: said, numbers, current, runs } = await get(`campaigns/${id}/gap`);
   if (signal.aborted) return;
   put(place, waiting, bar, !current && h("p", { class: "alarm" }, "The accepted blocks have changed since: compute the diagnosis again.", diagnose("Diagnose again")),
-    verdict(said, diagnosis, campaign, runs), h("div", { class: "pair" }, where(diagnosis.where), diagnosis.verdict === "known" && shrink(diagnosis.shrink)), described(diagnosis.described, numbers), candidates(diagnosis.candidates, diagnosis.unknown), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
+    verdict(said, diagnosis, campaign, runs), h("div", { class: "pair" }, where({ ...diagnosis.where, x_m: diagnosis.where.x_m ?? diagnosis.described?.x_m ?? null }), diagnosis.verdict === "known" && shrink(diagnosis.shrink)), described(diagnosis.described, numbers), candidates(diagnosis.candidates, diagnosis.unknown), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
 }
 
 function verdict(said, { verdict: found, effects, gap, next_experiment: next, notes }, campaign, runs) {
@@ -54,8 +54,8 @@ function verdict(said, { verdict: found, effects, gap, next_experiment: next, no
 
 const spaced = (text) => text.replaceAll("_", " ");
 
-/** What a run tested stands in its name; the page has no view for other tests. */
-const kindOf = (run) => /-(impact|sine)-/.exec(run)?.[1];
+/** The view of what a run tested, which stands in its name. */
+const kindOf = (run) => (/-(random|burst-random|pseudo-random|chirp)-/.test(run) ? "broadband" : /-(impact|sine)-/.exec(run)?.[1]);
 
 /** The next revision of the rig; the view shows it in the history as soon as the bench is open again. */
 async function apply(campaign) {

@@ -45,19 +45,22 @@ async function draw(place, id, jobs, signal, again) {
   if (!jobs.done) { put(place, panel("No model yet", ordering, h("p", { class: "buttons" }, button("Identify", () => identify())))); return; }
   const found = await get(`campaigns/${id}/model`);
   const curves = await find(`campaigns/${id}/curves`);
-  const shapes = await Promise.all(found.models.map(({ model }) => (model.test ? shapesOf(id, model.test) : shapesOf(id))));
+  const shapes = await Promise.all(found.models.map(({ model }) => shapesOf(id, model.test)));
+  const sizes = await Promise.all(found.models.map(({ model }) => find(`campaigns/${id}/model/reduction${ofTest(model.test)}`)));
   if (signal.aborted) return;
   put(place, !found.current && h("p", { class: "alarm" }, "The accepted blocks have changed since: compute the model again.", button("Identify again", () => identify())), ordering,
     found.without_model.map(({ test, error }) => h("p", { class: "warn" }, `The ${test} test gave no model: ${error}`)),
-    found.models.map((one, n) => modelPart(id, one, curves?.tests[n] ?? null, shapes[n], identify, signal)));
+    found.models.map((one, n) => modelPart(id, one, curves?.tests[n] ?? null, shapes[n], sizes[n], identify, signal)));
 }
+
+const ofTest = (test) => (test ? `?test=${test}` : "");
 
 /** The structure and how it moves; why not, where nothing says where the points are. */
 async function shapesOf(campaign, test) {
-  try { return await get(`campaigns/${campaign}/model/shapes${test ? `?test=${test}` : ""}`); } catch (error) { return { why: error.detail ?? error.message }; }
+  try { return await get(`campaigns/${campaign}/model/shapes${ofTest(test)}`); } catch (error) { return { why: error.detail ?? error.message }; }
 }
 
-function modelPart(campaign, { model, frac, assessment }, curves, shapes, identify, signal) {
+function modelPart(campaign, { model, frac, assessment }, curves, shapes, sizes, identify, signal) {
   const name = model.test ?? "FRFs";
   const modes = model.frequency_hz.map((_, n) => n);
   const heads = [["Mode", "n"], ["Frequency [Hz]", "n"], ["Damping [%]", "n"], ["Half-power [%]", "n"], ["Confidence", "n"], ["MPC", "n"], ["Phase deviation [°]", "n"]];
@@ -67,7 +70,7 @@ function modelPart(campaign, { model, frac, assessment }, curves, shapes, identi
     h("div", {}, panel(`Modes of the ${name} test`, table(`Modes of the ${name} test`, heads, rows), h("p", { class: "muted" }, "4.80(3) stands for 4.80 ± 0.03, one standard deviation."), trust(frac, assessment, model))),
     h("div", {}, panel(`Shapes, ${name} test`, shapes.why ? h("p", {}, shapes.why) : new ShapeView(name, shapes, signal).element), assessment && macPanel(name, assessment.auto_mac)));
   const diagram = curves?.diagram ? new Stabilisation(name, curves.diagram, model, identify, signal).element : null;
-  const played = curves?.measured ? new Regenerated(name, curves, signal).element : null;
+  const played = curves?.measured && sizes ? new Regenerated(name, curves, sizes, signal).element : null;
   const used = model.shapes && !shapes.why ? [new Workbench(campaign, model, shapes, signal).element, new Update(campaign, model).element] : [];
   return [frame, diagram, played, used];
 }
