@@ -364,10 +364,8 @@ def test_the_page_begins_with_what_is_good_and_what_is_to_be_looked_at(content, 
     poor = replace(impact.verification, frac=np.where(np.arange(10)[:, None] == 4, 0.31, impact.verification.frac))
     page = Page(render(replace(slim, outcomes=(replace(slim.outcomes[0], verification=poor),))))
     assert "look" in [a.get("class") for a in page.all("li")]
-    assert (
-        "At some points the model does not reproduce what was measured in the impact test: FRAC is down to 0.3100"
-        in page.text
-    )
+    said = "At some points the model does not reproduce the measurement of the impact test: FRAC is down to 0.3100"
+    assert said in page.text
 
 
 def test_details_are_folded_and_a_link_leads_into_them(parsed):

@@ -130,7 +130,7 @@ def changed_hz(known: KnownStructure, by: By, at: At, size: float) -> Real:
 def mass_or_spring(by: By, at: At, size: float) -> Element:
     """A mass, or a spring to ground; a DataError if it is to be neither."""
     if by not in get_args(By):
-        raise DataError(f"by={by!r} is no change", remedy=f"use one of {', '.join(get_args(By))}")
+        raise DataError(f"by={by!r} is not a kind of change", remedy=f"use one of {', '.join(get_args(By))}")
     return Element(at, mass=size) if by == "mass" else Element(at, spring=size)
 
 

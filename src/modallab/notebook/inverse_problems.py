@@ -1,4 +1,4 @@
-"""What a modal model says of the change that a wanted property needs: a frequency, a free band, an absorber."""
+"""The change that gives a required property: a frequency, a band without modes, an absorber."""
 
 from collections.abc import Sequence
 
@@ -18,7 +18,7 @@ from modallab.reporting.modification_table import absorber_rows, free_rows, tune
 
 
 class ModelInverse:
-    """The change that a wanted property needs; `known` is the structure."""
+    """The change that gives a required property; `known` is the structure."""
 
     __slots__ = ()
 
@@ -30,7 +30,7 @@ class ModelInverse:
     def tune(
         self, mode: int, to_hz: float, by: By, at: Sequence[At] | None = None
     ) -> DisplayedResult[tuple[ChangeAtPoint, ...]]:
-        """The mass, or spring to ground, that brings a mode to a frequency, at each point: the smallest first.
+        """The mass, or spring to ground, that moves a mode to a frequency, at each point: the smallest first.
 
         Args:
             mode: from 1.
@@ -39,7 +39,7 @@ class ModelInverse:
             at: points to try; None for all that have a sensor.
 
         Raises:
-            DataError: no such mode, a frequency beyond the band, or a point that the model does not know.
+            DataError: no such mode, a frequency beyond the band, or an unknown point.
         """
         found = changes_for_frequency(self.known, mode, to_hz, by, at or self._sensors())
         return DisplayedResult(found, *tuned_rows(found, by, mode, to_hz))
@@ -55,23 +55,23 @@ class ModelInverse:
             at: points to try; None for all that have a sensor.
 
         Raises:
-            DataError: edges that do not rise or lie beyond the model's band, or a point that the model does not know.
+            DataError: edges in the wrong order or outside the band of the model, or an unknown point.
         """
         found = changes_for_free_band(self.known, band_hz, by, at or self._sensors())
         return DisplayedResult(found, *free_rows(found, by, band_hz))
 
     def best_absorber(self, mode: int, at: At, mass: float) -> DisplayedResult[BestAbsorber]:
-        """The absorber of a mass that leaves the least peak of the mobility at its point about a mode.
+        """The absorber of a given mass that makes the peak of the mobility of a mode at its point smallest.
 
-        `.numbers.absorber` is what `modify` takes.
+        `modify` accepts `.numbers.absorber`.
 
         Args:
             mode: from 1.
-            at: where it hangs.
+            at: point of the absorber.
             mass: kg.
 
         Raises:
-            DataError: no such mode, or it has a node there.
+            DataError: no such mode, or a mode with a node there.
         """
         found = best_absorber(self.known, mode, at, mass)
         return DisplayedResult(found, *absorber_rows(found, mode))

@@ -74,11 +74,11 @@ class ModelBehaviour:
 
     @property
     def verification(self) -> Verification:
-        """What the model was compared with."""
+        """Measured and regenerated FRFs."""
         raise NotImplementedError
 
     def reduction(self) -> DisplayedResult[ModelReduction]:
-        """How many numbers were measured and how many the model has, and how far each measured pair is off.
+        """Count of the values in the measured FRFs and in the model, and the error of each measured pair.
 
         Raises:
             DataError: the method makes no FRF to compare with.

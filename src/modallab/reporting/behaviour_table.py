@@ -51,16 +51,16 @@ def _heading_of_shares(found: ModalParticipation) -> str:
 
 
 def reduction_rows(found: ModelReduction) -> TableRows:
-    """How far each measured pair is off, and the size of the FRFs and of the model."""
+    """The error of each measured pair, and the size of the FRFs and of the model."""
     rows = [
         (str(into or "?"), name if out is None else f"{name} at {out}", f"{100 * e:.2g}", f"{f:.4f}")
         for into, errors, fracs in zip(found.input_points, found.error.T, found.frac.T, strict=True)
         for name, out, e, f in zip(found.outputs, found.output_points, errors, fracs, strict=True)
     ]
     sentences = (
-        f"{found.measured_numbers} numbers were measured, the model has {found.model_numbers}: one for "
+        f"{found.measured_numbers} numbers were measured, the model has {found.model_numbers}: a factor of "
         f"{found.measured_numbers / found.model_numbers:.3g}. Error: effective value of the difference between "
-        "regenerated and measured mobility, over that of the measured one."
+        "regenerated and measured mobility, divided by the effective value of the measured mobility."
     )
     return TableRows(("driven at", "output", "error [%]", "FRAC"), tuple(rows), sentences)
 

@@ -1,4 +1,4 @@
-"""What a model keeps of measured FRFs: how many numbers, and how far each pair is off."""
+"""Data reduction by a model: count of values before and after, and the error of each pair."""
 
 from dataclasses import dataclass
 

@@ -95,7 +95,7 @@ def get_nodes(campaign: str, service: ServiceOf, test: OfTest = None) -> NodesVi
 
 @router.get("/campaigns/{campaign}/model/reduction", responses=documented_responses(404))
 def get_reduction(campaign: str, service: ServiceOf, test: OfTest = None) -> ReductionView:
-    """How many numbers were measured and how many the model has, and how far each pair is off."""
+    """Count of the values in the measured FRFs and in the model, and the error of each pair."""
     from modallab.verification.reduction import reduction_of
 
     one = model_of_campaign(service, campaign, test)
@@ -114,7 +114,7 @@ def get_reduction(campaign: str, service: ServiceOf, test: OfTest = None) -> Red
 
 
 def _measured_of(service: Service, campaign: str, test: str | None) -> tuple[TestCurves, ComplexArray, ComplexArray]:
-    """What the model of a test is looked at by, with its measured and regenerated FRFs."""
+    """The model of a test with its measured and regenerated FRFs."""
     curves = next(c for c in curves_of_campaign(service, campaign).tests if c.test == test)
     if curves.measured is None or curves.regenerated is None:
         raise NotFoundError(f"campaign {campaign} has no measured FRF of this test", remedy="name another test")
