@@ -21,7 +21,7 @@ from modallab.gap.search.beside_stepped import linear_beside_stepped
 from modallab.gap.search.choose import Choice, choose, effect_names, has_stepped_law
 from modallab.gap.search.clock import fit_with_clock
 from modallab.gap.search.fitting import Bench, excess
-from modallab.gap.search.nonlinear import stepped_round
+from modallab.gap.search.laws import law_round
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.twin.effect_model import Overtones
 
@@ -89,7 +89,7 @@ def _stepped_rounds(request: _Request) -> list[Level]:
     """The round of stepped effects; before it the clock, where the generator's lines show that it is wrong."""
     clocked = fit_with_clock(request.bench, request.base)
     levels = [] if clocked is None else [Level(request.base, (clocked,))]
-    return [*levels, stepped_round(request.bench, clocked or request.base, request.overtones)]
+    return [*levels, law_round(request.bench, clocked or request.base, request.overtones)]
 
 
 def _with_linear(request: _Request, levels: list[Level], first: Choice) -> Choice | None:
@@ -111,7 +111,7 @@ def _linear_first(request: _Request, first: Choice, clocked: list[Level]) -> Cho
     known = [effect_names(fit) for level in clocked for fit in level.fits]
     if best is not None and excess(best) < HELPS * excess(request.base) and effect_names(best) not in known:
         with part_of_progress(0.8, 1.0):
-            last = request.judged([rounds[0], stepped_round(request.bench, best, request.overtones)])
+            last = request.judged([rounds[0], law_round(request.bench, best, request.overtones)])
         if _explains(last) and has_stepped_law(last.fit):
             return last
     return replace(linear, rivals=(*linear.rivals, *first.rivals))
