@@ -33,8 +33,8 @@ FREQUENCIES = 12
 """Sines on which laws are compared, beside those with the most overtones."""
 LIKELIEST = 2
 """Starts that are fitted, of all laws."""
-STEPS, ON_RECORDS = 8, 6
-"""Evaluations of the slopes on a few sines, and on all records."""
+ROUNDS, STEPS, ON_RECORDS = 4, 4, 6
+"""Evaluations of all slopes on a few sines, of those of the law alone in each, and of all slopes on all records."""
 
 
 def law_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
@@ -73,10 +73,23 @@ def _on_few_sines(bench: Bench, base: Fit, listed: Sequence[CandidateEffect]) ->
         if located is not None:
             starts += [screen.improved(start) for screen in screens for start in screen.starts(located, 1)]
     likeliest = sorted(starts, key=lambda s: s.score)[:LIKELIEST]
-    fitted = (improved_posterior(view, s.problem, s.u, STEPS) for s in likeliest)
+    fitted = (_fitted(view, s) for s in likeliest)
     found = sorted((f for f in fitted if f.evidence + DEFAULT.effect_price < without.evidence), key=_evidence_of)
     best = {f.problem.candidates[-1].effect: f for f in reversed(found)}
     return sorted(best.values(), key=_evidence_of)
+
+
+def _fitted(view: View, start: Start) -> Posterior:
+    """The law at its most probable numbers; slopes of the bench's many numbers, each a step in time, serve for long."""
+    n = start.problem.free.size
+    found = improved_posterior(view, start.problem, start.u, 0)
+    for _ in range(ROUNDS):
+        before, match = found.cost, view.matched(found.problem.twin(found.u))
+        slopes = view.slopes(found.problem, found.u, match, view.predict(found.problem.twin(found.u), match))
+        found = improved_posterior(view, found.problem, found.u, STEPS, slopes[:, :n])
+        if before - found.cost < DEFAULT.effect_price:
+            break
+    return found
 
 
 def _evidence_of(found: Posterior) -> float:
