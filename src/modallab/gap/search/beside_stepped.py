@@ -18,9 +18,8 @@ from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.candidates import beam_candidates
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
-from modallab.gap.model.minimise import minimise
 from modallab.gap.search.fitting import Bench, evaluated_on_all, without_effect
-from modallab.gap.search.laws import fit_on_all_records
+from modallab.gap.search.laws import fit_with_law
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import CandidateEffect
 
@@ -46,9 +45,7 @@ def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
     stepped, own = _coordinates(fit)[-1]
     own = own if root is None else _with_root(own, stepped, bench, root)
     u = np.concatenate([level.fits[0].u[: bench.free.size], *(o for _, o in linear), own])
-    problem = Problem(bench.data, bench.free, (*(c for c, _ in linear), stepped))
-    joint = minimise(replace(problem, floor=0.002, held=(float(u[0]), float(u[1]), float(u[2]))), u, 2, 3e-2)
-    return Level(fit, (fit_on_all_records(bench, joint.problem.candidates, joint.u),))
+    return Level(fit, (fit_with_law(bench, (*(c for c, _ in linear), stepped), u),))
 
 
 def _coordinates(fit: Fit) -> list[tuple[CandidateEffect, Real]]:

@@ -47,12 +47,18 @@ def law_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
         report_progress(0.7, f"{f.problem.candidates[-1].effect.replace('_', ' ')}, on all records")
         # One that is less probable by the price of an effect is no rival.
         if f.evidence < found[0].evidence + DEFAULT.effect_price:
-            fits.append(fit_on_all_records(bench, f.problem.candidates, f.u))
+            fits.append(_on_all_records(bench, f.problem.candidates, f.u))
     return Level(base, tuple(sorted(fits, key=cost_of)))
 
 
-def fit_on_all_records(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real) -> Fit:
-    """A law, and the effects beside it, fitted to all records from these numbers on."""
+def fit_with_law(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real) -> Fit:
+    """A law, and the effects beside it, fitted from these numbers on: to a few sines first, then to all records."""
+    view = View.of(bench.points, compared_sines(bench.data, bench.overtones, FREQUENCIES), DEFAULT, "record")
+    found = _fitted(view, Problem(bench.data, bench.free, candidates), u)
+    return _on_all_records(bench, candidates, found.u)
+
+
+def _on_all_records(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real) -> Fit:
     found = minimise(Problem(bench.data, bench.free, candidates), u, ON_RECORDS, 1e-2)
     elsewhere = best_along_beam(found)
     return found if elsewhere is found else minimise(found.problem, elsewhere.u, ON_RECORDS, 1e-2)
@@ -73,20 +79,20 @@ def _on_few_sines(bench: Bench, base: Fit, listed: Sequence[CandidateEffect]) ->
         if located is not None:
             starts += [screen.improved(start) for screen in screens for start in screen.starts(located, 1)]
     likeliest = sorted(starts, key=lambda s: s.score)[:LIKELIEST]
-    fitted = (_fitted(view, s) for s in likeliest)
+    fitted = (_fitted(view, s.problem, s.u) for s in likeliest)
     found = sorted((f for f in fitted if f.evidence + DEFAULT.effect_price < without.evidence), key=_evidence_of)
     best = {f.problem.candidates[-1].effect: f for f in reversed(found)}
     return sorted(best.values(), key=_evidence_of)
 
 
-def _fitted(view: View, start: Start) -> Posterior:
+def _fitted(view: View, problem: Problem, u: Real) -> Posterior:
     """The law at its most probable numbers; slopes of the bench's many numbers, each a step in time, serve for long."""
-    n = start.problem.free.size
-    found = improved_posterior(view, start.problem, start.u, 0)
+    n, found = problem.free.size, improved_posterior(view, problem, u, 0)
     for _ in range(ROUNDS):
-        before, match = found.cost, view.matched(found.problem.twin(found.u))
-        slopes = view.slopes(found.problem, found.u, match, view.predict(found.problem.twin(found.u), match))
-        found = improved_posterior(view, found.problem, found.u, STEPS, slopes[:, :n])
+        before, twin = found.cost, problem.twin(found.u)
+        match = view.matched(twin)
+        slopes = view.slopes(problem, found.u, match, view.predict(twin, match))
+        found = improved_posterior(view, problem, found.u, STEPS, slopes[:, :n])
         if before - found.cost < DEFAULT.effect_price:
             break
     return found

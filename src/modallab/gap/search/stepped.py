@@ -7,26 +7,19 @@ and one that is stepped beside those.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from modallab.core.progress import part_of_progress
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit
-from modallab.gap.model.forward import forward
-from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import discrepancies
 from modallab.gap.search.beside_stepped import linear_beside_stepped
 from modallab.gap.search.choose import Choice, choose, effect_names, has_stepped_law
 from modallab.gap.search.clock import fit_with_clock
-from modallab.gap.search.fitting import Bench, excess
+from modallab.gap.search.fitting import Bench, excess, leaves_noise_only
 from modallab.gap.search.laws import law_round
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.twin.effect_model import Overtones
 
-LEFT = 0.01
-"""Share of the response, median over records, that no law leaves: more is another effect."""
 MADE = 0.5
 """Share of the overtones that a law must make to be the one."""
 HELPS = 0.5
@@ -76,7 +69,7 @@ def search_stepped(
     with part_of_progress(0.0, 0.4):
         levels = _stepped_rounds(request)
     first = request.judged(levels)
-    if _explains(first) and _median_residual(first.fit, unseen) < LEFT:
+    if _explains(first) and leaves_noise_only(bench, first.fit):
         return first
     with part_of_progress(0.4, 0.6):
         both = _with_linear(request, levels, first)
@@ -127,8 +120,3 @@ def _with_overtones_checked(choice: Choice, prepared: PreparedCampaign, unseen: 
     if not choice.explained or not has_stepped_law(choice.fit) or overtones_closed(choice.fit, prepared, unseen) > MADE:
         return choice
     return replace(choice, explained=False)
-
-
-def _median_residual(fit: Fit, unseen: Reduced) -> float:
-    found = discrepancies(unseen, forward(twin_of(fit, unseen), unseen))
-    return float(np.median(list(found.values()))) if found else 0.0
