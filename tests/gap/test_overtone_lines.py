@@ -21,7 +21,7 @@ from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import choose, effect_names
 from modallab.gap.search.few_blocks import compared_sines
 from modallab.gap.search.fitting import Bench, within_tolerances
-from modallab.gap.search.laws import fit_with_law
+from modallab.gap.search.laws import fit_on_all_records
 from modallab.twin.effects import model_of
 from modallab.twin.effects.breathing_crack import WIDTH
 from modallab_simulators.cantilever.cracked import HALF_WIDTH
@@ -71,7 +71,7 @@ def law(cracked: tuple[Bench, PreparedCampaign]) -> Fit:
     """The crack of the right size on the beam that the sines show."""
     on, _ = cracked
     fit = fitted(on, LOSS)
-    return fit_with_law(on, fit.problem.candidates, fit.u)
+    return fit_on_all_records(on, fit.problem.candidates, fit.u)
 
 
 @pytest.mark.thorough("fits a law to a whole campaign")

@@ -1,8 +1,8 @@
 """Whether a linear effect stands beside one that is stepped in time.
 
 What the element adds to the records hardly depends on a linear effect beside it: it is taken off the records as the fit
-has it, what is left is searched as any linear bench is, and both are then fitted together (a linear and a nonlinear
-part in turn, as in Picard's iteration).
+has it, what is left is searched as any linear bench is, and the law is looked for again beside what was found (a linear
+and a nonlinear part in turn, as in Picard's iteration).
 """
 
 from dataclasses import replace
@@ -16,12 +16,13 @@ from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import again
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.candidates import beam_candidates
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.forward import forward
 from modallab.gap.search.fitting import Bench, evaluated_on_all, without_effect
-from modallab.gap.search.laws import fit_with_law
+from modallab.gap.search.laws import law_round
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import CandidateEffect
+from modallab.twin.effects import search_of
 
 SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
 """Effects that leave the root soft even where their element does nothing, and the stiffness that stays."""
@@ -32,20 +33,17 @@ ROOT = "clamp_rotation"
 
 def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
     """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
-    without = linear_part(bench, fit)
+    without, law = linear_part(bench, fit), fit.problem.candidates[-1].effect
     with part_of_progress(0.0, 0.6):
         level = StepwiseSelection(without, evaluated_on_all(without, linear_fit(without, fit))).rounds(1)[0]
     if not level.fits:
         return None
-    linear, root = _coordinates(level.fits[0]), None
-    if fit.problem.candidates[-1].effect in SOFT:
-        # The root that the stepped effect leaves soft stands in its own numbers again.
-        root = next((own for c, own in linear if c.effect == ROOT), None)
-        linear = [(c, own) for c, own in linear if c.effect != ROOT]
-    stepped, own = _coordinates(fit)[-1]
-    own = own if root is None else _with_root(own, stepped, bench, root)
-    u = np.concatenate([level.fits[0].u[: bench.free.size], *(o for _, o in linear), own])
-    return Level(fit, (fit_with_law(bench, (*(c for c, _ in linear), stepped), u),))
+    # The root that such a law leaves soft stands in its own numbers again.
+    kept = [(c, own) for c, own in _coordinates(level.fits[0]) if not (law in SOFT and c.effect == ROOT)]
+    u = np.concatenate([level.fits[0].u[: bench.free.size], *(own for _, own in kept)])
+    linear = evaluated(Problem(bench.data, bench.free, tuple(c for c, _ in kept)), u)
+    with part_of_progress(0.6, 1.0):
+        return law_round(replace(bench, allowed=law.__eq__), linear, search_of(law).law.overtones)
 
 
 def _coordinates(fit: Fit) -> list[tuple[CandidateEffect, Real]]:
@@ -83,14 +81,6 @@ def linear_fit(bench: Bench, fit: Fit) -> Fit:
         problem = replace(problem, candidates=(*problem.candidates, root))
         u = np.append(u, root.slots[0].coordinate(stiffness))
     return Fit(problem, u, float(np.sum(fit.residual**2)), fit.residual, np.eye(len(u)))
-
-
-def _with_root(own: Real, stepped: CandidateEffect, bench: Bench, root: Real) -> Real:
-    """The stepped effect's coordinates with the stiffness of a soft root."""
-    own, which = own.copy(), [s.name for s in stepped.slots].index(SOFT[stepped.effect])
-    stiffness = _soft_root(bench).at(root).parameters["k_rot"]
-    own[which] = stepped.slots[which].coordinate(stiffness)
-    return own
 
 
 def _soft_root(bench: Bench) -> CandidateEffect:

@@ -47,18 +47,12 @@ def law_round(bench: Bench, base: Fit, overtones: Overtones) -> Level:
         report_progress(0.7, f"{f.problem.candidates[-1].effect.replace('_', ' ')}, on all records")
         # One that is less probable by the price of an effect is no rival.
         if f.evidence < found[0].evidence + DEFAULT.effect_price:
-            fits.append(_on_all_records(bench, f.problem.candidates, f.u))
+            fits.append(fit_on_all_records(bench, f.problem.candidates, f.u))
     return Level(base, tuple(sorted(fits, key=cost_of)))
 
 
-def fit_with_law(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real) -> Fit:
-    """A law, and the effects beside it, fitted from these numbers on: to a few sines first, then to all records."""
-    view = View.of(bench.points, compared_sines(bench.data, bench.overtones, FREQUENCIES), DEFAULT, "record")
-    found = _fitted(view, Problem(bench.data, bench.free, candidates), u)
-    return _on_all_records(bench, candidates, found.u)
-
-
-def _on_all_records(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real) -> Fit:
+def fit_on_all_records(bench: Bench, candidates: tuple[CandidateEffect, ...], u: Real) -> Fit:
+    """A law, and the effects beside it, fitted to all records from these numbers on."""
     found = minimise(Problem(bench.data, bench.free, candidates), u, ON_RECORDS, 1e-2)
     elsewhere = best_along_beam(found)
     return found if elsewhere is found else minimise(found.problem, elsewhere.u, ON_RECORDS, 1e-2)
@@ -70,7 +64,7 @@ def _on_few_sines(bench: Bench, base: Fit, listed: Sequence[CandidateEffect]) ->
     view, coarse = (View.of(bench.points, d, DEFAULT, "record") for d in (few, _with_long_steps(few)))
     problem = Problem(bench.data, bench.free, base.problem.candidates)
     without = improved_posterior(view, problem, base.u, STEPS)
-    at_rest = np.concatenate([np.zeros(bench.free.size), without.u[bench.free.size :]])
+    at_rest = np.concatenate([np.zeros(bench.free.size), base.u[bench.free.size :]])
     screens = [Screen(coarse, problem, u) for u in (without.u, at_rest)]
     starts: list[Start] = []
     for i, candidate in enumerate(listed):
