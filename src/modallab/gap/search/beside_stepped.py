@@ -18,7 +18,7 @@ from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.candidates import beam_candidates
 from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.forward import forward
-from modallab.gap.search.fitting import Bench, evaluated_on_all, without_effect
+from modallab.gap.search.fitting import Bench, evaluated_on_all, refitted_without, without_effect
 from modallab.gap.search.laws import law_round
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import CandidateEffect
@@ -43,7 +43,10 @@ def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
     u = np.concatenate([level.fits[0].u[: bench.free.size], *(own for _, own in kept)])
     linear = evaluated(Problem(bench.data, bench.free, tuple(c for c, _ in kept)), u)
     with part_of_progress(0.6, 1.0):
-        return law_round(replace(bench, allowed=law.__eq__), linear, search_of(law).law.overtones)
+        both = law_round(replace(bench, allowed=law.__eq__), linear, search_of(law).law.overtones)
+    # Beside another effect the law may have found a better place: it counts without that effect as well.
+    alone = [refitted_without(fit, k) for fit in both.fits[:1] for k in range(len(kept))]
+    return Level(both.base, (*both.fits, *alone))
 
 
 def _coordinates(fit: Fit) -> list[tuple[CandidateEffect, Real]]:

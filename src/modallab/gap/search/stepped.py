@@ -72,10 +72,9 @@ def search_stepped(
     if _explains(first) and leaves_noise_only(bench, first.fit):
         return first
     with part_of_progress(0.4, 0.6):
-        both = _with_linear(request, levels, first)
-    if both is not None:
-        return both
-    return first if _explains(first) else _linear_first(request, first, levels[:-1])
+        more = linear_beside_stepped(bench, levels[-1].fits[0]) if levels[-1].fits else None
+    best = first if more is None else request.judged([*levels, more])
+    return best if _explains(best) else _linear_first(request, best, levels[:-1])
 
 
 def _stepped_rounds(request: _Request) -> list[Level]:
@@ -83,13 +82,6 @@ def _stepped_rounds(request: _Request) -> list[Level]:
     clocked = fit_with_clock(request.bench, request.base)
     levels = [] if clocked is None else [Level(request.base, (clocked,))]
     return [*levels, law_round(request.bench, clocked or request.base, request.overtones)]
-
-
-def _with_linear(request: _Request, levels: list[Level], first: Choice) -> Choice | None:
-    """The best stepped effect with a linear one beside it; None where that explains no more."""
-    more = linear_beside_stepped(request.bench, levels[-1].fits[0]) if levels[-1].fits else None
-    both = request.judged([*levels, more]) if more is not None else first
-    return both if _explains(both) and len(both.fit.problem.candidates) > len(first.fit.problem.candidates) else None
 
 
 def _linear_first(request: _Request, first: Choice, clocked: list[Level]) -> Choice:
