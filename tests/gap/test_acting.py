@@ -14,7 +14,7 @@ from modallab.gap.report.initial_gap import nuisances_of_campaign, problem_of_re
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.force_place import place, placed_by_overtones
 from modallab.twin.effect_model import Acts
-from modallab.twin.effects import model_of, search_of
+from modallab.twin.effects import model_of
 
 CRACK = Effect(effect="breathing_crack", parameters={"EI_loss_open": 0.6}, place={"x": 0.31})
 SPRING = Effect(effect="cubic_spring", parameters={"k3": 1e10}, place={"x": 0.8})
@@ -79,9 +79,3 @@ def test_overtones_are_read_on_a_line_and_between_two(hz: float) -> None:
     assert second.y[0] == pytest.approx(0.2 * np.exp(-1j), abs=1e-9)
     assert second.clear[0]
     assert abs(third.y[0]) < 1e-9
-
-
-def test_no_friction_is_begun_where_nothing_slips() -> None:
-    slips = search_of("clamp_friction").law.acting
-    assert slips({"k_slip": 2000.0, "k_stick": 9000.0, "moment_limit": 0.05})
-    assert not slips({"k_slip": 9000.0, "k_stick": 2000.0, "moment_limit": 0.05})

@@ -14,12 +14,11 @@ from modallab.gap.report.levels import levels_differ
 from modallab.gap.search.beside_known import knows_element, linear_beside_known
 from modallab.gap.search.choose import Choice, choose
 from modallab.gap.search.clock import clock_error_visible
-from modallab.gap.search.fitting import Bench, converged
+from modallab.gap.search.fitting import Bench, converged, leaves_noise_only
 from modallab.gap.search.law_by_hits import law_by_hits
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description
 from modallab.gap.unknown.rival import (
-    leaves_noise_only,
     lone_channel,
     loses_samples,
     unnamed_evidence,

@@ -1,6 +1,6 @@
 """What the twin's part of an effect declares: entry in the catalogue, change of the twin, how a fit finds it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from math import inf
@@ -61,7 +61,6 @@ class SteppedLaw:
         smooth: whether its force is a power of the motion, of which the overtones of a small motion drown in the noise.
         behind: name of its stiffness at the root, which acts in series with the compliance of the modes above the band;
             the records hardly determine how many such modes there are. "" for none.
-        acting: whether an effect with these numbers does anything that a linear one does not: else none is begun there.
     """
 
     overtones: Overtones = "odd"
@@ -69,7 +68,6 @@ class SteppedLaw:
     on_slowest: int = 0
     smooth: bool = False
     behind: str = ""
-    acting: Callable[[Mapping[str, float]], bool] = lambda numbers: True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

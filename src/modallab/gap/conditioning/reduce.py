@@ -30,6 +30,8 @@ BEFORE_S, AFTER_S = 0.012, 0.02
 """About the peak of a hit, at least: a steep anti-alias filter rings there, below the noise of one sample."""
 NEIGHBOURS = 2
 """Lines on either side of a sine's own."""
+LINES = 2 * NEIGHBOURS + 1
+"""Lines about a sine, and about each overtone."""
 
 
 def reduce_blocks(campaign: Campaign, blocks: Sequence[Block], weights: Weights) -> Reduced:

@@ -82,15 +82,22 @@ def bounds(candidates: tuple[CandidateEffect, ...], rig: Rig) -> tuple[Array, Ar
 def _bounds(candidate: CandidateEffect, slot: FreeNumber, rig: Rig) -> tuple[float, float]:
     if slot.name == "x":
         return NEAREST_ROOT, 1.0
-    assert rig.beam is not None
-    parameter = kind_of(candidate.effect).parameter(slot.name)
-    least, most = parameter.bounds(rig.beam)
-    either = parameter.signed or slot.transform == "plain"
-    ends = (slot.none - most, slot.none + most) if either else (least, most)
+    ends = _range_of(candidate, slot, rig)
     low, high = {"plain": (-np.inf, np.inf), "log": (0.0, np.inf), "share": (0.0, 1.0)}[slot.transform]
     allowed = [v for v in (*ends, *slot.starts) if low < v < high and slot.low <= v <= slot.high]
     coordinates = [slot.coordinate(v) for v in allowed]
     return min(coordinates), max(coordinates)
+
+
+def _range_of(candidate: CandidateEffect, slot: FreeNumber, rig: Rig) -> tuple[float, float]:
+    """The catalogue's range; of a number that the catalogue does not list, its own."""
+    assert rig.beam is not None
+    listed = [p for p in kind_of(candidate.effect).parameters if p.name == slot.name]
+    if not listed:
+        return slot.low, slot.high
+    least, most = listed[0].bounds(rig.beam)
+    either = listed[0].signed or slot.transform == "plain"
+    return (slot.none - most, slot.none + most) if either else (least, most)
 
 
 def _widths(problem: Problem, u: Array) -> Array:

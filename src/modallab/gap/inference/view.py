@@ -6,11 +6,13 @@ a fit to them has a local minimum for every half width; these rows have none.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Complex
+from modallab.gap.conditioning.reduce import LINES
 from modallab.gap.conditioning.rows import Reduced, SineData
 from modallab.gap.inference.discrepancy import ObjectiveRows, ScaledObjective
 from modallab.gap.inference.identified import PointModes
@@ -22,6 +24,8 @@ from modallab.twin.bench import Twin, chain_transfer, exchange_plugs
 from modallab.twin.modes import TwinModes, solve_modes
 
 Array = NDArray[np.float64]
+SineScales = Literal["channel", "record"]
+"""What shares a scale of the discrepancy in a sine test: a channel, or the lines about a record's sine or overtone."""
 Match = tuple[NDArray[np.intp], ...]
 """For each drive point, (p,) which mode of the twin each identified pole is."""
 
@@ -50,16 +54,14 @@ class View:
     modal: int
 
     @classmethod
-    def of(cls, points: tuple[PointModes, ...], data: Reduced, settings: Settings) -> "View":
-        """The rows of reduced data whose hits were identified."""
-        names = (
-            "poles",
-            *(f"impact {c}" for c in data.channels),
-            *(f"sine {c}" for c in data.channels),
-            "clock",
-        )
+    def of(
+        cls, points: tuple[PointModes, ...], data: Reduced, settings: Settings, scales: SineScales = "channel"
+    ) -> "View":
+        """The rows of reduced data whose hits were identified, and what shares a scale in the sine test."""
+        of_sines = [] if data.sines is None else _sine_groups(data.sines, data, scales)
+        names = ("poles", *(f"impact {c}" for c in data.channels), *of_sines, "clock")
         modal = [part for p in points for part in _modal_rows(p, len(data.channels), names, settings)]
-        sines = _sine_rows(data.sines, len(data.channels), names, settings) if data.sines is not None else []
+        sines = _sine_rows(data.sines, len(data.channels), names, settings, scales) if data.sines is not None else []
         rows = ObjectiveRows.joined([ObjectiveRows.none(names), *modal, *sines])
         count = sum(len(part.z) for part in modal)
         return cls(points, data, replace(data, impacts=()), ScaledObjective(rows, settings), count)
@@ -155,10 +157,21 @@ def _modal_rows(q: PointModes, channels: int, names: tuple[str, ...], settings: 
     ]
 
 
-def _sine_rows(d: SineData, channels: int, names: tuple[str, ...], settings: Settings) -> list[ObjectiveRows]:
+def _sine_groups(d: SineData, data: Reduced, scales: SineScales) -> list[str]:
+    """Names of the groups of rows of a sine test."""
+    if scales == "channel":
+        return [f"sine {c}" for c in data.channels]
+    orders = d.source.lines.shape[1] // LINES
+    return [f"{piece.name}, group {k + 1}" for piece in d.pieces for k in range(orders)]
+
+
+def _sine_rows(
+    d: SineData, channels: int, names: tuple[str, ...], settings: Settings, scales: SineScales
+) -> list[ObjectiveRows]:
     y, sigma = d.rows.y, d.rows.sigma.ravel()
     size = _reference_size(y, settings.node, axis=0).ravel()
-    group = np.repeat(1 + channels + np.arange(channels), y.shape[1])
+    by_channel, by_record = np.indices(y.shape)
+    group = (1 + channels + (by_channel if scales == "channel" else by_record // LINES)).ravel()
     clock = np.array([len(names) - 1], np.intp)
     return [
         *(ObjectiveRows(part, sigma, size, group, names) for part in _parts(y)),

@@ -1,8 +1,8 @@
 """Whether a linear effect stands beside one that is stepped in time.
 
 What the element adds to the records hardly depends on a linear effect beside it: it is taken off the records as the fit
-has it, what is left is searched as any linear bench is, and both are then fitted together (a linear and a nonlinear
-part in turn, as in Picard's iteration).
+has it, what is left is searched as any linear bench is, and the law is looked for again beside what was found (a linear
+and a nonlinear part in turn, as in Picard's iteration).
 """
 
 from dataclasses import replace
@@ -16,13 +16,13 @@ from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.identified import again
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.candidates import beam_candidates
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, evaluated
 from modallab.gap.model.forward import forward
-from modallab.gap.model.minimise import minimise
-from modallab.gap.search.fitting import Bench, evaluated_on_all, without_effect
-from modallab.gap.search.nonlinear import fit_on_all_records
+from modallab.gap.search.fitting import Bench, evaluated_on_all, refitted_without, without_effect
+from modallab.gap.search.laws import law_round
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import CandidateEffect
+from modallab.twin.effects import search_of
 
 SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
 """Effects that leave the root soft even where their element does nothing, and the stiffness that stays."""
@@ -33,22 +33,20 @@ ROOT = "clamp_rotation"
 
 def linear_beside_stepped(bench: Bench, fit: Fit) -> Level | None:
     """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
-    without = linear_part(bench, fit)
+    without, law = linear_part(bench, fit), fit.problem.candidates[-1].effect
     with part_of_progress(0.0, 0.6):
         level = StepwiseSelection(without, evaluated_on_all(without, linear_fit(without, fit))).rounds(1)[0]
     if not level.fits:
         return None
-    linear, root = _coordinates(level.fits[0]), None
-    if fit.problem.candidates[-1].effect in SOFT:
-        # The root that the stepped effect leaves soft stands in its own numbers again.
-        root = next((own for c, own in linear if c.effect == ROOT), None)
-        linear = [(c, own) for c, own in linear if c.effect != ROOT]
-    stepped, own = _coordinates(fit)[-1]
-    own = own if root is None else _with_root(own, stepped, bench, root)
-    u = np.concatenate([level.fits[0].u[: bench.free.size], *(o for _, o in linear), own])
-    problem = Problem(bench.data, bench.free, (*(c for c, _ in linear), stepped))
-    joint = minimise(replace(problem, floor=0.002, held=(float(u[0]), float(u[1]), float(u[2]))), u, 2, 3e-2)
-    return Level(fit, (fit_on_all_records(bench, joint),))
+    # The root that such a law leaves soft stands in its own numbers again.
+    kept = [(c, own) for c, own in _coordinates(level.fits[0]) if not (law in SOFT and c.effect == ROOT)]
+    u = np.concatenate([level.fits[0].u[: bench.free.size], *(own for _, own in kept)])
+    linear = evaluated(Problem(bench.data, bench.free, tuple(c for c, _ in kept)), u)
+    with part_of_progress(0.6, 1.0):
+        both = law_round(replace(bench, allowed=law.__eq__), linear, search_of(law).law.overtones)
+    # Beside another effect the law may have found a better place: it counts without that effect as well.
+    alone = [refitted_without(fit, k) for fit in both.fits[:1] for k in range(len(kept))]
+    return Level(both.base, (*both.fits, *alone))
 
 
 def _coordinates(fit: Fit) -> list[tuple[CandidateEffect, Real]]:
@@ -86,14 +84,6 @@ def linear_fit(bench: Bench, fit: Fit) -> Fit:
         problem = replace(problem, candidates=(*problem.candidates, root))
         u = np.append(u, root.slots[0].coordinate(stiffness))
     return Fit(problem, u, float(np.sum(fit.residual**2)), fit.residual, np.eye(len(u)))
-
-
-def _with_root(own: Real, stepped: CandidateEffect, bench: Bench, root: Real) -> Real:
-    """The stepped effect's coordinates with the stiffness of a soft root."""
-    own, which = own.copy(), [s.name for s in stepped.slots].index(SOFT[stepped.effect])
-    stiffness = _soft_root(bench).at(root).parameters["k_rot"]
-    own[which] = stepped.slots[which].coordinate(stiffness)
-    return own
 
 
 def _soft_root(bench: Bench) -> CandidateEffect:

@@ -28,6 +28,8 @@ FLOOR_MARGIN = 1.1
 """Rms residual below which nothing is left to explain."""
 UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
+SOLVED = 1.3
+"""Times the floor up to which a fit leaves no more than noise."""
 NEAR = 3.0
 """Times the floor up to which a fit is worth its last digits."""
 SHORT, LONG = 8, 30
@@ -114,6 +116,11 @@ def each_within_tolerance(fit: Fit) -> bool:
 
 def _tolerance_deviations(free: Nuisances, u: Real) -> Real:
     return np.concatenate([u[:3], u[3 + free.modes : free.size]])
+
+
+def leaves_noise_only(bench: Bench, fit: Fit) -> bool:
+    """Whether a fit leaves no more than noise, on a bench that is put together as benches are."""
+    return fit.gap <= SOLVED * bench.flat and within_tolerances(fit)
 
 
 def search_origin(bench: Bench, fit: Fit) -> Fit:

@@ -151,7 +151,7 @@ def deviations(fit: Fit) -> Real:
     """
     problem, n = fit.problem, fit.problem.free.size
     # Where a smooth law sits shows in little more than what it makes of an ordinary bench's deviations.
-    placed = any(search_of(c.effect).law.on_slowest for c in problem.candidates)
+    placed = any(search_of(c.effect).law.smooth for c in problem.candidates)
     J = jacobian(problem, fit.u, fit.residual, whole=placed)
     normal = J.T @ J / records_floor(fit).variance
     normal[np.arange(n), np.arange(n)] += problem.priors(fit.u)[2]

@@ -8,7 +8,7 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.search.choose import Choice, choose, has_stepped_law
 from modallab.gap.search.clock import fit_with_clock
 from modallab.gap.search.fitting import Bench
-from modallab.gap.search.nonlinear import stepped_round
+from modallab.gap.search.laws import law_round
 from modallab.twin.effects import search_of
 
 
@@ -26,7 +26,7 @@ def law_by_hits(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
 
     clocked = fit_with_clock(bench, base)
     before = [] if clocked is None else [Level(base, (clocked,))]
-    level = stepped_round(replace(bench, allowed=allowed), clocked or base, "odd")
+    level = law_round(replace(bench, allowed=allowed), clocked or base, "odd")
     choice = choose(bench, [*before, level], matters)
     explained = choice.explained and choice.tolerated is None and has_stepped_law(choice.fit)
     return replace(choice, explained=explained, rivals=choice.rivals if explained else level.fits)

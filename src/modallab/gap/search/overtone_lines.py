@@ -10,11 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.gap.conditioning.overtones import ORDERS, Harmonic
-from modallab.gap.conditioning.reduce import NEIGHBOURS
+from modallab.gap.conditioning.reduce import LINES
 from modallab.gap.conditioning.rows import Reduced, Rows
 
-LINES = 2 * NEIGHBOURS + 1
-"""Lines about a sine, and about each overtone."""
 FEWEST = 4
 """Channels on which an overtone must be clear to count."""
 

@@ -7,26 +7,19 @@ and one that is stepped beside those.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from modallab.core.progress import part_of_progress
 from modallab.gap.conditioning.prepare import PreparedCampaign
 from modallab.gap.conditioning.rows import Reduced
 from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit
-from modallab.gap.model.forward import forward
-from modallab.gap.model.residual_shares import discrepancies
-from modallab.gap.model.twin_of_fit import twin_of
 from modallab.gap.search.beside_stepped import linear_beside_stepped
 from modallab.gap.search.choose import Choice, choose, effect_names, has_stepped_law
 from modallab.gap.search.clock import fit_with_clock
-from modallab.gap.search.fitting import Bench, excess
-from modallab.gap.search.nonlinear import stepped_round
+from modallab.gap.search.fitting import Bench, excess, leaves_noise_only
+from modallab.gap.search.laws import law_round
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.twin.effect_model import Overtones
 
-LEFT = 0.01
-"""Share of the response, median over records, that no law leaves: more is another effect."""
 MADE = 0.5
 """Share of the overtones that a law must make to be the one."""
 HELPS = 0.5
@@ -76,27 +69,19 @@ def search_stepped(
     with part_of_progress(0.0, 0.4):
         levels = _stepped_rounds(request)
     first = request.judged(levels)
-    if _explains(first) and _median_residual(first.fit, unseen) < LEFT:
+    if _explains(first) and leaves_noise_only(bench, first.fit):
         return first
     with part_of_progress(0.4, 0.6):
-        both = _with_linear(request, levels, first)
-    if both is not None:
-        return both
-    return first if _explains(first) else _linear_first(request, first, levels[:-1])
+        more = linear_beside_stepped(bench, levels[-1].fits[0]) if levels[-1].fits else None
+    best = first if more is None else request.judged([*levels, more])
+    return best if _explains(best) else _linear_first(request, best, levels[:-1])
 
 
 def _stepped_rounds(request: _Request) -> list[Level]:
     """The round of stepped effects; before it the clock, where the generator's lines show that it is wrong."""
     clocked = fit_with_clock(request.bench, request.base)
     levels = [] if clocked is None else [Level(request.base, (clocked,))]
-    return [*levels, stepped_round(request.bench, clocked or request.base, request.overtones)]
-
-
-def _with_linear(request: _Request, levels: list[Level], first: Choice) -> Choice | None:
-    """The best stepped effect with a linear one beside it; None where that explains no more."""
-    more = linear_beside_stepped(request.bench, levels[-1].fits[0]) if levels[-1].fits else None
-    both = request.judged([*levels, more]) if more is not None else first
-    return both if _explains(both) and len(both.fit.problem.candidates) > len(first.fit.problem.candidates) else None
+    return [*levels, law_round(request.bench, clocked or request.base, request.overtones)]
 
 
 def _linear_first(request: _Request, first: Choice, clocked: list[Level]) -> Choice:
@@ -111,7 +96,7 @@ def _linear_first(request: _Request, first: Choice, clocked: list[Level]) -> Cho
     known = [effect_names(fit) for level in clocked for fit in level.fits]
     if best is not None and excess(best) < HELPS * excess(request.base) and effect_names(best) not in known:
         with part_of_progress(0.8, 1.0):
-            last = request.judged([rounds[0], stepped_round(request.bench, best, request.overtones)])
+            last = request.judged([rounds[0], law_round(request.bench, best, request.overtones)])
         if _explains(last) and has_stepped_law(last.fit):
             return last
     return replace(linear, rivals=(*linear.rivals, *first.rivals))
@@ -127,8 +112,3 @@ def _with_overtones_checked(choice: Choice, prepared: PreparedCampaign, unseen: 
     if not choice.explained or not has_stepped_law(choice.fit) or overtones_closed(choice.fit, prepared, unseen) > MADE:
         return choice
     return replace(choice, explained=False)
-
-
-def _median_residual(fit: Fit, unseen: Reduced) -> float:
-    found = discrepancies(unseen, forward(twin_of(fit, unseen), unseen))
-    return float(np.median(list(found.values()))) if found else 0.0

@@ -22,9 +22,6 @@ from modallab.gap.unknown.on_beam import forces_along_beam, operators_on_all_cha
 from modallab.gap.unknown.on_row import fit_without_channel, linear_operators, sample_operators
 from modallab.gap.unknown.spare_poles import trials_at_spare_poles
 
-SOLVED = 1.3
-"""Times the floor up to which a fit leaves no more than noise."""
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LoneChannel:
@@ -121,11 +118,6 @@ def _cost_of_short_fit(bench: Bench, begin: Fit, best: Fit) -> float:
     return evaluated(
         Problem(bench.thin, bench.free, best.problem.candidates, forgiven_error(begin), held=held), best.u
     ).cost
-
-
-def leaves_noise_only(bench: Bench, fit: Fit) -> bool:
-    """Whether a fit leaves no more than noise, on a bench that is put together as benches are."""
-    return fit.gap <= SOLVED * bench.flat and within_tolerances(fit)
 
 
 def unnamed_evidence(one: Description) -> float:

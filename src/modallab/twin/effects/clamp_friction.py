@@ -1,6 +1,5 @@
 """A root that sticks and slips."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from modallab.core.effects import Effect, EffectKind, Parameter
@@ -9,9 +8,6 @@ from modallab.twin.bench import Twin
 from modallab.twin.candidate import FreeNumber, spread_logarithmically
 from modallab.twin.effect_model import EffectModel, EffectSearch, SteppedLaw
 from modallab.twin.nonlinear.element import NonlinearElement, NonlinearLaw
-
-SOFTER = 1.3
-"""Times as stiff as what slips a root that sticks is at least."""
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -23,11 +19,6 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
         NonlinearLaw.FRICTION, 0.0, (slider, numbers["moment_limit"], numbers.get("sharpness", 0.0))
     )
     return replace(twin, structure=replace(s, root_rotation=root), element=element)
-
-
-def _slip_gives_way(numbers: Mapping[str, float]) -> bool:
-    """Whether what slips gives way: at nearly the same stiffness it is a soft root, whatever the limit."""
-    return numbers["k_stick"] > SOFTER * numbers["k_slip"]
 
 
 def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
@@ -59,8 +50,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a joint yields is a convention.
-    search=EffectSearch(
-        rank=30, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", behind="k_stick", acting=_slip_gives_way)
-    ),
+    search=EffectSearch(rank=30, slots=_slots, inexact=0.05, law=SteppedLaw(acts="root", behind="k_stick")),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )

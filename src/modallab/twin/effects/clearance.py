@@ -27,7 +27,7 @@ def _slots(beam: Beam) -> tuple[FreeNumber, ...]:
         FreeNumber("k_contact", "log", spread_logarithmically(20 * unit, 400 * unit, 4), power=-1.0),
         FreeNumber("gap", "log", spread_logarithmically(3e-6, 6e-4, 9)),
         # What still holds the root within the play; no joint lets a beam hang on nothing.
-        FreeNumber("k_within", "log", (8 * unit,), low=WITHIN * unit, power=0.0),
+        FreeNumber("k_within", "log", (8 * unit,), low=WITHIN * unit, high=400 * unit, power=0.0),
     )
 
 
