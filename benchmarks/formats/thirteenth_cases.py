@@ -127,7 +127,7 @@ def lvm_spectra_as_time(folder: Path, d: Drawn) -> Known:
     names = tuple(f"{n} (FFT - (RMS))" for n in ("force", "a1", "a2"))
     lines = head() + segment(spectra, delta=(step,) * 3, names=names)
     said = ("--variable", *(f"{n.split()[0]}={n}" for n in names))
-    return Known(save_lvm(folder, lines), options=(*DRIVEN, *said), rejected="(?i)FFT|spectr|rate|times")
+    return Known(save_lvm(folder, lines), options=(*DRIVEN, *said), rejected="(?i)FFT|spectr|frequenc|rate|times")
 
 
 @draws("thirteenth")
