@@ -61,32 +61,31 @@ def import_sources(
     each = (one,) * len(paths) if isinstance(one, ImportOptions) else one
     for own in each:
         own.check(rig)
-    errors, parts = ErrorCollection(), list[Campaign]()
+    errors, parts, held = ErrorCollection(), list[Campaign](), set[str]()
     for path, own in zip(count_progress(map(Path, paths), len(paths), "files"), each, strict=True):
         with errors:
-            parts.append(_driven_at(_windowed(_checked(_read(path, rig, own)), own), own))
+            read = _read(path, rig, own)
+            held |= {name for frf in read.frfs for name in frf.outputs} if sniff(path).name != "hdf5" else set()
+            parts.append(_driven_at(_windowed(_checked(_living(read)), own), own))
     errors.done()
+    _require_outputs(held, [c.name for c in rig.responses if each[0].takes(c.name)], ", ".join(map(str, paths)))
     blocks = _in_order([block for part in parts for block in part.blocks])
     frfs = joined_frfs([frf for part in parts for frf in part.frfs])
     if not blocks and not frfs:
         raise DataError("no recordings were given", remedy="name at least one file")
     provenance = {key: value for part in parts for key, value in part.provenance.items()} | _said_of(parts, each)
     whole = Campaign(rig, blocks, frfs, provenance, ", ".join(part.source for part in parts))
-    if frfs and not all(sniff(path).name == "hdf5" for path in paths):
-        _require_outputs(whole)
-    whole = _living(whole)
     check_recordings(whole)
     return whole
 
 
-def _require_outputs(campaign: Campaign) -> None:
-    """FRFs of all responses of the rig, or none."""
-    held = {name for frf in campaign.frfs for name in frf.outputs}
-    missing = [channel.name for channel in campaign.rig.responses if channel.name not in held]
-    if missing:
+def _require_outputs(held: set[str], responses: Sequence[str], where: str) -> None:
+    """FRFs of all responses, or of none."""
+    missing = [name for name in responses if name not in held]
+    if held and missing:
         raise DataError(
             f"no FRF of channel {', '.join(missing)}",
-            where=campaign.source,
+            where=where,
             remedy="give the files of all channels together, or leave these channels out with --ignore",
         )
 

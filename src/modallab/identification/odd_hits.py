@@ -8,6 +8,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from modallab.core.arrays import Complex128, Real
+from modallab.core.plan import HitAcceptance
 from modallab.frf.estimate import group_by_point, lines_of_band, pre_trigger_level
 from modallab.identification.impact import LEAK, default_band
 from modallab.signals.signals import Signals
@@ -19,7 +20,9 @@ ODD = 0.1
 SPREAD = 5.0
 """Times the usual difference at the point, above which a hit or a channel stands alone."""
 EXPLAINED = 0.25
-"""Of the difference, what a factor and a delay may leave of it."""
+"""Of the difference, what an explanation may leave of it; of what a factor leaves, what a cut-off top may."""
+TOP = 0.98
+"""Of the largest force, from which on a sample may have been cut off."""
 LATEST = 32
 """Samples by which a channel is looked for to be late or early."""
 _BEGUN = 0.02
@@ -33,6 +36,7 @@ class _Point:
     Attributes:
         hits: of it.
         values: (hits, outputs, lines) FRFs times the size of the usual force, so that lines count as they were driven.
+        forces: (hits, lines) their spectra.
         strength: (hits,) of their forces, relative to the usual one.
         lines: indices of the lines.
         sigma: in 1/s.
@@ -40,6 +44,7 @@ class _Point:
 
     hits: Sequence[Signals]
     values: Complex128
+    forces: Complex128
     strength: Real
     lines: NDArray[np.int64]
     sigma: float
@@ -56,7 +61,7 @@ class _Point:
 
 
 def agreeing_hits(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ...]]:
-    """The hits that answer as the others at their point, and a note on each that does not.
+    """The hits that answer as the others at their point, and a note on each that does not or that has two contacts.
 
     A structure gives the same FRFs to every hit at a point, but for the place and the force of the hit. Beside that
     stands a channel that differs alone, or one of which a factor, a delay or another channel is what differs.
@@ -68,7 +73,22 @@ def agreeing_hits(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str,
     for group in group_by_point(signals):
         if len(group) >= LEAST_HITS and all(len(s.forces) == 1 for s in group):
             notes |= _odd_of(_point_of(group))
-    return [s for s in signals if s.block.name not in notes], tuple(notes.values())
+    kept = [s for s in signals if s.block.name not in notes]
+    twice = (_second_contact(s) for s in kept if len(s.forces) == 1)
+    return kept, (*notes.values(), *filter(None, twice))
+
+
+def _second_contact(signals: Signals) -> str:
+    """A note on the second contact of a hit; "" if it has none that a recorded hit would be rejected for."""
+    contacts = np.split(signals.hit_force, [first for first, _ in signals.hit.pauses])
+    second = max((float(part.max()) for part in contacts[1:]), default=0.0) / float(contacts[0].max())
+    if second <= HitAcceptance().double_hit_ratio:
+        return ""
+    begins = signals.hit.pauses[0][1] / signals.rate_hz
+    return (
+        f"{signals.block.name}: the force has a second contact of {100 * second:.3g} % from {begins:.4g} s on; "
+        "both are in the model."
+    )
 
 
 def _point_of(group: Sequence[Signals]) -> _Point:
@@ -79,7 +99,7 @@ def _point_of(group: Sequence[Signals]) -> _Point:
     motions = (s.responses - pre_trigger_level(s)[:, None] for s in group)
     responses = np.stack([scipy.fft.rfft(m * window, axis=-1)[:, lines] for m in motions])
     strength = _size(forces) / np.median(_size(forces))
-    return _Point(group, responses / forces[:, None] * _size(forces.T)[None, None], strength, lines, sigma)
+    return _Point(group, responses / forces[:, None] * _size(forces.T)[None, None], forces, strength, lines, sigma)
 
 
 def _size(values: Complex128) -> Real:
@@ -95,11 +115,36 @@ def _odd_of(point: _Point) -> dict[str, str]:
 def _fault_of(point: _Point, hit: int) -> str:
     """What differs in a hit from the others at its point; "" if nothing does."""
     own, usual = point.differences[hit], np.median(point.differences, axis=0)
+    if (own > SPREAD * usual).all() and (more := _cut_off(point, hit)):
+        return (
+            f"its force is cut off at {point.hits[hit].hit_force.max():.4g} N: the responses ask for {more:.3g} N more"
+        )
     odd = [int(k) for k in np.flatnonzero((own > ODD) & (own > SPREAD * usual))]
     if len(odd) == own.size and (found := _as_usual(point, hit, odd, odd)):
         return f"its force is {_in_words(1 / found[0], -found[1], 'it')}"
     alone = own.size > 1 and len(odd) == 1 and own[odd[0]] > SPREAD * np.delete(own, odd).max()
     return "; ".join(filter(None, (_of_channel(point, hit, k, alone=alone) for k in odd)))
+
+
+def _cut_off(point: _Point, hit: int) -> float:
+    """What the force lacks at its top in N, if that is what differs in all responses; 0 if it is not.
+
+    A factor of all responses is looked at beside it: in a band in which the hit is short, the two are the same.
+    """
+    force, differs = point.hits[hit].hit_force, point.values[hit] - point.usual
+    top = np.flatnonzero(force > TOP * force.max()) / point.hits[hit].rate_hz
+    s = point.sigma + 2j * np.pi * point.lines * point.hits[hit].rate_hz / force.size
+    more, left = _explained(differs, point.usual * np.exp(-np.outer(top, s))[:, None] / point.forces[hit])
+    _, of_factor = _explained(differs, point.usual[None])
+    return float(more.max()) if more.sum() > 0 and left < EXPLAINED * min(of_factor, 1.0) else 0.0
+
+
+def _explained(differs: Complex128, by: Complex128) -> tuple[Real, float]:
+    """The factors (parts,) with which `by` (parts, ...) is most of what differs, and the share that it leaves."""
+    parts, whole = by.reshape(len(by), -1).T, differs.ravel()
+    a, b = np.concatenate([parts.real, parts.imag]), np.concatenate([whole.real, whole.imag])
+    factors = np.linalg.lstsq(a, b, rcond=None)[0]
+    return factors, float(np.linalg.norm(b - a @ factors) / np.linalg.norm(b))
 
 
 def _of_channel(point: _Point, hit: int, channel: int, *, alone: bool) -> str:
