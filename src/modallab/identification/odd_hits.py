@@ -143,7 +143,7 @@ def _explained(differs: Complex128, by: Complex128) -> tuple[Real, float]:
     """The factors (parts,) with which `by` (parts, ...) is most of what differs, and the share that it leaves."""
     parts, whole = by.reshape(len(by), -1).T, differs.ravel()
     a, b = np.concatenate([parts.real, parts.imag]), np.concatenate([whole.real, whole.imag])
-    factors = np.linalg.lstsq(a, b, rcond=None)[0]
+    factors = np.asarray(np.linalg.lstsq(a, b, rcond=None)[0], np.float64)
     return factors, float(np.linalg.norm(b - a @ factors) / np.linalg.norm(b))
 
 

@@ -219,12 +219,15 @@ def _of_mark(lines: Sequence[Line], mark: str) -> _Layout:
 def _spans(cut: Sequence[TextRow], kinds: Sequence[str], columns: int) -> list[tuple[int, int, int]]:
     """Of each table the first line above it, its first row, and the line behind it.
 
-    Lines with words for numbers right above the first row are of the table, so that no sample is lost without a word.
+    One begins where names stand below numbers, or a line that begins as one above the first table. Lines with words
+    for numbers right above the first row are of the table, so that no sample is lost without a word.
     """
     rows = [k for k, kind in enumerate(kinds) if kind == "n"]
+    keys = {"".join(cut[i].cells[:1]) for i in range(rows[0] if rows else 0) if kinds[i] == "w"} - {""}
     begins = [0]
     for before, k in pairwise(rows):
-        if any(kinds[i] == "w" and len(cut[i].cells) == columns and columns > 1 for i in range(before + 1, k)):
+        between = [cut[i].cells for i in range(before + 1, k) if kinds[i] == "w"]
+        if any((len(cells) == columns and columns > 1) or cells[0] in keys for cells in between if cells):
             begins.append(before + 1)
     spans: list[tuple[int, int, int]] = []
     for above, end in pairwise([*begins, len(kinds)]):
