@@ -68,7 +68,8 @@ def import_sources(
             held |= {name for frf in read.frfs for name in frf.outputs} if sniff(path).name != "hdf5" else set()
             parts.append(_driven_at(_windowed(_checked(_living(read)), own), own))
     errors.done()
-    _require_outputs(held, [c.name for c in rig.responses if each[0].takes(c.name)], ", ".join(map(str, paths)))
+    if held:
+        _require_outputs(held, [c.name for c in rig.responses if each[0].takes(c.name)], ", ".join(map(str, paths)))
     blocks = _in_order([block for part in parts for block in part.blocks])
     frfs = joined_frfs([frf for part in parts for frf in part.frfs])
     if not blocks and not frfs:
@@ -80,9 +81,9 @@ def import_sources(
 
 
 def _require_outputs(held: set[str], responses: Sequence[str], where: str) -> None:
-    """FRFs of all responses, or of none."""
+    """FRFs of all responses."""
     missing = [name for name in responses if name not in held]
-    if held and missing:
+    if missing:
         raise DataError(
             f"no FRF of channel {', '.join(missing)}",
             where=where,
