@@ -110,6 +110,33 @@ def test_of_two_hits_that_differ_neither_is_blamed() -> None:
     assert len(kept) == 2
 
 
+def silent(rows: np.ndarray) -> np.ndarray:
+    out = rows.copy()
+    out[2, 900:] = 1e-4 * np.abs(rows[2]).max() * np.random.default_rng(5).normal(size=N - 900)
+    return out
+
+
+def shortened(rows: np.ndarray) -> np.ndarray:
+    out = rows.copy()
+    out[3] = np.r_[rows[3, :800], rows[3, 820:], rows[3, 40:60]]
+    return out
+
+
+@pytest.mark.parametrize(
+    ("harm", "said"),
+    [(silent, r"channel a2 is silent from 0\.4[34]"), (shortened, r"channel a3 lacks 20 samples from 0\.3[89]")],
+    ids=["silent", "lost"],
+)
+def test_a_channel_that_changes_late_is_named_though_the_frf_hardly_shows_it(
+    harm: Callable[[np.ndarray], np.ndarray], said: str
+) -> None:
+    rows = hits()
+    rows[3] = harm(rows[3])
+    kept, _, notes = usable_blocks(campaign_of(rows), campaign_of(rows).blocks)
+    assert [s.block.name for s in kept] == ["hit_0", "hit_1", "hit_2"]
+    assert re.search(said, notes[0])
+
+
 def cut_off(share: float) -> Callable[[np.ndarray], np.ndarray]:
     """The force does not pass a share of its peak; noise of the converter lies behind."""
 

@@ -25,6 +25,8 @@ TOP = 0.98
 """Of the largest force, from which on a sample may have been cut off."""
 LATEST = 32
 """Samples by which a channel is looked for to be late or early."""
+MOST_LOST = 64
+"""Samples that a channel is looked for to have lost."""
 _BEGUN = 0.02
 """Of the power of what differs, at which it has begun."""
 
@@ -64,7 +66,8 @@ def agreeing_hits(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str,
     """The hits that answer as the others at their point, and a note on each that does not or that has two contacts.
 
     A structure gives the same FRFs to every hit at a point, but for the place and the force of the hit. Beside that
-    stands a channel that differs alone, or one of which a factor, a delay or another channel is what differs.
+    stands a channel that differs alone or from a time on, or one of which a factor, a delay or another channel is what
+    differs, or a force whose top is cut off.
 
     Args:
         signals: of an impact test.
@@ -122,8 +125,10 @@ def _fault_of(point: _Point, hit: int) -> str:
     odd = [int(k) for k in np.flatnonzero((own > ODD) & (own > SPREAD * usual))]
     if len(odd) == own.size and (found := _as_usual(point, hit, odd, odd)):
         return f"its force is {_in_words(1 / found[0], -found[1], 'it')}"
-    alone = own.size > 1 and len(odd) == 1 and own[odd[0]] > SPREAD * np.delete(own, odd).max()
-    return "; ".join(filter(None, (_of_channel(point, hit, k, alone=alone) for k in odd)))
+    if whole := "; ".join(filter(None, (_of_channel(point, hit, k) for k in odd))):
+        return whole
+    alone = [k for k in range(own.size) if own[k] > SPREAD * max(usual[k], np.delete(own, k).max(initial=0.0))]
+    return _of_one(point, hit, alone[0], odd=alone == odd and own.size > 1) if len(alone) == 1 else ""
 
 
 def _cut_off(point: _Point, hit: int) -> float:
@@ -147,15 +152,41 @@ def _explained(differs: Complex128, by: Complex128) -> tuple[Real, float]:
     return factors, float(np.linalg.norm(b - a @ factors) / np.linalg.norm(b))
 
 
-def _of_channel(point: _Point, hit: int, channel: int, *, alone: bool) -> str:
+def _from_a_time_on(point: _Point, hit: int, channel: int) -> str:
+    """Whether a channel is as usual up to a time, and then silent or shifted as where samples are lost; "" if not."""
+    signals, n = point.hits[hit], point.hits[hit].force.size
+    spectra = np.zeros((2, n // 2 + 1), complex)
+    spectra[:, point.lines] = np.stack([point.values[hit, channel], point.usual[channel]]) * point.forces[hit]
+    window = np.exp(-point.sigma * np.arange(n) / signals.rate_hz)
+    own, usual = scipy.fft.irfft(spectra, n) / window
+    before = np.concatenate([[0.0], np.cumsum((window * (own - usual)) ** 2)])
+    shifts = [k for k in range(-MOST_LOST, MOST_LOST + 1) if k]
+    courses = [np.zeros(n), *(np.roll(usual, -k) for k in shifts)]
+    left: list[Real] = [before + np.cumsum(np.r_[0.0, (window * (own - one))[::-1] ** 2])[::-1] for one in courses]
+    which, at = np.unravel_index(int(np.argmin(left)), (len(left), n + 1))
+    if left[int(which)][int(at)] > EXPLAINED**2 * before[-1]:
+        return ""
+    lost = shifts[int(which) - 1] if which else 0
+    what = "is silent" if not lost else f"lacks {lost} samples" if lost > 0 else f"is {-lost} samples late"
+    return f"{what} from {float(at) / signals.rate_hz:.4g} s on"
+
+
+def _of_channel(point: _Point, hit: int, channel: int) -> str:
     names = point.hits[hit].outputs
     for other in sorted(range(len(names)), key=lambda k: k != channel):
         if found := _as_usual(point, hit, [channel], [other]):
             return f"channel {names[channel]} is {_in_words(*found, 'it' if other == channel else names[other])}"
-    if not alone:
-        return ""
+    return ""
+
+
+def _of_one(point: _Point, hit: int, channel: int, *, odd: bool) -> str:
+    """What is wrong with the one channel that differs; "" if that is not known, and it is not `odd` either."""
+    name = point.hits[hit].outputs[channel]
+    if found := _from_a_time_on(point, hit, channel):
+        return f"channel {name} {found}"
     first = _begins_at(point, hit, channel)
-    return f"channel {names[channel]} does not follow the force as in the other hits there, from {first:.4g} s on"
+    found = f"channel {name} does not follow the force as in the other hits there, from {first:.4g} s on"
+    return found if odd else ""
 
 
 def _in_words(factor: float, late: int, what: str) -> str:
