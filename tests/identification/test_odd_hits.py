@@ -110,7 +110,7 @@ def test_of_two_hits_that_differ_neither_is_blamed() -> None:
     assert len(kept) == 2
 
 
-def silent(rows: np.ndarray) -> np.ndarray:
+def unplugged(rows: np.ndarray) -> np.ndarray:
     out = rows.copy()
     out[2, 900:] = 1e-4 * np.abs(rows[2]).max() * np.random.default_rng(5).normal(size=N - 900)
     return out
@@ -124,8 +124,11 @@ def shortened(rows: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("harm", "said"),
-    [(silent, r"channel a2 is silent from 0\.4[34]"), (shortened, r"channel a3 lacks 20 samples from 0\.3[89]")],
-    ids=["silent", "lost"],
+    [
+        (unplugged, r"channel a2 holds only noise from 0\.4[34]"),
+        (shortened, r"channel a3 lacks 20 samples from 0\.3[89]"),
+    ],
+    ids=["unplugged", "lost"],
 )
 def test_a_channel_that_changes_late_is_named_though_the_frf_hardly_shows_it(
     harm: Callable[[np.ndarray], np.ndarray], said: str

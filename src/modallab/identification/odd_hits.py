@@ -153,7 +153,7 @@ def _explained(differs: Complex128, by: Complex128) -> tuple[Real, float]:
 
 
 def _from_a_time_on(point: _Point, hit: int, channel: int) -> str:
-    """Whether a channel is as usual up to a time, and then silent or shifted as where samples are lost; "" if not."""
+    """Whether a channel is as usual up to a time, and then holds only noise or is shifted, as where samples are lost; "" if not."""
     signals, n = point.hits[hit], point.hits[hit].force.size
     spectra = np.zeros((2, n // 2 + 1), complex)
     spectra[:, point.lines] = np.stack([point.values[hit, channel], point.usual[channel]]) * point.forces[hit]
@@ -167,7 +167,7 @@ def _from_a_time_on(point: _Point, hit: int, channel: int) -> str:
     if left[int(which)][int(at)] > EXPLAINED**2 * before[-1]:
         return ""
     lost = shifts[int(which) - 1] if which else 0
-    what = "is silent" if not lost else f"lacks {lost} samples" if lost > 0 else f"is {-lost} samples late"
+    what = "holds only noise" if not lost else f"lacks {lost} samples" if lost > 0 else f"is {-lost} samples late"
     return f"{what} from {float(at) / signals.rate_hz:.4g} s on"
 
 
