@@ -153,7 +153,10 @@ def _explained(differs: Complex128, by: Complex128) -> tuple[Real, float]:
 
 
 def _from_a_time_on(point: _Point, hit: int, channel: int) -> str:
-    """Whether a channel is as usual up to a time, and then holds only noise or is shifted, as where samples are lost; "" if not."""
+    """What a channel is that is as usual up to a time: only noise from there on, or shifted as where samples are lost.
+
+    "" if neither explains what differs.
+    """
     signals, n = point.hits[hit], point.hits[hit].force.size
     spectra = np.zeros((2, n // 2 + 1), complex)
     spectra[:, point.lines] = np.stack([point.values[hit, channel], point.usual[channel]]) * point.forces[hit]
@@ -161,8 +164,8 @@ def _from_a_time_on(point: _Point, hit: int, channel: int) -> str:
     own, usual = scipy.fft.irfft(spectra, n) / window
     before = np.concatenate([[0.0], np.cumsum((window * (own - usual)) ** 2)])
     shifts = [k for k in range(-MOST_LOST, MOST_LOST + 1) if k]
-    courses = [np.zeros(n), *(np.roll(usual, -k) for k in shifts)]
-    left: list[Real] = [before + np.cumsum(np.r_[0.0, (window * (own - one))[::-1] ** 2])[::-1] for one in courses]
+    beside = [np.zeros(n), *(np.roll(usual, -k) for k in shifts)]
+    left: list[Real] = [before + np.cumsum(np.r_[0.0, (window * (own - one))[::-1] ** 2])[::-1] for one in beside]
     which, at = np.unravel_index(int(np.argmin(left)), (len(left), n + 1))
     if left[int(which)][int(at)] > EXPLAINED**2 * before[-1]:
         return ""
