@@ -15,7 +15,7 @@ from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure, check_values
 from modallab.formats.draft import DraftChannel, select_channels, with_named_points
 from modallab.formats.format import sniff
-from modallab.formats.frf_file import joined_frfs
+from modallab.formats.joined_frfs import joined_frfs
 from modallab.formats.options import COUNTED_HZ, ImportOptions, options_of
 from modallab.signals.faults.found import faults_of
 
